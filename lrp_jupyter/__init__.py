@@ -1,0 +1,1 @@
+"""Live programming of robot behaviour in a Jupyter notebook."""

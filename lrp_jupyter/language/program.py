@@ -1,0 +1,355 @@
+"""The nouns of LRP: a program is a frozen value.
+
+Every noun compares by *meaning*: places in the text do not count, and neither do white
+space and comments, inside or outside blocks. So ``parse(to_source(p)) == p``, and an edit
+that only moves lines makes an equal program.
+
+Paper: §3.1, §3.2.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+from bisect import bisect_right
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import Literal, NamedTuple
+
+__all__ = [
+    "Action",
+    "Block",
+    "Edit",
+    "Element",
+    "Event",
+    "Finding",
+    "Fix",
+    "Machine",
+    "Name",
+    "Path",
+    "Program",
+    "Span",
+    "Spawn",
+    "State",
+    "Transition",
+    "TransitionKind",
+    "Variable",
+    "path_text",
+]
+
+Path = tuple[str, ...]
+TransitionKind = Literal["on", "ontime", "eps", "exit"]
+Severity = Literal["error", "warning", "hint"]
+
+
+class Span(NamedTuple):
+    """A range of characters of the text: ``text[start:end]``."""
+
+    start: int
+    end: int
+
+
+NOWHERE = Span(0, 0)
+
+
+class Name(str):
+    """A name of the program that knows where it stands; otherwise a plain string."""
+
+    __slots__ = ("span",)
+    span: Span
+
+    def __new__(cls, text: str, span: Span = NOWHERE) -> Name:
+        self = super().__new__(cls, text)
+        self.span = span
+        return self
+
+    def __getnewargs__(self) -> tuple[str, Span]:  # type: ignore[override]
+        return str(self), self.span
+
+
+class Element(NamedTuple):
+    """The identity of one part of a program.
+
+    ``kind`` is ``variable``, ``event``, ``machine``, ``state``, ``transition`` or ``spawn``; the
+    actions of a state (``onentry``, ``running``, ``onexit``) are elements too, under the path of
+    their state, and so are the program's ``onpause`` and ``onresume`` (empty path).
+    The last name of a transition's path is its :attr:`Transition.label`.
+    """
+
+    kind: str
+    path: Path
+
+    def __str__(self) -> str:
+        return f"{self.kind} `{path_text(self.path)}`" if self.path else self.kind
+
+
+def path_text(path: Path) -> str:
+    """Write a path as text: ``follower/looking/lookalgo``."""
+    return "/".join(path)
+
+
+@lru_cache(maxsize=20_000)
+def _meaning(text: str) -> str:
+    from lrp_jupyter.language.blocks import parse_block  # blocks need the nouns of this module
+
+    try:
+        return ast.dump(parse_block(text))
+    except SyntaxError:  # only in a program put together by hand; the parser refuses such a block
+        return text
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """Python between square brackets.
+
+    Parameters
+    ----------
+    text : str
+        What stands between the brackets, to the letter.
+    span : Span
+        From the opening bracket to behind the closing one.
+    line, column : int
+        Place of the first character behind the opening bracket, from 1; columns in characters.
+    prefix : str
+        What stands before that character in its line (positions inside a block depend on it).
+    """
+
+    text: str
+    span: Span = NOWHERE
+    line: int = 1
+    column: int = 1
+    prefix: str = ""
+
+    @property
+    def meaning(self) -> str:
+        """The block's syntax tree as text: equal for blocks that differ in layout only."""
+        return _meaning(self.text)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Block):
+            return NotImplemented
+        return self.text == other.text or self.meaning == other.meaning
+
+    def __hash__(self) -> int:
+        return hash(self.meaning)
+
+
+@dataclass(frozen=True, slots=True)
+class Variable:
+    """``(var NAME := [expression])``."""
+
+    name: Name
+    initial: Block
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """``(event NAME [condition])``."""
+
+    name: Name
+    condition: Block
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Spawn:
+    """``(spawn MACHINE STATE)``."""
+
+    machine: Name
+    state: Name
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+Action = Block | Spawn
+"""One item of an ``onentry``."""
+
+
+@dataclass(frozen=True, slots=True)
+class Transition:
+    """A transition of any kind.
+
+    Parameters
+    ----------
+    kind : {"on", "ontime", "eps", "exit"}
+    trigger : Name or Block or int or None
+        ``on``, ``exit``: an event's name or an inline condition. ``ontime``: milliseconds, a
+        variable's name, or an expression. ``eps``: None.
+    sources : tuple of Name
+        The states it leaves; for a wildcard those that it does *not* leave.
+    wildcard : bool
+        ``*`` or ``*-{…}``.
+    destination : Name
+    name : Name or None
+        The transition's own name.
+    """
+
+    kind: TransitionKind
+    trigger: Name | Block | int | None
+    sources: tuple[Name, ...]
+    wildcard: bool
+    destination: Name
+    name: Name | None = None
+    span: Span = field(default=NOWHERE, compare=False)
+
+    @property
+    def source_text(self) -> str:
+        """The sources as the language writes them: ``a``, ``*``, ``*-{a b}``, ``{a b}``."""
+        group = "{" + " ".join(self.sources) + "}"
+        if self.wildcard:
+            return "*-" + group if self.sources else "*"
+        return self.sources[0] if len(self.sources) == 1 else group
+
+    @property
+    def trigger_text(self) -> str:
+        """The condition or delay as the language writes it; ``eps`` for an epsilon transition."""
+        if self.trigger is None:
+            return "eps"
+        return f"[{self.trigger.text}]" if isinstance(self.trigger, Block) else str(self.trigger)
+
+    @property
+    def label(self) -> str:
+        """What it is called: its name, else ``condition:from->to``."""
+        return str(self.name or f"{self.trigger_text}:{self.source_text}->{self.destination}")
+
+    @property
+    def identity(self) -> tuple[str, frozenset[str], bool, str, str | None]:
+        """Kind, sources, destination and name. Paper: §6.1, footnote 5."""
+        return (self.kind, frozenset(self.sources), self.wildcard, self.destination, self.name)
+
+    def leaves(self, state: str) -> bool:
+        """Whether `state` is among its sources.
+
+        A wildcard does not leave its own destination.
+        Deviation: §3.1 counts every state; §3.2 lists all but the destination.
+        """
+        if self.wildcard:
+            return state != self.destination and state not in self.sources
+        return state in self.sources
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """``(state NAME …)``: actions and nested machines."""
+
+    name: Name
+    onentry: tuple[Action, ...] = ()
+    running: tuple[Block, ...] = ()
+    onexit: tuple[Block, ...] = ()
+    machines: tuple[Machine, ...] = ()
+    span: Span = field(default=NOWHERE, compare=False)
+
+
+@dataclass(frozen=True)
+class Machine:
+    """``(machine NAME …)``; each tuple keeps the order of the text."""
+
+    name: Name
+    variables: tuple[Variable, ...] = ()
+    events: tuple[Event, ...] = ()
+    states: tuple[State, ...] = ()
+    transitions: tuple[Transition, ...] = ()
+    span: Span = field(default=NOWHERE, compare=False)
+
+    @cached_property
+    def labels(self) -> tuple[str, ...]:
+        """The labels of the transitions, made distinct: a second `t` is `t#2`."""
+        seen: dict[str, int] = {}
+        labels = []
+        for transition in self.transitions:
+            label = transition.label
+            seen[label] = count = seen.get(label, 0) + 1
+            labels.append(label if count == 1 else f"{label}#{count}")
+        return tuple(labels)
+
+
+@dataclass(frozen=True)
+class Program:
+    """A whole program, as made by :func:`~lrp_jupyter.language.parser.parse`.
+
+    Each tuple keeps the order of the text.
+    """
+
+    variables: tuple[Variable, ...] = ()
+    events: tuple[Event, ...] = ()
+    machines: tuple[Machine, ...] = ()
+    spawns: tuple[Spawn, ...] = ()
+    onpause: tuple[Block, ...] = ()
+    onresume: tuple[Block, ...] = ()
+    text: str = field(default="", compare=False, repr=False)
+    filename: str = field(default="<lrp>", compare=False)
+
+    @cached_property
+    def _line_starts(self) -> list[int]:
+        return line_starts(self.text)
+
+    def place(self, offset: int) -> tuple[int, int]:
+        """Line and column of a character offset, both from 1."""
+        line = bisect_right(self._line_starts, offset)
+        return line, offset - self._line_starts[line - 1] + 1
+
+    def walk(self) -> Iterator[tuple[Path, Machine]]:
+        """Yield every machine with its path, outer before inner, in the order of the text."""
+
+        def inside(prefix: Path, machines: tuple[Machine, ...]) -> Iterator[tuple[Path, Machine]]:
+            for machine in machines:
+                path = (*prefix, str(machine.name))
+                yield path, machine
+                for state in machine.states:
+                    yield from inside((*path, str(state.name)), state.machines)
+
+        yield from inside((), self.machines)
+
+
+_LINE_END = re.compile(r"\r\n|\r|\n")
+
+
+def line_starts(text: str) -> list[int]:
+    """Offsets at which the lines of a text begin; LF, CRLF and CR end a line."""
+    return [0, *(match.end() for match in _LINE_END.finditer(text))]
+
+
+class Edit(NamedTuple):
+    """Replace ``text[start:end]`` (characters) by `text`."""
+
+    start: int
+    end: int
+    text: str
+
+
+class Fix(NamedTuple):
+    """A certain remedy: what it does, in words, and the edits that do it."""
+
+    title: str
+    edits: tuple[Edit, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that the checks have to say about a text.
+
+    Parameters
+    ----------
+    code : str
+        Stable: ``LRP301``.
+    severity : {"error", "warning", "hint"}
+    message : str
+        One sentence: what is wrong, and what to do. Names in backticks.
+    line, column, end_line, end_column : int
+        From 1; columns in characters; the end is behind the last character.
+    fix : Fix or None
+        Given where the remedy is certain.
+    """
+
+    code: str
+    severity: Severity
+    message: str
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+    fix: Fix | None = None
+
+    def __str__(self) -> str:
+        return f"{self.line}:{self.column}: {self.code} {self.severity}: {self.message}"
