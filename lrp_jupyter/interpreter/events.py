@@ -1,0 +1,66 @@
+"""What an observer is told: one small frozen value per thing that happened."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+from lrp_jupyter.language.program import Path
+
+__all__ = ["EVENT_KINDS", "UNSET", "Observer", "TraceEvent"]
+
+EVENT_KINDS = (
+    "started",
+    "entered",
+    "left",
+    "fired",
+    "spawned",
+    "discarded",
+    "changed",
+    "issue",
+    "patched",
+    "restarted",
+    "forced",
+    "paused",
+    "resumed",
+)
+
+
+class _Unset:
+    def __repr__(self) -> str:
+        return "<unset>"
+
+
+UNSET = _Unset()
+"""The value of a variable that has none."""
+
+
+class TraceEvent(NamedTuple):
+    """One event of a run.
+
+    Parameters
+    ----------
+    kind : str
+        One of :data:`EVENT_KINDS`.
+    path : tuple of str
+        What it concerns, as spawned: a state (entered, left, forced), a machine (spawned,
+        discarded), a transition (fired: the machine's path and the label), a variable (changed);
+        empty for the program as a whole.
+    tick : int
+        The tick in which it happened; the first is 1. Between two ticks: that of the last one.
+    now : float
+        Seconds.
+    data : object
+        fired: ``(source, destination)``, the names of the states; changed: the new value or
+        :data:`UNSET`; issue: the :class:`Issue`; patched: the :class:`Patch`; restarted: the
+        reason, a sentence; forced: ``"transition"`` or ``"teleport"``; else None.
+    """
+
+    kind: str
+    path: Path
+    tick: int
+    now: float
+    data: object = None
+
+
+Observer = Callable[[TraceEvent], None]
