@@ -1,0 +1,195 @@
+"""What a view may know of a run: a frozen value, made between two ticks.
+
+A view sees some of the frames and never all. Whatever must not be lost is therefore counted
+from the beginning (visits, firings, restarts): the difference of two frames tells what happened
+between them, however many were skipped.
+"""
+
+from __future__ import annotations
+
+import reprlib
+from collections.abc import Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Literal
+
+from lrp_jupyter.interpreter.events import TraceEvent
+from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.language.program import Path, Program
+
+if TYPE_CHECKING:
+    from lrp_jupyter.interpreter.interpreter import Interpreter
+
+__all__ = ["Frame", "Status", "Tally", "render"]
+
+Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One look at a run.
+
+    Parameters
+    ----------
+    status : str
+        ``ready`` (not started), ``running``, ``paused``, ``hung`` (a block does not return),
+        ``stopped``, ``broken`` (a fault that is not the program's) or ``closed``.
+    reason : str
+        Why, in a sentence; may be empty.
+    tick : int
+        Ticks done; 0 before the first.
+    time : float
+        Seconds of the run, pauses left out.
+    active : tuple of paths
+        The innermost active states, as spawned.
+    variables : mapping of path to str
+        Values as text, bounded in depth and length.
+    numbers : mapping of path to float
+        Those of them that are numbers.
+    visits, fired, fired_at : mapping of path to int
+        How often each state was entered, how often each transition fired (the machine's path and
+        the label), and in which tick it last did.
+    issues : tuple of Issue
+    restarts : int
+        How often the program was restarted; `restart_reason` says why the last time.
+    revision : int
+        How many edits, renames and rewinds have taken effect.
+    patch_reason : str
+        What the last edit has to say, for example why it is not applied yet.
+    program : Program
+        The program that runs.
+    rate, achieved_rate : float
+        Ticks per second, wanted (0: as many as possible) and measured.
+    speed, achieved_speed : float
+        Seconds of the run per second of the wall, wanted and measured.
+    printed : int
+        Lines that the blocks have printed.
+    bridge : str
+        What the bridge says about its robot, in a sentence.
+    robot : object
+        The bridge's own picture of its robot, frozen too; None when it has none.
+    """
+
+    status: Status = "ready"
+    reason: str = ""
+    tick: int = 0
+    time: float = 0.0
+    active: tuple[Path, ...] = ()
+    variables: Mapping[Path, str] = field(default_factory=dict)
+    numbers: Mapping[Path, float] = field(default_factory=dict)
+    visits: Mapping[Path, int] = field(default_factory=dict)
+    fired: Mapping[Path, int] = field(default_factory=dict)
+    fired_at: Mapping[Path, int] = field(default_factory=dict)
+    issues: tuple[Issue, ...] = ()
+    restarts: int = 0
+    restart_reason: str = ""
+    revision: int = 0
+    patch_reason: str = ""
+    program: Program = field(default_factory=Program)
+    rate: float = 0.0
+    achieved_rate: float = 0.0
+    speed: float = 1.0
+    achieved_speed: float = 0.0
+    printed: int = 0
+    bridge: str = ""
+    robot: object = None
+
+    def is_active(self, state: str | Path) -> bool:
+        """Whether a state is active, at any depth.
+
+        Parameters
+        ----------
+        state : str or path
+            A bare name (``"moving"``), a path as text (``"follower/moving"``) or as a tuple.
+        """
+        return any(matches(state, path[:end]) for path in self.active for end in range(2, len(path) + 1, 2))
+
+    def count_of(self, state: str | Path) -> int:
+        """How often states of this name or path were entered."""
+        return sum(count for path, count in self.visits.items() if matches(state, path))
+
+
+def matches(wanted: str | Path, path: Path) -> bool:
+    """Whether a path is the wanted one; a bare name is wanted wherever it stands."""
+    if isinstance(wanted, str):
+        wanted = tuple(wanted.split("/"))
+    return path[-1:] == wanted if len(wanted) == 1 else path == tuple(wanted)
+
+
+class Tally:
+    """The observer that counts for the frames. It belongs to the interpreter's thread."""
+
+    def __init__(self) -> None:
+        self.visits: dict[Path, int] = {}
+        self.fired: dict[Path, int] = {}
+        self.fired_at: dict[Path, int] = {}
+        self.restarts = 0
+        self.restart_reason = ""
+        self.revision = 0
+        self.patch_reason = ""
+
+    def __call__(self, event: TraceEvent) -> None:
+        """Count one event."""
+        kind, path = event[0], event[1]
+        if kind == "entered":
+            self.visits[path] = self.visits.get(path, 0) + 1
+        elif kind == "fired":
+            self.fired[path] = self.fired.get(path, 0) + 1
+            self.fired_at[path] = event[2]
+        elif kind == "restarted":
+            self.restarts += 1
+            self.restart_reason = str(event.data or "")
+        elif kind == "patched":
+            self.revision += 1
+            self.patch_reason = str(getattr(event.data, "reason", "") or "")
+
+    def frame(self, interpreter: Interpreter, time: float, **more: object) -> Frame:
+        """Make the frame of this moment; between two ticks, on the interpreter's thread."""
+        variables: dict[Path, str] = {}
+        numbers: dict[Path, float] = {}
+        for path, value in interpreter.variables.items():
+            variables[path] = render(value)
+            if isinstance(value, (int, float)) and not isinstance(value, bool):
+                with suppress(OverflowError):
+                    numbers[path] = float(value)
+        return Frame(
+            tick=interpreter.tick,
+            time=time,
+            active=interpreter.active,
+            variables=MappingProxyType(variables),
+            numbers=MappingProxyType(numbers),
+            visits=MappingProxyType(self.visits.copy()),
+            fired=MappingProxyType(self.fired.copy()),
+            fired_at=MappingProxyType(self.fired_at.copy()),
+            issues=tuple(interpreter.issues),
+            restarts=self.restarts,
+            restart_reason=self.restart_reason,
+            revision=self.revision,
+            patch_reason=self.patch_reason,
+            program=interpreter.program,
+            **more,  # type: ignore[arg-type]
+        )
+
+
+class _Bounded(reprlib.Repr):
+    def __init__(self) -> None:
+        super().__init__()
+        self.maxlevel = 3
+        self.maxdict = self.maxlist = self.maxtuple = self.maxset = self.maxfrozenset = 12
+        self.maxstring = self.maxother = 160
+        self.maxlong = 60
+
+
+_bounded = _Bounded()
+LONGEST = 400
+"""Characters of a rendered value."""
+
+
+def render(value: object) -> str:
+    """Write a value as text of bounded depth and length; never raises."""
+    try:
+        text = _bounded.repr(value)
+    except Exception as error:
+        text = f"<{type(value).__name__}: no text, {type(error).__name__}>"
+    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"

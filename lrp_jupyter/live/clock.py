@@ -1,0 +1,161 @@
+"""Where a session's time comes from: the only clocks of the package.
+
+Seconds, as float. A session asks a clock for the time and lets it wait; whether that waiting
+takes wall time is the clock's affair. So one loop serves a robot, a test and a grader.
+"""
+
+from __future__ import annotations
+
+import math
+from threading import Event
+from time import monotonic
+from typing import Protocol
+
+__all__ = ["LAG", "Clock", "MonotonicClock", "VirtualClock"]
+
+LAG = 0.25
+"""Wall seconds by which a host may fall behind before the pacing starts anew."""
+
+
+class Clock(Protocol):
+    """What a session needs of time. Only the thread that drives the session calls it."""
+
+    speed: float
+
+    def now(self) -> float:
+        """Seconds since the clock was made, without those spent paused."""
+
+    def sleep_until(self, t: float, wake: Event) -> None:
+        """Return when it is `t`, or as soon as `wake` is set."""
+
+    def delay(self, t: float) -> float:
+        """Wall seconds until `t`; 0 when it has passed. Waiting elsewhere needs it (asyncio)."""
+
+    def rebase(self, t: float) -> None:
+        """Make it `t` now."""
+
+    def pause(self) -> None:
+        """Let no time pass; idempotent."""
+
+    def resume(self) -> None:
+        """Let time pass again; idempotent."""
+
+
+class VirtualClock:
+    """Time that passes only when somebody waits for it: it jumps.
+
+    Parameters
+    ----------
+    start : float
+        The time at the beginning, in seconds.
+    """
+
+    speed = math.inf
+
+    def __init__(self, start: float = 0.0) -> None:
+        self._now = start
+
+    def now(self) -> float:
+        """Return the virtual time."""
+        return self._now
+
+    def sleep_until(self, t: float, wake: Event) -> None:
+        """Make it `t` at once, unless `wake` is set or the wait has no end."""
+        if t == math.inf:
+            wake.wait()
+        elif not wake.is_set():
+            self._now = max(self._now, t)
+
+    def delay(self, t: float) -> float:
+        """Return 0: there is nothing to wait for. The time becomes `t`."""
+        if t == math.inf:
+            return math.inf
+        self._now = max(self._now, t)
+        return 0.0
+
+    def rebase(self, t: float) -> None:
+        """Make it `t`."""
+        self._now = t
+
+    def pause(self) -> None:
+        """Do nothing: a virtual clock stands still by itself."""
+
+    def resume(self) -> None:
+        """Do nothing."""
+
+
+class MonotonicClock:
+    """The wall clock, pausable, faster or slower by a factor.
+
+    Parameters
+    ----------
+    speed : float
+        Seconds of this clock per second of the wall; `math.inf` never waits.
+
+    Notes
+    -----
+    It never jumps by itself: a session that finds itself more than :data:`LAG` behind calls
+    :meth:`rebase` and goes on from there, instead of racing through what it missed.
+    """
+
+    def __init__(self, speed: float = 1.0) -> None:
+        self._speed = _checked(speed)
+        self._base = 0.0  # the time …
+        self._since: float | None = monotonic()  # … at this moment of the wall; None while paused
+
+    @property
+    def speed(self) -> float:
+        """The factor; changing it does not move the present."""
+        return self._speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        speed = _checked(speed)
+        self.rebase(self.now())
+        self._speed = speed
+
+    def now(self) -> float:
+        """Return the time, in seconds."""
+        if self._since is None or self._speed == math.inf:
+            return self._base
+        return self._base + (monotonic() - self._since) * self._speed
+
+    def delay(self, t: float) -> float:
+        """Wall seconds until `t`; infinite while paused."""
+        if t == math.inf or self._since is None:
+            return math.inf
+        if self._speed == math.inf:
+            self._base = max(self._base, t)
+            return 0.0
+        return max(0.0, (t - self.now()) / self._speed)
+
+    def sleep_until(self, t: float, wake: Event) -> None:
+        """Wait until `t` or `wake`; while paused, until `wake`."""
+        delay = self.delay(t)
+        if delay == math.inf:
+            wake.wait()
+        elif delay > 0:
+            wake.wait(delay)
+
+    def rebase(self, t: float) -> None:
+        """Make it `t` now; a paused clock stays paused."""
+        self._base = t
+        if self._since is not None:
+            self._since = monotonic()
+
+    def pause(self) -> None:
+        """Stand still from now on."""
+        if self._since is not None:
+            self._base = self.now()
+            self._since = None
+
+    def resume(self) -> None:
+        """Go on from where it stands."""
+        if self._since is None:
+            self._since = monotonic()
+
+
+def _checked(speed: float) -> float:
+    if not speed > 0:
+        raise ValueError(f"speed must be above 0, not {speed!r}")
+    return float(speed)
