@@ -1,0 +1,219 @@
+"""What an edit changes: the difference of two programs, by meaning.
+
+A program is a group of named elements. An edit adds some, removes some, and changes the content of
+others; white space, comments and moved lines are no change. A name defined twice counts once: the
+first definition is the one that runs, so the others are no elements.
+
+Only the outermost element of an addition or a removal is named: with a machine go its states, its
+variables and all that is in them. What is left is what a person would say of the edit, and what the
+interpreter has to look at.
+
+Paper: §6.1.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Literal, TypeVar
+
+from lrp_jupyter.language.program import (
+    Element,
+    Event,
+    Machine,
+    Path,
+    Program,
+    State,
+    Transition,
+    Variable,
+    path_text,
+)
+
+__all__ = ["ChangeSet", "diff"]
+
+_Change = tuple[Literal["added", "removed", "changed", "moved"], Element]
+_Named = TypeVar("_Named", Variable, Event, State, Machine)
+_Key = TypeVar("_Key", bound=Hashable)
+_ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
+
+
+@dataclass(frozen=True, slots=True)
+class ChangeSet:
+    """The elements that differ between two programs; false when there are none.
+
+    As text it is a sentence: ``running of `follower/moving` changed; state `follower/x` added``.
+
+    Parameters
+    ----------
+    added, removed : tuple of Element
+        The outermost ones only. An added element is named by its path in the new program, a removed
+        one by its path in the old.
+    changed : tuple of Element
+        Variables (the initialiser), events (the condition), transitions (condition or delay), and
+        the actions ``onentry``, ``running``, ``onexit``, ``onpause``, ``onresume``, of which every
+        state (every program) has one of each, if only an empty one: they are never added or removed.
+        Named as in the new program.
+    moved : tuple of Element
+        Transitions and variables that stand at another place among those that stayed; as few as
+        explain the new order.
+    """
+
+    added: tuple[Element, ...] = ()
+    removed: tuple[Element, ...] = ()
+    changed: tuple[Element, ...] = ()
+    moved: tuple[Element, ...] = ()
+
+    def __bool__(self) -> bool:
+        return bool(self.added or self.removed or self.changed or self.moved)
+
+    def __str__(self) -> str:
+        groups = {"changed": self.changed, "added": self.added, "removed": self.removed, "moved": self.moved}
+        parts = [f"{_words(element)} {what}" for what, elements in groups.items() for element in elements]
+        return "; ".join(parts) or "nothing changed"
+
+
+def diff(old: Program, new: Program) -> ChangeSet:
+    """Compare two programs by meaning.
+
+    Transitions are the same if their :attr:`~lrp_jupyter.language.program.Transition.identity` is, and
+    their number among those with equal identity; the condition or delay is their content. All other
+    elements are the same if their paths are: a new name, or another machine, is a removal and an
+    addition.
+
+    Paper: §6.1, footnote 5.
+
+    Parameters
+    ----------
+    old, new : Program
+
+    Returns
+    -------
+    ChangeSet
+        Empty if the two mean the same: ``not diff(p, p)``.
+    """
+    groups: dict[str, list[Element]] = {"added": [], "removed": [], "changed": [], "moved": []}
+    for what, element in _program(old, new):
+        groups[what].append(element)
+    return ChangeSet(**{what: tuple(elements) for what, elements in groups.items()})
+
+
+def _words(element: Element) -> str:
+    if element.kind not in _ACTIONS:
+        return str(element)
+    return f"`{element.kind}`" + (f" of `{path_text(element.path)}`" if element.path else "")
+
+
+def _program(old: Program, new: Program) -> Iterator[_Change]:
+    yield from _variables((), old.variables, new.variables)
+    yield from _named("event", (), old.events, new.events, _content("event"))
+    yield from _named("machine", (), old.machines, new.machines, _machine)
+    # What is spawned is a set: a machine is not spawned twice, and the order does not matter.
+    before, after = ({(str(s.machine), str(s.state)): None for s in p.spawns} for p in (old, new))
+    yield from (("removed", Element("spawn", path)) for path in before if path not in after)
+    yield from (("added", Element("spawn", path)) for path in after if path not in before)
+    if old.onpause != new.onpause:
+        yield "changed", Element("onpause", ())
+    if old.onresume != new.onresume:
+        yield "changed", Element("onresume", ())
+
+
+def _machine(path: Path, old: Machine, new: Machine) -> Iterator[_Change]:
+    yield from _variables(path, old.variables, new.variables)
+    yield from _named("event", path, old.events, new.events, _content("event"))
+    yield from _named("state", path, old.states, new.states, _state)
+    if old.transitions != new.transitions:
+        yield from _transitions(path, old, new)
+
+
+def _state(path: Path, old: State, new: State) -> Iterator[_Change]:
+    if old.onentry != new.onentry:
+        yield "changed", Element("onentry", path)
+    if old.running != new.running:
+        yield "changed", Element("running", path)
+    if old.onexit != new.onexit:
+        yield "changed", Element("onexit", path)
+    yield from _named("machine", path, old.machines, new.machines, _machine)
+
+
+def _variables(path: Path, old: Sequence[Variable], new: Sequence[Variable]) -> Iterator[_Change]:
+    yield from _named("variable", path, old, new, _content("variable"))
+    for name in _moved(_by_name(old), _by_name(new)):
+        yield "moved", Element("variable", (*path, name))
+
+
+def _transitions(path: Path, old: Machine, new: Machine) -> Iterator[_Change]:
+    before, after = _by_identity(old.transitions), _by_identity(new.transitions)
+    labels = dict(zip(after, new.labels, strict=True))
+    for key, label in zip(before, old.labels, strict=True):
+        if key not in after:
+            yield "removed", Element("transition", (*path, label))
+    for key, transition in after.items():
+        if key not in before:
+            yield "added", Element("transition", (*path, labels[key]))
+        elif before[key].trigger != transition.trigger:
+            yield "changed", Element("transition", (*path, labels[key]))
+    for key in _moved(before, after):
+        yield "moved", Element("transition", (*path, labels[key]))
+
+
+def _named(
+    kind: str,
+    prefix: Path,
+    old: Sequence[_Named],
+    new: Sequence[_Named],
+    inside: Callable[[Path, _Named, _Named], Iterable[_Change]],
+) -> Iterator[_Change]:
+    """Compare elements that are told apart by name; `inside` compares two of the same name."""
+    if old is new:
+        return
+    before, after = _by_name(old), _by_name(new)
+    yield from (("removed", Element(kind, (*prefix, name))) for name in before if name not in after)
+    for name, element in after.items():
+        path = (*prefix, name)
+        if name not in before:
+            yield "added", Element(kind, path)
+        elif before[name] != element:
+            yield from inside(path, before[name], element)
+
+
+def _content(kind: str) -> Callable[[Path, object, object], Iterable[_Change]]:
+    return lambda path, _old, _new: [("changed", Element(kind, path))]
+
+
+def _by_name(elements: Iterable[_Named]) -> dict[str, _Named]:
+    """Elements by name, in the order of the text; of two with the same name the first."""
+    named: dict[str, _Named] = {}
+    for element in elements:
+        named.setdefault(str(element.name), element)
+    return named
+
+
+def _by_identity(transitions: Iterable[Transition]) -> dict[tuple[Hashable, int], Transition]:
+    seen: Counter[Hashable] = Counter()
+    keyed: dict[tuple[Hashable, int], Transition] = {}
+    for transition in transitions:
+        identity = transition.identity
+        keyed[identity, seen[identity]] = transition
+        seen[identity] += 1
+    return keyed
+
+
+def _moved(old: Iterable[_Key], new: Iterable[_Key]) -> list[_Key]:
+    """Keys of both that are not on a longest run of keys that kept their order."""
+    place = {key: index for index, key in enumerate(old)}
+    kept = [key for key in new if key in place]
+    tails: list[int] = []  # tails[n]: the least place at which a rising run of n + 1 keys can end
+    lengths = []
+    for key in kept:
+        length = bisect_left(tails, place[key])
+        tails[length : length + 1] = [place[key]]
+        lengths.append(length)
+    moved, wanted = [], len(tails) - 1
+    for key, length in zip(reversed(kept), reversed(lengths), strict=True):
+        if length == wanted:
+            wanted -= 1
+        else:
+            moved.append(key)
+    return moved[::-1]
