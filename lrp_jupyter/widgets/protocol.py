@@ -1,0 +1,763 @@
+"""The messages between a lab in a page and its session in the kernel.
+
+The same types stand in ``js/src/protocol.ts``; a test holds the two equal. All are JSON objects sent as
+custom messages of the widget, told apart by ``type``. Fields that may be missing are `NotRequired`.
+
+**Views.** Every picture of a lab in a page gives itself a random name, the ``view`` of every message. A
+comm's messages reach all views of its widget, so each looks for its own name and drops the rest. The
+kernel keeps for each view what it has sent and how much credit is left, and forgets it at ``bye``.
+
+**Flow.** A view says `Hello` and gets one `Snapshot` (and a `WorldMessage`, if it shows a world). From then
+on it gets `Frame` and `Poses` messages, each at most 30 times a second and each holding what changed since
+the last one *sent to this view*. Every one carries a number, which the page sends back at once as
+`Credit`; the kernel sends only while fewer than three are on their way (both kinds share the count).
+While nothing changes, an empty frame once a second is the heartbeat. Everything that must not be lost in a
+frame left out is cumulative: counts of entries, firings, issues, restarts.
+
+**Text.** A view sends the whole text with a number of its own, ``seq``; one is on its way at a time, the
+newest wins. The kernel gives each text a revision and answers to *all* views of the session: with ``seq``
+and without the text to the sender, with ``seq`` 0 and the text to the others. It never sends a view the
+text which that view typed.
+
+**Commands and requests** with an ``id`` other than 0 get exactly one `Reply`, as soon as the session has
+taken or refused them; ``error`` is one sentence. A page that hears nothing for 300 ms says "kernel busy".
+
+**Places** are lines and columns from 1, columns in characters, as the language counts them; the end is
+behind the last character. Only the page converts them to UTF-16 (`range_of` and `offset_of` convert to and
+from the character offsets of Python).
+
+**Names.** ``path`` is an element's path in the text, ``follower/looking/lookalgo``; a transition's is
+``follower:tlooking``: the machine's path, a colon, its name or ``condition:from->to`` (`Machine.labels`).
+"""
+
+from __future__ import annotations
+
+import struct
+from bisect import bisect_right
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal, NotRequired, TypedDict
+
+from lrp_jupyter.language.program import line_starts
+
+__all__ = ["FromKernel", "FromPage", "offset_of", "pack_poses", "range_of"]
+
+Part = Literal["lab", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
+Status = Literal["running", "paused", "stopped", "fault"]
+Severity = Literal["error", "warning", "hint"]
+OnActiveEdit = Literal["restart", "keep"]
+ElementKind = Literal["machine", "state", "transition", "event", "variable", "robot"]
+TransitionKind = Literal["on", "ontime", "eps", "exit"]
+Point = tuple[float, float]
+Pose = tuple[float, float, float]
+Layout = dict[str, Any]  # as `lrp_jupyter.views.layout` makes it; the page draws it
+
+
+class Range(TypedDict):
+    """A range of the text: lines and columns from 1, columns in characters, end exclusive."""
+
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+
+
+class TextEdit(TypedDict):
+    """Replace a range by a text."""
+
+    range: Range
+    text: str
+
+
+class QuickFix(TypedDict):
+    """A certain remedy; its edits are places of the text that was answered."""
+
+    title: str
+    edits: list[TextEdit]
+
+
+class FindingView(TypedDict):
+    """A static finding of `check`."""
+
+    code: str
+    severity: Severity
+    message: str
+    range: Range
+    fix: QuickFix | None
+
+
+class IssueView(TypedDict):
+    """A run-time issue. `range` is a place of the text with number `revision`, None if it has none."""
+
+    id: int
+    code: str
+    severity: Severity
+    kind: str
+    element: str
+    message: str
+    revision: int
+    range: Range | None
+    traceback: str
+    first_tick: int
+    last_tick: int
+    count: int
+    resolved: bool
+
+
+class ValueView(TypedDict):
+    """A value, rendered on the interpreter's thread, bounded in depth and length.
+
+    `number` is given for finite real numbers (sparkline), `deep` says that inspecting shows more,
+    `changed` is the tick of the last change.
+    """
+
+    text: str
+    type: str
+    number: float | None
+    deep: bool
+    changed: int
+
+
+class StateItem(TypedDict):
+    """A state and the paths of the machines nested in it."""
+
+    path: str
+    machines: list[str]
+
+
+class TransitionItem(TypedDict):
+    """A transition; `source` and `trigger` as the language writes them."""
+
+    id: str
+    kind: TransitionKind
+    trigger: str
+    source: str
+    destination: str
+
+
+class MachineItem(TypedDict):
+    """A machine; `parent` is the path of the state it is nested in. Variables and events are paths."""
+
+    path: str
+    parent: str | None
+    states: list[StateItem]
+    transitions: list[TransitionItem]
+    variables: list[str]
+    events: list[str]
+
+
+class ProgramView(TypedDict):
+    """The running program without its blocks, machines in the order of `Program.walk`."""
+
+    variables: list[str]
+    events: list[str]
+    machines: list[MachineItem]
+
+
+class Difference(TypedDict):
+    """What a held text would change, each element in words (``str(element)``)."""
+
+    added: list[str]
+    removed: list[str]
+    changed: list[str]
+    moved: list[str]
+
+
+class RateView(TypedDict):
+    """Ticks per second; `wanted` 0 means free."""
+
+    wanted: float
+    achieved: float
+
+
+class SpeedView(TypedDict):
+    """Simulated over real time; `wanted` 0 means as fast as possible."""
+
+    wanted: float
+    achieved: float
+
+
+class FiredView(TypedDict):
+    """How often something happened since the session began, and the tick of the last time."""
+
+    count: int
+    tick: int
+
+
+class RestartView(TypedDict):
+    """Restarts by an edit since the session began, tick and reason of the last one."""
+
+    count: int
+    tick: int
+    reason: str
+
+
+class HungView(TypedDict):
+    """A block that does not return: ``follower/moving.running`` and for how long."""
+
+    where: str
+    seconds: float
+
+
+class PrintedView(TypedDict):
+    """Lines printed by blocks; `first` is the number of the first of them since the session began."""
+
+    first: int
+    lines: list[str]
+
+
+class MemberView(TypedDict):
+    """A member of `robot`: ``light.data``; `insert` is the text that a click puts into the program."""
+
+    name: str
+    kind: str
+    type: str
+    unit: str
+    doc: str
+    insert: str
+
+
+class BridgeView(TypedDict):
+    """The bridge. `status` is one of the words of `Bridge.status`, `sentence` explains it."""
+
+    name: str
+    status: str
+    sentence: str
+    hardware: bool
+    armed: bool
+    members: list[MemberView]
+
+
+class PanelField(TypedDict):
+    """One field of a bridge's panel; kind ``value`` is shown only."""
+
+    key: str
+    label: str
+    kind: Literal["text", "number", "choice", "switch", "value"]
+    value: str
+    choices: list[str]
+    unit: str
+
+
+class PanelButton(TypedDict):
+    """A button of a panel, or of each row of a table."""
+
+    key: str
+    label: str
+
+
+class PanelTable(TypedDict):
+    """A table of a panel; `keys` name the rows."""
+
+    key: str
+    title: str
+    columns: list[str]
+    keys: list[str]
+    rows: list[list[str]]
+    buttons: list[PanelButton]
+
+
+class PanelQuestion(TypedDict):
+    """Something that the bridge needs to know before it connects, an address for example."""
+
+    key: str
+    text: str
+    default: str
+
+
+class PanelView(TypedDict):
+    """A bridge's panel: plain data, drawn by the lab."""
+
+    title: str
+    fields: list[PanelField]
+    tables: list[PanelTable]
+    buttons: list[PanelButton]
+    questions: list[PanelQuestion]
+
+
+class Stroke(TypedDict):
+    """A line on the floor, in metres; grey from 0 (black) to 255."""
+
+    path: NotRequired[list[Point]]
+    circle: NotRequired[Pose]
+    arc: NotRequired[list[float]]
+    width: float
+    grey: int
+    tick: NotRequired[int]
+
+
+class Floor(TypedDict):
+    """What the light sensor sees."""
+
+    grey: int
+    strokes: list[Stroke]
+
+
+class Solid(TypedDict):
+    """Something to bump into. `box`: centre and size; `angle` in rad; `push`: mass, if it can be pushed."""
+
+    box: NotRequired[list[float]]
+    circle: NotRequired[Pose]
+    polygon: NotRequired[list[Point]]
+    segment: NotRequired[list[float]]
+    angle: NotRequired[float]
+    push: NotRequired[float]
+
+
+class RobotShape(TypedDict):
+    """A robot: pose (x, y, theta), radius, places of light sensors, (angle, reach) of distance sensors."""
+
+    pose: Pose
+    radius: float
+    light: list[Point]
+    bumper: bool
+    distance: list[Point]
+
+
+class Zone(TypedDict):
+    """A region that a challenge speaks of."""
+
+    circle: NotRequired[Pose]
+    box: NotRequired[list[float]]
+
+
+class WorldView(TypedDict):
+    """The world's JSON, sent when it changes other than by movement and ink."""
+
+    version: int
+    size: Point
+    seed: int
+    floor: Floor
+    solids: list[Solid]
+    robots: list[RobotShape]
+    zones: dict[str, Zone]
+
+
+class InkView(TypedDict):
+    """Pen trails: keep the first `first` strokes of the ink, then these."""
+
+    first: int
+    strokes: list[Stroke]
+
+
+class SettingsView(TypedDict):
+    """Switches of the session that all its views share. `hold`: texts wait for ``apply``."""
+
+    hold: bool
+    on_active_edit: OnActiveEdit
+    pause_on_issue: bool
+
+
+class ConflictView(TypedDict):
+    """Cell and lab were both changed: the cell's text, and a sentence. Ended by ``take`` or ``keep``."""
+
+    text: str
+    sentence: str
+
+
+class ChoicesView(TypedDict):
+    """Names of the bridges, of the bundled worlds, of the bundled programs."""
+
+    bridges: list[str]
+    worlds: list[str]
+    programs: list[str]
+
+
+# ------------------------------------------------------------------ page -> kernel
+
+
+class Hello(TypedDict):
+    """A view is there, shows this part, and wants a `Snapshot`. Sent again when it has lost the thread."""
+
+    type: Literal["hello"]
+    view: str
+    part: Part
+
+
+class Bye(TypedDict):
+    """A view goes; best effort, so a view without credit for long counts as gone too."""
+
+    type: Literal["bye"]
+    view: str
+
+
+class Text(TypedDict):
+    """The whole text of the editor. `base` is the last revision that the view knew."""
+
+    type: Literal["text"]
+    view: str
+    seq: int
+    base: int
+    text: str
+
+
+class Credit(TypedDict):
+    """The frame or poses with this number arrived. Frames and poses share one count."""
+
+    type: Literal["credit"]
+    view: str
+    frame: int
+
+
+class Complete(TypedDict):
+    """Complete a Python expression (``robot.li``) in the scope of a machine path ("" for the top level).
+
+    The page itself completes keywords and the program's names. Answered by `options`.
+    """
+
+    type: Literal["complete"]
+    view: str
+    id: int
+    prefix: str
+    scope: str
+
+
+class Hover(TypedDict):
+    """What is this dotted name (``robot.light.data``) in that scope? Answered by `hover`."""
+
+    type: Literal["hover"]
+    view: str
+    id: int
+    chain: str
+    scope: str
+
+
+class References(TypedDict):
+    """Whose name stands at this place of the last text sent? Answered by `references`."""
+
+    type: Literal["references"]
+    view: str
+    id: int
+    line: int
+    column: int
+
+
+class Inspect(TypedDict):
+    """Look into an element, or (`into`: steps of earlier facets) into its value. Answered by `inspect`."""
+
+    type: Literal["inspect"]
+    view: str
+    id: int
+    kind: ElementKind
+    path: str
+    into: list[str]
+
+
+Request = Complete | Hover | References | Inspect
+
+Act = Literal[
+    "run",
+    "pause",
+    "step",
+    "step_back",
+    "reset",
+    "stop",
+    "rate",
+    "speed",
+    "hold",
+    "apply",
+    "revert",
+    "transition",
+    "teleport",
+    "fire",
+    "set_variable",
+    "rename",
+    "drag_robot",
+    "drag_solid",
+    "drop",
+    "stroke",
+    "erase",
+    "reset_pose",
+    "reset_world",
+    "world",
+    "clear_issues",
+    "pause_on_issue",
+    "on_active_edit",
+    "armed",
+    "bridge",
+    "select",
+    "pin",
+    "arrange",
+    "panel",
+    "load",
+    "take",
+    "keep",
+    "save",
+]
+
+
+class Command(TypedDict):
+    """Something that the person wants done.
+
+    What each act uses:
+
+    ========================================== ==========================================================
+    ``run pause reset``                        nothing
+    ``stop``                                   nothing: `stop_all`, then pause; must not wait for a tick
+    ``step step_back``                         `value`: how many ticks (1 if missing)
+    ``rate speed``                             `value`: Hz (0 is free), factor (0 is as fast as possible)
+    ``hold pause_on_issue armed``              `on`
+    ``apply``, ``revert``                      apply the held text; go back to the running program's text
+    ``on_active_edit``                         `name`: restart or keep
+    ``transition teleport``                    `path` of a state
+    ``fire``                                   `path` of a transition
+    ``set_variable``                           `path`, `expression`; the error comes in the reply
+    ``rename``                                 `kind`, `path`, `name`; all views get the new text
+    ``drag_robot drag_solid``                  `index`, `pose` while dragging; ``drop`` lets go
+    ``stroke erase``                           `points`, `width` (and `grey`), in metres
+    ``reset_pose``                             `index` of the robot
+    ``reset_world``                            nothing
+    ``world bridge``                           `name`
+    ``clear_issues``                           nothing
+    ``select``                                 `path` of the machine that this view looks at
+    ``pin``                                    `path` of the machine, `name` of the node, `pose` (x, y, 0)
+    ``arrange``                                `path` of the machine
+    ``panel``                                  `key` of button (`row` of its table), `values` of all fields
+    ``load``                                   `name` of a bundled program, becomes the text
+    ``take keep``                              the answer to a conflict: the cell's text, the lab's text
+    ``save``                                   `name`: the file to write
+    ========================================== ==========================================================
+    """
+
+    type: Literal["command"]
+    view: str
+    id: int
+    do: Act
+    on: NotRequired[bool]
+    value: NotRequired[float]
+    name: NotRequired[str]
+    path: NotRequired[str]
+    kind: NotRequired[ElementKind]
+    expression: NotRequired[str]
+    index: NotRequired[int]
+    pose: NotRequired[Pose]
+    points: NotRequired[list[Point]]
+    width: NotRequired[float]
+    grey: NotRequired[int]
+    key: NotRequired[str]
+    row: NotRequired[str]
+    values: NotRequired[dict[str, str]]
+
+
+FromPage = Hello | Bye | Text | Credit | Request | Command
+
+
+# ------------------------------------------------------------------ kernel -> page
+
+
+class Frame(TypedDict):
+    """What changed since the last frame sent to this view; a missing field has not changed.
+
+    =============== =====================================================================================
+    ``revision``    of the text that runs (the last one applied)
+    ``active``      innermost active states, as spawned (``Interpreter.active`` as text)
+    ``lit``         every active state by its path in the text, outer ones too: what the page marks
+    ``entered``     state path -> entries, so that a visit too short to see leaves an afterglow
+    ``fired``       transition -> firings; the one with the newest tick in its machine is marked
+    ``variables``   path -> value, None once it is unset; only what changed
+    ``events``      path -> value at its last test, None if it failed or was never tested
+    ``members``     member of `robot` -> its value now, as text
+    ``issues``      new or changed ones; ``gone``: ids of those cleared
+    ``hung``        None once the block returned
+    ``layouts``     machine path -> layout, those that changed (dragged, arranged)
+    ``fault``       a fault of our own code stopped the session; a sentence
+    =============== =====================================================================================
+    """
+
+    type: Literal["frame"]
+    view: str
+    frame: int
+    status: NotRequired[Status]
+    tick: NotRequired[int]
+    time: NotRequired[float]
+    rate: NotRequired[RateView]
+    speed: NotRequired[SpeedView]
+    revision: NotRequired[int]
+    active: NotRequired[list[str]]
+    lit: NotRequired[list[str]]
+    entered: NotRequired[dict[str, FiredView]]
+    fired: NotRequired[dict[str, FiredView]]
+    variables: NotRequired[dict[str, ValueView | None]]
+    events: NotRequired[dict[str, bool | None]]
+    members: NotRequired[dict[str, str]]
+    issues: NotRequired[list[IssueView]]
+    gone: NotRequired[list[int]]
+    restart: NotRequired[RestartView]
+    hung: NotRequired[HungView | None]
+    printed: NotRequired[PrintedView]
+    bridge: NotRequired[BridgeView]
+    panel: NotRequired[PanelView | None]
+    settings: NotRequired[SettingsView]
+    conflict: NotRequired[ConflictView | None]
+    layouts: NotRequired[dict[str, Layout]]
+    fault: NotRequired[str]
+
+
+class Answer(TypedDict):
+    """The session has read a text, and how it took it.
+
+    `seq` is the receiver's own, or 0 where another view, a rename, a load or a cell brought the text, which
+    then comes along. `accepted`: it is a program; `applied`: it runs now; `reason` says why not, or why it
+    restarted. `program` and `layouts` are None (or lack machines) where nothing changed; a machine that is
+    gone simply is not in `program`. `pending` is what a held text would change.
+    """
+
+    type: Literal["answer"]
+    view: str
+    seq: int
+    revision: int
+    text: str | None
+    findings: list[FindingView]
+    accepted: bool
+    applied: bool
+    reason: str
+    program: ProgramView | None
+    layouts: dict[str, Layout] | None
+    pending: Difference | None
+
+
+class Snapshot(TypedDict):
+    """Everything, for a view that has just come. `running` is the text that runs, `text` the editor's."""
+
+    type: Literal["snapshot"]
+    view: str
+    name: str
+    text: str
+    revision: int
+    running: str
+    findings: list[FindingView]
+    program: ProgramView
+    layouts: dict[str, Layout]
+    pending: Difference | None
+    choices: ChoicesView
+    world: WorldView | None
+    frame: Frame
+
+
+class WorldMessage(TypedDict):
+    """The world changed other than by movement and ink (or there is none any more)."""
+
+    type: Literal["world"]
+    view: str
+    world: WorldView | None
+
+
+class Poses(TypedDict):
+    """Where everything is now: one buffer, made by `pack_poses`; 36 bytes for one robot."""
+
+    type: Literal["poses"]
+    view: str
+    frame: int
+    ink: NotRequired[InkView]
+
+
+class Option(TypedDict):
+    """One completion; `detail` stands beside it (a live value), `info` in its card."""
+
+    label: str
+    kind: str
+    detail: str
+    info: str
+
+
+class HoverView(TypedDict):
+    """A card about a name."""
+
+    title: str
+    type: str
+    value: str
+    doc: str
+
+
+class ReferencesView(TypedDict):
+    """An element, the place that defines it, and every place that names it (the definition included)."""
+
+    kind: ElementKind
+    path: str
+    name: str
+    definition: Range | None
+    references: list[Range]
+
+
+class Facet(TypedDict):
+    """One line of an inspected object; `step` leads into it."""
+
+    step: str
+    label: str
+    type: str
+    text: str
+    deep: bool
+
+
+class InspectView(TypedDict):
+    """An inspected object; `more` counts the facets left out."""
+
+    title: str
+    type: str
+    text: str
+    source: str
+    facets: list[Facet]
+    more: int
+
+
+class Reply(TypedDict):
+    """The one answer to a command or request with this id."""
+
+    type: Literal["reply"]
+    view: str
+    id: int
+    error: str | None
+    options: NotRequired[list[Option]]
+    hover: NotRequired[HoverView | None]
+    references: NotRequired[ReferencesView | None]
+    inspect: NotRequired[InspectView]
+
+
+FromKernel = Frame | Answer | Snapshot | WorldMessage | Poses | Reply
+
+
+def range_of(text: str, start: int, end: int) -> Range:
+    """Turn the characters ``text[start:end]`` into lines and columns."""
+    starts = line_starts(text)
+    line, end_line = bisect_right(starts, start), bisect_right(starts, end)
+    return {
+        "line": line,
+        "column": start - starts[line - 1] + 1,
+        "end_line": end_line,
+        "end_column": end - starts[end_line - 1] + 1,
+    }
+
+
+def offset_of(text: str, line: int, column: int) -> int:
+    """Turn a line and a column into a character offset; what lies outside the text becomes its end."""
+    starts = line_starts(text)
+    if line > len(starts):
+        return len(text)
+    return min(starts[line - 1] + column - 1, len(text))
+
+
+def pack_poses(
+    time: float,
+    robots: Iterable[tuple[float, float, float, bool, bool, float, Sequence[float], Sequence[float]]],
+    solids: Iterable[tuple[float, float, float]] = (),
+) -> bytes:
+    """Write the buffer of a `Poses` message.
+
+    Little endian: the world's time as float64, then float32: for each robot x, y (m), theta (rad), flags,
+    speed (m/s), its light values, its distances (m, inf for nothing); then for each solid with `push`, in
+    the order of the world, x, y, theta. How many there are the page knows from the world.
+
+    Parameters
+    ----------
+    time : float
+        Seconds of the world.
+    robots : iterable of tuple
+        ``(x, y, theta, bumper, pen, speed, lights, distances)`` for each robot.
+    solids : iterable of tuple
+        ``(x, y, theta)`` of each solid that can be pushed.
+    """
+    numbers: list[float] = []
+    for x, y, theta, bumper, pen, speed, lights, distances in robots:
+        numbers += [x, y, theta, float(bumper | pen << 1), speed, *lights, *distances]
+    for solid in solids:
+        numbers += solid
+    return struct.pack(f"<d{len(numbers)}f", time, *numbers)
