@@ -9,7 +9,7 @@
  */
 
 export type Part = "lab" | "controls" | "editor" | "tree" | "graph" | "variables" | "issues" | "world";
-export type Status = "running" | "paused" | "stopped" | "fault";
+export type Status = "ready" | "running" | "paused" | "hung" | "stopped" | "broken" | "closed";
 export type Severity = "error" | "warning" | "hint";
 export type OnActiveEdit = "restart" | "keep";
 export type ElementKind = "machine" | "state" | "transition" | "event" | "variable" | "robot";
@@ -60,10 +60,7 @@ export interface IssueView {
 
 export interface ValueView {
   text: string;
-  type: string;
   number: number | null;
-  deep: boolean;
-  changed: number;
 }
 
 export interface StateItem {
@@ -386,6 +383,7 @@ export interface Frame {
   view: string;
   frame: number;
   status?: Status;
+  reason?: string;
   tick?: number;
   time?: number;
   rate?: RateView;
@@ -408,7 +406,6 @@ export interface Frame {
   settings?: SettingsView;
   conflict?: ConflictView | null;
   layouts?: Record<string, Layout>;
-  fault?: string;
 }
 
 export interface Answer {

@@ -42,7 +42,7 @@ from lrp_jupyter.language.program import line_starts
 __all__ = ["FromKernel", "FromPage", "offset_of", "pack_poses", "range_of"]
 
 Part = Literal["lab", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
-Status = Literal["running", "paused", "stopped", "fault"]
+Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
 Severity = Literal["error", "warning", "hint"]
 OnActiveEdit = Literal["restart", "keep"]
 ElementKind = Literal["machine", "state", "transition", "event", "variable", "robot"]
@@ -104,17 +104,10 @@ class IssueView(TypedDict):
 
 
 class ValueView(TypedDict):
-    """A value, rendered on the interpreter's thread, bounded in depth and length.
-
-    `number` is given for finite real numbers (sparkline), `deep` says that inspecting shows more,
-    `changed` is the tick of the last change.
-    """
+    """A value as `Frame.variables` renders it, and as a number if it is a finite one (sparkline)."""
 
     text: str
-    type: str
     number: float | None
-    deep: bool
-    changed: int
 
 
 class StateItem(TypedDict):
@@ -548,6 +541,7 @@ class Frame(TypedDict):
     """What changed since the last frame sent to this view; a missing field has not changed.
 
     =============== =====================================================================================
+    ``status``      the words of `lrp_jupyter.interpreter.frame.Frame`; ``reason`` explains it
     ``revision``    of the text that runs (the last one applied)
     ``active``      innermost active states, as spawned (``Interpreter.active`` as text)
     ``lit``         every active state by its path in the text, outer ones too: what the page marks
@@ -559,7 +553,6 @@ class Frame(TypedDict):
     ``issues``      new or changed ones; ``gone``: ids of those cleared
     ``hung``        None once the block returned
     ``layouts``     machine path -> layout, those that changed (dragged, arranged)
-    ``fault``       a fault of our own code stopped the session; a sentence
     =============== =====================================================================================
     """
 
@@ -567,6 +560,7 @@ class Frame(TypedDict):
     view: str
     frame: int
     status: NotRequired[Status]
+    reason: NotRequired[str]
     tick: NotRequired[int]
     time: NotRequired[float]
     rate: NotRequired[RateView]
@@ -589,7 +583,6 @@ class Frame(TypedDict):
     settings: NotRequired[SettingsView]
     conflict: NotRequired[ConflictView | None]
     layouts: NotRequired[dict[str, Layout]]
-    fault: NotRequired[str]
 
 
 class Answer(TypedDict):
