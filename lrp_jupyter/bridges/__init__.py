@@ -1,0 +1,21 @@
+"""Bridges: from LRP to robot APIs.
+
+Paper: §7.
+"""
+
+from lrp_jupyter.bridges.bridge import Bridge, Member, MemberError, NullBridge, Panel, Robot, Twist
+from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge, open_bridge
+
+__all__ = [
+    "Bridge",
+    "Member",
+    "MemberError",
+    "NullBridge",
+    "Panel",
+    "Robot",
+    "Twist",
+    "choose_bridge",
+    "find_bridges",
+    "make_bridge",
+    "open_bridge",
+]

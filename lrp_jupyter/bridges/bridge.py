@@ -1,0 +1,568 @@
+"""The abstract bridge: what connects the ``robot`` of a program to a robot.
+
+A bridge for a robot of one's own needs one method::
+
+    class MyBot(Bridge):
+        name = "mybot"
+
+        def open_interface(self):
+            self.port = serial.Serial("/dev/ttyUSB0", timeout=0.5)
+            self.add_variable("light.data", self.read_light, doc="0 dark ... 255 bright")
+            self.add_method("move", self.move, doc="m/s and rad/s", limits={"linear": 0.5})
+
+        def read_light(self):
+            ...
+
+        def move(self, linear=0.0, angular=0.0):
+            ...
+
+Two sides meet in the class. The author of a bridge overrides `open_interface` and, where wanted,
+`close_interface`, `stop`, `sense`, `act`, `on_start`, `on_pause`, `on_resume`, `answer`, `press`,
+`panel`. A session calls, on the interpreter's thread unless said otherwise::
+
+    bridge.open()                          # once
+    bridge.on_start()                      # the program starts
+    bridge.begin_tick(now, period)         # watchdogs fed, readings unlatched, sense(now)
+    interpreter.step(now)
+    bridge.end_tick(now)                   # act(now), command watchdog
+    bridge.advance(seconds)                # only where bridge.time_step is not None: the world's time
+    bridge.refresh(); bridge.members()     # between ticks, when a view wants to know
+    bridge.on_pause(); bridge.on_resume()
+    bridge.check_watchdog(now)             # the monitor's thread, while the program runs
+    bridge.stop_all()                      # any thread: pause, restart, close, fault, the stop button
+    bridge.close()
+
+A restart of the program touches none of this: it only calls `stop_all`. A program never connects,
+a bridge does it once.
+
+Paper: §7.3.
+Deviation: §7.3 generates a temporary class for ``robot``; here ``robot`` is one stable object that
+looks its members up, so that members can come and go while a program holds it.
+"""
+
+from __future__ import annotations
+
+import inspect
+import keyword
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import Any, ClassVar, Self
+
+from lrp_jupyter.bridges.members import Member, MemberError, describe_value, did_you_mean
+from lrp_jupyter.bridges.message import Message, Twist
+from lrp_jupyter.bridges.panel import Panel
+from lrp_jupyter.bridges.robot import Limits, Method, Robot, Variable, attach
+from lrp_jupyter.bridges.safety import CommandRecord, Notice, Safety
+from lrp_jupyter.errors import BridgeError, NoDataYet
+
+__all__ = [
+    "Bridge",
+    "BridgeError",
+    "Connection",
+    "Member",
+    "MemberError",
+    "Message",
+    "NoDataYet",
+    "Notice",
+    "NullBridge",
+    "Panel",
+    "Robot",
+    "Status",
+    "Twist",
+    "attach",
+]
+
+
+class Connection(StrEnum):
+    """How a bridge stands to its robot."""
+
+    DISCONNECTED = "disconnected"
+    CONNECTING = "connecting"
+    CONNECTED = "connected"
+    WAITING = "waiting for data"
+    STALE = "stale"
+    LOST = "lost"
+
+
+@dataclass(frozen=True, slots=True)
+class Status:
+    """The state of the connection, and a sentence for the person."""
+
+    state: Connection
+    sentence: str
+
+
+class Bridge(ABC):
+    """Base of all bridges; see the module for who calls and who overrides what.
+
+    Parameters
+    ----------
+    **options
+        A subclass that takes options (an address, a world) has a constructor of its own, which
+        must not connect and must call this one.
+
+    Attributes
+    ----------
+    name : str
+        Name under which the bridge is chosen; the name of the class where it is not given.
+    hardware : bool
+        Whether something real moves. Hardware opens disarmed: commands are recorded and shown, and
+        sent after `arm`. A bridge is hardware unless it says that it is not.
+    time_step : float or None
+        For a bridge with a world of its own: the seconds of one step of it. Its time passes in
+        `advance` only. None where time passes by itself.
+    stop_timeout : float or None
+        Seconds that `stop` may take; None where it cannot block and is called directly.
+    robot : Robot
+        What a program sees.
+    safety : Safety
+        Armed or not, the log of commands and notices.
+    """
+
+    name: ClassVar[str]
+    hardware: ClassVar[bool] = True
+    time_step: ClassVar[float | None] = None
+    stop_timeout: ClassVar[float | None] = 1.0
+    registry: ClassVar[dict[str, type[Bridge]]] = {}
+
+    nodes: Mapping[str, Variable | Method | Robot]
+    latch: int
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        if not cls.__dict__.get("name"):
+            cls.name = cls.__name__.removesuffix("Bridge").lower() or cls.__name__.lower()
+        Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
+
+    def __new__(cls, *_args: object, **_options: object) -> Self:
+        """Make the parts of every bridge; here, as many an ``__init__`` forgets the one above it."""
+        bridge = super().__new__(cls)
+        bridge.nodes = {}
+        bridge.latch = 0
+        bridge.safety = Safety(armed=not cls.hardware)
+        bridge.robot = Robot(bridge)
+        bridge._ticks = 0
+        bridge._status = Status(Connection.DISCONNECTED, f"`{cls.name}` is not open.")
+        bridge._is_open = False
+        bridge._opened_panel = None
+        return bridge
+
+    safety: Safety
+    robot: Robot
+    _ticks: int
+    _status: Status
+    _is_open: bool
+    _opened_panel: Panel | None
+
+    # -- what the author of a bridge writes -------------------------------------------------------
+
+    @abstractmethod
+    def open_interface(self) -> Panel | None:
+        """Connect and add the members; give the panel, if there is one.
+
+        In bounded time, and without waiting for a person: a bridge that needs an answer gives a
+        panel with a question, sets its status and connects in `answer`.
+
+        Raises
+        ------
+        BridgeError
+            The robot cannot be reached; the sentence says what to do.
+        """
+
+    def close_interface(self) -> None:  # noqa: B027  (a hook)
+        """Let the connection go; the robot was stopped before."""
+
+    def stop(self) -> None:
+        """Make the robot stand still. Called on any thread, at any time, also while disarmed.
+
+        Unless overridden: a velocity of zero through every velocity method.
+        """
+        for node in self.nodes.values():
+            if isinstance(node, Method) and node.velocity:
+                node.perform(node.standstill())
+
+    def sense(self, now: float) -> None:  # noqa: B027  (a hook)
+        """Before a tick: fetch what the readings of this tick are taken from, if that is of use."""
+
+    def act(self, now: float) -> None:  # noqa: B027  (a hook)
+        """After a tick: send what was collected, if commands are not sent at once."""
+
+    def on_start(self) -> None:  # noqa: B027  (a hook)
+        """Follow the program: it starts, or starts anew."""
+
+    def on_pause(self) -> None:
+        """Follow the program: it pauses, its ``onpause`` actions are done. Unless overridden: `stop_all`."""
+        self.stop_all()
+
+    def on_resume(self) -> None:  # noqa: B027  (a hook)
+        """Follow the program: it goes on. Nothing commanded before the pause is sent again."""
+
+    def panel(self) -> Panel | None:
+        """Give the panel as it is now; unless overridden: as it was when the bridge was opened."""
+        return self._opened_panel
+
+    def answer(self, key: str, value: object) -> None:
+        """Take the answer to a question of the panel."""
+        raise BridgeError(f"The bridge `{self.name}` asks no `{key}`.")
+
+    def press(self, action: str, *arguments: object) -> None:
+        """Do what a button of the panel says; ``"stop"`` stops the robot."""
+        if action != "stop":
+            raise BridgeError(f"The bridge `{self.name}` has no button `{action}`.")
+        self.stop_all()
+
+    def advance(self, seconds: float) -> None:  # noqa: B027  (a hook)
+        """Let the bridge's own world pass `seconds` (whole steps of `time_step`)."""
+
+    def moment(self) -> object:
+        """Name this moment of the bridge's own world, for `rewind`."""
+        return None
+
+    def rewind(self, moment: object) -> None:
+        """Bring the bridge's own world back to an earlier moment.
+
+        Raises
+        ------
+        BridgeError
+            Something real is armed: the past of a robot cannot be had again.
+        """
+        if self.hardware and self.safety.armed:
+            raise BridgeError(f"`{self.name}` is armed: a real robot cannot step back. Disarm it first.")
+
+    # -- members ----------------------------------------------------------------------------------
+
+    def add_variable(
+        self,
+        name: str,
+        getter: Callable[[], object],
+        doc: str = "",
+        unit: str = "",
+        *,
+        type: type | str | None = None,  # noqa: A002  (what a view calls it)
+        age: Callable[[], float | None] | None = None,
+    ) -> None:
+        """Make a reading available as ``robot.<name>``; a second one of that name replaces the first.
+
+        Parameters
+        ----------
+        name : str
+            May be dotted: ``"light.data"`` is ``robot.light.data``.
+        getter : callable
+            Called at most once in a tick. `NoDataYet`, or None as value, means that nothing has
+            arrived yet.
+        doc, unit : str
+        type : type or str, optional
+            Known before the first reading arrives; a class shows its annotated fields.
+        age : callable, optional
+            Seconds since the reading arrived, where the bridge knows better than "when it was read".
+        """
+        self._add(name, Variable(self, name, getter, doc or _doc_of(getter), unit, type, age))
+
+    def add_method(
+        self,
+        name: str,
+        function: Callable[..., object],
+        doc: str = "",
+        *,
+        message: type[Message] | None = None,
+        command: bool = True,
+        velocity: bool | None = None,
+        limits: Limits | None = None,
+    ) -> None:
+        """Make a function available as ``robot.<name>(...)``.
+
+        Parameters
+        ----------
+        name : str
+            May be dotted: ``"motorA.stop"``.
+        function : callable
+            Called with the program's arguments or, where `message` is given, with one message.
+        doc : str
+        message : Message class, optional
+            ``message=Twist``: the program may fill it in any of the ways of `lrp_jupyter.bridges.message`.
+        command : bool
+            Whether the robot does something: not sent while disarmed. False for a mere question.
+        velocity : bool, optional
+            Whether the command watchdog applies, which stops the robot if the program does not keep
+            commanding. Unless given: for ``move``.
+        limits : mapping of str to float or (float, float), optional
+            ``{"linear": 0.5}``: numbers beyond are brought back to -0.5 ... 0.5, and that is shown.
+        """
+        is_velocity = name.rpartition(".")[2] == "move" if velocity is None else velocity
+        text = doc or _doc_of(function)
+        self._add(name, Method(self, name, function, text, message, command, is_velocity, limits or {}))
+
+    def remove_member(self, name: str) -> None:
+        """Take a member away, or a part with all its members.
+
+        Raises
+        ------
+        MemberError
+            There is no such member.
+        """
+        if name not in self.nodes:
+            raise MemberError(f"There is no member `{name}` to remove.{did_you_mean(name, self.nodes)}")
+        gone = {path for path in self.nodes if path == name or path.startswith(f"{name}.")}
+        left = {path: node for path, node in self.nodes.items() if path not in gone}
+        self.nodes = {  # a part goes with its last member
+            path: node
+            for path, node in left.items()
+            if not isinstance(node, Robot) or any(other.startswith(f"{path}.") for other in left)
+        }
+
+    def _add(self, name: str, node: Variable | Method) -> None:
+        nodes = dict(self.nodes)  # built anew and swapped: other threads look while we write
+        for part in name.split("."):
+            if not part.isidentifier() or keyword.iskeyword(part) or part.startswith("_"):
+                raise ValueError(f"`{name}` cannot be written after `robot.`: `{part}` is no usable name")
+        if isinstance(nodes.get(name), Robot):
+            raise ValueError(f"`{name}` has members of its own and cannot be a member itself")
+        for end in [i for i, character in enumerate(name) if character == "."]:
+            parent = nodes.setdefault(name[:end], Robot(self, f"{name[:end]}."))
+            if not isinstance(parent, Robot):
+                raise ValueError(f"`{name[:end]}` is a member already and cannot have members")
+        nodes[name] = node
+        self.nodes = nodes
+
+    def members(self) -> tuple[Member, ...]:
+        """Every member with its last reading; reads nothing, and may be called on any thread."""
+        return tuple(self._member(node) for node in self.nodes.values() if not isinstance(node, Robot))
+
+    def describe(self, path: str) -> Member:
+        """Describe one member, a part (``light``) or a field of a reading (``odom.x``).
+
+        Raises
+        ------
+        MemberError
+            There is no such member or field.
+        """
+        path = path.removeprefix("robot.")
+        node = self.nodes.get(path)
+        if isinstance(node, Robot):
+            inside = tuple(m for m in self.members() if m.name.startswith(f"{path}."))
+            return Member(path, "variable", fields=inside)
+        if node is not None:
+            return self._member(node)
+        parent = path.rpartition(".")[0]
+        fields = self.describe(parent).fields if parent else self.members()
+        for field in fields:
+            if field.name == path:
+                return field
+        names = [field.name for field in fields]
+        raise MemberError(f"`robot` has no `{path}`.{did_you_mean(path, names)}")
+
+    def _member(self, node: Variable | Method) -> Member:
+        if isinstance(node, Method):
+            return Member(node.path, "method", doc=node.doc, signature=node.signature)
+        member = Member(node.path, "variable", node.type_name, node.unit, node.doc, node.age(), node.value)
+        return describe_value(member, node.type)
+
+    def refresh(self) -> None:
+        """Read every variable once, so that views show what no program reads.
+
+        Between ticks, on the interpreter's thread. Failing readings stay as they were.
+        """
+        for node in self.nodes.values():
+            if isinstance(node, Variable):
+                try:
+                    node.read()
+                except (BridgeError, NoDataYet):
+                    continue
+
+    # -- life: called by a session ----------------------------------------------------------------
+
+    @property
+    def status(self) -> Status:
+        """The state of the connection."""
+        return self._status
+
+    def set_status(self, state: Connection | str, sentence: str = "") -> None:
+        """Say how the bridge stands to its robot; for authors of bridges, from any thread."""
+        connection = Connection(state)
+        self._status = Status(connection, sentence or f"`{self.name}` is {connection.value}.")
+
+    @property
+    def is_open(self) -> bool:
+        """Whether `open` succeeded and `close` was not called since."""
+        return self._is_open
+
+    def open(self) -> Panel | None:
+        """Open the interface, once; give the panel.
+
+        Raises
+        ------
+        BridgeError
+            The robot cannot be reached; whatever else `open_interface` raised is its cause.
+        """
+        if self._is_open:
+            return self.panel()
+        self.set_status(Connection.CONNECTING)
+        try:
+            self._opened_panel = self.open_interface()
+        except Exception as error:
+            sentence = str(error) if isinstance(error, BridgeError) else f"{type(error).__name__}: {error}"
+            self.set_status(Connection.DISCONNECTED, sentence)
+            if isinstance(error, BridgeError):
+                raise
+            raise BridgeError(f"The bridge `{self.name}` could not be opened: {sentence}") from error
+        self._is_open = True
+        if self._status.state is Connection.CONNECTING:
+            self.set_status(Connection.CONNECTED)
+        return self._opened_panel
+
+    def close(self) -> None:
+        """Stop the robot, then let the connection go; doing it twice does nothing. Never raises."""
+        if not self._is_open:
+            return
+        self.stop_all()
+        self._is_open = False
+        try:
+            self.close_interface()
+        except Exception as error:  # closing goes on: nobody could do anything about it
+            self.safety.notice("fault", f"closing `{self.name}`: {type(error).__name__}: {error}")
+        self.nodes = {}
+        self.safety.rest()
+        self.set_status(Connection.DISCONNECTED, f"`{self.name}` is closed.")
+
+    def begin_tick(self, now: float, period: float) -> None:
+        """Begin the tick of time `now`; ticks come every `period` seconds. Never raises."""
+        self._ticks += 1
+        self.latch = self._ticks
+        self.safety.tick(now, period)
+        self._protect("sense", self.sense, now)
+
+    def end_tick(self, now: float) -> None:
+        """End the tick. Never raises."""
+        self._protect("act", self.act, now)
+        self.latch = 0  # between ticks a person reads what is there now
+        sentence = self.safety.command_overdue(now)
+        if sentence is not None:
+            self.safety.notice("command watchdog", sentence)
+            self._stop_now()
+
+    def check_watchdog(self, now: float) -> Notice | None:
+        """Stop the robot if ticks do not come any more; for the monitor's thread, while running."""
+        sentence = self.safety.tick_overdue(now)
+        if sentence is None:
+            return None
+        notice = self.safety.notice("tick watchdog", sentence)
+        self.stop_all()
+        return notice
+
+    def _protect(self, what: str, hook: Callable[[float], None], now: float) -> None:
+        """Call a hook; a bridge that fails stops its robot and is lost, the loop keeps its rate."""
+        try:
+            hook(now)
+        except Exception as error:
+            sentence = (
+                str(error) if isinstance(error, BridgeError) else f"{what}: {type(error).__name__}: {error}"
+            )
+            self.safety.notice("fault", sentence)
+            if self._status.state is not Connection.LOST:
+                self.set_status(Connection.LOST, sentence)
+                self.stop_all()
+
+    # -- safety -----------------------------------------------------------------------------------
+
+    def arm(self) -> None:
+        """From now on commands are sent."""
+        if not self.safety.armed:
+            self.safety.armed = True
+            self.safety.notice("armed", f"`{self.name}` is armed: commands move the robot")
+
+    def disarm(self) -> None:
+        """Stop the robot; from now on commands are recorded and shown, not sent."""
+        if self.safety.armed:
+            self.stop_all()
+            self.safety.armed = False
+            self.safety.notice("disarmed", f"`{self.name}` is disarmed: commands are shown, not sent")
+
+    def stop_all(self) -> bool:
+        """Stop the robot: from any thread, in bounded time, armed or not. Never raises.
+
+        While a loop ticks, commands of the tick that is under way are not sent any more.
+
+        Returns
+        -------
+        bool
+            Whether the robot took it; if not, a notice says why.
+        """
+        self.safety.stopped()
+        return self._stop_now()
+
+    def _stop_now(self) -> bool:
+        self.safety.moving("move", False)
+        failures: list[str] = []
+
+        def stop() -> None:
+            try:
+                self.stop()
+            except Exception as error:
+                failures.append(f"{type(error).__name__}: {error}")
+
+        if self.stop_timeout is None:
+            stop()
+        else:
+            thread = threading.Thread(target=stop, name=f"stop {self.name}", daemon=True)
+            thread.start()
+            thread.join(self.stop_timeout)
+            if thread.is_alive():
+                failures.append(f"no answer for {self.stop_timeout:g} s")
+        if failures:
+            self.safety.notice("fault", f"the robot may not have stopped: {failures[0]}")
+        return not failures
+
+    def send(self, method: Method, command: Message | inspect.BoundArguments) -> object:
+        """Bring a command within limits, record it and, if allowed, carry it out.
+
+        Every call of a method of the robot comes through here; give what the method gave.
+        """
+        if not method.command:
+            return method.perform(command)
+        safety = self.safety
+        limited = method.clamp(command)
+        for sentence in limited:
+            safety.notice("limited", sentence)
+        sent = safety.armed and not safety.held
+        arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
+        safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited))
+        if not sent:
+            if safety.armed:
+                safety.notice("held", f"`{method.path}` was not sent: the robot was stopped during this tick")
+            else:
+                safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed")
+            return None
+        if method.velocity:
+            safety.moving(method.path, any(_numbers(arguments)))
+        return method.perform(command)
+
+
+def _numbers(arguments: Mapping[str, Any]) -> list[float]:
+    """Every number among arguments, however deep; a robot moves if one of them is not zero."""
+    found: list[float] = []
+    for value in arguments.values():
+        if isinstance(value, Mapping):
+            found += _numbers(value)
+        elif isinstance(value, (tuple, list)):
+            found += _numbers(dict(enumerate(value)))  # type: ignore[arg-type]
+        elif isinstance(value, (int, float)):
+            found.append(value)
+    return found
+
+
+def _doc_of(function: Callable[..., object]) -> str:
+    return (inspect.getdoc(function) or "").partition("\n")[0] if inspect.isroutine(function) else ""
+
+
+class NullBridge(Bridge):
+    """No robot at all: programs that only compute."""
+
+    name = "none"
+    hardware = False
+    stop_timeout = None
+
+    def open_interface(self) -> None:
+        """Nothing to connect."""

@@ -1,0 +1,145 @@
+"""Which bridges there are, and which one is chosen.
+
+Packages offer bridges as entry points of the group ``lrp.bridges``; a class defined in a notebook
+is there as soon as it is defined, and wins over a package's of the same name. Looking at the list
+imports nothing: a bridge's own libraries are loaded when it is opened.
+
+Paper: §7.3 (the interpreter finds the subclass of the abstract bridge by reflection).
+Deviation: §7.3 takes any subclass that it finds; here hardware is never chosen by itself: somebody
+names it, or it is the default.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from lrp_jupyter.bridges.bridge import Bridge, NullBridge
+from lrp_jupyter.bridges.members import did_you_mean
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["GROUP", "Offer", "choose_bridge", "find_bridges", "make_bridge", "open_bridge"]
+
+GROUP = "lrp.bridges"
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """A bridge that can be chosen.
+
+    Attributes
+    ----------
+    name : str
+    origin : str
+        Where it comes from: the name of a package, or ``"defined here"``.
+    """
+
+    name: str
+    origin: str
+    source: EntryPoint | type[Bridge]
+
+    def load(self) -> type[Bridge]:
+        """Give the class.
+
+        Raises
+        ------
+        BridgeError
+            It cannot be imported, or is no usable bridge; other bridges are not concerned.
+        """
+        if isinstance(self.source, type):
+            return self.source
+        try:
+            bridge = self.source.load()
+        except Exception as error:
+            raise BridgeError(
+                f"The bridge `{self.name}` of the package {self.origin} cannot be loaded:"
+                f" {type(error).__name__}: {error}"
+            ) from error
+        if not (isinstance(bridge, type) and issubclass(bridge, Bridge)):
+            raise BridgeError(f"`{self.source.value}` of the package {self.origin} is no subclass of Bridge.")
+        return bridge
+
+
+def find_bridges() -> Mapping[str, Offer]:
+    """List every bridge that can be chosen, by name; imports none of them."""
+    found: dict[str, Offer] = {}
+    for point in entry_points(group=GROUP):
+        origin = point.dist.name if point.dist is not None else "unknown"
+        found[point.name] = Offer(point.name, origin, point)
+    packaged = {offer.source.value for offer in found.values() if isinstance(offer.source, EntryPoint)}
+    for name, bridge in Bridge.registry.items():
+        if inspect.isabstract(bridge) or f"{bridge.__module__}:{bridge.__qualname__}" in packaged:
+            continue
+        found[name] = Offer(name, "defined here", bridge)
+    return dict(sorted(found.items()))
+
+
+def choose_bridge(explicit: str | None = None, default: str = "sim") -> str:
+    """Settle the name of the bridge: the one that somebody names, else the default.
+
+    The default is the simulator for lab, magic and command line, and ``"none"`` for a session.
+
+    Raises
+    ------
+    BridgeError
+        There is no bridge of that name; the sentence lists those that there are.
+    """
+    name = explicit or default
+    known = find_bridges()
+    if name not in known:
+        listed = ", ".join(f"`{other}`" for other in known)
+        raise BridgeError(f"There is no bridge `{name}`; there are {listed}.{did_you_mean(name, known)}")
+    return name
+
+
+def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any) -> Bridge:
+    """Make a bridge without opening it, from a name, a class, or what is a bridge already.
+
+    None gives the `NullBridge`.
+
+    Raises
+    ------
+    BridgeError
+        The name is unknown, the class cannot be loaded, or it does not take these options.
+    """
+    if isinstance(which, Bridge):
+        if options:
+            raise BridgeError(f"The bridge `{which.name}` exists already and takes no more options.")
+        return which
+    if which is None:
+        bridge: type[Bridge] = NullBridge
+    else:
+        bridge = find_bridges()[choose_bridge(which)].load() if isinstance(which, str) else which
+    if inspect.isabstract(bridge):
+        raise BridgeError(
+            f"`{bridge.__name__}` lacks `open_interface`, the one method that a bridge must have."
+        )
+    parameters = (
+        inspect.signature(bridge.__init__).parameters if bridge.__init__ is not object.__init__ else {}
+    )
+    takes_any = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
+    for option in options:
+        if option not in parameters and not takes_any:
+            known = [name for name in parameters if name != "self"]
+            listed = ", ".join(f"`{name}`" for name in known) or "no options"
+            raise BridgeError(
+                f"The bridge `{bridge.name}` has no option `{option}`; it takes {listed}."
+                f"{did_you_mean(option, known)}"
+            )
+    return bridge(**options)
+
+
+def open_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any) -> Bridge:
+    """Make a bridge and open it.
+
+    Raises
+    ------
+    BridgeError
+        As `make_bridge` and `Bridge.open`.
+    """
+    bridge = make_bridge(which, **options)
+    bridge.open()
+    return bridge

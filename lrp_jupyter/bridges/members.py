@@ -1,0 +1,124 @@
+"""What a robot offers, as plain values: for completion, hover, the card of members, inspection."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import reprlib
+import typing
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["Member", "MemberError", "describe_value", "did_you_mean"]
+
+_DEEPEST = 6  # levels of nested fields that are described; a value may contain itself
+_PLAIN = (bool, int, float, str, bytes, type(None))
+
+
+class MemberError(BridgeError, AttributeError):
+    """The robot (or a message) has no member of that name, or the member cannot be assigned."""
+
+
+@dataclass(frozen=True, slots=True)
+class Member:
+    """One member of the robot, as a view may know it.
+
+    Attributes
+    ----------
+    name : str
+        Dotted path below ``robot``: ``"light.data"``.
+    kind : {"variable", "method"}
+    type : str
+        Name of the type of the value, empty while nothing is known about it.
+    unit : str
+        ``"m/s"``, ``"rad"``, ... or empty.
+    doc : str
+    age : float or None
+        Seconds since the reading arrived; None for methods and before the first reading.
+    value : object
+        The last reading; None before the first one.
+    signature : str
+        ``"(linear=0.0, angular=0.0)"`` for a method, else empty.
+    fields : tuple of Member
+        Members of the value: ``odom`` has the fields ``odom.x``, ``odom.y``, ``odom.theta``.
+    """
+
+    name: str
+    kind: Literal["variable", "method"]
+    type: str = ""
+    unit: str = ""
+    doc: str = ""
+    age: float | None = None
+    value: object = None
+    signature: str = ""
+    fields: tuple[Member, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything as JSON: a value that JSON does not know is given as a short text."""
+        return {
+            "name": self.name,
+            "kind": self.kind,
+            "type": self.type,
+            "unit": self.unit,
+            "doc": self.doc,
+            "age": self.age,
+            "value": _json_value(self.value),
+            "signature": self.signature,
+            "fields": [field.as_dict() for field in self.fields],
+        }
+
+
+def _json_value(value: object) -> object:
+    if isinstance(value, float) and (value != value or value in (float("inf"), float("-inf"))):
+        return repr(value)  # JSON has neither NaN nor infinity
+    if value is None or type(value) in (bool, int, float):
+        return value
+    return value if type(value) is str and len(value) <= 200 else reprlib.repr(value)
+
+
+def _public_fields(value: object, type_: object) -> dict[str, object]:
+    """Names and values of the data that an object holds; None where only the type is known."""
+    if value is None:
+        if not isinstance(type_, type) or type_ in _PLAIN:
+            return {}
+        try:
+            hints = typing.get_type_hints(type_)
+        except Exception:  # an annotation that cannot be resolved is no reason to describe nothing
+            hints = dict(getattr(type_, "__annotations__", {}))
+        return {name: None for name in hints if not name.startswith("_")}
+    if isinstance(value, (*_PLAIN, type)):
+        return {}
+    if dataclasses.is_dataclass(value):
+        names: Iterable[str] = [field.name for field in dataclasses.fields(value)]
+    elif isinstance(value, tuple):
+        names = getattr(value, "_fields", ())
+    else:
+        slots = getattr(type(value), "__slots__", ())
+        names = [*((slots,) if isinstance(slots, str) else slots), *getattr(value, "__dict__", ())]
+    found = {name: getattr(value, name, None) for name in names if not name.startswith("_")}
+    return {name: field for name, field in found.items() if not callable(field)}
+
+
+def describe_value(member: Member, type_: object = None, depth: int = _DEEPEST) -> Member:
+    """Add the fields of the member's value (or, before the first reading, of its type)."""
+    if depth == 0:
+        return member
+    hints: dict[str, Any] = {}
+    if isinstance(type_, type) and member.value is None:
+        hints = dict(getattr(type_, "__annotations__", {}))
+    fields = []
+    for name, value in _public_fields(member.value, type_).items():
+        field_type = hints.get(name) if value is None else type(value)
+        text = field_type if isinstance(field_type, str) else getattr(field_type, "__name__", "")
+        field = Member(f"{member.name}.{name}", "variable", text, age=member.age, value=value)
+        fields.append(describe_value(field, field_type, depth - 1))
+    return dataclasses.replace(member, fields=tuple(fields))
+
+
+def did_you_mean(name: str, names: Iterable[str]) -> str:
+    """`` Did you mean `light`?`` with a blank before it, or nothing."""
+    close = difflib.get_close_matches(name, list(names), n=1, cutoff=0.5)
+    return f" Did you mean `{close[0]}`?" if close else ""

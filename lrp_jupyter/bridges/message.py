@@ -1,0 +1,166 @@
+"""Messages that a program fills: the argument of ``robot.move``.
+
+The paper writes ``robot move: [:data | data linear x: forwardSpeed]``. In Python, with the same
+meaning, and all of them checked here rather than on the robot::
+
+    robot.move(linear=0.2)
+    robot.move(linear_x=0.2, angular_z=0.1)
+    robot.move(lambda msg: msg.linear(x=forward))
+    with robot.move as msg:
+        msg.linear.x = forward
+
+Paper: §3.2, §7.1.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Iterator, Mapping
+from typing import Any, ClassVar, Self
+
+from lrp_jupyter.bridges.members import MemberError, did_you_mean
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["Message", "Twist", "Vector3", "real_number"]
+
+
+def real_number(value: object, what: str) -> float:
+    """Give `value` as a float, or say in a sentence why it is none.
+
+    Raises
+    ------
+    BridgeError
+        For anything but a finite real number; ``True`` is no number here.
+    """
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise BridgeError(f"`{what}` must be a number, not {value!r} ({type(value).__name__}).")
+    number = float(value)
+    if not math.isfinite(number):
+        raise BridgeError(f"`{what}` must be a finite number, not {number}.")
+    return number
+
+
+class Message:
+    """A message with named fields, each a number or another message.
+
+    A subclass names its fields in `FIELDS`; `WORDS` are short forms: ``{"linear": "linear.x"}``
+    lets a number stand for the nested message.
+    """
+
+    __slots__ = ("_fields", "_path")
+    FIELDS: ClassVar[Mapping[str, type[Message] | type[float]]] = {}
+    WORDS: ClassVar[Mapping[str, str]] = {}
+
+    _fields: dict[str, Any]
+    _path: str
+
+    def __init__(self, path: str = "msg", /, **fields: object) -> None:
+        values = {
+            name: kind(f"{path}.{name}") if issubclass(kind, Message) else 0.0
+            for name, kind in self.FIELDS.items()
+        }
+        object.__setattr__(self, "_path", path)
+        object.__setattr__(self, "_fields", values)
+        self(**fields)
+
+    def __call__(self, **fields: object) -> Self:
+        """Set several fields at once, the paper's way: ``msg.linear(x=forward)``."""
+        for name, value in fields.items():
+            self._assign(name, value)
+        return self
+
+    def __getattr__(self, name: str) -> Any:
+        try:
+            return self._fields[name]
+        except KeyError:
+            raise self._unknown(name) from None
+
+    def __setattr__(self, name: str, value: object) -> None:
+        self._assign(name, value)
+
+    def __dir__(self) -> list[str]:
+        return [*self.FIELDS]
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and self._fields == other._fields
+
+    __hash__ = None  # type: ignore[assignment]  # a message is filled, thus mutable
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self._fields.items())})"
+
+    @classmethod
+    def paths(cls) -> Iterator[str]:
+        """Dotted names of every number of the message: ``linear.x``, ``linear.y``, ..."""
+        for name, kind in cls.FIELDS.items():
+            if issubclass(kind, Message):
+                yield from (f"{name}.{inner}" for inner in kind.paths())
+            else:
+                yield name
+
+    def get(self, path: str) -> float:
+        """Read a number by its dotted name, or by its short form."""
+        value: Any = self
+        for name in self.WORDS.get(path, path).split("."):
+            value = getattr(value, name)
+        return float(value)
+
+    def set(self, path: str, value: float) -> None:
+        """Write a number by its dotted name, or by its short form."""
+        *parents, last = self.WORDS.get(path, path).split(".")
+        target: Message = self
+        for name in parents:
+            target = getattr(target, name)
+        target._assign(last, value)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Give the message as nested dictionaries of floats."""
+        return {k: v.as_dict() if isinstance(v, Message) else v for k, v in self._fields.items()}
+
+    def _assign(self, name: str, value: object) -> None:
+        kind = self.FIELDS.get(name)
+        if kind is None:
+            self._assign_long_name(name, value)
+        elif not issubclass(kind, Message):
+            self._fields[name] = real_number(value, f"{self._path}.{name}")
+        elif isinstance(value, kind):
+            for inner in kind.FIELDS:  # a copy: two messages never share a part
+                self._fields[name]._assign(inner, getattr(value, inner))
+        elif isinstance(value, Mapping):
+            self._fields[name](**value)
+        elif name in self.WORDS:
+            self.set(name, real_number(value, f"{self._path}.{name}"))
+        else:
+            inside = ", ".join(f"`{self._path}.{name}.{inner}`" for inner in kind.FIELDS)
+            raise BridgeError(f"`{self._path}.{name}` has fields of its own, set these: {inside}.")
+
+    def _assign_long_name(self, name: str, value: object) -> None:
+        """``linear_x=0.2`` is ``linear.x``."""
+        first, _, rest = name.partition("_")
+        kind = self.FIELDS.get(first)
+        if not rest or kind is None or not issubclass(kind, Message) or rest not in kind.FIELDS:
+            raise self._unknown(name)
+        self._fields[first]._assign(rest, value)
+
+    def _unknown(self, name: str) -> MemberError:
+        if name.startswith("__"):  # copy, pickle and notebooks ask for these
+            return MemberError(name)
+        known = [*self.FIELDS, *(path.replace(".", "_") for path in self.paths() if "." in path)]
+        names = ", ".join(f"`{field}`" for field in self.FIELDS)
+        return MemberError(f"`{self._path}` has no `{name}`; it has {names}.{did_you_mean(name, known)}")
+
+
+class Vector3(Message):
+    """Three numbers, x forward, y to the left, z up (REP 103)."""
+
+    __slots__ = ()
+    FIELDS = {"x": float, "y": float, "z": float}  # noqa: RUF012
+
+
+class Twist(Message):
+    """A velocity: ``linear`` in m/s, ``angular`` in rad/s; ``linear=0.2`` means ``linear.x``."""
+
+    __slots__ = ()
+    FIELDS = {"linear": Vector3, "angular": Vector3}  # noqa: RUF012
+    WORDS = {"linear": "linear.x", "angular": "angular.z"}  # noqa: RUF012

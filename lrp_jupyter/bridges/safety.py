@@ -1,0 +1,168 @@
+"""What keeps a robot from running away: for every bridge, whoever wrote it.
+
+Armed or not, limits, two watchdogs. Nothing here knows a clock: times are given, in seconds of
+the session's clock, so that the same rules hold in virtual time.
+
+Owner: the interpreter's thread feeds it; the monitor's thread reads the times and may stop.
+Every field that both touch is one reference, replaced by one assignment; the log has a lock.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import deque
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+__all__ = ["CommandRecord", "Notice", "Safety", "patience"]
+
+NoticeKind = Literal["armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "fault"]
+
+_SHORTEST = 0.5  # s; a robot at walking pace goes a hand's breadth in it
+_ROUNDING = 1e-9  # s; 5 periods of 0.1 s are half a second
+
+
+def patience(period: float) -> float:
+    """Seconds without a tick, or without a velocity command, after which the robot is stopped."""
+    return max(_SHORTEST, 3 * period)
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """Something that the safety of a bridge did, and why, in a sentence.
+
+    `count` says how often it happened in a row; `now` is the last time, in seconds.
+    """
+
+    kind: NoticeKind
+    text: str
+    now: float
+    count: int = 1
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything as JSON."""
+        return {"kind": self.kind, "text": self.text, "now": self.now, "count": self.count}
+
+
+@dataclass(frozen=True, slots=True)
+class CommandRecord:
+    """A command as it was after limits; `sent` is False when it was only recorded."""
+
+    name: str
+    arguments: dict[str, Any]
+    now: float
+    sent: bool
+    limited: tuple[str, ...] = ()
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything as JSON; an argument that JSON does not know is given as a text."""
+        arguments = {
+            k: v if isinstance(v, (bool, int, float, str, dict)) else repr(v)
+            for k, v in self.arguments.items()
+        }
+        return {
+            "name": self.name,
+            "arguments": arguments,
+            "now": self.now,
+            "sent": self.sent,
+            "limited": list(self.limited),
+        }
+
+
+class Safety:
+    """The state of a bridge's safety, and its log.
+
+    Parameters
+    ----------
+    armed : bool
+        Whether commands go out; a disarmed bridge records and shows them only.
+    kept : int
+        How many notices and commands the log holds.
+    """
+
+    def __init__(self, armed: bool, kept: int = 100) -> None:
+        self.armed = armed
+        self.now = 0.0
+        self.period = 0.0
+        self.held = False
+        self.notice_count = 0
+        self.command_count = 0
+        self._last_tick: float | None = None
+        self._overdue_reported = False
+        self._moving_since: float | None = None  # time of the last velocity command that is not zero
+        self._moving_name = "move"
+        self._notices: deque[Notice] = deque(maxlen=kept)
+        self._commands: deque[CommandRecord] = deque(maxlen=kept)
+        self._log_lock = threading.Lock()
+
+    @property
+    def notices(self) -> tuple[Notice, ...]:
+        """The last notices, oldest first."""
+        with self._log_lock:
+            return tuple(self._notices)
+
+    @property
+    def commands(self) -> tuple[CommandRecord, ...]:
+        """The last commands, oldest first, sent or not."""
+        with self._log_lock:
+            return tuple(self._commands)
+
+    def notice(self, kind: NoticeKind, text: str) -> Notice:
+        """Log what was done; the same again and again is one notice that counts."""
+        with self._log_lock:
+            self.notice_count += 1
+            last = self._notices[-1] if self._notices else None
+            if last is not None and (last.kind, last.text) == (kind, text):
+                self._notices[-1] = entry = replace(last, now=self.now, count=last.count + 1)
+            else:
+                entry = Notice(kind, text, self.now)
+                self._notices.append(entry)
+        return entry
+
+    def record(self, command: CommandRecord) -> None:
+        """Log a command."""
+        with self._log_lock:
+            self.command_count += 1
+            self._commands.append(command)
+
+    def tick(self, now: float, period: float) -> None:
+        """Note that a tick begins: what was held by a stop may go on."""
+        self.now, self.period = now, period
+        self._last_tick = now
+        self._overdue_reported = False
+        self.held = False
+
+    @property
+    def ticking(self) -> bool:
+        """Whether a loop drives the bridge; a person who drives by hand is not held by a stop."""
+        return self._last_tick is not None
+
+    def moving(self, name: str, is_moving: bool) -> None:
+        """Note a velocity command that went out."""
+        self._moving_name = name
+        self._moving_since = self.now if is_moving else None
+
+    def stopped(self) -> None:
+        """Note that the robot was told to stop: nothing more goes out in this tick."""
+        self._moving_since = None
+        self.held = self.ticking
+
+    def rest(self) -> None:
+        """No ticks are expected for now: the program is paused or has ended."""
+        self._last_tick = None
+        self.held = False
+
+    def command_overdue(self, now: float) -> str | None:
+        """Give the sentence for a robot that moves without new commands, or None."""
+        since, limit = self._moving_since, patience(self.period)
+        if since is None or now - since < limit - _ROUNDING:
+            return None
+        return f"no command for {limit:g} s: put `{self._moving_name}` in `running`"
+
+    def tick_overdue(self, now: float) -> str | None:
+        """Give the sentence for a loop that hangs, once for each silence, or None."""
+        last, limit = self._last_tick, patience(self.period)
+        if last is None or self._overdue_reported or now - last < limit - _ROUNDING:
+            return None
+        self._overdue_reported = True
+        return f"no tick for {now - last:.1f} s: the robot was stopped"
