@@ -43,7 +43,6 @@ looks its members up, so that members can come and go while a program holds it.
 from __future__ import annotations
 
 import inspect
-import keyword
 import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -51,10 +50,11 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, ClassVar, Self
 
-from lrp_jupyter.bridges.members import Member, MemberError, describe_value, did_you_mean
+from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.message import Message, Twist
+from lrp_jupyter.bridges.nodes import Limits, Method, Nodes, Variable
 from lrp_jupyter.bridges.panel import Panel
-from lrp_jupyter.bridges.robot import Limits, Method, Robot, Variable, attach
+from lrp_jupyter.bridges.robot import Robot, attach
 from lrp_jupyter.bridges.safety import CommandRecord, Notice, Safety
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
@@ -128,19 +128,18 @@ class Bridge(ABC):
     stop_timeout: ClassVar[float | None] = 1.0
     registry: ClassVar[dict[str, type[Bridge]]] = {}
 
-    nodes: Mapping[str, Variable | Method | Robot]
-    latch: int
-
     def __init_subclass__(cls, **kwargs: Any) -> None:
         super().__init_subclass__(**kwargs)
         if not cls.__dict__.get("name"):
             cls.name = cls.__name__.removesuffix("Bridge").lower() or cls.__name__.lower()
+        if cls.name in ("none", "sim") and not cls.__module__.startswith("lrp_jupyter."):
+            raise BridgeError(f"The name `{cls.name}` is taken; give `{cls.__name__}` another `name`.")
         Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
 
     def __new__(cls, *_args: object, **_options: object) -> Self:
         """Make the parts of every bridge; here, as many an ``__init__`` forgets the one above it."""
         bridge = super().__new__(cls)
-        bridge.nodes = {}
+        bridge.nodes = Nodes(lambda path: Robot(bridge, f"{path}."))
         bridge.latch = 0
         bridge.safety = Safety(armed=not cls.hardware)
         bridge.robot = Robot(bridge)
@@ -150,6 +149,8 @@ class Bridge(ABC):
         bridge._opened_panel = None
         return bridge
 
+    nodes: Nodes
+    latch: int  # number of the tick that readings are latched for; 0 between ticks
     safety: Safety
     robot: Robot
     _ticks: int
@@ -180,7 +181,7 @@ class Bridge(ABC):
 
         Unless overridden: a velocity of zero through every velocity method.
         """
-        for node in self.nodes.values():
+        for node in self.nodes.members():
             if isinstance(node, Method) and node.velocity:
                 node.perform(node.standstill())
 
@@ -204,15 +205,30 @@ class Bridge(ABC):
         """Give the panel as it is now; unless overridden: as it was when the bridge was opened."""
         return self._opened_panel
 
-    def answer(self, key: str, value: object) -> None:
-        """Take the answer to a question of the panel."""
+    def answer(self, key: str, value: str) -> None:
+        """Take the answer to a question of the panel; on the command line ``--<key> VALUE``."""
         raise BridgeError(f"The bridge `{self.name}` asks no `{key}`.")
 
-    def press(self, action: str, *arguments: object) -> None:
-        """Do what a button of the panel says; ``"stop"`` stops the robot."""
-        if action != "stop":
-            raise BridgeError(f"The bridge `{self.name}` has no button `{action}`.")
+    def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
+        """Do what a button of the panel says; ``"stop"`` stops the robot, on any thread.
+
+        Parameters
+        ----------
+        key : str
+            Of the button.
+        row : str
+            Key of the row of the table in which it stands.
+        values : mapping of str to str, optional
+            What stands in the fields of the panel.
+        """
+        if key != "stop":
+            raise BridgeError(f"The bridge `{self.name}` has no button `{key}`.")
         self.stop_all()
+
+    @property
+    def picture(self) -> object:
+        """The bridge's own picture of its robot for views, a frozen value; None where it has none."""
+        return None
 
     def advance(self, seconds: float) -> None:  # noqa: B027  (a hook)
         """Let the bridge's own world pass `seconds` (whole steps of `time_step`)."""
@@ -259,7 +275,7 @@ class Bridge(ABC):
         age : callable, optional
             Seconds since the reading arrived, where the bridge knows better than "when it was read".
         """
-        self._add(name, Variable(self, name, getter, doc or _doc_of(getter), unit, type, age))
+        self.nodes.add(Variable(self, name, getter, doc or _doc_of(getter), unit, type, age))
 
     def add_method(
         self,
@@ -293,7 +309,7 @@ class Bridge(ABC):
         """
         is_velocity = name.rpartition(".")[2] == "move" if velocity is None else velocity
         text = doc or _doc_of(function)
-        self._add(name, Method(self, name, function, text, message, command, is_velocity, limits or {}))
+        self.nodes.add(Method(self, name, function, text, message, command, is_velocity, limits or {}))
 
     def remove_member(self, name: str) -> None:
         """Take a member away, or a part with all its members.
@@ -303,33 +319,11 @@ class Bridge(ABC):
         MemberError
             There is no such member.
         """
-        if name not in self.nodes:
-            raise MemberError(f"There is no member `{name}` to remove.{did_you_mean(name, self.nodes)}")
-        gone = {path for path in self.nodes if path == name or path.startswith(f"{name}.")}
-        left = {path: node for path, node in self.nodes.items() if path not in gone}
-        self.nodes = {  # a part goes with its last member
-            path: node
-            for path, node in left.items()
-            if not isinstance(node, Robot) or any(other.startswith(f"{path}.") for other in left)
-        }
-
-    def _add(self, name: str, node: Variable | Method) -> None:
-        nodes = dict(self.nodes)  # built anew and swapped: other threads look while we write
-        for part in name.split("."):
-            if not part.isidentifier() or keyword.iskeyword(part) or part.startswith("_"):
-                raise ValueError(f"`{name}` cannot be written after `robot.`: `{part}` is no usable name")
-        if isinstance(nodes.get(name), Robot):
-            raise ValueError(f"`{name}` has members of its own and cannot be a member itself")
-        for end in [i for i, character in enumerate(name) if character == "."]:
-            parent = nodes.setdefault(name[:end], Robot(self, f"{name[:end]}."))
-            if not isinstance(parent, Robot):
-                raise ValueError(f"`{name[:end]}` is a member already and cannot have members")
-        nodes[name] = node
-        self.nodes = nodes
+        self.nodes.remove(name)
 
     def members(self) -> tuple[Member, ...]:
         """Every member with its last reading; reads nothing, and may be called on any thread."""
-        return tuple(self._member(node) for node in self.nodes.values() if not isinstance(node, Robot))
+        return tuple(node.describe() for node in self.nodes.members())
 
     def describe(self, path: str) -> Member:
         """Describe one member, a part (``light``) or a field of a reading (``odom.x``).
@@ -339,33 +333,14 @@ class Bridge(ABC):
         MemberError
             There is no such member or field.
         """
-        path = path.removeprefix("robot.")
-        node = self.nodes.get(path)
-        if isinstance(node, Robot):
-            inside = tuple(m for m in self.members() if m.name.startswith(f"{path}."))
-            return Member(path, "variable", fields=inside)
-        if node is not None:
-            return self._member(node)
-        parent = path.rpartition(".")[0]
-        fields = self.describe(parent).fields if parent else self.members()
-        for field in fields:
-            if field.name == path:
-                return field
-        names = [field.name for field in fields]
-        raise MemberError(f"`robot` has no `{path}`.{did_you_mean(path, names)}")
-
-    def _member(self, node: Variable | Method) -> Member:
-        if isinstance(node, Method):
-            return Member(node.path, "method", doc=node.doc, signature=node.signature)
-        member = Member(node.path, "variable", node.type_name, node.unit, node.doc, node.age(), node.value)
-        return describe_value(member, node.type)
+        return self.nodes.describe(path.removeprefix("robot."))
 
     def refresh(self) -> None:
         """Read every variable once, so that views show what no program reads.
 
         Between ticks, on the interpreter's thread. Failing readings stay as they were.
         """
-        for node in self.nodes.values():
+        for node in self.nodes.members():
             if isinstance(node, Variable):
                 try:
                     node.read()
@@ -423,7 +398,7 @@ class Bridge(ABC):
             self.close_interface()
         except Exception as error:  # closing goes on: nobody could do anything about it
             self.safety.notice("fault", f"closing `{self.name}`: {type(error).__name__}: {error}")
-        self.nodes = {}
+        self.nodes.clear()
         self.safety.rest()
         self.set_status(Connection.DISCONNECTED, f"`{self.name}` is closed.")
 
@@ -531,7 +506,9 @@ class Bridge(ABC):
         safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited))
         if not sent:
             if safety.armed:
-                safety.notice("held", f"`{method.path}` was not sent: the robot was stopped during this tick")
+                safety.notice(
+                    "held", f"`{method.path}` was not sent: the robot was stopped, the next tick may move it"
+                )
             else:
                 safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed")
             return None

@@ -16,13 +16,14 @@ from __future__ import annotations
 
 import math
 import numbers
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
-from lrp_jupyter.bridges.members import MemberError, did_you_mean
+from lrp_jupyter.bridges.members import Member, MemberError, did_you_mean
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["Message", "Twist", "Vector3", "real_number"]
+__all__ = ["NUMBER", "Message", "Plain", "Twist", "Vector3", "real_number"]
 
 
 def real_number(value: object, what: str) -> float:
@@ -41,15 +42,37 @@ def real_number(value: object, what: str) -> float:
     return number
 
 
+@dataclass(frozen=True, slots=True)
+class Plain:
+    """A kind of field that is no message.
+
+    Parameters
+    ----------
+    type : str
+        What a view calls it.
+    default : object
+        The value of a field that is not set.
+    check : callable
+        Takes a value and the name of the field, gives what is stored, or raises `BridgeError`.
+    """
+
+    type: str
+    default: Any
+    check: Callable[[object, str], Any]
+
+
+NUMBER = Plain("float", 0.0, real_number)
+
+
 class Message:
-    """A message with named fields, each a number or another message.
+    """A message with named fields, each of them plain or another message.
 
     A subclass names its fields in `FIELDS`; `WORDS` are short forms: ``{"linear": "linear.x"}``
     lets a number stand for the nested message.
     """
 
     __slots__ = ("_fields", "_path")
-    FIELDS: ClassVar[Mapping[str, type[Message] | type[float]]] = {}
+    FIELDS: ClassVar[Mapping[str, type[Message] | Plain]] = {}
     WORDS: ClassVar[Mapping[str, str]] = {}
 
     _fields: dict[str, Any]
@@ -57,7 +80,7 @@ class Message:
 
     def __init__(self, path: str = "msg", /, **fields: object) -> None:
         values = {
-            name: kind(f"{path}.{name}") if issubclass(kind, Message) else 0.0
+            name: kind.default if isinstance(kind, Plain) else kind(f"{path}.{name}")
             for name, kind in self.FIELDS.items()
         }
         object.__setattr__(self, "_path", path)
@@ -92,22 +115,32 @@ class Message:
 
     @classmethod
     def paths(cls) -> Iterator[str]:
-        """Dotted names of every number of the message: ``linear.x``, ``linear.y``, ..."""
+        """Dotted names of every plain field of the message: ``linear.x``, ``linear.y``, ..."""
         for name, kind in cls.FIELDS.items():
-            if issubclass(kind, Message):
-                yield from (f"{name}.{inner}" for inner in kind.paths())
-            else:
+            if isinstance(kind, Plain):
                 yield name
+            else:
+                yield from (f"{name}.{inner}" for inner in kind.paths())
 
-    def get(self, path: str) -> float:
-        """Read a number by its dotted name, or by its short form."""
+    @classmethod
+    def describe(cls, path: str) -> tuple[Member, ...]:
+        """Describe the fields, below the name `path`."""
+        return tuple(
+            Member(f"{path}.{name}", "variable", kind.type)
+            if isinstance(kind, Plain)
+            else Member(f"{path}.{name}", "variable", kind.__name__, fields=kind.describe(f"{path}.{name}"))
+            for name, kind in cls.FIELDS.items()
+        )
+
+    def get(self, path: str) -> Any:
+        """Read a field by its dotted name, or by its short form."""
         value: Any = self
         for name in self.WORDS.get(path, path).split("."):
             value = getattr(value, name)
-        return float(value)
+        return value
 
-    def set(self, path: str, value: float) -> None:
-        """Write a number by its dotted name, or by its short form."""
+    def set(self, path: str, value: object) -> None:
+        """Write a field by its dotted name, or by its short form."""
         *parents, last = self.WORDS.get(path, path).split(".")
         target: Message = self
         for name in parents:
@@ -115,22 +148,22 @@ class Message:
         target._assign(last, value)
 
     def as_dict(self) -> dict[str, Any]:
-        """Give the message as nested dictionaries of floats."""
+        """Give the message as nested dictionaries."""
         return {k: v.as_dict() if isinstance(v, Message) else v for k, v in self._fields.items()}
 
     def _assign(self, name: str, value: object) -> None:
         kind = self.FIELDS.get(name)
         if kind is None:
             self._assign_long_name(name, value)
-        elif not issubclass(kind, Message):
-            self._fields[name] = real_number(value, f"{self._path}.{name}")
+        elif isinstance(kind, Plain):
+            self._fields[name] = kind.check(value, f"{self._path}.{name}")
         elif isinstance(value, kind):
             for inner in kind.FIELDS:  # a copy: two messages never share a part
                 self._fields[name]._assign(inner, getattr(value, inner))
         elif isinstance(value, Mapping):
             self._fields[name](**value)
         elif name in self.WORDS:
-            self.set(name, real_number(value, f"{self._path}.{name}"))
+            self.set(name, value)
         else:
             inside = ", ".join(f"`{self._path}.{name}.{inner}`" for inner in kind.FIELDS)
             raise BridgeError(f"`{self._path}.{name}` has fields of its own, set these: {inside}.")
@@ -139,7 +172,7 @@ class Message:
         """``linear_x=0.2`` is ``linear.x``."""
         first, _, rest = name.partition("_")
         kind = self.FIELDS.get(first)
-        if not rest or kind is None or not issubclass(kind, Message) or rest not in kind.FIELDS:
+        if kind is None or isinstance(kind, Plain) or rest not in kind.FIELDS:
             raise self._unknown(name)
         self._fields[first]._assign(rest, value)
 
@@ -155,7 +188,7 @@ class Vector3(Message):
     """Three numbers, x forward, y to the left, z up (REP 103)."""
 
     __slots__ = ()
-    FIELDS = {"x": float, "y": float, "z": float}  # noqa: RUF012
+    FIELDS = {"x": NUMBER, "y": NUMBER, "z": NUMBER}  # noqa: RUF012
 
 
 class Twist(Message):

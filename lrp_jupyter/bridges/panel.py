@@ -1,8 +1,8 @@
 """A bridge's panel as plain data: the lab draws it, the command line answers it.
 
-A bridge opens no window. It says what there is to see (fields, tables), to press (buttons) and to
-answer (questions, such as the address of the robot); what a person does comes back to
-:meth:`Bridge.answer` and :meth:`Bridge.press`, between two ticks.
+A bridge opens no window. It says what there is to see and to fill in (fields, tables), to press
+(buttons) and to answer before it can connect (questions, such as the address of the robot). What a
+person does comes back to :meth:`Bridge.press` and :meth:`Bridge.answer`, between two ticks.
 
 Paper: §7.1 (figures 4 and 5), §7.2 (the dialog for the address, the runstop), §7.3.
 Deviation: §7.3 lets the bridge open its windows itself; here it describes them, so that the same
@@ -15,57 +15,59 @@ import dataclasses
 from dataclasses import dataclass
 from typing import Any, Literal
 
-__all__ = ["Button", "Field", "Panel", "Question", "Table"]
-
-Scalar = bool | int | float | str | None
+__all__ = ["STOP", "Button", "Field", "Panel", "Question", "Table"]
 
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """A labelled value; `member` names the robot's member whose live value is shown instead."""
+    """Something to see (kind ``"value"``) or to fill in; what was filled in comes with each button."""
 
+    key: str
     label: str
-    value: Scalar = None
-    member: str = ""
+    kind: Literal["text", "number", "choice", "switch", "value"] = "value"
+    value: str = ""
+    choices: tuple[str, ...] = ()
     unit: str = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Button:
-    """Something to press: comes back as ``bridge.press(action, *arguments)``.
+    """Something to press: comes back as ``bridge.press(key, row, values)``."""
 
-    The action ``"stop"`` is the runstop: it is ``stop_all`` and works while the program hangs.
-    """
-
-    action: str
+    key: str
     label: str
-    arguments: tuple[Scalar, ...] = ()
-    danger: bool = False
+
+
+STOP = Button("stop", "Stop robot")
+"""The runstop: every bridge knows it, and it works while the program hangs."""
+
+
+@dataclass(frozen=True, slots=True)
+class Table:
+    """Rows of texts below columns; `keys` name the rows, each row has all the `buttons`."""
+
+    key: str
+    title: str
+    columns: tuple[str, ...]
+    keys: tuple[str, ...] = ()
+    rows: tuple[tuple[str, ...], ...] = ()
+    buttons: tuple[Button, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(self.keys) != len(self.rows) or any(len(row) != len(self.columns) for row in self.rows):
+            raise ValueError(f"table {self.key!r}: each row needs a key, and a text for each column")
 
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """Something to answer: comes back as ``bridge.answer(key, value)``.
+    """Something that the bridge needs to know: comes back as ``bridge.answer(key, value)``.
 
     On the command line the key is the option: ``--host`` answers the question ``host``.
     """
 
     key: str
-    label: str
-    value: Scalar = None
-    kind: Literal["text", "number", "choice", "yes/no"] = "text"
-    choices: tuple[str, ...] = ()
-    required: bool = True
-
-
-@dataclass(frozen=True, slots=True)
-class Table:
-    """Rows of plain values below columns; `buttons` holds those of each row, if there are any."""
-
-    title: str
-    columns: tuple[str, ...]
-    rows: tuple[tuple[Scalar, ...], ...] = ()
-    buttons: tuple[tuple[Button, ...], ...] = ()
+    text: str
+    default: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +77,7 @@ class Panel:
     title: str
     fields: tuple[Field, ...] = ()
     tables: tuple[Table, ...] = ()
-    buttons: tuple[Button, ...] = ()
+    buttons: tuple[Button, ...] = (STOP,)
     questions: tuple[Question, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:

@@ -8,21 +8,15 @@ Paper: §3.2 (the pseudo-variable ``robot``), §7.
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Callable, Mapping
-from types import TracebackType
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 from lrp_jupyter.bridges.members import MemberError, did_you_mean
-from lrp_jupyter.bridges.message import Message, real_number
-from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
+from lrp_jupyter.bridges.nodes import Method, Variable
 
 if TYPE_CHECKING:
     from lrp_jupyter.bridges.bridge import Bridge
 
-__all__ = ["Limits", "Method", "Robot", "Variable", "attach"]
-
-Limits = Mapping[str, float | tuple[float, float]]
+__all__ = ["Robot", "attach"]
 
 
 class Robot:
@@ -42,13 +36,13 @@ class Robot:
         object.__setattr__(self, "_prefix", prefix)
 
     def __getattr__(self, name: str) -> Any:
-        node = self._bridge.nodes.get(self._prefix + name)
+        node = self._bridge.nodes.table.get(self._prefix + name)
         if node is None:
             raise self._unknown(name)
         return node.read() if type(node) is Variable else node
 
     def __setattr__(self, name: str, value: object) -> None:
-        node = self._bridge.nodes.get(self._prefix + name)
+        node = self._bridge.nodes.table.get(self._prefix + name)
         if node is None:
             raise self._unknown(name)
         path = f"robot.{self._prefix}{name}"
@@ -67,7 +61,11 @@ class Robot:
     def __dir__(self) -> list[str]:
         start = len(self._prefix)
         return sorted(
-            {path[start:].partition(".")[0] for path in self._bridge.nodes if path.startswith(self._prefix)}
+            {
+                path[start:].partition(".")[0]
+                for path in self._bridge.nodes.table
+                if path.startswith(self._prefix)
+            }
         )
 
     def __repr__(self) -> str:
@@ -90,251 +88,3 @@ class Robot:
 def attach(robot: Robot, bridge: Bridge) -> None:
     """Give an existing `robot` another bridge: programs that hold the object notice nothing."""
     object.__setattr__(robot, "_bridge", bridge)
-
-
-class Variable:
-    """A reading: read at most once in a tick, so that one tick sees one world.
-
-    Owner: the interpreter's thread; others may look at `value` and `arrived`.
-    """
-
-    __slots__ = (
-        "_age",
-        "_bridge",
-        "_failure",
-        "_getter",
-        "_seen",
-        "arrived",
-        "doc",
-        "path",
-        "type",
-        "unit",
-        "value",
-    )
-
-    def __init__(
-        self,
-        bridge: Bridge,
-        path: str,
-        getter: Callable[[], object],
-        doc: str,
-        unit: str,
-        type_: type | str | None,
-        age: Callable[[], float | None] | None,
-    ) -> None:
-        self._bridge, self.path, self._getter, self._age = bridge, path, getter, age
-        self.doc, self.unit, self.type = doc, unit, type_
-        self.value: object = None
-        self.arrived: float | None = None
-        self._seen = -1
-        self._failure: LRPError | None = None
-
-    def read(self) -> object:
-        """Read, or give what was read before in this tick.
-
-        Raises
-        ------
-        NoDataYet
-            Nothing has arrived yet (the getter said so, or gave None).
-        BridgeError
-            The robot could not be read.
-        """
-        tick = self._bridge.latch
-        if tick != self._seen or tick == 0:
-            self._seen = tick
-            self._failure = None
-            try:
-                value = self._getter()
-            except NoDataYet:
-                value = None
-            except BridgeError as error:
-                self._failure = error
-            except Exception as error:
-                self._failure = BridgeError(f"`robot.{self.path}` could not be read: {_sentence(error)}")
-                self._failure.__cause__ = error
-            if self._failure is None:
-                if value is None:
-                    self._failure = NoDataYet(f"`robot.{self.path}` has no data yet.")
-                else:
-                    self.value, self.arrived = value, self._bridge.safety.now
-        if self._failure is not None:
-            raise self._failure.with_traceback(None)
-        return self.value
-
-    def forget(self) -> None:
-        """Back to "no data yet": another source stands behind the name."""
-        self.value, self.arrived, self._seen = None, None, -1
-
-    def age(self) -> float | None:
-        """Seconds since the reading arrived; None before the first."""
-        if self._age is not None:
-            return self._age()
-        return None if self.arrived is None else max(0.0, self._bridge.safety.now - self.arrived)
-
-    @property
-    def type_name(self) -> str:
-        """Name of the declared type, or that of the last reading."""
-        if self.type is None:
-            return "" if self.value is None else type(self.value).__name__
-        return self.type if isinstance(self.type, str) else self.type.__name__
-
-
-class Method:
-    """A method of the robot. A command among them passes the bridge's safety.
-
-    ``robot.move(...)`` sends; ``with robot.move as msg:`` fills a message and sends it at the end,
-    unless the block fails.
-    """
-
-    # fmt: off
-    __slots__ = ("_bridge", "_filling", "_function", "_parameters", "command", "doc", "limits", "message",
-                 "path", "signature", "velocity")
-    # fmt: on
-
-    def __init__(
-        self,
-        bridge: Bridge,
-        path: str,
-        function: Callable[..., object],
-        doc: str,
-        message: type[Message] | None,
-        command: bool,
-        velocity: bool,
-        limits: Limits,
-    ) -> None:
-        self._bridge, self.path, self._function = bridge, path, function
-        self.doc = doc
-        self.message, self.command, self.velocity = message, command, velocity
-        self.limits = {name: _range(limit) for name, limit in limits.items()}
-        self._parameters = _signature(function)
-        if message is not None:
-            self.signature = f"({', '.join(f'{name}=0.0' for name in message.WORDS or message.FIELDS)})"
-        else:
-            self.signature = str(self._parameters) if self._parameters else "(...)"
-        self._filling: list[Message] = []
-
-    def __call__(self, *args: object, **kwargs: object) -> object:
-        """Check the arguments, and send them if the bridge's safety lets them pass."""
-        if self.message is not None:
-            return self._bridge.send(self, self._fill(self.message, args, kwargs))
-        return self._bridge.send(self, self._bind(args, kwargs))
-
-    def __enter__(self) -> Message:
-        if self.message is None:
-            raise BridgeError(
-                f"`robot.{self.path}` takes no message: call it, `robot.{self.path}{self.signature}`."
-            )
-        self._filling.append(self.message())
-        return self._filling[-1]
-
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
-        message = self._filling.pop()
-        if kind is None:
-            self._bridge.send(self, message)
-
-    def __getattr__(self, name: str) -> NoReturn:
-        path = f"robot.{self.path}"
-        raise MemberError(f"`{path}` is a method and has no `{name}`; call it: `{path}{self.signature}`.")
-
-    def __setattr__(self, name: str, value: object) -> None:
-        if name not in Method.__slots__:
-            self.__getattr__(name)
-        object.__setattr__(self, name, value)
-
-    def __repr__(self) -> str:
-        return f"<robot.{self.path}{self.signature}>"
-
-    def perform(self, command: Message | inspect.BoundArguments) -> object:
-        """Do it, past the safety (the bridge calls this); faults come as BridgeError."""
-        try:
-            if isinstance(command, Message):
-                return self._function(command)
-            return self._function(*command.args, **command.kwargs)
-        except LRPError:
-            raise
-        except Exception as error:
-            raise BridgeError(f"`robot.{self.path}` failed: {_sentence(error)}") from error
-
-    def standstill(self) -> Message | inspect.BoundArguments:
-        """Give the command that stops: a message of zeros, or 0 for every argument without default."""
-        if self.message is not None:
-            return self.message()
-        still = self._parameters.bind_partial()
-        for parameter in self._parameters.parameters.values():
-            is_variadic = parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
-            if parameter.default is parameter.empty and not is_variadic:
-                still.arguments[parameter.name] = 0.0
-        return still
-
-    def _fill(self, kind: type[Message], args: tuple[object, ...], kwargs: dict[str, object]) -> Message:
-        message = kind()
-        if len(args) > 1 or (args and kwargs):
-            raise BridgeError(f"`robot.{self.path}` takes one block or message, or names: {self._example()}.")
-        if args and isinstance(args[0], kind):
-            for name in kind.FIELDS:
-                setattr(message, name, getattr(args[0], name))
-        elif args and callable(args[0]) and not isinstance(args[0], Message):
-            args[0](message)
-        elif args:
-            raise BridgeError(
-                f"`robot.{self.path}` does not know what to do with {args[0]!r}: {self._example()}."
-            )
-        return message(**kwargs)
-
-    def _bind(self, args: tuple[object, ...], kwargs: dict[str, object]) -> inspect.BoundArguments:
-        try:
-            return self._parameters.bind(*args, **kwargs)
-        except TypeError as error:
-            names = self._parameters.parameters
-            unknown = next((name for name in kwargs if name not in names), "")
-            hint = did_you_mean(unknown, names) if unknown else ""
-            raise BridgeError(f"`robot.{self.path}{self.signature}`: {error}.{hint}") from None
-
-    def _example(self) -> str:
-        name = next(iter(self.limits), None) or next(iter(self.message.FIELDS if self.message else ()), "")
-        return f"for example `robot.{self.path}({name}=0.2)`"
-
-    def clamp(self, command: Message | inspect.BoundArguments) -> tuple[str, ...]:
-        """Bring a command within the limits; give a sentence for each number that was beyond."""
-        sentences = []
-        for name, (low, high) in self.limits.items():
-            if isinstance(command, Message):
-                value = command.get(name)
-            elif name in command.arguments:
-                value = real_number(command.arguments[name], f"{self.path}({name}=…)")
-            else:
-                continue
-            allowed = min(max(value, low), high)
-            if allowed == value:
-                continue
-            if isinstance(command, Message):
-                command.set(name, allowed)
-            else:
-                command.arguments[name] = allowed
-            sentences.append(f"`{self.path}`: {name} {value:g} limited to {allowed:g}")
-        return tuple(sentences)
-
-
-def _range(limit: float | tuple[float, float]) -> tuple[float, float]:
-    low, high = limit if isinstance(limit, tuple) else (-limit, limit)
-    if not low <= high:
-        raise ValueError(f"a limit runs from the smaller to the larger number, not {limit!r}")
-    return low, high
-
-
-def _signature(function: Callable[..., object]) -> inspect.Signature:
-    try:
-        return inspect.signature(function)
-    except (TypeError, ValueError):  # some callables written in C have none
-        return inspect.Signature(
-            [
-                inspect.Parameter("args", inspect.Parameter.VAR_POSITIONAL),
-                inspect.Parameter("kwargs", inspect.Parameter.VAR_KEYWORD),
-            ]
-        )
-
-
-def _sentence(error: BaseException) -> str:
-    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__

@@ -1,0 +1,363 @@
+"""What stands behind the members of a robot: readings, methods, and the tree of their names.
+
+Owner: the interpreter's thread. Other threads may look: the table of members is never changed in
+place, a new one replaces it.
+"""
+
+from __future__ import annotations
+
+import inspect
+import keyword
+from collections.abc import Callable, Iterator, Mapping
+from types import TracebackType
+from typing import TYPE_CHECKING, NoReturn
+
+from lrp_jupyter.bridges.members import Member, MemberError, describe_value, did_you_mean
+from lrp_jupyter.bridges.message import Message, real_number
+from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
+
+if TYPE_CHECKING:
+    from lrp_jupyter.bridges.bridge import Bridge
+
+__all__ = ["Limits", "Method", "Nodes", "Variable"]
+
+Limits = Mapping[str, float | tuple[float, float]]
+
+
+class Variable:
+    """A reading: read at most once in a tick, so that one tick sees one world.
+
+    Owner: the interpreter's thread; others may look at `value` and `arrived`.
+    """
+
+    __slots__ = (
+        "_age",
+        "_bridge",
+        "_failure",
+        "_getter",
+        "_seen",
+        "arrived",
+        "doc",
+        "path",
+        "type",
+        "unit",
+        "value",
+    )
+
+    def __init__(
+        self,
+        bridge: Bridge,
+        path: str,
+        getter: Callable[[], object],
+        doc: str,
+        unit: str,
+        type_: type | str | None,
+        age: Callable[[], float | None] | None,
+    ) -> None:
+        self._bridge, self.path, self._getter, self._age = bridge, path, getter, age
+        self.doc, self.unit, self.type = doc, unit, type_
+        self.value: object = None
+        self.arrived: float | None = None
+        self._seen = -1
+        self._failure: LRPError | None = None
+
+    def read(self) -> object:
+        """Read, or give what was read before in this tick.
+
+        Raises
+        ------
+        NoDataYet
+            Nothing has arrived yet (the getter said so, or gave None).
+        BridgeError
+            The robot could not be read.
+        """
+        tick = self._bridge.latch
+        if tick != self._seen or tick == 0:
+            self._seen = tick
+            self._failure = None
+            try:
+                value = self._getter()
+            except NoDataYet:
+                value = None
+            except BridgeError as error:
+                self._failure = error
+            except Exception as error:
+                self._failure = BridgeError(f"`robot.{self.path}` could not be read: {_sentence(error)}")
+                self._failure.__cause__ = error
+            if self._failure is None:
+                if value is None:
+                    self._failure = NoDataYet(f"`robot.{self.path}` has no data yet.")
+                else:
+                    self.value, self.arrived = value, self._bridge.safety.now
+        if self._failure is not None:
+            raise self._failure.with_traceback(None)
+        return self.value
+
+    def forget(self) -> None:
+        """Back to "no data yet": another source stands behind the name."""
+        self.value, self.arrived, self._seen = None, None, -1
+
+    def age(self) -> float | None:
+        """Seconds since the reading arrived; None before the first."""
+        if self._age is not None:
+            return self._age()
+        return None if self.arrived is None else max(0.0, self._bridge.safety.now - self.arrived)
+
+    def describe(self) -> Member:
+        """Give what is known, without reading."""
+        value, kind = self.value, self.type
+        if kind is None:
+            kind = "" if value is None else type(value).__name__
+        text = kind if isinstance(kind, str) else kind.__name__
+        member = Member(self.path, "variable", text, self.unit, self.doc, self.age(), value)
+        return describe_value(member, self.type)
+
+
+class Method:
+    """A method of the robot. A command among them passes the bridge's safety.
+
+    ``robot.move(...)`` sends; ``with robot.move as msg:`` fills a message and sends it at the end,
+    unless the block fails.
+    """
+
+    # fmt: off
+    __slots__ = ("_bridge", "_filling", "_function", "_parameters", "command", "doc", "limits", "message",
+                 "path", "signature", "velocity")
+    # fmt: on
+
+    def __init__(
+        self,
+        bridge: Bridge,
+        path: str,
+        function: Callable[..., object],
+        doc: str,
+        message: type[Message] | None,
+        command: bool,
+        velocity: bool,
+        limits: Limits,
+    ) -> None:
+        self._bridge, self.path, self._function = bridge, path, function
+        self.doc = doc
+        self.message, self.command, self.velocity = message, command, velocity
+        self.limits = {name: _range(limit) for name, limit in limits.items()}
+        self._parameters = _signature(function)
+        if message is not None:
+            self.signature = f"({', '.join(f'{name}=0.0' for name in message.WORDS or message.FIELDS)})"
+        else:
+            self.signature = str(self._parameters) if self._parameters else "(...)"
+        self._filling: list[Message] = []
+
+    def __call__(self, *args: object, **kwargs: object) -> object:
+        """Check the arguments, and send them if the bridge's safety lets them pass."""
+        if self.message is not None:
+            return self._bridge.send(self, self._fill(self.message, args, kwargs))
+        return self._bridge.send(self, self._bind(args, kwargs))
+
+    def __enter__(self) -> Message:
+        if self.message is None:
+            raise BridgeError(
+                f"`robot.{self.path}` takes no message: call it, `robot.{self.path}{self.signature}`."
+            )
+        self._filling.append(self.message())
+        return self._filling[-1]
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        message = self._filling.pop()
+        if kind is None:
+            self._bridge.send(self, message)
+
+    def __getattr__(self, name: str) -> NoReturn:
+        path = f"robot.{self.path}"
+        raise MemberError(f"`{path}` is a method and has no `{name}`; call it: `{path}{self.signature}`.")
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name not in Method.__slots__:
+            self.__getattr__(name)
+        object.__setattr__(self, name, value)
+
+    def __repr__(self) -> str:
+        return f"<robot.{self.path}{self.signature}>"
+
+    def perform(self, command: Message | inspect.BoundArguments) -> object:
+        """Do it, past the safety (the bridge calls this); faults come as BridgeError."""
+        try:
+            if isinstance(command, Message):
+                return self._function(command)
+            return self._function(*command.args, **command.kwargs)
+        except LRPError:
+            raise
+        except Exception as error:
+            raise BridgeError(f"`robot.{self.path}` failed: {_sentence(error)}") from error
+
+    def standstill(self) -> Message | inspect.BoundArguments:
+        """Give the command that stops: a message of zeros, or 0 for every argument without default."""
+        if self.message is not None:
+            return self.message()
+        still = self._parameters.bind_partial()
+        for parameter in self._parameters.parameters.values():
+            is_variadic = parameter.kind in (parameter.VAR_POSITIONAL, parameter.VAR_KEYWORD)
+            if parameter.default is parameter.empty and not is_variadic:
+                still.arguments[parameter.name] = 0.0
+        return still
+
+    def _fill(self, kind: type[Message], args: tuple[object, ...], kwargs: dict[str, object]) -> Message:
+        message = kind()
+        if len(args) > 1 or (args and kwargs):
+            raise BridgeError(f"`robot.{self.path}` takes one block or message, or names: {self._example()}.")
+        if args and isinstance(args[0], kind):
+            for name in kind.FIELDS:
+                setattr(message, name, getattr(args[0], name))
+        elif args and callable(args[0]) and not isinstance(args[0], Message):
+            args[0](message)
+        elif args:
+            raise BridgeError(
+                f"`robot.{self.path}` does not know what to do with {args[0]!r}: {self._example()}."
+            )
+        return message(**kwargs)
+
+    def _bind(self, args: tuple[object, ...], kwargs: dict[str, object]) -> inspect.BoundArguments:
+        try:
+            return self._parameters.bind(*args, **kwargs)
+        except TypeError as error:
+            names = self._parameters.parameters
+            unknown = next((name for name in kwargs if name not in names), "")
+            hint = did_you_mean(unknown, names) if unknown else ""
+            raise BridgeError(f"`robot.{self.path}{self.signature}`: {error}.{hint}") from None
+
+    def _example(self) -> str:
+        name = next(iter(self.limits), None) or next(iter(self.message.FIELDS if self.message else ()), "")
+        return f"for example `robot.{self.path}({name}=0.2)`"
+
+    def describe(self) -> Member:
+        """Give what is known."""
+        fields = self.message.describe(self.path) if self.message is not None else ()
+        return Member(self.path, "method", doc=self.doc, signature=self.signature, fields=fields)
+
+    def clamp(self, command: Message | inspect.BoundArguments) -> tuple[str, ...]:
+        """Bring a command within the limits; give a sentence for each number that was beyond."""
+        sentences = []
+        for name, (low, high) in self.limits.items():
+            if isinstance(command, Message):
+                value = command.get(name)
+            elif name in command.arguments:
+                value = real_number(command.arguments[name], f"{self.path}({name}=…)")
+            else:
+                continue
+            allowed = min(max(value, low), high)
+            if allowed == value:
+                continue
+            if isinstance(command, Message):
+                command.set(name, allowed)
+            else:
+                command.arguments[name] = allowed
+            sentences.append(f"`{self.path}`: {name} {value:g} limited to {allowed:g}")
+        return tuple(sentences)
+
+
+class Nodes:
+    """The members of a bridge by their dotted names; parts (``light``) come and go with them.
+
+    Parameters
+    ----------
+    make_part : callable
+        Gives the object that a program gets for a name with members of its own.
+    """
+
+    def __init__(self, make_part: Callable[[str], object]) -> None:
+        self._make_part = make_part
+        self.table: Mapping[str, object] = {}
+
+    def add(self, node: Variable | Method) -> None:
+        """Add a member; one of the same name is replaced.
+
+        Raises
+        ------
+        ValueError
+            The name cannot be written after ``robot.``, or would be a member and a part at once.
+        """
+        name, table = node.path, dict(self.table)
+        for part in name.split("."):
+            if not part.isidentifier() or keyword.iskeyword(part) or part.startswith("_"):
+                raise ValueError(f"`{name}` cannot be written after `robot.`: `{part}` is no usable name")
+        if not isinstance(table.get(name, node), (Variable, Method)):
+            raise ValueError(f"`{name}` has members of its own and cannot be a member itself")
+        for end in [i for i, character in enumerate(name) if character == "."]:
+            if name[:end] not in table:
+                table[name[:end]] = self._make_part(name[:end])
+            elif isinstance(table[name[:end]], (Variable, Method)):
+                raise ValueError(f"`{name[:end]}` is a member already and cannot have members")
+        table[name] = node
+        self.table = table
+
+    def remove(self, name: str) -> None:
+        """Remove a member, or a part with all its members.
+
+        Raises
+        ------
+        MemberError
+            There is none of that name.
+        """
+        if name not in self.table:
+            raise MemberError(f"There is no member `{name}` to remove.{did_you_mean(name, self.table)}")
+        left = [node for node in self.members() if node.path != name and not node.path.startswith(f"{name}.")]
+        table: dict[str, object] = {}
+        for path, node in self.table.items():
+            if any(other.path == path or other.path.startswith(f"{path}.") for other in left):
+                table[path] = node
+        self.table = table
+
+    def clear(self) -> None:
+        """Remove everything."""
+        self.table = {}
+
+    def members(self) -> Iterator[Variable | Method]:
+        """Every member, in the order of their addition."""
+        return (node for node in self.table.values() if isinstance(node, (Variable, Method)))
+
+    def describe(self, path: str) -> Member:
+        """Describe a member, a part, or a field of a reading.
+
+        Raises
+        ------
+        MemberError
+            There is none of that name.
+        """
+        node = self.table.get(path)
+        if isinstance(node, (Variable, Method)):
+            return node.describe()
+        if node is not None:
+            inside = (member for member in self.members() if member.path.startswith(f"{path}."))
+            return Member(path, "variable", fields=tuple(member.describe() for member in inside))
+        parent, _, name = path.rpartition(".")
+        fields = self.describe(parent).fields if parent else ()
+        for field in fields:
+            if field.name == path:
+                return field
+        known = [field.name.rpartition(".")[2] for field in fields] if parent else list(self.table)
+        what = f"robot.{parent}".rstrip(".")
+        raise MemberError(f"`{what}` has no `{name}`.{did_you_mean(name, known)}")
+
+
+def _range(limit: float | tuple[float, float]) -> tuple[float, float]:
+    low, high = limit if isinstance(limit, tuple) else (-limit, limit)
+    if not low <= high:
+        raise ValueError(f"a limit runs from the smaller to the larger number, not {limit!r}")
+    return low, high
+
+
+def _signature(function: Callable[..., object]) -> inspect.Signature:
+    try:
+        return inspect.signature(function)
+    except (TypeError, ValueError):  # some callables written in C have none
+        return inspect.Signature(
+            [
+                inspect.Parameter("args", inspect.Parameter.VAR_POSITIONAL),
+                inspect.Parameter("kwargs", inspect.Parameter.VAR_KEYWORD),
+            ]
+        )
+
+
+def _sentence(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
