@@ -1,0 +1,163 @@
+"""The grammar of one form: lark says whether its tokens are right, this module what was expected instead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import lru_cache
+from importlib.resources import files
+from typing import Any, NamedTuple
+
+from lark import Lark, Token, Tree, UnexpectedToken
+from lark.lexer import Lexer
+
+from lrp_jupyter.language.tokens import LEGAL
+
+__all__ = ["USAGE", "Mistake", "Shape", "expected_text", "shape_of"]
+
+USAGE = {
+    "var": "(var name := [value])",
+    "machine": "(machine name …)",
+    "state": "(state name …)",
+    "onentry": "(onentry [action])",
+    "running": "(running [action])",
+    "onexit": "(onexit [action])",
+    "event": "(event name [condition])",
+    "spawn": "(spawn machine state)",
+    "on": "(on event source -> destination)",
+    "ontime": "(ontime milliseconds source -> destination)",
+    "eps": "(eps source -> destination)",
+    "exit": "(exit event source -> destination)",
+    "onpause": "(onpause [action])",
+    "onresume": "(onresume [action])",
+}
+
+
+class Shape(NamedTuple):
+    """Which token of a transition plays which part; indices count from the keyword, which is 0."""
+
+    trigger: int | None
+    source: str
+    sources: tuple[int, ...]
+    destination: int
+    name: int | None
+
+
+class Mistake(NamedTuple):
+    """The token (by its index) at which a form breaks off, and the tokens that could stand there."""
+
+    index: int
+    expected: frozenset[str]
+
+
+class _Tokens(Lexer):
+    """Hand lark the tokens of a form; each one's value is its index."""
+
+    def __init__(self, lexer_conf: Any) -> None:
+        pass
+
+    def lex(self, data: Any) -> Iterator[Token]:
+        """Yield a token for every type."""
+        for index, kind in enumerate(data):
+            yield Token(kind, index)
+
+
+def _grammar() -> Lark:
+    text = files("lrp_jupyter.language").joinpath("grammar.lark").read_text(encoding="utf-8")
+    return Lark(text, parser="lalr", lexer=_Tokens, start=["form", "program"], maybe_placeholders=True)
+
+
+_LARK = _grammar()
+_REPEATABLE = frozenset(["BLOCK", *(f"{keyword.upper()}_FORM" for keyword in USAGE)])
+
+
+def shape_of(types: tuple[str, ...]) -> Shape | Mistake | None:
+    """Read the tokens of one form, given by their types.
+
+    Parameters
+    ----------
+    types : tuple of str
+        The keyword's first; for what stands outside every form, ``PROGRAM``.
+
+    Returns
+    -------
+    Shape or Mistake or None
+        None for a form that is right and no transition.
+    """
+    shape = _shape(_short(types))
+    return _shape(types) if isinstance(shape, Mistake) else shape
+
+
+def _short(types: tuple[str, ...]) -> tuple[str, ...]:
+    """Leave out repetitions of blocks and forms, so that few different sequences reach lark."""
+    head = next((index for index, kind in enumerate(types) if kind in _REPEATABLE), None)
+    if head is None or len(types) - head < 2:
+        return types
+    tail = set(types[head:])
+    return (*types[:head], *sorted(tail)) if tail <= _REPEATABLE else types
+
+
+@lru_cache(maxsize=4096)
+def _shape(types: tuple[str, ...]) -> Shape | Mistake | None:
+    try:
+        if types[0] == "PROGRAM":
+            _LARK.parse(types[1:], start="program")  # type: ignore[arg-type]
+            return None
+        tree: Tree[Token] = _LARK.parse(types, start="form")  # type: ignore[arg-type,assignment]
+    except UnexpectedToken as error:
+        at_end = error.token.type == "$END"
+        index = len(types) if at_end else int(error.token.value) + (types[0] == "PROGRAM")  # type: ignore[call-overload]
+        return Mistake(index, frozenset(error.accepts or error.expected))
+    if tree.data not in ("on", "ontime", "eps", "exit"):
+        return None
+    *head, destination, name = tree.children[1:]
+    source: Tree[Token] = head[-1]  # type: ignore[assignment]
+    trigger: Tree[Token] | None = head[0] if len(head) > 1 else None  # type: ignore[assignment]
+    names = [token for token in source.scan_values(lambda token: token.type == "NAME")]
+    return Shape(
+        trigger=None if trigger is None else _index(trigger.children[0]),
+        source=str(source.data),
+        sources=tuple(_index(token) for token in names),
+        destination=_index(destination),
+        name=None if name is None else _index(name),
+    )
+
+
+def _index(token: Any) -> int:
+    return int(token.value)
+
+
+_WORDS = {
+    "BLOCK": "a block `[…]`",
+    "INTEGER": "a whole number of milliseconds",
+    "ARROW": "`->`",
+    "ASSIGN": "`:=`",
+    "STAR": "`*`",
+    "MINUS": "`-`",
+    "LBRACE": "`{`",
+    "RBRACE": "`}`",
+    "$END": "`)`",
+}
+
+
+def expected_text(keyword: str, before: tuple[str, ...], expected: frozenset[str]) -> str:
+    """Say in words what could stand behind the tokens `before` of a form."""
+    words = [] if "NAME" not in expected else [_name_word(keyword, before)]
+    words += [word for kind, word in _WORDS.items() if kind in expected]
+    words += [f"a `{form}`" for form in sorted(LEGAL.get(keyword, ())) if f"{form.upper()}_FORM" in expected]
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
+
+
+def _name_word(keyword: str, before: tuple[str, ...]) -> str:
+    if keyword == "spawn":
+        return "the machine's name" if len(before) == 1 else "the name of its start state"
+    if keyword not in ("on", "ontime", "eps", "exit"):
+        return "its name"
+    if before[-1] == "ARROW":
+        return "the destination state"
+    if "ARROW" in before:
+        return "the transition's name"
+    if "LBRACE" in before:
+        return "a state's name"
+    if len(before) == 1 and keyword != "eps":
+        return "a variable's name" if keyword == "ontime" else "an event's name"
+    return "the source state"
