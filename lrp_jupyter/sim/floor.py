@@ -1,0 +1,169 @@
+"""What the light sensor sees: strokes on the floor, queried analytically, point by point.
+
+A stroke is cut into pieces (segments and arcs). Each piece is entered into the cells of a grid
+that it can touch, so that a query looks at the few pieces of one cell, however long trails and
+drawings have become. Marks are only ever appended: the floor at an earlier moment is a prefix.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from lrp_jupyter.sim.world import ArcStroke, CircleStroke, Floor, PathStroke, Point, Stroke
+
+__all__ = ["SPOT", "LiveFloor", "Mark", "Paint"]
+
+SPOT = 0.002  # m: radius of the spot over which a light sensor takes the mean
+_CELL = 0.05  # m
+_REACH = _CELL * math.sqrt(0.5) + SPOT
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Paint:
+    """How the pieces of one stroke cover what lies below them.
+
+    Ink only darkens: a light trail does not rub out the line below it. Other paint covers.
+    """
+
+    half: float
+    grey: float
+    ink: bool
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Segment:
+    x: float
+    y: float
+    dx: float
+    dy: float
+    square: float
+
+    def distance(self, x: float, y: float) -> float:
+        x -= self.x
+        y -= self.y
+        if self.square == 0.0:
+            return math.sqrt(x * x + y * y)
+        along = (x * self.dx + y * self.dy) / self.square
+        along = 0.0 if along < 0.0 else 1.0 if along > 1.0 else along
+        x -= along * self.dx
+        y -= along * self.dy
+        return math.sqrt(x * x + y * y)
+
+    def bounds(self) -> tuple[float, float, float, float]:
+        right, top = self.x + self.dx, self.y + self.dy
+        return min(self.x, right), min(self.y, top), max(self.x, right), max(self.y, top)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Arc:
+    x: float
+    y: float
+    radius: float
+    first: float  # the arc runs counter-clockwise from here …
+    sweep: float  # … over this angle, 0 to a full turn
+
+    def distance(self, x: float, y: float) -> float:
+        x -= self.x
+        y -= self.y
+        turned = (math.atan2(y, x) - self.first) % (2 * math.pi)
+        if turned <= self.sweep:
+            return abs(math.sqrt(x * x + y * y) - self.radius)
+        return min(
+            math.hypot(x - self.radius * math.cos(end), y - self.radius * math.sin(end))
+            for end in (self.first, self.first + self.sweep)
+        )
+
+    def bounds(self) -> tuple[float, float, float, float]:
+        return self.x - self.radius, self.y - self.radius, self.x + self.radius, self.y + self.radius
+
+
+_Piece = _Segment | _Arc
+Mark = tuple[int, Paint, _Piece]  # step, how, what
+
+
+class LiveFloor:
+    """The floor of a running world: that of its description, and what was drawn on it since.
+
+    Parameters
+    ----------
+    floor : Floor
+        What is there from the beginning.
+    marks : list of Mark, optional
+        What was drawn since, oldest first; the list is taken over and appended to.
+    """
+
+    def __init__(self, floor: Floor, marks: list[Mark] | None = None) -> None:
+        self.grey = float(floor.grey)
+        self.marks: list[Mark] = [] if marks is None else marks
+        self._cells: dict[tuple[float, float], list[tuple[Paint, list[_Piece]]]] = {}
+        for stroke in floor.strokes:
+            paint = Paint(stroke.width / 2, stroke.grey, False)
+            for piece in _pieces(stroke):
+                self._enter(paint, piece)
+        for _, paint, piece in self.marks:
+            self._enter(paint, piece)
+
+    def add(self, stroke: Stroke, step: int) -> None:
+        """Paint a stroke over all that is there."""
+        paint = Paint(stroke.width / 2, stroke.grey, False)
+        for piece in _pieces(stroke):
+            self._append(step, paint, piece)
+
+    def ink(self, paint: Paint, start: Point, end: Point, step: int) -> None:
+        """Draw one piece of a pen's trail."""
+        self._append(step, paint, _segment(start, end))
+
+    def light(self, x: float, y: float) -> float:
+        """Return the mean grey of the spot around a point, 0 to 255."""
+        grey = self.grey
+        for paint, pieces in self._cells.get((x // _CELL, y // _CELL), ()):
+            nearest = pieces[0].distance(x, y)
+            for piece in pieces[1:]:
+                nearest = min(nearest, piece.distance(x, y))
+            if nearest < paint.half + SPOT:
+                share = _share((paint.half - nearest) / SPOT) - _share((-paint.half - nearest) / SPOT)
+                if not paint.ink or paint.grey < grey:
+                    grey += (paint.grey - grey) * share
+        return grey
+
+    def _append(self, step: int, paint: Paint, piece: _Piece) -> None:
+        self.marks.append((step, paint, piece))
+        self._enter(paint, piece)
+
+    def _enter(self, paint: Paint, piece: _Piece) -> None:
+        wide = paint.half + SPOT
+        left, bottom, right, top = piece.bounds()
+        for column in range(math.floor((left - wide) / _CELL), math.floor((right + wide) / _CELL) + 1):
+            for row in range(math.floor((bottom - wide) / _CELL), math.floor((top + wide) / _CELL) + 1):
+                if piece.distance((column + 0.5) * _CELL, (row + 0.5) * _CELL) <= paint.half + _REACH:
+                    groups = self._cells.setdefault((float(column), float(row)), [])
+                    if groups and groups[-1][0] is paint:
+                        groups[-1][1].append(piece)
+                    else:
+                        groups.append((paint, [piece]))
+
+
+def _share(depth: float) -> float:
+    """Return the share of the spot on this side of an edge, `depth` radii beyond its middle."""
+    if depth >= 1.0:
+        return 1.0
+    if depth <= -1.0:
+        return 0.0
+    return 0.5 + (depth * math.sqrt(1.0 - depth * depth) + math.asin(depth)) / math.pi
+
+
+def _segment(start: Point, end: Point) -> _Segment:
+    dx, dy = end[0] - start[0], end[1] - start[1]
+    return _Segment(start[0], start[1], dx, dy, dx * dx + dy * dy)
+
+
+def _pieces(stroke: Stroke) -> list[_Piece]:
+    match stroke:
+        case PathStroke(path=path):
+            ends = path[1:] or path  # a single point is a dot
+            return [_segment(start, end) for start, end in zip(path, ends, strict=False)]
+        case ArcStroke(arc=(x, y, radius, first, last)):
+            return [_Arc(x, y, radius, min(first, last), abs(last - first))]
+        case CircleStroke(circle=(x, y, radius)):
+            return [_Arc(x, y, radius, 0.0, 2 * math.pi)]

@@ -1,0 +1,140 @@
+"""What acts on a running world from outside: values, so that a run can be recorded and run again."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from lrp_jupyter.sim.world import PathStroke, Pose, Stroke
+
+if TYPE_CHECKING:
+    from lrp_jupyter.sim.simulation import Simulation
+
+__all__ = ["Draw", "Drive", "Input", "Latch", "Pen", "PlaceRobot", "PlaceSolid", "Reset", "check_input"]
+
+
+@dataclass(frozen=True, slots=True)
+class Latch:
+    """Read all sensors and draw this loop's noise."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """Ask a robot for speeds, in m/s and rad/s; they hold until the next ones."""
+
+    linear: float = 0.0
+    angular: float = 0.0
+    robot: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Pen:
+    """Lower or lift a robot's pen."""
+
+    down: bool = True
+    grey: float = 200
+    width: float = 0.006
+    robot: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceRobot:
+    """Take a robot by hand and put it down elsewhere, at rest."""
+
+    pose: Pose
+    robot: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceSolid:
+    """Take a solid by hand and put it down elsewhere, at rest."""
+
+    pose: Pose
+    solid: int
+
+
+@dataclass(frozen=True, slots=True)
+class Draw:
+    """Paint a stroke on the floor; one with ``grey=None`` has the floor's own grey and erases."""
+
+    path: tuple[tuple[float, float], ...]
+    width: float = 0.03
+    grey: float | None = 0
+
+    def stroke(self, floor_grey: float) -> Stroke:
+        """Return what is painted."""
+        return PathStroke(self.path, self.width, floor_grey if self.grey is None else self.grey)
+
+
+@dataclass(frozen=True, slots=True)
+class Reset:
+    """Put everything back to the start and erase trails; drawings too, if asked."""
+
+    drawings: bool = False
+
+
+Input = Latch | Drive | Pen | PlaceRobot | PlaceSolid | Draw | Reset
+
+
+def check_input(what: Input, simulation: Simulation) -> Input:
+    """Return an input with its numbers brought into range.
+
+    Speeds are clamped to the robot's limits, places to the world.
+
+    Raises
+    ------
+    ValueError
+        No such robot or solid, or a number that is none.
+    """
+    match what:
+        case Drive(linear, angular, robot):
+            spec = simulation.robots[_index(robot, simulation.robots, "robot")].spec
+            _finite(linear, angular)
+            most, most_turning = spec.limits
+            return Drive(_clamp(linear, -most, most), _clamp(angular, -most_turning, most_turning), robot)
+        case Pen(down, grey, width, robot):
+            _index(robot, simulation.robots, "robot")
+            _finite(grey, width)
+            return Pen(down, _clamp(grey, 0.0, 255.0), _clamp(width, 0.001, 0.2), robot)
+        case PlaceRobot(pose, robot):
+            _index(robot, simulation.robots, "robot")
+            return PlaceRobot(_inside(pose, simulation), robot)
+        case PlaceSolid(pose, solid):
+            _index(solid, simulation.solids, "solid")
+            return PlaceSolid(_inside(pose, simulation), solid)
+        case Draw(path, width, grey):
+            if not path:
+                raise ValueError("a stroke needs a point")
+            _finite(width, 0 if grey is None else grey, *(number for point in path for number in point))
+            points = tuple(
+                (_clamp(x, 0.0, simulation.world.size[0]), _clamp(y, 0.0, simulation.world.size[1]))
+                for x, y in path
+            )
+            return Draw(points, _clamp(width, 0.001, 1.0), None if grey is None else _clamp(grey, 0.0, 255.0))
+        case _:
+            return what
+
+
+def _index(index: int, things: Sequence[object], noun: str) -> int:
+    if not 0 <= index < len(things):
+        raise ValueError(f"there is no {noun} {index}: the world has {len(things)}")
+    return index
+
+
+def _inside(pose: Pose, simulation: Simulation) -> Pose:
+    x, y, angle = pose
+    _finite(x, y, angle)
+    width, height = simulation.world.size
+    return _clamp(x, 0.0, width), _clamp(y, 0.0, height), float(angle)
+
+
+def _finite(*numbers: float) -> None:
+    for number in numbers:
+        if not math.isfinite(number):
+            raise ValueError(f"expected a finite number, got {number!r}")
+
+
+def _clamp(number: float, low: float, high: float) -> float:
+    return float(min(high, max(low, number)))

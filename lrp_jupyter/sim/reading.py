@@ -1,0 +1,291 @@
+"""From JSON to a world, with every mistake named by its place: ``solids[2].box: expected 4 numbers``."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, TypeVar
+
+from lrp_jupyter.sim.world import (
+    VERSION,
+    ArcStroke,
+    Box,
+    BoxZone,
+    CircleStroke,
+    CircleZone,
+    Disc,
+    Floor,
+    Noise,
+    PathStroke,
+    RobotSpec,
+    Solid,
+    Stroke,
+    World,
+    WorldError,
+    Zone,
+)
+
+__all__ = ["did_you_mean", "read_file", "read_world"]
+
+T = TypeVar("T")
+_FAR = 1000.0  # metres: beyond it a world is surely a mistake of units
+_SMALL = 1e-4
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """Return ``; did you mean 'x'?`` for the closest known word, or nothing."""
+    close = get_close_matches(word, list(known), n=1)
+    return f"; did you mean {close[0]!r}?" if close else ""
+
+
+def read_file(path: Path) -> World:
+    """Read a world from a JSON file.
+
+    Raises
+    ------
+    WorldError
+        The file cannot be read, is not JSON, or is no world.
+    """
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        raise WorldError(f"{path}: cannot be read: {error}") from error
+    try:
+        value = json.loads(text, parse_constant=_no_constant)
+    except json.JSONDecodeError as error:
+        raise WorldError(f"{path}: line {error.lineno}, column {error.colno}: {error.msg}") from error
+    except WorldError as error:
+        raise WorldError(f"{path}: {error}") from None
+    except RecursionError:
+        raise WorldError(f"{path}: nested too deeply") from None
+    try:
+        return read_world(value)
+    except WorldError as error:
+        raise WorldError(f"{path}: {error}") from None
+
+
+def read_world(value: object) -> World:
+    """Read a world from plain data.
+
+    Parameters
+    ----------
+    value : dict
+        As :meth:`World.to_dict` writes it; only ``version``, ``size`` and ``robots`` must be there.
+
+    Raises
+    ------
+    WorldError
+        Beginning with the place of the first mistake.
+    """
+    known = ("version", "name", "size", "seed", "open", "floor", "solids", "robots", "zones")
+    record = _record(value, "", known, ("version", "size", "robots"))
+    if record["version"] != VERSION or isinstance(record["version"], bool):
+        raise WorldError(f"version: expected {VERSION}, got {_shown(record['version'])}")
+    width, height = _numbers(record["size"], "size", 2, low=0.1, high=_FAR)
+    robots = _each(record["robots"], "robots", lambda item, place: _robot(item, place, (width, height)))
+    if not robots:
+        raise WorldError("robots: expected at least one")
+    return World(
+        size=(width, height),
+        robots=robots,
+        floor=_floor(record.get("floor", {}), "floor"),
+        solids=_each(record.get("solids", []), "solids", _solid),
+        zones=_zones(record.get("zones", {}), "zones"),
+        seed=_whole(record.get("seed", 0), "seed"),
+        open=_truth(record.get("open", False), "open"),
+        name=_text(record.get("name", ""), "name"),
+    )
+
+
+def _floor(value: object, place: str) -> Floor:
+    record = _record(value, place, ("grey", "strokes"))
+    return Floor(
+        grey=_grey(record.get("grey", 255), f"{place}.grey"),
+        strokes=_each(record.get("strokes", []), f"{place}.strokes", _stroke),
+    )
+
+
+def _stroke(value: object, place: str) -> Stroke:
+    record = _record(value, place, ("path", "arc", "circle", "width", "grey"))
+    shape = _one_of(record, place, ("path", "arc", "circle"))
+    width = _number(record.get("width", 0.03), f"{place}.width", low=_SMALL, high=_FAR)
+    grey = _grey(record.get("grey", 0), f"{place}.grey")
+    place = f"{place}.{shape}"
+    if shape == "path":
+        path = _each(record[shape], place, _point)
+        if not path:
+            raise WorldError(f"{place}: expected at least one point")
+        return PathStroke(path, width, grey)
+    if shape == "arc":
+        x, y, radius, first, last = _numbers(record[shape], place, 5)
+        if abs(last - first) > 2 * math.pi + 1e-9:
+            raise WorldError(f"{place}: longer than a full turn (angles are in radians)")
+        return ArcStroke((x, y, _positive(radius, f"{place}[2]"), first, last), width, grey)
+    x, y, radius = _numbers(record[shape], place, 3)
+    return CircleStroke((x, y, _positive(radius, f"{place}[2]")), width, grey)
+
+
+def _solid(value: object, place: str) -> Solid:
+    record = _record(value, place, ("box", "circle", "angle", "push", "name"))
+    shape = _one_of(record, place, ("box", "circle"))
+    angle = _number(record.get("angle", 0), f"{place}.angle", low=-_FAR, high=_FAR)
+    push = record.get("push")
+    push = None if push is None else _number(push, f"{place}.push", low=0.0, high=10.0)
+    name = _text(record.get("name", ""), f"{place}.name")
+    if shape == "box":
+        return Box(_box(record[shape], f"{place}.{shape}"), angle, push, name)
+    return Disc(_disc(record[shape], f"{place}.{shape}"), angle, push, name)
+
+
+def _zones(value: object, place: str) -> dict[str, Zone]:
+    return {name: _zone(item, f"{place}.{name}") for name, item in _record(value, place, None).items()}
+
+
+def _zone(value: object, place: str) -> Zone:
+    record = _record(value, place, ("box", "circle"))
+    shape = _one_of(record, place, ("box", "circle"))
+    if shape == "box":
+        return BoxZone(_box(record[shape], f"{place}.{shape}"))
+    return CircleZone(_disc(record[shape], f"{place}.{shape}"))
+
+
+def _robot(value: object, place: str, size: tuple[float, float]) -> RobotSpec:
+    known = ("pose", "radius", "light", "bumper", "distance", "limits", "noise")
+    record = _record(value, place, known, ("pose",))
+    standard = RobotSpec((0.0, 0.0, 0.0))
+    x, y, heading = _numbers(record["pose"], f"{place}.pose", 3, low=-_FAR, high=_FAR)
+    if not (0 <= x <= size[0] and 0 <= y <= size[1]):
+        raise WorldError(f"{place}.pose: ({x:g}, {y:g}) is outside the world of {size[0]:g} x {size[1]:g} m")
+    rays = _each(record.get("distance", standard.distance), f"{place}.distance", _point)
+    for index, (_, reach) in enumerate(rays):
+        _positive(reach, f"{place}.distance[{index}][1]")
+    forward, turning = _numbers(
+        record.get("limits", standard.limits), f"{place}.limits", 2, low=_SMALL, high=100.0
+    )
+    return RobotSpec(
+        pose=(x, y, heading),
+        radius=_number(record.get("radius", standard.radius), f"{place}.radius", low=0.01, high=10.0),
+        light=_each(record.get("light", standard.light), f"{place}.light", _point),
+        bumper=_truth(record.get("bumper", True), f"{place}.bumper"),
+        distance=rays,
+        limits=(forward, turning),
+        noise=_noise(record.get("noise", {}), f"{place}.noise"),
+    )
+
+
+def _noise(value: object, place: str) -> Noise:
+    known = ("motor", "light", "distance", "gyro", "odom")
+    record = _record(value, place, known)
+    return Noise(
+        **{key: _number(item, f"{place}.{key}", low=0.0, high=255.0) for key, item in record.items()}
+    )
+
+
+def _box(value: object, place: str) -> tuple[float, float, float, float]:
+    x, y, width, height = _numbers(value, place, 4)
+    return x, y, _positive(width, f"{place}[2]"), _positive(height, f"{place}[3]")
+
+
+def _disc(value: object, place: str) -> tuple[float, float, float]:
+    x, y, radius = _numbers(value, place, 3)
+    return x, y, _positive(radius, f"{place}[2]")
+
+
+def _point(value: object, place: str) -> tuple[float, float]:
+    x, y = _numbers(value, place, 2)
+    return x, y
+
+
+def _record(
+    value: object, place: str, known: tuple[str, ...] | None, needed: tuple[str, ...] = ()
+) -> Mapping[str, Any]:
+    if not isinstance(value, Mapping):
+        raise WorldError(f"{place or 'world'}: expected an object, got {_shown(value)}")
+    prefix = f"{place}." if place else ""
+    for key in value:
+        if not isinstance(key, str):
+            raise WorldError(f"{place or 'world'}: keys must be strings, got {_shown(key)}")
+        if known is not None and key not in known:
+            raise WorldError(f"{prefix}{key}: unknown key{did_you_mean(key, known)}")
+    for key in needed:
+        if key not in value:
+            raise WorldError(f"{place or 'world'}: {key!r} is missing")
+    return value
+
+
+def _one_of(record: Mapping[str, Any], place: str, shapes: tuple[str, ...]) -> str:
+    present = [shape for shape in shapes if shape in record]
+    if len(present) != 1:
+        choice = " or ".join(repr(shape) for shape in shapes)
+        got = "none" if not present else " and ".join(repr(shape) for shape in present)
+        raise WorldError(f"{place}: expected one of {choice}, got {got}")
+    return present[0]
+
+
+def _each(value: object, place: str, read: Callable[[object, str], T]) -> tuple[T, ...]:
+    if not isinstance(value, list | tuple):
+        raise WorldError(f"{place}: expected a list, got {_shown(value)}")
+    return tuple(read(item, f"{place}[{index}]") for index, item in enumerate(value))
+
+
+def _numbers(
+    value: object, place: str, count: int, low: float = -_FAR, high: float = _FAR
+) -> tuple[float, ...]:
+    if not isinstance(value, list | tuple):
+        raise WorldError(f"{place}: expected {count} numbers, got {_shown(value)}")
+    if len(value) != count:
+        raise WorldError(f"{place}: expected {count} numbers, got {len(value)}")
+    return tuple(_number(item, f"{place}[{index}]", low, high) for index, item in enumerate(value))
+
+
+def _number(value: object, place: str, low: float, high: float) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise WorldError(f"{place}: expected a number, got {_shown(value)}")
+    if not low <= value <= high:  # NaN is in no range
+        raise WorldError(f"{place}: expected a number from {low:g} to {high:g}, got {value!r}")
+    return value
+
+
+def _positive(value: float, place: str) -> float:
+    return _number(value, place, low=_SMALL, high=_FAR)
+
+
+def _grey(value: object, place: str) -> float:
+    return _number(value, place, low=0.0, high=255.0)
+
+
+def _whole(value: object, place: str) -> int:
+    if isinstance(value, bool) or not isinstance(value, int):
+        raise WorldError(f"{place}: expected a whole number, got {_shown(value)}")
+    return value
+
+
+def _truth(value: object, place: str) -> bool:
+    if not isinstance(value, bool):
+        raise WorldError(f"{place}: expected true or false, got {_shown(value)}")
+    return value
+
+
+def _text(value: object, place: str) -> str:
+    if not isinstance(value, str):
+        raise WorldError(f"{place}: expected a text, got {_shown(value)}")
+    return value
+
+
+def _shown(value: object) -> str:
+    """Return a value for a message, short and in JSON's words."""
+    words: dict[type, str] = {
+        dict: "an object",
+        list: "a list",
+        tuple: "a list",
+        type(None): "null",
+        bool: str(value).lower(),
+    }
+    return words.get(type(value)) or (repr(value) if len(repr(value)) <= 40 else f"{repr(value)[:37]}...")
+
+
+def _no_constant(name: str) -> float:
+    raise WorldError(f"{name} is not a number that a world can have")

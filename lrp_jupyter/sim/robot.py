@@ -1,0 +1,327 @@
+"""The things in a world as pymunk knows them: robots on two wheels, and solids, fixed or pushable.
+
+Seen from above no gravity presses things to the ground, so the floor acts through
+`velocity_func`, which pymunk calls for a body in every step. These functions are module-level
+(bound ones break copying) and cost five times the rest of a step. A body whose velocity they would
+not change, because it stands or drives straight and touches nothing, therefore sleeps: it takes its
+function off until a command or a contact wakes it. What happens is the same, bit for bit.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+import pymunk
+
+from lrp_jupyter.sim.floor import Paint
+from lrp_jupyter.sim.sensors import Odometer, Readings
+from lrp_jupyter.sim.world import Box, Point, Pose, RobotSpec, Solid
+
+__all__ = ["STEP", "Memory", "Motion", "Robot", "Thing", "edge", "fresh_space"]
+
+STEP = 0.01  # s: one step of physics
+GRAVITY = 9.81  # m/s²
+GRIP = 0.8  # coefficient of friction of the wheels: pushing harder, they slip
+TURNING_GRIP = 150.0  # rad/s²
+WHEELBASE = 1.4  # distance between the wheels, in radii of the robot
+MASS = 1.0  # kg, of a robot
+DENSITY = 25.0  # kg per m² of floor covered, of pushable solids
+BAR = 0.004  # m: how far the bumper bar stands off the body
+BAR_HALF = math.radians(55)
+
+SOLID, BODY, BUMPER = 1, 2, 4  # categories, for contacts and rays
+_STILL, _SLIDING, _ROLLING, _PRESSING = 0, 1, 2, 3  # types of contact
+
+Motion = tuple[float, float, float, float, float, float]  # x, y, angle; their velocities
+
+
+class Body(pymunk.Body):
+    """A body that knows its owner."""
+
+    solid = -1  # number of the solid; -1: a robot or the edge of the world
+    wheels: Robot | None = None
+    touched = False  # by anything, in this step
+    awake = False
+    target = (0.0, 0.0)  # of wheels: m/s, rad/s
+    braking = (0.0, 0.0)  # of a pushable solid: m/s², rad/s²
+
+    def wake(self) -> None:
+        """Let the floor act on the body again."""
+        if not self.awake and self.body_type == pymunk.Body.DYNAMIC:
+            self.awake = True
+            self.velocity_func = _slide if self.wheels is None else _roll
+
+    def sleep(self) -> None:
+        """Leave the body to inertia alone."""
+        self.awake = False
+        self.velocity_func = pymunk.Body.update_velocity
+
+    def motion(self) -> Motion:
+        """Return all that moves of it."""
+        return (*self.position, self.angle, *self.velocity, self.angular_velocity)
+
+    def move(self, motion: Motion) -> None:
+        """Set all that moves of it."""
+        x, y, angle, vx, vy, spin = motion
+        self.position = (x, y)
+        self.angle = angle
+        if self.body_type == pymunk.Body.DYNAMIC:
+            self.velocity = (vx, vy)
+            self.angular_velocity = spin
+        self.wake()
+
+
+def _roll(body: pymunk.Body, gravity: Point, damping: float, dt: float) -> None:
+    """Bring a robot to the speeds asked for, as far as its wheels grip; they do not slip sideways."""
+    assert isinstance(body, Body)
+    cos, sin = body.rotation_vector
+    vx, vy = body.velocity
+    linear, angular = body.target
+    dx, dy = cos * linear - vx, sin * linear - vy
+    turn = angular - body.angular_velocity
+    if body.touched:
+        body.touched = False
+    elif dx == 0.0 == dy and turn == 0.0 and (linear == 0.0 or angular == 0.0):
+        body.sleep()
+        return
+    slip, most = math.hypot(dx, dy), GRIP * GRAVITY * dt
+    if slip <= most:
+        body.velocity = (cos * linear, sin * linear)
+    else:
+        body.velocity = (vx + dx * most / slip, vy + dy * most / slip)
+    most = TURNING_GRIP * dt
+    body.angular_velocity = angular if abs(turn) <= most else angular - math.copysign(abs(turn) - most, turn)
+
+
+def _slide(body: pymunk.Body, gravity: Point, damping: float, dt: float) -> None:
+    """Brake a pushed solid by its friction on the floor."""
+    assert isinstance(body, Body)
+    vx, vy = body.velocity
+    spin = body.angular_velocity
+    if body.touched:
+        body.touched = False
+    elif vx == 0.0 == vy and spin == 0.0:
+        body.sleep()
+        return
+    speed = math.hypot(vx, vy)
+    brake, turning_brake = body.braking[0] * dt, body.braking[1] * dt
+    scale = 1.0 - brake / speed if speed > brake else 0.0
+    body.velocity = (vx * scale, vy * scale)
+    body.angular_velocity = (
+        math.copysign(abs(spin) - turning_brake, spin) if abs(spin) > turning_brake else 0.0
+    )
+
+
+@dataclass(slots=True)
+class Memory:
+    """What a robot is besides its body; every field is a value, so that a copy is a snapshot."""
+
+    odometer: Odometer
+    command: tuple[float, float] = (0.0, 0.0)
+    commanded_at: int = 0  # step of the last command
+    slip: tuple[float, float] = (1.0, 1.0)  # what motor noise makes of each wheel's speed, for this loop
+    readings: Readings = field(default_factory=Readings)
+    latched_at: int = -1
+    pressed_at: int = -1
+    touching: frozenset[int] = frozenset()  # solids touched since the last latch; -1 is the edge
+    touched: frozenset[int] = frozenset()  # the same, of the whole loop before the last latch
+    pen: Paint | None = None
+    pen_at: Point = (0.0, 0.0)
+
+    def copy(self) -> Memory:
+        """Return a snapshot."""
+        return replace(self)
+
+
+class Robot:
+    """One robot of a running world.
+
+    Parameters
+    ----------
+    spec : RobotSpec
+        What it is.
+    index : int
+        Its number in the world.
+    """
+
+    def __init__(self, spec: RobotSpec, index: int) -> None:
+        self.spec = spec
+        self.index = index
+        self.sight = pymunk.ShapeFilter(group=index + 1, categories=BODY, mask=SOLID | BODY)
+        self.body = Body()
+        self.start()
+
+    def start(self) -> None:
+        """Forget everything."""
+        self.memory = Memory(Odometer(self.spec.pose))
+
+    @property
+    def start_motion(self) -> Motion:
+        """How it stands at the beginning."""
+        return (*self.spec.pose, 0.0, 0.0, 0.0)
+
+    @property
+    def pose(self) -> Pose:
+        """Where it really is: x, y, heading."""
+        return (*self.body.position, self.body.angle)
+
+    @property
+    def readings(self) -> Readings:
+        """What its sensors said when they were read last."""
+        return self.memory.readings
+
+    @property
+    def command(self) -> tuple[float, float]:
+        """The speeds asked of it, in m/s and rad/s, within its limits."""
+        return self.memory.command
+
+    def steer(self) -> None:
+        """Make target speeds of the command and the motor noise of this loop."""
+        linear, angular = self.memory.command
+        left_slip, right_slip = self.memory.slip
+        if left_slip != 1.0 or right_slip != 1.0:
+            base = WHEELBASE * self.spec.radius
+            left = (linear - angular * base / 2) * left_slip
+            right = (linear + angular * base / 2) * right_slip
+            linear, angular = (left + right) / 2, (right - left) / base
+        if self.body.target != (linear, angular):
+            self.body.target = (linear, angular)
+            self.body.wake()
+
+    def embody(self, space: pymunk.Space, motion: Motion) -> None:
+        """Make a body in a new space."""
+        radius = self.spec.radius
+        self.body = Body(MASS, pymunk.moment_for_circle(MASS, 0, radius))
+        self.body.wheels = self
+        self.body.move(motion)
+        hull = pymunk.Circle(self.body, radius)
+        hull.friction = 0.3
+        hull.collision_type = _ROLLING
+        hull.filter = self.sight
+        space.add(self.body, hull)
+        if self.spec.bumper:
+            angles = [BAR_HALF * step / 4 for step in range(-4, 5)]
+            rim = [((radius + BAR) * math.cos(angle), (radius + BAR) * math.sin(angle)) for angle in angles]
+            bar = pymunk.Poly(self.body, rim)
+            bar.sensor = True
+            bar.collision_type = _PRESSING
+            bar.filter = pymunk.ShapeFilter(group=self.index + 1, categories=BUMPER, mask=SOLID | BODY)
+            space.add(bar)
+        self.steer()
+
+
+class Thing:
+    """One solid of a running world."""
+
+    def __init__(self, spec: Solid, index: int) -> None:
+        self.spec = spec
+        self.index = index
+        self.body = Body()
+
+    @property
+    def start_motion(self) -> Motion:
+        """How it stands at the beginning."""
+        x, y = (self.spec.box if isinstance(self.spec, Box) else self.spec.circle)[:2]
+        return (x, y, self.spec.angle, 0.0, 0.0, 0.0)
+
+    @property
+    def pose(self) -> Pose:
+        """Where it is: x, y, angle."""
+        return (*self.body.position, self.body.angle)
+
+    def embody(self, space: pymunk.Space, motion: Motion) -> None:
+        """Make a body in a new space."""
+        shape: pymunk.Shape
+        if isinstance(self.spec, Box):
+            _, _, width, height = self.spec.box
+            area, reach = width * height, math.hypot(width, height) / 2
+        else:
+            radius = self.spec.circle[2]
+            area, reach = math.pi * radius**2, radius
+        if self.spec.push is None:
+            body = Body(body_type=pymunk.Body.STATIC)
+        else:
+            mass = area * DENSITY
+            body = Body(mass, mass * reach**2 / 2)
+            # Friction acts at two thirds of the reach, on average over the area.
+            brake = self.spec.push * GRAVITY
+            body.braking = (brake, brake * 4 / (3 * reach))
+        if isinstance(self.spec, Box):
+            shape = pymunk.Poly.create_box(body, (width, height))
+        else:
+            shape = pymunk.Circle(body, radius)
+        body.solid = self.index
+        body.move(motion)
+        shape.friction = 0.3
+        shape.collision_type = _STILL if self.spec.push is None else _SLIDING
+        shape.filter = pymunk.ShapeFilter(categories=SOLID)
+        self.body = body
+        space.add(body, shape)
+
+
+class Clock:
+    """Counts the steps of a world."""
+
+    def __init__(self) -> None:
+        self.steps = 0
+
+
+def fresh_space(clock: Clock) -> pymunk.Space:
+    """Return an empty space that notes contacts."""
+    space = pymunk.Space()
+    space.collision_slop = 0.0005
+    for kind in (_SLIDING, _ROLLING):
+        space.on_collision(kind, None, pre_solve=_touch)
+    space.on_collision(_PRESSING, None, pre_solve=_press, data=clock)
+    return space
+
+
+def edge(space: pymunk.Space, size: Point) -> None:
+    """Put a wall around a world, outside of it."""
+    width, height = size
+    body = Body(body_type=pymunk.Body.STATIC)
+    thick = 0.1
+    corners = [
+        (-thick, -thick),
+        (width + thick, -thick),
+        (width + thick, height + thick),
+        (-thick, height + thick),
+    ]
+    space.add(body)
+    for start, end in zip(corners, corners[1:] + corners[:1], strict=True):
+        wall = pymunk.Segment(body, start, end, thick)
+        wall.friction = 0.3
+        wall.filter = pymunk.ShapeFilter(categories=SOLID)
+        space.add(wall)
+
+
+def _bodies(arbiter: pymunk.Arbiter) -> Iterator[Body]:
+    for shape in arbiter.shapes:
+        if isinstance(shape.body, Body):
+            yield shape.body
+
+
+def _touch(arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
+    first, second = _bodies(arbiter)
+    for body, other in ((first, second), (second, first)):
+        body.touched = True
+        body.wake()
+        _note(body, other)
+
+
+def _press(arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
+    first, second = _bodies(arbiter)
+    robot = first.wheels
+    assert robot is not None
+    assert isinstance(data, Clock)
+    robot.memory.pressed_at = data.steps + 1  # the step that is being made
+    _note(first, second)
+
+
+def _note(body: Body, other: Body) -> None:
+    if body.wheels is not None and other.wheels is None:
+        memory = body.wheels.memory
+        if other.solid not in memory.touching:
+            memory.touching |= {other.solid}

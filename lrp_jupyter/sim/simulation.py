@@ -1,0 +1,399 @@
+"""A world that runs: steps of physics, inputs with the step at which they act, and exact rewinding.
+
+A run is a function of the world, its seed and the inputs with their steps. Everything from outside,
+the reading of the sensors included, is an input and is recorded. A pymunk space can be neither
+copied nor rebuilt exactly once things touch (contacts remember impulses), so every ten seconds, and
+at every reset, the *live* run itself goes on in a space built afresh from a checkpoint: running
+the inputs again from there gives the same run, bit for bit.
+
+Owned by one thread. Only :meth:`Simulation.submit` may be called from others.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from array import array
+from collections import deque
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from random import Random
+from typing import Any, NamedTuple
+
+import pymunk
+
+from lrp_jupyter.sim.floor import LiveFloor, Mark, Paint
+from lrp_jupyter.sim.inputs import Draw, Drive, Input, Latch, Pen, PlaceRobot, PlaceSolid, Reset, check_input
+from lrp_jupyter.sim.robot import STEP, Clock, Memory, Motion, Robot, Thing, edge, fresh_space
+from lrp_jupyter.sim.sensors import Readings, sense
+from lrp_jupyter.sim.world import Point, Pose, World
+from lrp_jupyter.sim.worlds import load
+
+__all__ = ["STEP", "Moment", "Simulation"]
+
+STEPS_PER_SECOND = 100
+CHECKPOINT_STEPS = 1000
+CHECKPOINT_INPUTS = 20_000
+MOST_CHECKPOINTS = 1_000
+MOST_INPUTS = 250_000
+MOST_MARKS = 20_000  # pieces of trails and drawings: a pen runs dry
+PEN_PIECE = 0.005  # m
+TRACK_STEPS = 10
+TRACK_POINTS = 3_000
+
+
+class Moment(NamedTuple):
+    """A point of a run: a step, and the number of inputs that had acted."""
+
+    step: int
+    inputs: int
+
+
+@dataclass(slots=True)
+class _Checkpoint:
+    moment: Moment
+    base: int  # step of the start or last reset
+    robots: list[tuple[Motion, Memory]]
+    solids: list[Motion]
+    random: tuple[Any, ...]
+    marks: list[Mark]
+    mark_count: int
+    between_inputs: bool  # made by an input, so that earlier inputs of its step belong before it
+    inputs: list[tuple[int, Input]] = field(default_factory=list)
+
+    def is_after(self, step: int, inputs: int | None) -> bool:
+        """Whether it comes later than a step (and a number of inputs; none: before all of that step)."""
+        if inputs is None:
+            return self.moment.step > step or (self.moment.step == step and self.between_inputs)
+        return self.moment.step > step or self.moment.inputs > inputs
+
+
+class Simulation:
+    """A running world.
+
+    Parameters
+    ----------
+    world : str, path, mapping or World
+        What :func:`~lrp_jupyter.sim.worlds.load` takes.
+    seed : int, optional
+        Of all noise; the world's own by default.
+
+    Attributes
+    ----------
+    world : World
+        The description that it started from.
+    robots : tuple of Robot
+    solids : tuple of Thing
+    floor : LiveFloor
+    revision : int
+        Grows whenever the scene changes by hand, by a reset or by rewinding (not by motion or trails).
+    """
+
+    def __init__(
+        self, world: str | os.PathLike[str] | Mapping[str, object] | World = "line", seed: int | None = None
+    ) -> None:
+        self.world = load(world) if seed is None else replace(load(world), seed=seed)
+        self.robots = tuple(Robot(spec, index) for index, spec in enumerate(self.world.robots))
+        self.solids = tuple(Thing(spec, index) for index, spec in enumerate(self.world.solids))
+        self.floor = LiveFloor(self.world.floor)
+        self.revision = 0
+        self.track: deque[tuple[int, int, float, float]] = deque(maxlen=TRACK_POINTS)
+        self._clock = Clock()
+        self._random = Random(self.world.seed)
+        self._queue: deque[Input] = deque()
+        self._inputs = 0
+        self._base = 0
+        self._checkpoints: list[_Checkpoint] = []
+        self._space = self._start()
+        self._checkpoint()
+
+    # -- time ---------------------------------------------------------------------------------
+
+    @property
+    def steps(self) -> int:
+        """Number of steps made."""
+        return self._clock.steps
+
+    @property
+    def time(self) -> float:
+        """Seconds since the beginning, exactly the number of steps by a hundred."""
+        return self._clock.steps / STEPS_PER_SECOND
+
+    @property
+    def robot(self) -> Robot:
+        """The robot that programs drive: the first."""
+        return self.robots[0]
+
+    def step(self, count: int = 1) -> None:
+        """Let `count` steps of 10 ms pass."""
+        self._drain()
+        for _ in range(count):
+            self._advance()
+
+    def _advance(self) -> None:
+        clock = self._clock
+        self._space.step(STEP)
+        clock.steps += 1
+        for robot in self.robots:
+            if robot.memory.pen is not None:
+                self._write(robot)
+        if clock.steps % TRACK_STEPS == 0:
+            for robot in self.robots:
+                self.track.append((clock.steps, robot.index, *robot.body.position))
+        if (clock.steps - self._base) % CHECKPOINT_STEPS == 0:
+            self._checkpoint()
+
+    # -- inputs -------------------------------------------------------------------------------
+
+    def latch(self) -> Readings:
+        """Read the sensors of all robots, once for this loop; return those of the first."""
+        self._drain()
+        self._act(Latch())
+        return self.robot.memory.readings
+
+    def drive(self, linear: float = 0.0, angular: float = 0.0, robot: int = 0) -> tuple[float, float]:
+        """Ask a robot for speeds; return them as its limits allow.
+
+        Raises
+        ------
+        ValueError
+            A speed is not finite, or there is no such robot.
+        """
+        self.apply(Drive(linear, angular, robot))
+        return self.robots[robot].memory.command
+
+    def pen(self, down: bool = True, grey: float = 200, width: float = 0.006, robot: int = 0) -> None:
+        """Lower or lift a robot's pen. Its ink darkens the floor, and light sensors see it."""
+        self.apply(Pen(down, grey, width, robot))
+
+    def place(self, pose: Pose, robot: int = 0) -> None:
+        """Put a robot down elsewhere by hand."""
+        self.apply(PlaceRobot(pose, robot))
+
+    def place_solid(self, solid: int, pose: Pose) -> None:
+        """Put a solid down elsewhere by hand."""
+        self.apply(PlaceSolid(pose, solid))
+
+    def draw(self, path: tuple[Point, ...], width: float = 0.03, grey: float | None = 0) -> None:
+        """Paint a line on the floor; ``grey=None`` erases."""
+        self.apply(Draw(path, width, grey))
+
+    def reset(self, drawings: bool = False) -> None:
+        """Put everything back to the start, sensors and noise included; time goes on.
+
+        Trails are erased; what was drawn by hand stays unless `drawings`.
+        """
+        self.apply(Reset(drawings))
+
+    def apply(self, what: Input) -> None:
+        """Let an input act now.
+
+        Raises
+        ------
+        ValueError
+            It names no robot or solid of this world, or has a number that is none.
+        """
+        self._drain()
+        self._act(check_input(what, self))
+
+    def submit(self, what: Input) -> None:
+        """Let an input act before the next step or latch; may be called from any thread.
+
+        Raises
+        ------
+        ValueError
+            As :meth:`apply`, at once.
+        """
+        self._queue.append(check_input(what, self))
+
+    def _drain(self) -> None:
+        while self._queue:
+            self._act(self._queue.popleft())
+
+    def _act(self, what: Input) -> None:
+        """Record an input and let it act; recorded inputs come here again when they are replayed."""
+        self._checkpoints[-1].inputs.append((self.steps, what))
+        self._inputs += 1
+        match what:
+            case Latch():
+                self._latch()
+            case Drive(linear, angular, index):
+                memory = self.robots[index].memory
+                memory.command = (linear, angular)
+                memory.commanded_at = self.steps
+                self.robots[index].steer()
+            case Pen():
+                self._lower(what)
+            case PlaceRobot(pose, index):
+                robot = self.robots[index]
+                robot.memory.odometer = robot.memory.odometer.lifted(robot.pose, pose)
+                robot.memory.pen_at = (pose[0], pose[1])
+                robot.body.move((*pose, 0.0, 0.0, 0.0))
+                self._space.reindex_shapes_for_body(robot.body)
+                self.revision += 1
+            case PlaceSolid(pose, index):
+                body = self.solids[index].body
+                body.move((*pose, 0.0, 0.0, 0.0))
+                self._space.reindex_shapes_for_body(body)
+                self.revision += 1
+            case Draw():
+                if len(self.floor.marks) + len(what.path) <= MOST_MARKS:
+                    self.floor.add(what.stroke(self.floor.grey), self.steps)
+                    self.revision += 1
+            case Reset(drawings):
+                self._reset(drawings)
+        if len(self._checkpoints[-1].inputs) >= CHECKPOINT_INPUTS:
+            self._checkpoint(between_inputs=True)
+
+    def _latch(self) -> None:
+        for robot in self.robots:
+            memory = robot.memory
+            motor = robot.spec.noise.motor
+            if motor:
+                memory.slip = (1.0 + self._random.gauss(0.0, motor), 1.0 + self._random.gauss(0.0, motor))
+                robot.steer()
+            bumped = memory.pressed_at > memory.latched_at or memory.pressed_at == self.steps
+            memory.readings = sense(robot, self.floor, self._space, self._random, bumped)
+            if memory.latched_at < self.steps:
+                memory.touched, memory.touching = memory.touching, frozenset()
+            memory.latched_at = self.steps
+
+    def _lower(self, pen: Pen) -> None:
+        memory = self.robots[pen.robot].memory
+        if not pen.down:
+            memory.pen = None
+            return
+        memory.pen = Paint(pen.width / 2, pen.grey, True)
+        x, y, _ = self.robots[pen.robot].pose
+        memory.pen_at = (x, y)
+
+    def _write(self, robot: Robot) -> None:
+        memory = robot.memory
+        x, y = robot.body.position
+        if memory.pen is None or math.hypot(x - memory.pen_at[0], y - memory.pen_at[1]) < PEN_PIECE:
+            return
+        if len(self.floor.marks) < MOST_MARKS:
+            self.floor.ink(memory.pen, memory.pen_at, (x, y), self.steps)
+        memory.pen_at = (x, y)
+
+    def _reset(self, drawings: bool) -> None:
+        kept = [] if drawings else [mark for mark in self.floor.marks if not mark[1].ink]
+        self.floor = LiveFloor(self.world.floor, kept)
+        self.track.clear()
+        self.revision += 1
+        self._base = self.steps
+        self._random.seed(self.world.seed)
+        self._space = self._start()
+        self._checkpoint(between_inputs=True)
+
+    # -- rewinding ----------------------------------------------------------------------------
+
+    @property
+    def moment(self) -> Moment:
+        """The present point of the run, for :meth:`rewind`."""
+        return Moment(self.steps, self._inputs)
+
+    @property
+    def earliest(self) -> int:
+        """The first step that can still be rewound to."""
+        return self._checkpoints[0].moment.step
+
+    def rewind(self, to: Moment | int) -> None:
+        """Go back, exactly: what follows is what would have followed then.
+
+        Parameters
+        ----------
+        to : Moment or int
+            A :attr:`moment` of before; or a step: then the inputs that acted at this step are undone.
+
+        Raises
+        ------
+        ValueError
+            The moment is in the future or too long ago (see :attr:`earliest`).
+        """
+        step = to if isinstance(to, int) else to.step
+        most = None if isinstance(to, int) else to.inputs
+        if not self.earliest <= step <= self.steps or (most is not None and most > self._inputs):
+            raise ValueError(
+                f"cannot rewind to step {step}: only {self.earliest} to {self.steps} can be reached"
+            )
+        self._queue.clear()
+        index = len(self._checkpoints) - 1
+        while index and self._checkpoints[index].is_after(step, most):
+            index -= 1
+        checkpoint = self._checkpoints[index]
+        del self._checkpoints[index + 1 :]
+        recorded, checkpoint.inputs = checkpoint.inputs, []
+        self._restore(checkpoint)
+        for at, what in recorded:
+            if at > step or (at == step if most is None else self._inputs >= most):
+                break
+            self._advance_to(at)
+            self._act(what)
+        self._advance_to(step)
+        self.revision += 1
+
+    def _advance_to(self, step: int) -> None:
+        while self.steps < step:
+            self._advance()
+
+    def _checkpoint(self, between_inputs: bool = False) -> None:
+        """Record the state, and go on from what is recorded in a space built afresh."""
+        checkpoint = _Checkpoint(
+            moment=self.moment,
+            base=self._base,
+            robots=[(robot.body.motion(), robot.memory.copy()) for robot in self.robots],
+            solids=[thing.body.motion() for thing in self.solids],
+            random=_packed(self._random),
+            marks=self.floor.marks,
+            mark_count=len(self.floor.marks),
+            between_inputs=between_inputs,
+        )
+        self._checkpoints.append(checkpoint)
+        self._space = self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)
+        kept = sum(len(old.inputs) for old in self._checkpoints)
+        while len(self._checkpoints) > 1 and (
+            len(self._checkpoints) > MOST_CHECKPOINTS or kept > MOST_INPUTS
+        ):
+            kept -= len(self._checkpoints.pop(0).inputs)
+
+    def _restore(self, checkpoint: _Checkpoint) -> None:
+        self._clock.steps, self._inputs = checkpoint.moment
+        self._base = checkpoint.base
+        del checkpoint.marks[checkpoint.mark_count :]
+        self.floor = LiveFloor(self.world.floor, checkpoint.marks)
+        _unpack(self._random, checkpoint.random)
+        for robot, (_, memory) in zip(self.robots, checkpoint.robots, strict=True):
+            robot.memory = memory.copy()
+        while self.track and self.track[-1][0] > self.steps:
+            self.track.pop()
+        self._space = self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)
+
+    def _start(self) -> pymunk.Space:
+        for robot in self.robots:
+            robot.start()
+        robots = [robot.start_motion for robot in self.robots]
+        return self._build(robots, [thing.start_motion for thing in self.solids])
+
+    def _build(self, robots: list[Motion], solids: list[Motion]) -> pymunk.Space:
+        space = fresh_space(self._clock)
+        if not self.world.open:
+            edge(space, self.world.size)
+        for thing, motion in zip(self.solids, solids, strict=True):
+            thing.embody(space, motion)
+        for robot, motion in zip(self.robots, robots, strict=True):
+            robot.embody(space, motion)
+        return space
+
+
+def _packed(random: Random) -> tuple[Any, ...]:
+    """Return the state of a generator, a tenth of its size."""
+    version, numbers, spare = random.getstate()
+    return version, array("L", numbers).tobytes(), spare
+
+
+def _unpack(random: Random, state: tuple[Any, ...]) -> None:
+    version, packed, spare = state
+    numbers = array("L")
+    numbers.frombytes(packed)
+    random.setstate((version, tuple(numbers), spare))
