@@ -1,0 +1,57 @@
+/** The two kinds of token that a regular grammar cannot tell: words behind `(`, and Python. */
+
+import { ExternalTokenizer, type InputStream } from "@lezer/lr";
+import { blockEnd } from "./blocks";
+import * as terms from "./parser.terms";
+
+const WORDS: Record<string, number> = {
+  var: terms._var,
+  machine: terms.machine,
+  state: terms.state,
+  event: terms.event,
+  spawn: terms.spawn,
+  onentry: terms.onentry,
+  running: terms.running,
+  onexit: terms.onexit,
+  on: terms.on,
+  ontime: terms.ontime,
+  eps: terms.eps,
+  exit: terms.exit,
+  onpause: terms.onpause,
+  onresume: terms.onresume,
+};
+
+/** Keywords are words only directly behind `(`, the one place at which the parser asks for them. */
+export const word = new ExternalTokenizer((input: InputStream) => {
+  let text = "";
+  for (let char = input.next; isNameUnit(char); char = input.advance()) text += String.fromCharCode(char);
+  const term = WORDS[text];
+  if (term !== undefined) input.acceptToken(term);
+});
+
+/** The inside of a block. One that is not closed ends with its line, so that the rest keeps its shape. */
+export const python = new ExternalTokenizer((input: InputStream) => {
+  if (input.peek(-1) !== 91) return; // white space behind an empty block
+  const start = input.pos - 1;
+  const end = blockEnd((offset) => input.peek(offset - input.pos), start);
+  let length = end - input.pos;
+  if (end < 0) for (length = 0; !isBreak(input.peek(length)); length++);
+  if (length > 0) {
+    input.advance(length);
+    input.acceptToken(terms.Python);
+  }
+});
+
+function isBreak(char: number): boolean {
+  return char < 0 || char === 10 || char === 13;
+}
+
+function isNameUnit(char: number): boolean {
+  return (
+    char > 160 ||
+    char === 95 ||
+    (char >= 48 && char <= 57) ||
+    (char >= 65 && char <= 90) ||
+    (char >= 97 && char <= 122)
+  );
+}

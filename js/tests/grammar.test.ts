@@ -1,0 +1,47 @@
+import { describe, expect, it } from "vitest";
+import { parser } from "../src/language/parser";
+import { write } from "./tree";
+
+const tree = (text: string) => write(parser.parse(text));
+
+describe("the grammar", () => {
+  it("names a definition", () => {
+    expect(tree("(var x := [1])")).toBe("Variable(Keyword Definition(Name) Assign Block(Python))");
+  });
+  it("takes a keyword for a word only behind a bracket", () => {
+    expect(tree("(on state state -> on)")).toBe("Transition(Keyword Name Name Arrow Name)");
+  });
+  it("lets a state be called by a keyword", () => {
+    expect(tree("(state state)")).toBe("State(Keyword Definition(Name))");
+  });
+  it("reads wildcards with any white space", () => {
+    const wanted = "Transition(Keyword Name Star Arrow Name)";
+    for (const text of ["(on b *-> c)", "(on b * -> c)", "(on b*->c)"]) expect(tree(text)).toBe(wanted);
+    expect(tree("(eps *-{a b}->c n)")).toBe(
+      "Transition(Keyword Star Minus Group(Name Name) Arrow Name Name)",
+    );
+  });
+  it("keeps brackets in strings and comments inside a block", () => {
+    expect(tree("(running [x = ']' # ]\n y[0]])")).toBe("Action(Keyword Block(Python))");
+  });
+  it("ends an unclosed block with its line", () => {
+    expect(tree("(running [x\n(state y)")).toBe(
+      "Action(Keyword Block(Python) State(Keyword Definition(Name)) ⚠)",
+    );
+  });
+  it("leaves an empty block empty", () => {
+    expect(tree("(running [])")).toBe("Action(Keyword Block)");
+    expect(tree("(running [")).not.toContain("Python");
+  });
+  it("knows comments by both signs", () => {
+    expect(tree("; a (\n(state x) # b )")).toBe("Comment State(Keyword Definition(Name)) Comment");
+  });
+  it("reads a nested program whole", () => {
+    const text =
+      "(machine m (state s (onentry (spawn n a) [1]) (machine n (state a))) (exit [x] a -> s)) (spawn m s)";
+    expect(tree(text)).not.toContain("⚠");
+  });
+  it("calls an unknown word no error of its own", () => {
+    expect(tree("(stat x)")).toBe("Unknown(Name Name)");
+  });
+});

@@ -1,0 +1,55 @@
+import { expect, it } from "vitest";
+import { outline } from "../src/language/outline";
+import { parser } from "../src/language/parser";
+
+function read(text: string) {
+  return outline(parser.parse(text), (from, to) => text.slice(from, to));
+}
+
+const PROGRAM = `(var lim := [1])
+(machine m (var n := [2])
+  (state a (machine inner (var n := [3]) (state b) (event deep [n])))
+  (state c)
+  (event go [n > lim])
+  (on go a -> c tgo) (on go a -> c) (on go a->c) (eps *-{a  c}-> c) (ontime 100 {a} -> c) (on [n == 1] * -> a))
+`;
+
+it("gives every element its path", () => {
+  const paths = read(PROGRAM).items.map((item) => `${item.kind} ${item.path}`);
+  expect(paths.slice(0, 9)).toEqual([
+    "variable lim",
+    "machine m",
+    "variable m/n",
+    "state m/a",
+    "machine m/a/inner",
+    "variable m/a/inner/n",
+    "state m/a/inner/b",
+    "event m/a/inner/deep",
+    "state m/c",
+  ]);
+});
+
+it("labels transitions as the kernel does, a second one with its number", () => {
+  const labels = read(PROGRAM).items.flatMap((item) => (item.kind === "transition" ? [item.name] : []));
+  expect(labels).toEqual(["tgo", "go:a->c", "go:a->c#2", "eps:*-{a c}->c", "100:a->c", "[n == 1]:*->a"]);
+});
+
+it("sees inner variables before outer ones of the same name", () => {
+  const scope = read(PROGRAM).inScope("variable", "m/a/inner");
+  expect(scope.map((item) => item.path)).toEqual(["m/a/inner/n", "m/n", "lim"]);
+  expect(
+    read(PROGRAM)
+      .inScope("variable", "m")
+      .map((item) => item.path),
+  ).toEqual(["m/n", "lim"]);
+});
+
+it("finds the innermost element around an offset", () => {
+  const found = read(PROGRAM);
+  expect(found.around(PROGRAM.indexOf("(state b") + 3, "machine")?.path).toBe("m/a/inner");
+  expect(found.around(PROGRAM.indexOf("(state c") + 3, "state", "machine")?.path).toBe("m/c");
+});
+
+it("survives a text that is being typed", () => {
+  expect(read("(machine m (state ) (on x a -> ").items.map((item) => item.path)).toEqual(["m"]);
+});
