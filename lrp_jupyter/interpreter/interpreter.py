@@ -1,0 +1,487 @@
+"""The interpreter: a program that runs, and that can be changed while it runs.
+
+How it works
+------------
+*A program is a value, an edit is a diff of two values, a tick is a function of time.* There is
+no clock, no thread and no input or output in here: :meth:`Interpreter.step` is the loop of §5.1
+of the paper and nothing else. Whoever calls it decides when, and passes the time.
+
+Three things stand behind it:
+
+- a **plan** (``linker``): the program with its names resolved and its blocks compiled. It is
+  immutable; every accepted edit links a new one.
+- a **tree of activations** (``tree``): what runs now. One activation per running machine with its
+  active state, the time it was entered, and one cell per variable. Blocks are bound to cells as
+  closures are, so a variable is as fast as a local name of Python.
+- a **run** (``run``): the tick over that tree, with entering, leaving, spawning and faults.
+
+A tick walks from the roots down. In each machine the transitions that leave the active state are
+tested in the order of the text; the first that is enabled and leads somewhere fires: the active
+state is left (innermost first), the destination is entered, and the tick of that machine is over.
+If none fires, the ``running`` actions run and the machines inside are ticked.
+
+An edit (``patching``) is applied between two ticks: link, decide, swap. What runs is carried over
+by path; only what §6.1 calls an undefined situation restarts. A ``journal`` keeps, for every tick,
+what undoes it. Faults of the program become issues and never raise.
+
+Everything acts between ticks and before the call returns. An interpreter belongs to one thread.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Iterator, Mapping
+from typing import Any, Literal
+
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.events import UNSET, Observer
+from lrp_jupyter.interpreter.forcing import find_state, force
+from lrp_jupyter.interpreter.issues import Issues
+from lrp_jupyter.interpreter.linker import BlockPlan, Plan, link
+from lrp_jupyter.interpreter.patching import Decision, Patch, Renaming, adopt, decide
+from lrp_jupyter.interpreter.run import Run
+from lrp_jupyter.interpreter.tree import Scope, bind_block, content
+from lrp_jupyter.language.blocks import bind, compile_block
+from lrp_jupyter.language.diff import diff
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.program import Block, Path, Program, path_text
+from lrp_jupyter.language.rename import rename
+
+__all__ = ["Interpreter", "Variables"]
+
+
+class Variables(Mapping[Path, object]):
+    """The living variables and their values, by path: ``("follower", "nobump")``.
+
+    A path may also be written as text, ``"follower/nobump"``. Variables that have no value (their
+    initialiser failed) are absent.
+    """
+
+    def __init__(self, run: Run) -> None:
+        self._run = run
+
+    def __getitem__(self, path: Path | str) -> object:
+        scope, name = find_variable(self._run, path)
+        value = content(scope.own[name])
+        if value is UNSET:
+            raise UnknownElementError(f"variable `{path_text(_path(path))}` has no value")
+        return value
+
+    def __iter__(self) -> Iterator[Path]:
+        for scope in self._run.live.values():
+            for name, cell in scope.own.items():
+                if content(cell) is not UNSET:
+                    yield (*scope.path, name)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __repr__(self) -> str:
+        return repr({path_text(path): value for path, value in self.items()})
+
+
+class Interpreter:
+    """Run a program, tick by tick.
+
+    Parameters
+    ----------
+    program : Program
+    robot : object, optional
+        What blocks see as ``robot``.
+    namespace : dict, optional
+        Names that blocks can read (a notebook's); it is used as it is and never written.
+    on_active_edit : {"restart", "keep"}
+        What a change to the actions of an active state does.
+    on_issue : {"record", "pause"}
+        ``pause``: complete the tick, then pause, at each new issue.
+    journal : int
+        How many ticks :meth:`rewind` can go back; 0 keeps no journal.
+    output : callable, optional
+        What blocks see as ``print``.
+
+    Paper: §5.1, §6.
+    """
+
+    def __init__(
+        self,
+        program: Program,
+        robot: object = None,
+        namespace: dict[str, Any] | None = None,
+        on_active_edit: Literal["restart", "keep"] = "restart",
+        on_issue: Literal["record", "pause"] = "record",
+        *,
+        journal: int = 10_000,
+        output: Callable[..., object] | None = None,
+    ) -> None:
+        self.on_active_edit = on_active_edit
+        self.on_issue = on_issue
+        self.paused = False
+        self._run = Run(link(program), robot, {} if namespace is None else namespace, output, journal)
+        self._report_duplicates()
+
+    # ---- what can be seen -------------------------------------------------------------------
+
+    @property
+    def program(self) -> Program:
+        """The program that runs."""
+        return self._run.plan.program
+
+    @property
+    def active(self) -> tuple[Path, ...]:
+        """Paths of the innermost active states, as spawned."""
+        return tuple(path for root in self._run.roots for path in root.leaves())
+
+    @property
+    def variables(self) -> Variables:
+        """The living variables."""
+        return Variables(self._run)
+
+    @property
+    def issues(self) -> Issues:
+        """The faults of the program so far, each once. Paper: §6.2."""
+        return self._run.issues
+
+    @property
+    def tick(self) -> int:
+        """How many ticks there were; the number of the last one."""
+        return self._run.ticks
+
+    @property
+    def now(self) -> float:
+        """Time of the last tick or command, seconds."""
+        return self._run.now
+
+    @property
+    def journal(self) -> int:
+        """How many ticks :meth:`rewind` can go back now."""
+        return len(self._run.journal) if self._run.journal is not None else 0
+
+    @property
+    def last_exception(self) -> BaseException | None:
+        """The last exception that a block raised, for post-mortem debugging."""
+        return self._run.last_exception
+
+    def entered(self, path: Path | str) -> float | None:
+        """When the active state with this path (as spawned) was entered, seconds; else None."""
+        wanted = _path(path)
+        acts = (act for root in self._run.roots for act in root.walk())
+        return next((act.entered for act in acts if act.full_path == wanted), None)
+
+    def observe(self, callback: Observer) -> Callable[[], None]:
+        """Call `callback` with every :class:`TraceEvent`; return what ends that.
+
+        Observers are called in order when a tick or a command is over, on the interpreter's thread.
+        """
+        run = self._run
+        if not run.observers and run.journal is None:
+            for scope in run.live.values():
+                scope.sync()
+        run.observers.append(callback)
+
+        def unsubscribe() -> None:
+            if callback in run.observers:
+                run.observers.remove(callback)
+
+        return unsubscribe
+
+    # ---- the tick ---------------------------------------------------------------------------
+
+    def step(self, now: float) -> None:
+        """Run one tick.
+
+        Parameters
+        ----------
+        now : float
+            Seconds; never less than the last time.
+
+        Paper: §5.1. Deviation: the destination is entered in the tick in which the source is left,
+        so that a robot has no gap between onexit and onentry.
+        """
+        run = self._run
+        before = run.now
+        self._advance(now)
+        run.ticks += 1
+        if run.roots:
+            for root in run.roots:
+                run.tick(root)
+            if run.pending:
+                run.spawn_top(run.pending)
+        else:
+            run.start()
+        if run.journal is not None or run.observers:
+            run.settle()
+            if run.journal is not None:
+                run.journal.close(before)
+        if run.stale:
+            run.rebind()
+        if run.events or run.new_issue:
+            self._tell()
+
+    def _advance(self, now: float | None) -> None:
+        if now is None:
+            return
+        if not now >= self._run.now:
+            raise ValueError(f"time never goes back: {now!r} comes before {self._run.now!r}")
+        self._run.now = now
+
+    def _done(self) -> None:
+        """End a command."""
+        run = self._run
+        run.settle()
+        if run.stale:
+            run.rebind()
+        self._tell()
+
+    def _tell(self) -> None:
+        """Tell the observers, and pause at a new issue if asked to."""
+        run = self._run
+        if run.new_issue:
+            run.new_issue = False
+            if self.on_issue == "pause" and not self.paused:
+                self.pause()
+                return
+        events, run.events = run.events, []
+        for event in events:
+            for observer in tuple(run.observers):
+                observer(event)
+
+    # ---- changes ----------------------------------------------------------------------------
+
+    def patch(self, program: Program, now: float | None = None) -> Patch:
+        """Change the running program.
+
+        Returns
+        -------
+        Patch
+            What changed, whether it was applied, whether the program restarts, and why.
+
+        Paper: §6.1.
+        """
+        run = self._run
+        self._advance(now)
+        plan = link(program)
+        changes = diff(run.plan.program, program)
+        decision = decide(run, plan, self.on_active_edit) if run.roots else Decision()
+        if decision.apply:
+            run.remember()
+            old = run.plan
+            if decision.restart:
+                run.plan = plan
+                self._restart(decision.reason or "")
+            else:
+                adopt(run, plan)
+            self._carry_issues(old, changes.removed + changes.changed)
+        else:
+            link(run.plan.program)  # tracebacks show the text that runs
+        patch = Patch(changes, decision.apply, decision.restart, decision.reason)
+        run.emit("patched", (), patch)
+        self._done()
+        return patch
+
+    def rename(self, kind: str, path: Path | str, new_name: str, now: float | None = None) -> str:
+        """Rename an element and every reference to it; nothing restarts.
+
+        Parameters
+        ----------
+        kind : {"state", "machine", "event", "variable", "transition"}
+        path : tuple of str or str
+            Path of definition.
+        new_name : str
+
+        Returns
+        -------
+        str
+            The new text.
+
+        Raises
+        ------
+        UnknownElementError
+            If there is no such element.
+        ValueError
+            If the name is taken, illegal, or captured by a local name of a block.
+        """
+        run = self._run
+        self._advance(now)
+        where = _path(path)
+        program = parse(rename(self.program, kind, where, new_name), self.program.filename)
+        plan = link(program)
+        changes = diff(run.plan.program, program)
+        run.remember()
+        old = run.plan
+        adopt(run, plan, Renaming(kind, where, new_name))
+        self._carry_issues(old, changes.removed)
+        run.emit("patched", (), Patch(changes, True))
+        self._done()
+        return program.text
+
+    def set_variable(self, path: Path | str, expression: str, now: float | None = None) -> None:
+        """Assign the value of a Python expression, evaluated in the variable's scope.
+
+        Raises
+        ------
+        UnknownElementError
+            If no such variable lives now.
+        Exception
+            Whatever the expression raises; the variable keeps its value.
+        """
+        run = self._run
+        self._advance(now)
+        scope, name = find_variable(run, path)
+        ast.parse(expression.strip(), "<expression>", "eval")  # an expression, not statements
+        code = compile_block(Block(expression.strip()), frozenset(scope.cells), "<expression>")
+        value = bind(code, run.namespace, scope.cells)()
+        scope.own[name].cell_contents = value
+        self._done()
+
+    def transition_to(self, path: Path | str, now: float | None = None) -> None:
+        """Leave the active state and enter another one, with their actions. Paper: §6.4.
+
+        Raises
+        ------
+        UnknownElementError
+            If there is no such state; nothing changes.
+        """
+        self._force("transition", path, now)
+
+    def teleport_to(self, path: Path | str, now: float | None = None) -> None:
+        """Make a state active without running any action; its spawns are done. Paper: §6.4.
+
+        Raises
+        ------
+        UnknownElementError
+            If there is no such state; nothing changes.
+        """
+        self._force("teleport", path, now)
+
+    def _force(self, how: Literal["transition", "teleport"], path: Path | str, now: float | None) -> None:
+        run = self._run
+        self._advance(now)
+        target = find_state(run, _path(path))
+        run.remember()
+        run.emit("forced", _path(path), how)
+        force(run, target, blocks=how == "transition")
+        self._done()
+
+    def reset(self, now: float | None = None) -> None:
+        """Restart the program: nothing is active until the next tick, which begins anew."""
+        self._advance(now)
+        self._run.remember()
+        self._restart("reset")
+        self._done()
+
+    def pause(self, now: float | None = None) -> None:
+        """Run the ``onpause`` actions, if anything is active. Paper: §6.3.
+
+        A paused interpreter still steps when told to: whoever calls :meth:`step` decides.
+        """
+        self._advance(now)
+        if not self.paused:
+            self.paused = True
+            self._between(self._run.plan.onpause)
+            self._run.emit("paused", ())
+        self._done()
+
+    def resume(self, now: float | None = None) -> None:
+        """Run the ``onresume`` actions, if anything is active."""
+        self._advance(now)
+        if self.paused:
+            self.paused = False
+            self._between(self._run.plan.onresume)
+            self._run.emit("resumed", ())
+        self._done()
+
+    def rewind(self, ticks: int) -> None:
+        """Go back to the moment right after the tick that lies `ticks` before the last one.
+
+        Active states, their timers, variables and patches are restored; what was done since then,
+        between ticks as well, is undone. With no tick left nothing is active. Objects that were
+        changed in place stay as they are, and so do issues.
+
+        Raises
+        ------
+        ValueError
+            If the journal does not reach back so far.
+        """
+        run = self._run
+        if run.journal is None:
+            raise ValueError("there is no journal to go back by")
+        run.journal.undo(run, ticks)
+        acts = [act for root in run.roots for act in root.walk()]
+        run.live = {(): run.globals, **{act.machine.path: act for act in acts}}
+        for scope in run.live.values():
+            scope.sync()
+        link(run.plan.program)  # tracebacks show the text that runs
+        run.rebind()
+
+    # ---- inside -----------------------------------------------------------------------------
+
+    def _restart(self, reason: str) -> None:
+        """Paper: §6.1: no transition is triggered, so no onexit runs; issues stay."""
+        self._run.clear()
+        self._run.emit("restarted", (), reason)
+
+    def _between(self, blocks: tuple[BlockPlan, ...]) -> None:
+        run = self._run
+        for block in blocks if run.roots else ():
+            try:
+                bind_block(run, block, run.globals.cells)()
+            except BaseException as error:
+                run.fault(block.site, error)
+
+    def _report_duplicates(self) -> None:
+        run = self._run
+        for site in run.plan.duplicates:
+            if site[:2] in run.issues.open_blocks:
+                continue
+            name = site.element.path[-1]
+            message = f"{site.element.kind} `{name}` is defined twice here: the first one counts"
+            run.report(site, "defined twice", message)
+
+    def _carry_issues(self, old: Plan, gone: tuple[Any, ...]) -> None:
+        """Resolve the issues of what is gone, changed or repaired; move the others with the text."""
+        plan, issues = self._run.plan, self._run.issues
+
+        def over(issue: Any) -> bool:
+            element = issue.element
+            inside = any(
+                element == other or (other.kind in ("machine", "state") and element.path[: len(other.path)] == other.path)
+                for other in gone
+            )
+            repaired = (
+                issue.kind.startswith("unknown") and not issue.traceback and element not in plan.dangling
+            ) or (issue.kind == "defined twice" and element not in {site.element for site in plan.duplicates})
+            return inside or repaired or element not in plan.places
+
+        def place(issue: Any) -> tuple[int, int]:
+            before, after = old.places.get(issue.element), plan.places.get(issue.element)
+            if before is None or after is None:
+                return issue.line, issue.column
+            (line, column), (new_line, new_column) = old.program.place(before), plan.program.place(after)
+            same_line = issue.line == line
+            return issue.line + new_line - line, issue.column + (new_column - column if same_line else 0)
+
+        issues.resolve(lambda _, issue: over(issue))
+        issues.move(place)
+        self._report_duplicates()
+
+
+def _path(path: Path | str) -> Path:
+    return tuple(path.split("/")) if isinstance(path, str) else tuple(path)
+
+
+def find_variable(run: Run, path: Path | str) -> tuple[Scope, str]:
+    """Find the living scope of a variable and its name.
+
+    Raises
+    ------
+    UnknownElementError
+        If no such variable lives now.
+    """
+    *where, name = _path(path) or ("",)
+    for scope in run.live.values():
+        if scope.path == tuple(where) and name in scope.own:
+            return scope, name
+    defined = run.live.get(tuple(where))
+    if defined is not None and name in defined.own:
+        return defined, name
+    raise UnknownElementError(f"no variable `{path_text(_path(path))}` lives now")

@@ -1,0 +1,144 @@
+"""Faults of a running program: values that are recorded, counted, resolved and reopened.
+
+Paper: §6.2. A fault never stops the loop; the entity that caused it is ignored for that tick.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal, overload
+
+from lrp_jupyter.language.program import Element
+
+__all__ = ["ISSUE_CODES", "Issue", "IssueKind", "Issues"]
+
+IssueKind = Literal[
+    "exception",
+    "not boolean",
+    "unknown event",
+    "unknown state",
+    "unknown machine",
+    "unknown variable",
+    "not a delay",
+    "already running",
+    "defined twice",
+    "no data yet",
+]
+
+ISSUE_CODES: dict[IssueKind, str] = {
+    "exception": "LRP601",
+    "not boolean": "LRP602",
+    "unknown event": "LRP603",
+    "unknown state": "LRP604",
+    "unknown machine": "LRP605",
+    "unknown variable": "LRP606",
+    "not a delay": "LRP607",
+    "already running": "LRP608",
+    "defined twice": "LRP609",
+    "no data yet": "LRP610",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Issue:
+    """One fault of the program, however often it came.
+
+    Parameters
+    ----------
+    kind : str
+        One of :data:`ISSUE_CODES`.
+    element : Element
+        What is at fault, by its place in the program.
+    message : str
+        One sentence; names in backticks.
+    line, column : int
+        Where in the text, from 1.
+    traceback : str
+        The Python traceback from the block on; empty when no exception was raised.
+    first_tick, last_tick : int
+    count : int
+        How often it came.
+    resolved : bool
+        Its element is gone, was changed, or ran again without it.
+    """
+
+    kind: IssueKind
+    element: Element
+    message: str
+    line: int
+    column: int
+    traceback: str = ""
+    first_tick: int = 0
+    last_tick: int = 0
+    count: int = 1
+    resolved: bool = False
+
+    @property
+    def code(self) -> str:
+        """The stable code, ``LRP6xx``."""
+        return ISSUE_CODES[self.kind]
+
+    def __str__(self) -> str:
+        times = f" ({self.count} times)" if self.count > 1 else ""
+        return f"{self.line}:{self.column}: {self.code} {self.message}{times}"
+
+
+Key = tuple[Element, int, str]
+"""Element, ordinal of the block within it, kind."""
+
+
+class Issues(Sequence[Issue]):
+    """The issues of one run, each once, in the order in which they first came."""
+
+    def __init__(self) -> None:
+        self._all: dict[Key, Issue] = {}
+        self.open_blocks: set[tuple[Element, int]] = set()
+
+    @overload
+    def __getitem__(self, index: int) -> Issue: ...
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Issue, ...]: ...
+    def __getitem__(self, index: int | slice) -> Issue | tuple[Issue, ...]:
+        return tuple(self._all.values())[index]
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def __iter__(self) -> Iterator[Issue]:
+        return iter(tuple(self._all.values()))
+
+    def __repr__(self) -> str:
+        return f"Issues({list(self)!r})"
+
+    def report(self, key: Key, make: Callable[[], Issue], message: str, tick: int) -> Issue | None:
+        """Count a fault; return the issue if it is new or reopened, else None."""
+        known = self._all.get(key)
+        if known is not None and not known.resolved:
+            self._all[key] = replace(known, message=message, last_tick=tick, count=known.count + 1)
+            return None
+        issue = make()
+        if known is not None:
+            issue = replace(issue, first_tick=known.first_tick, count=known.count + 1)
+        self._all[key] = issue
+        self.open_blocks.add(key[:2])
+        return issue
+
+    def resolve(self, which: Callable[[Key, Issue], bool]) -> None:
+        """Mark those open issues as resolved for which `which` is true."""
+        for key, issue in self._all.items():
+            if not issue.resolved and which(key, issue):
+                self._all[key] = replace(issue, resolved=True)
+        self.open_blocks = {key[:2] for key, issue in self._all.items() if not issue.resolved}
+
+    def move(self, shift: Callable[[Issue], tuple[int, int]]) -> None:
+        """Give every issue its place in a new text."""
+        for key, issue in self._all.items():
+            line, column = shift(issue)
+            if (line, column) != (issue.line, issue.column):
+                self._all[key] = replace(issue, line=line, column=column)
+
+    def clear(self) -> None:
+        """Forget all of them; what is still at fault comes again."""
+        self._all.clear()
+        self.open_blocks = set()

@@ -1,0 +1,183 @@
+"""What an edit does to a running program: decide, then apply.
+
+:func:`decide` compares what runs with the new plan and changes nothing; :func:`adopt` swaps the
+plans and carries the tree of activations over by path. Both happen between two ticks, so an edit
+is applied as a whole or not at all. Paper: §6.1.
+
+Deviation: §6.1 restarts whenever the active state is gone. Here the old program runs on until the
+new one can be started, so that a name half typed stops no robot.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from types import CellType
+from typing import TYPE_CHECKING, Literal
+
+from lrp_jupyter.interpreter.events import UNSET
+from lrp_jupyter.interpreter.linker import Broken, Plan, SpawnPlan, StatePlan, VariablePlan
+from lrp_jupyter.interpreter.tree import Activation, Scope
+from lrp_jupyter.language.diff import ChangeSet
+from lrp_jupyter.language.program import Element, Path, Spawn
+
+if TYPE_CHECKING:
+    from lrp_jupyter.interpreter.run import Run
+
+__all__ = ["Decision", "Patch", "Renaming", "adopt", "decide"]
+
+Policy = Literal["restart", "keep"]
+
+
+@dataclass(frozen=True, slots=True)
+class Patch:
+    """What became of an edit.
+
+    Parameters
+    ----------
+    changes : ChangeSet
+        What the edit changes, by meaning.
+    applied : bool
+        False: the old program runs on.
+    restarted : bool
+        The program begins anew at the next tick.
+    reason : str or None
+        Why it restarted, was not applied, or was applied only in part: a sentence.
+    """
+
+    changes: ChangeSet
+    applied: bool
+    restarted: bool = False
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What to do with a new plan."""
+
+    apply: bool = True
+    restart: bool = False
+    reason: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Renaming:
+    """An explicit rename: a path of definition and the new last name."""
+
+    kind: str
+    path: Path
+    new: str
+
+    def moved(self, path: Path) -> Path:
+        """Where an element with this old path is now."""
+        if self.kind in ("machine", "state") and path[: len(self.path)] == self.path:
+            return (*self.path[:-1], self.new, *path[len(self.path) :])
+        return path
+
+    def variable(self, plan: VariablePlan) -> str:
+        """What a variable is called now."""
+        return self.new if plan.initial.site.element == Element(self.kind, self.path) else plan.name
+
+
+def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
+    """Tell what an edit to `plan` must do, in the words of the table of the language reference."""
+    startable = any(spawn.resolves for spawn in plan.spawns)
+    acts = [act for root in run.roots for act in root.walk()]
+    for act in acts:
+        machine = plan.machines.get(act.machine.path)
+        if machine is None or act.state.name not in machine.states:
+            gone = f"machine `{act.machine.name}`" if machine is None else f"`{act.state.name}`"
+            if startable:
+                return Decision(restart=True, reason=f"{gone} is active and was removed or renamed")
+            return Decision(
+                apply=False,
+                reason=f"{gone} is active and not in the new text, and no `spawn` of that can be started: "
+                "the old program runs on",
+            )
+    new_spawns = {spawn.identity for spawn in plan.spawns}
+    lost = [act.spawn for act in run.roots if act.spawn is not None and act.spawn not in new_spawns]
+    if lost and startable:
+        return Decision(restart=True, reason=f"`(spawn {' '.join(lost[0])})` was changed or removed")
+    if policy == "restart":
+        for act in acts:
+            new = plan.machines[act.machine.path].states[act.state.name]
+            part = _changed_part(act.state, new)
+            if part is not None:
+                return Decision(restart=True, reason=f"`{act.state.name}` is active and its {part} changed")
+    if lost:
+        return Decision(reason=f"`(spawn {' '.join(lost[0])})` is gone: what it started runs on")
+    return Decision()
+
+
+def _changed_part(old: StatePlan, new: StatePlan) -> str | None:
+    if old.noun.onentry != new.noun.onentry:
+        before, after = ([x for x in s.noun.onentry if not isinstance(x, Spawn)] for s in (old, new))
+        return "`onentry`" if before != after else "`spawn`"
+    if old.noun.running != new.noun.running:
+        return "`running`"
+    return "`onexit`" if old.noun.onexit != new.noun.onexit else None
+
+
+def adopt(run: Run, plan: Plan, renaming: Renaming | None = None) -> None:
+    """Swap plans and carry over what runs; every active state must exist in `plan`."""
+    old, run.plan = run.plan, plan
+    if run.started:
+        _carry(run, run.globals, old.variables, plan.variables, run.base, renaming)
+    added: list[tuple[Activation, SpawnPlan]] = []
+    live: dict[Path, Scope] = {(): run.globals}
+    for act in [act for root in run.roots for act in root.walk()]:  # outer ones come first
+        before, here = act.machine, act.state.path
+        there = renaming.moved(here) if renaming else here
+        act.machine = machine = plan.machines[there[:-1]]
+        added += ((act, spawn) for spawn in _added_spawns(act.state, machine.states[there[-1]]))
+        act.state = machine.states[there[-1]]
+        act.path = (*act.parent.full_path, machine.name) if act.parent else (machine.name,)
+        if renaming and act.spawn is not None:
+            act.spawn = machine.name, renaming.moved((*before.path, act.spawn[1]))[-1]
+        act.outer = live[machine.outer.path] if machine.outer else run.globals
+        live[machine.path] = act
+        _carry(run, act, before.variables, machine.variables, act.outer.cells, renaming)
+    run.live = live
+    run.rebind()
+    if renaming is None:
+        for act, spawn in added:
+            run.spawn(act, spawn)
+        _spawn_added(run, old, plan)
+
+
+def _carry(
+    run: Run,
+    scope: Scope,
+    old: tuple[VariablePlan, ...],
+    new: tuple[VariablePlan, ...],
+    outer: dict[str, CellType],
+    renaming: Renaming | None,
+) -> None:
+    """Keep the cells of variables that stay; initialise what is new or has a new initialiser."""
+    kept = {}
+    for variable in old:
+        name = renaming.variable(variable) if renaming else variable.name
+        kept[name] = (variable.noun.initial, scope.own[variable.name], scope.last[variable.name])
+    scope.own, scope.last, scope.cells = {}, {}, dict(outer)
+    for variable in new:
+        initial, cell, last = kept.get(variable.name, (None, CellType(), UNSET))
+        if initial != variable.noun.initial and renaming is None:
+            run.evaluate(variable, scope.cells, cell)
+        scope.cells[variable.name] = scope.own[variable.name] = cell
+        scope.last[variable.name] = last
+
+
+def _added_spawns(old: StatePlan, new: StatePlan) -> list[SpawnPlan]:
+    known = {item.identity for item in old.onentry if isinstance(item, SpawnPlan)}
+    return [item for item in new.onentry if isinstance(item, SpawnPlan) and item.identity not in known]
+
+
+def _spawn_added(run: Run, old: Plan, plan: Plan) -> None:
+    """Start the top-level spawns that are new, or that resolve only now."""
+    if not run.roots:
+        return  # the next tick does them all
+    running = {act.spawn for act in run.roots} | run.pending
+    known = {spawn.identity for spawn in old.spawns}
+    for spawn in plan.spawns:
+        idle = not isinstance(spawn.target, Broken) and spawn.target.path not in run.live
+        if spawn.identity not in running and (spawn.identity not in known or (idle and spawn.resolves)):
+            run.spawn(None, spawn)

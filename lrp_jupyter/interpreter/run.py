@@ -1,0 +1,348 @@
+"""One run of a program: the tick, and what entering, leaving and spawning mean.
+
+:class:`Run` is the lower half of the interpreter: everything in it happens inside one tick (or
+inside one command between two ticks) and nothing in it knows of edits. Paper: §5.1.
+"""
+
+from __future__ import annotations
+
+import builtins
+import traceback as tracebacks
+from collections.abc import Callable, Mapping
+from types import CellType
+from typing import Any
+
+from lrp_jupyter.errors import NoDataYet
+from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
+from lrp_jupyter.interpreter.issues import Issue, IssueKind, Issues
+from lrp_jupyter.interpreter.journal import Journal
+from lrp_jupyter.interpreter.linker import Broken, MachinePlan, Plan, Site, SpawnPlan, StatePlan, VariablePlan
+from lrp_jupyter.interpreter.tree import Activation, Edge, Fault, Scope, bind_block, bind_row, content
+from lrp_jupyter.language.program import Path, Program
+
+__all__ = ["Run"]
+
+
+class Run:
+    """The mutable half: a tree of activations over an immutable plan."""
+
+    def __init__(
+        self,
+        plan: Plan,
+        robot: object,
+        namespace: dict[str, Any],
+        output: Callable[..., object] | None,
+        journal: int,
+    ) -> None:
+        self.plan = plan
+        self.namespace = namespace
+        self.now = 0.0
+        self.ticks = 0
+        self.issues = Issues()
+        self.last_exception: BaseException | None = None
+        self.base = {"robot": CellType(robot), "print": CellType(output or builtins.print)}
+        self.journal = Journal(journal) if journal > 0 else None
+        self.observers: list[Observer] = []
+        self.events: list[TraceEvent] = []
+        self.new_issue = False
+        self.stale = False
+        self.clear()
+
+    def clear(self) -> None:
+        """Let nothing run and no variable live."""
+        self.roots: tuple[Activation, ...] = ()
+        self.pending: frozenset[tuple[str, str]] = frozenset()
+        self.started = False
+        self.globals = Scope((), dict(self.base))
+        self.live: dict[Path, Scope] = {(): self.globals}
+
+    @property
+    def program(self) -> Program:
+        """The program that runs."""
+        return self.plan.program
+
+    def scope(self, machine: Path) -> Scope:
+        """The living scope of a machine, by its path of definition; the empty path: the globals."""
+        return self.live[machine]
+
+    # ---- the tick ---------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Spawn what the top level spawns; the first time, initialise the globals before."""
+        if not self.started:
+            self.begin()
+        self.spawn_top(None)
+
+    def begin(self) -> None:
+        """Initialise the globals: the program has started."""
+        self.remember()
+        self.started = True
+        self.emit("started", ())
+        self.initialise(self.globals, self.plan.variables, self.base)
+
+    def spawn_top(self, only: frozenset[tuple[str, str]] | None) -> None:
+        """Do the top-level spawns in order: all, or `only` some of them."""
+        self.remember()
+        self.pending = frozenset()
+        for spawn in self.plan.spawns:
+            if only is None or spawn.identity in only:
+                self.spawn(None, spawn)
+
+    def tick(self, act: Activation) -> bool:
+        """Tick one machine; True if it went up by `exit`, which ends the tick of its parent."""
+        row = act.row
+        for test, edge in row.tests:
+            try:
+                holds = test()
+            except BaseException as error:
+                self.fault(edge.tested, error)
+                continue
+            if holds is True or (holds is not False and self._judge(edge, holds)):
+                if edge.target is not None:
+                    return self._fire(act, edge)
+                self.report(edge.site, "unknown state", edge.missing)
+        for call, site in row.running:
+            try:
+                call()
+            except BaseException as error:
+                self.fault(site, error)
+        for child in act.children:
+            if self.tick(child):
+                break
+        return False
+
+    def _judge(self, edge: Edge, value: object) -> bool:
+        """Whether a condition that is neither True nor False holds: only numpy's True does."""
+        kind = type(value)
+        if kind.__module__ == "numpy" and kind.__name__ in ("bool", "bool_"):
+            return bool(value)
+        self.report(
+            edge.tested, "not boolean", f"a condition is True or False, not {_short(value)}; compare with something"
+        )
+        return False
+
+    def _fire(self, act: Activation, edge: Edge) -> bool:
+        if edge.site[:2] in self.issues.open_blocks:
+            self.recovered(edge.site, True)
+        home = act
+        if edge.up:
+            assert act.parent is not None  # else its target would be missing
+            home = act.parent
+        assert edge.target is not None
+        self.leave(home)
+        if self.observers:
+            self.emit("fired", edge.path, edge.data)
+        self.enter(home, edge.target)
+        return edge.up
+
+    def enter(self, act: Activation, state: StatePlan, *, blocks: bool = True, spawns: bool = True) -> None:
+        """Make a state active; without its blocks or spawns where a forced state asks for that."""
+        act.state = state
+        act.entered = self.now
+        row = act.rows.get(state.name)
+        if row is None:
+            row = act.rows[state.name] = bind_row(self, act, state)
+        act.row = row
+        if self.observers:
+            self.emit("entered", row.path)
+        for call, site in row.onentry:
+            if isinstance(call, SpawnPlan):
+                if spawns:
+                    self.spawn(act, call, blocks=blocks)
+            elif blocks:
+                try:
+                    call()
+                except BaseException as error:
+                    self.fault(site, error)
+
+    def leave(self, act: Activation, *, blocks: bool = True) -> None:
+        """Leave the active state, what it contains first, innermost first. Paper: §5.1, step 6."""
+        if self.journal is not None:
+            self.journal.note(act)
+        if act.children:
+            for child in reversed(act.children):
+                self.leave(child, blocks=blocks)
+                self.settle_scope(child)
+                del self.live[child.machine.path]
+                self.emit("discarded", child.path)
+            act.children = ()
+        if blocks:
+            for call, site in act.row.onexit:
+                try:
+                    call()
+                except BaseException as error:
+                    self.fault(site, error)
+        if self.observers:
+            self.emit("left", act.row.path)
+
+    # ---- spawning ---------------------------------------------------------------------------
+
+    def spawn(self, parent: Activation | None, plan: SpawnPlan, *, blocks: bool = True) -> None:
+        """Do a spawn, or report why it cannot be done."""
+        machine = plan.target
+        if isinstance(machine, Broken):
+            self.report(plan.site, machine.kind, machine.message)
+            return
+        start = machine.states.get(plan.start)
+        if start is None:
+            self.report(plan.site, "unknown state", f"machine `{machine.name}` has no state `{plan.start}`")
+        elif machine.path in self.live:
+            self.report(plan.site, "already running", f"machine `{machine.name}` runs already")
+        else:
+            if plan.site[:2] in self.issues.open_blocks:
+                self.recovered(plan.site, None)
+            act = self.create(machine, parent, plan.identity, start)
+            self.enter(act, start, blocks=blocks)
+
+    def create(
+        self,
+        machine: MachinePlan,
+        parent: Activation | None,
+        spawn: tuple[str, str] | None,
+        state: StatePlan,
+    ) -> Activation:
+        """Create a machine and initialise its variables; `state` is entered next."""
+        outer = self.live[machine.outer.path] if machine.outer else self.globals
+        act = Activation(machine, parent, outer, spawn, state)
+        self.live[machine.path] = act
+        if parent is None:
+            self.roots += (act,)
+        else:
+            if self.journal is not None:
+                self.journal.note(parent)
+            parent.children += (act,)
+        self.emit("spawned", act.path)
+        self.initialise(act, machine.variables, outer.cells)
+        return act
+
+    def initialise(
+        self, scope: Scope, variables: tuple[VariablePlan, ...], outer: Mapping[str, CellType]
+    ) -> None:
+        """Initialise variables in the order of the text; each sees those before it."""
+        scope.cells = cells = dict(outer)
+        for variable in variables:
+            cell = CellType()
+            self.evaluate(variable, cells, cell)
+            cells[variable.name] = scope.own[variable.name] = cell
+            scope.last[variable.name] = UNSET
+
+    def evaluate(self, variable: VariablePlan, cells: dict[str, CellType], cell: CellType) -> None:
+        """Run an initialiser; if it fails, the cell keeps what it holds."""
+        try:
+            cell.cell_contents = bind_block(self, variable.initial, cells)()
+        except BaseException as error:
+            self.fault(variable.initial.site, error)
+
+    # ---- faults -----------------------------------------------------------------------------
+
+    def fault(self, site: Site, error: BaseException) -> None:
+        """Turn an exception into an issue. Paper: §6.2."""
+        if isinstance(error, KeyboardInterrupt):
+            raise error
+        if isinstance(error, Fault):
+            self.report(site, error.kind, str(error))
+            return
+        if isinstance(error, NoDataYet):
+            if site.element.kind not in ("event", "transition"):  # there it just does not occur
+                self.report(site, "no data yet", str(error))
+            return
+        self.last_exception = error
+        kind: IssueKind = "exception"
+        message = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        if isinstance(error, NameError) and not isinstance(error, UnboundLocalError):
+            kind, message = "unknown variable", _name_error(error)
+        self.report(site, kind, message, error)
+
+    def report(
+        self, site: Site, kind: IssueKind, message: str, error: BaseException | None = None
+    ) -> None:
+        """Record or count an issue."""
+        def make() -> Issue:
+            line, column = self._place(site, error)
+            text = "".join(self._traceback(error).format()) if error is not None else ""
+            return Issue(kind, site.element, message, line, column, text, self.ticks, self.ticks)
+
+        issue = self.issues.report((*site[:2], kind), make, message, self.ticks)
+        if issue is not None:
+            self.stale = self.new_issue = True
+            self.emit("issue", site.element.path, issue)
+
+    def recovered(self, site: Site, value: object) -> None:
+        """Resolve the issues of a site that just ran without fault and gave `value`."""
+        boolean = value is True or value is False
+        self.issues.resolve(lambda key, _: key[:2] == site[:2] and (boolean or key[2] != "not boolean"))
+        self.stale = True
+
+    def _traceback(self, error: BaseException) -> tracebacks.TracebackException:
+        """The traceback of a fault from its block on."""
+        trace = error.__traceback__
+        while trace is not None and trace.tb_frame.f_code.co_filename != self.program.filename:
+            trace = trace.tb_next
+        return tracebacks.TracebackException(type(error), error, trace, compact=True)
+
+    def _place(self, site: Site, error: BaseException | None) -> tuple[int, int]:
+        """Where a fault stands: the innermost place in the program's text, else its element."""
+        place = None
+        if error is not None:
+            for frame in self._traceback(error).stack:
+                if frame.filename == self.program.filename and frame.lineno is not None:
+                    place = frame.lineno, (frame.colno or 0) + 1
+        return place or self.program.place(site.offset)
+
+    def rebind(self) -> None:
+        """Throw all rows away: what they were bound to has changed."""
+        for root in self.roots:
+            for act in root.walk():
+                act.rows.clear()
+                act.row = act.rows[act.state.name] = bind_row(self, act, act.state)
+        self.stale = False
+
+    # ---- what others are told ---------------------------------------------------------------
+
+    def emit(self, kind: str, path: Path, data: object = None) -> None:
+        """Note an event for the observers; they are told when the tick or command is over."""
+        if self.observers:
+            self.events.append(TraceEvent(kind, path, self.ticks, self.now, data))
+
+    def remember(self) -> None:
+        """Let the journal take a snapshot, before a change that is not one of a tick."""
+        if self.journal is not None:
+            self.journal.remember(self)
+
+    def settle(self) -> None:
+        """Take note of every variable that changed."""
+        for scope in self.live.values():
+            self.settle_scope(scope)
+
+    def settle_scope(self, scope: Scope) -> None:
+        """Take note of the variables of one scope that changed."""
+        if self.journal is None and not self.observers:
+            return
+        last = scope.last
+        for name, cell in scope.own.items():
+            value = content(cell)
+            old = last[name]
+            if value is not old:
+                last[name] = value
+                if self.journal is not None:
+                    self.journal.note_cell(cell, old)
+                if self.observers and not _same(old, value):
+                    self.emit("changed", (*scope.path, name), value)
+
+
+def _same(old: object, new: object) -> bool:
+    return type(old) is type(new) and isinstance(new, (int, float, str, bytes, complex)) and old == new
+
+
+def _short(value: object) -> str:
+    try:
+        text = repr(value)
+    except Exception:
+        text = f"a {type(value).__name__} that cannot be shown"
+    return text if len(text) <= 60 else text[:57] + "…"
+
+
+def _name_error(error: NameError) -> str:
+    if "free variable" in str(error) or "enclosing scope" in str(error):
+        return f"`{error.name}` has no value"
+    return f"there is no `{error.name}`: neither a variable in scope nor a name of Python's"

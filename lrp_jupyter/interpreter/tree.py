@@ -1,0 +1,238 @@
+"""What runs: a small tree of activations, and the bound rows that a tick reads.
+
+An activation is one running machine: its active state, when that state was entered, one cell
+per variable, and the machines that the state spawned. A row is what one state of one activation
+does, its blocks bound to the cells once, when the state is first entered: so a tick walks flat
+tuples of callables and looks nothing up. Rows are thrown away whenever something about them
+changes (a patch, a fault that begins or ends); they are cheap to make again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from numbers import Real
+from types import CellType
+from typing import TYPE_CHECKING, NamedTuple
+
+from lrp_jupyter.interpreter.events import UNSET
+from lrp_jupyter.interpreter.issues import IssueKind
+from lrp_jupyter.interpreter.linker import (
+    BlockPlan,
+    Broken,
+    EdgePlan,
+    EventPlan,
+    MachinePlan,
+    Site,
+    SpawnPlan,
+    StatePlan,
+)
+from lrp_jupyter.language.blocks import bind
+from lrp_jupyter.language.program import Path
+
+if TYPE_CHECKING:
+    from lrp_jupyter.interpreter.run import Run
+
+__all__ = ["Activation", "Edge", "Fault", "Row", "Scope", "bind_block", "bind_row", "broken"]
+
+Call = Callable[[], object]
+
+
+class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter only)
+    """A fault that is none of Python's: it carries its kind."""
+
+    def __init__(self, kind: IssueKind, message: str) -> None:
+        self.kind = kind
+        super().__init__(message)
+
+
+class Scope:
+    """Variables: `own` are its cells, `cells` all that are visible, `last` their known values."""
+
+    __slots__ = ("cells", "last", "own", "path")
+
+    def __init__(self, path: Path, cells: dict[str, CellType]) -> None:
+        self.path = path
+        self.cells = cells
+        self.own: dict[str, CellType] = {}
+        self.last: dict[str, object] = {}
+
+    def sync(self) -> None:
+        """Take note of the present values."""
+        self.last = {name: content(cell) for name, cell in self.own.items()}
+
+
+class Activation(Scope):
+    """One running machine."""
+
+    __slots__ = ("children", "entered", "machine", "outer", "parent", "row", "rows", "spawn", "state")
+
+    def __init__(
+        self,
+        machine: MachinePlan,
+        parent: Activation | None,
+        outer: Scope,
+        spawn: tuple[str, str] | None,
+        state: StatePlan,
+    ) -> None:
+        super().__init__((*parent.full_path, machine.name) if parent else (machine.name,), outer.cells)
+        self.machine = machine
+        self.parent = parent
+        self.outer = outer
+        self.spawn = spawn
+        self.state = state
+        self.row: Row
+        self.rows: dict[str, Row] = {}
+        self.entered = 0.0
+        self.children: tuple[Activation, ...] = ()
+
+    @property
+    def full_path(self) -> Path:
+        """Path of the active state, as spawned."""
+        return (*self.path, self.state.name)
+
+    def leaves(self) -> Iterator[Path]:
+        """Paths of the innermost active states."""
+        if not self.children:
+            yield self.full_path
+        for child in self.children:
+            yield from child.leaves()
+
+    def walk(self) -> Iterator[Activation]:
+        """Itself, then what runs inside, in the order of spawning."""
+        yield self
+        for child in self.children:
+            yield from child.walk()
+
+
+class Edge:
+    """A transition as one state of one activation sees it."""
+
+    __slots__ = ("data", "missing", "path", "site", "target", "tested", "up")
+
+    def __init__(self, act: Activation, state: StatePlan, plan: EdgePlan) -> None:
+        noun = plan.noun
+        self.up = noun.kind == "exit"
+        home = act if not self.up else act.parent
+        destination = str(noun.destination)
+        self.target = home.machine.states.get(destination) if home else None
+        self.missing = (
+            f"machine `{home.machine.name}` has no state `{destination}`"
+            if home
+            else f"`exit` cannot lead to `{destination}`: machine `{act.machine.name}` is not nested in a state"
+        )
+        self.path = (*act.path, plan.label)
+        self.data = (state.name, destination)
+        self.site = plan.site
+        self.tested = plan.test.block.site if isinstance(plan.test, EventPlan) else plan.site
+
+
+class Row(NamedTuple):
+    """What one state of one activation does."""
+
+    path: Path
+    tests: tuple[tuple[Call, Edge], ...]
+    onentry: tuple[tuple[Call | SpawnPlan, Site], ...]
+    running: tuple[tuple[Call, Site], ...]
+    onexit: tuple[tuple[Call, Site], ...]
+
+
+def content(cell: CellType) -> object:
+    """The value in a cell, or UNSET."""
+    try:
+        return cell.cell_contents
+    except ValueError:
+        return UNSET
+
+
+def broken(reason: Broken) -> Call:
+    """Make a callable that fails with `reason`."""
+
+    def fail() -> object:
+        raise Fault(reason.kind, reason.message)
+
+    return fail
+
+
+def bind_block(run: Run, plan: BlockPlan, cells: dict[str, CellType]) -> Call:
+    """Bind a block to cells; while it has an open issue, a run without fault resolves that."""
+    if isinstance(plan.code, Broken):
+        return broken(plan.code)
+    call = bind(plan.code, run.namespace, cells)
+    return watched(run, plan.site, call) if plan.site[:2] in run.issues.open_blocks else call
+
+
+def watched(run: Run, site: Site, call: Call) -> Call:
+    """Wrap a call whose site has an open issue: a run without fault resolves it."""
+
+    def again() -> object:
+        value = call()
+        run.recovered(site, value)
+        return value
+
+    return again
+
+
+def bind_row(run: Run, act: Activation, state: StatePlan) -> Row:
+    """Bind everything that `state` does in `act`."""
+
+    def blocks(plans: tuple[BlockPlan, ...]) -> tuple[tuple[Call, Site], ...]:
+        return tuple((bind_block(run, plan, act.cells), plan.site) for plan in plans)
+
+    return Row(
+        (*act.path, state.name),
+        tuple((_test(run, act, plan), Edge(act, state, plan)) for plan in state.edges),
+        tuple(
+            (plan if isinstance(plan, SpawnPlan) else bind_block(run, plan, act.cells), plan.site)
+            for plan in state.onentry
+        ),
+        blocks(state.running),
+        blocks(state.onexit),
+    )
+
+
+def _always() -> bool:
+    return True
+
+
+def _test(run: Run, act: Activation, edge: EdgePlan) -> Call:
+    plan = edge.test
+    if isinstance(plan, Broken):
+        return broken(plan)
+    if isinstance(plan, EventPlan):
+        return bind_block(run, plan.block, run.scope(plan.owner).cells)
+    if edge.noun.kind != "ontime":
+        return bind_block(run, plan, act.cells) if isinstance(plan, BlockPlan) else _always
+    if isinstance(plan, int):
+        milliseconds = plan
+
+        def due() -> bool:
+            return (run.now - act.entered) * 1000.0 + TOLERANCE >= milliseconds
+
+        return due
+    read: Call
+    if isinstance(plan, BlockPlan):
+        read = bind(plan.code, run.namespace, act.cells) if not isinstance(plan.code, Broken) else broken(plan.code)
+    else:
+        read = _reader(str(plan), act.cells[str(plan)])
+
+    def due_when_read() -> bool:
+        delay = read()
+        if isinstance(delay, bool) or not isinstance(delay, Real) or delay != delay:  # noqa: PLR0124
+            raise Fault("not a delay", f"a delay is a number of milliseconds, not {delay!r}")
+        return bool((run.now - act.entered) * 1000.0 + TOLERANCE >= delay)  # type: ignore[operator]
+
+    return watched(run, edge.site, due_when_read) if edge.site[:2] in run.issues.open_blocks else due_when_read
+
+
+TOLERANCE = 1e-6
+"""Milliseconds: sums of periods such as 0.1 s are not exact, and a tick must not be missed for that."""
+
+
+def _reader(name: str, cell: CellType) -> Call:
+    def read() -> object:
+        value = content(cell)
+        if value is UNSET:
+            raise Fault("unknown variable", f"`{name}` has no value")
+        return value
+
+    return read
