@@ -506,9 +506,7 @@ class Bridge(ABC):
         safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited))
         if not sent:
             if safety.armed:
-                safety.notice(
-                    "held", f"`{method.path}` was not sent: the robot was stopped, the next tick may move it"
-                )
+                safety.notice("held", f"`{method.path}` was not sent: the robot was stopped in this tick")
             else:
                 safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed")
             return None
