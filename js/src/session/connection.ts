@@ -1,0 +1,202 @@
+/**
+ * The way to the kernel: text (one on its way, the newest wins), commands and requests with their
+ * replies, credit for frames, and the knowledge whether anybody is there. No DOM, no clock of its own.
+ */
+
+import type {
+  Answer,
+  Command,
+  Complete,
+  FromKernel,
+  FromPage,
+  Hover,
+  Inspect,
+  Part,
+  References,
+  Reply,
+} from "../protocol";
+import type { Link } from "./state";
+
+/** What anywidget gives a view, as far as it is used here. */
+export interface Model {
+  send(content: unknown, callbacks?: unknown, buffers?: ArrayBuffer[]): void;
+  on(event: string, callback: (...args: never[]) => void): void;
+  off(event: string, callback: (...args: never[]) => void): void;
+  get?(name: string): unknown;
+}
+
+export interface Clock {
+  now(): number;
+  every(milliseconds: number, callback: () => void): () => void;
+}
+
+export const realClock: Clock = {
+  now: () => performance.now(),
+  every(milliseconds, callback) {
+    const timer = setInterval(callback, milliseconds);
+    return () => clearInterval(timer);
+  },
+};
+
+/** Without an answer for so long the kernel is busy; without a word for so long it is lost (ms). */
+export const BUSY_AFTER = 300;
+export const LOST_AFTER = 3000;
+
+type Ask = Omit<Complete, "view" | "id"> | Omit<Hover, "view" | "id"> | Omit<References, "view" | "id">;
+type Question = Ask | Omit<Inspect, "view" | "id">;
+export type Details = Omit<Command, "type" | "view" | "id" | "do">;
+
+export interface Listener {
+  /** A message for this view, with its buffers; poses too. */
+  message(message: FromKernel, buffers: DataView[]): void;
+  link(link: Link): void;
+}
+
+export class Connection {
+  readonly view: string;
+  /** Number of the text on its way, 0 if none. */
+  inFlight = 0;
+  private seq = 0;
+  private nextId = 1;
+  private base = 0;
+  private waitingText: string | null = null;
+  private sentText: string | null = null;
+  private link: Link = "connecting";
+  private heard: number;
+  private asked: number;
+  private readonly waiting = new Map<number, { since: number; resolve: (reply: Reply) => void }>();
+  private textSince = 0;
+  private readonly stop: () => void;
+
+  constructor(
+    private readonly model: Model,
+    private readonly part: Part,
+    private readonly listener: Listener,
+    private readonly clock: Clock = realClock,
+    view: string = crypto.randomUUID?.() ?? String(Math.random()),
+  ) {
+    this.view = view;
+    this.heard = this.asked = clock.now();
+    model.on("msg:custom", this.receive);
+    this.stop = clock.every(100, () => this.look());
+    this.hello();
+  }
+
+  /** Ask for everything. */
+  hello(): void {
+    this.asked = this.clock.now();
+    this.send({ type: "hello", view: this.view, part: this.part });
+  }
+
+  /** Hand over the whole text; returns whether it is on its way already. */
+  text(text: string): boolean {
+    if (this.inFlight) {
+      this.waitingText = text;
+      return false;
+    }
+    this.inFlight = ++this.seq;
+    this.sentText = text;
+    this.textSince = this.clock.now();
+    this.send({ type: "text", view: this.view, seq: this.seq, base: this.base, text });
+    return true;
+  }
+
+  /** Have something done and wait for the reply; its `error` is a sentence or null. */
+  command(act: Command["do"], details: Details = {}): Promise<Reply> {
+    return this.wait((id) => ({ type: "command", view: this.view, id, do: act, ...details }));
+  }
+
+  /** Have something done of which only the newest counts: a drag, a slider. */
+  tell(act: Command["do"], details: Details = {}): void {
+    this.send({ type: "command", view: this.view, id: 0, do: act, ...details });
+  }
+
+  ask(question: Question): Promise<Reply> {
+    return this.wait((id) => ({ ...question, view: this.view, id }) as FromPage);
+  }
+
+  close(): void {
+    this.stop();
+    this.send({ type: "bye", view: this.view });
+    this.model.off("msg:custom", this.receive);
+    for (const [id] of this.waiting) this.settle({ type: "reply", view: this.view, id, error: "closed" });
+  }
+
+  private wait(make: (id: number) => FromPage): Promise<Reply> {
+    const id = this.nextId++;
+    return new Promise((resolve) => {
+      this.waiting.set(id, { since: this.clock.now(), resolve });
+      this.send(make(id));
+    });
+  }
+
+  private send(message: FromPage): void {
+    try {
+      this.model.send(message);
+    } catch {
+      this.become("dead"); // the comm is closed: the kernel was restarted or shut down
+    }
+  }
+
+  private readonly receive = (message: FromKernel, buffers: DataView[] = []): void => {
+    if (!message || message.view !== this.view) return;
+    this.heard = this.clock.now();
+    if (message.type === "frame" || message.type === "poses") {
+      this.send({ type: "credit", view: this.view, frame: message.frame });
+    }
+    if (message.type === "reply") this.settle(message);
+    if (message.type === "answer") this.answered(message);
+    if (message.type === "snapshot") {
+      this.base = message.revision;
+      this.send({ type: "credit", view: this.view, frame: message.frame.frame });
+    }
+    this.look();
+    this.listener.message(message, buffers);
+    if (message.type === "answer" && message.seq) this.next();
+    if (message.type === "snapshot") this.restart(message.text);
+  };
+
+  private settle(reply: Reply): void {
+    this.waiting.get(reply.id)?.resolve(reply);
+    this.waiting.delete(reply.id);
+  }
+
+  private answered(answer: Answer): void {
+    this.base = answer.revision;
+    if (answer.seq === this.inFlight) this.inFlight = 0;
+  }
+
+  private next(): void {
+    const text = this.waitingText;
+    this.waitingText = null;
+    if (text !== null && text !== this.sentText) this.text(text);
+  }
+
+  /** A snapshot came: whatever was on its way before is not answered any more; the newest text is. */
+  private restart(text: string): void {
+    const mine = this.waitingText ?? (this.inFlight ? this.sentText : null);
+    this.inFlight = 0;
+    this.waitingText = null;
+    if (mine !== null && mine !== text) this.text(mine);
+  }
+
+  private look(): void {
+    if (this.link === "dead") return;
+    const now = this.clock.now();
+    if (now - this.heard >= LOST_AFTER) {
+      if (this.link !== "connecting") this.become("lost");
+      if (now - this.asked >= LOST_AFTER) this.hello();
+      return;
+    }
+    if (this.link === "connecting" && this.heard <= this.asked) return;
+    let since = this.inFlight ? this.textSince : now;
+    for (const { since: asked } of this.waiting.values()) since = Math.min(since, asked);
+    this.become(now - since >= BUSY_AFTER ? "busy" : "live");
+  }
+
+  private become(link: Link): void {
+    if (link === this.link) return;
+    this.link = link;
+    this.listener.link(link);
+  }
+}

@@ -1,0 +1,65 @@
+/** The state of one view and who is told of its changes: at most once per picture of the screen. */
+
+import type { Act, Reply } from "../protocol";
+import type { Details } from "./connection";
+import { initialState, type LabState, type Topic } from "./state";
+
+export type Update = (changed: ReadonlySet<Topic>) => void;
+
+export class Store {
+  readonly state: LabState = initialState();
+  private readonly updates = new Set<Update>();
+  private changed = new Set<Topic>();
+  private scheduled = 0;
+
+  /** Call `update` whenever one of these topics changed (and once at the beginning). */
+  watch(topics: readonly Topic[], update: Update): () => void {
+    const mine: Update = (changed) => {
+      if (topics.some((topic) => changed.has(topic))) update(changed);
+    };
+    this.updates.add(mine);
+    update(new Set(topics));
+    return () => this.updates.delete(mine);
+  }
+
+  /** Note changes; the watchers hear of them before the next picture. */
+  touch(topics: Iterable<Topic>): void {
+    for (const topic of topics) this.changed.add(topic);
+    if (!this.scheduled && this.changed.size) this.scheduled = requestAnimationFrame(() => this.flush());
+  }
+
+  set<K extends keyof LabState>(key: K, value: LabState[K]): void {
+    if (this.state[key] === value) return;
+    this.state[key] = value;
+    this.touch([key]);
+  }
+
+  flush(): void {
+    cancelAnimationFrame(this.scheduled);
+    this.scheduled = 0;
+    const changed = this.changed;
+    this.changed = new Set();
+    for (const update of this.updates) update(changed);
+  }
+
+  close(): void {
+    cancelAnimationFrame(this.scheduled);
+    this.updates.clear();
+  }
+}
+
+/** What a part of the lab may use: the state, and ways to have things done. */
+export interface Lab {
+  readonly store: Store;
+  /** Have something done; a refusal is shown and said. Resolves to the error, or null. */
+  act(act: Act, details?: Details): Promise<string | null>;
+  tell(act: Act, details?: Details): void;
+  ask(question: Parameters<import("./connection").Connection["ask"]>[0]): Promise<Reply>;
+  /** Show the source of an element. */
+  goTo(kind: import("../protocol").ElementKind, path: string): void;
+  goToRange(range: import("../protocol").Range, revision?: number): void;
+  inspect(kind: import("../protocol").ElementKind, path: string): void;
+  insert(text: string): void;
+  say(sentence: string): void;
+  readonly root: HTMLElement;
+}

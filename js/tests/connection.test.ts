@@ -1,0 +1,156 @@
+import { beforeEach, describe, expect, it } from "vitest";
+import type { Answer, FromKernel, FromPage, Snapshot } from "../src/protocol";
+import { type Clock, Connection } from "../src/session/connection";
+import { initialState, type Link } from "../src/session/state";
+
+class Wire {
+  sent: FromPage[] = [];
+  links: Link[] = [];
+  got: string[] = [];
+  time = 0;
+  broken = false;
+  private callback: (message: FromKernel, buffers: DataView[]) => void = () => {};
+  private ticks: (() => void)[] = [];
+  connection: Connection;
+
+  constructor() {
+    const clock: Clock = {
+      now: () => this.time,
+      every: (_, callback) => {
+        this.ticks.push(callback);
+        return () => {
+          this.ticks = [];
+        };
+      },
+    };
+    const model = {
+      send: (message: unknown) => {
+        if (this.broken) throw new Error("Cannot send");
+        this.sent.push(message as FromPage);
+      },
+      on: (_: string, callback: (...args: never[]) => void) => {
+        this.callback = callback as never;
+      },
+      off: () => {},
+    };
+    const listener = {
+      message: (message: FromKernel) => void this.got.push(message.type),
+      link: (link: Link) => void this.links.push(link),
+    };
+    this.connection = new Connection(model, "lab", listener, clock, "me");
+  }
+
+  hear(message: object): void {
+    this.callback({ view: "me", ...message } as FromKernel, []);
+  }
+
+  wait(milliseconds: number): void {
+    for (let left = milliseconds; left > 0; left -= 100) {
+      this.time += Math.min(left, 100);
+      for (const tick of [...this.ticks]) tick();
+    }
+  }
+
+  texts(): string[] {
+    return this.sent.flatMap((message) => (message.type === "text" ? [message.text] : []));
+  }
+}
+
+const answer = (seq: number, revision = seq): Partial<Answer> => ({ type: "answer", seq, revision });
+const snapshot = (text: string): Partial<Snapshot> => ({
+  type: "snapshot",
+  text,
+  revision: 1,
+  frame: { type: "frame", view: "me", frame: 1 },
+});
+
+let wire: Wire;
+beforeEach(() => {
+  wire = new Wire();
+});
+
+describe("text", () => {
+  it("is sent one at a time, and of those that wait the newest", () => {
+    for (const text of ["a", "ab", "abc", "abcd"]) wire.connection.text(text);
+    expect(wire.texts()).toEqual(["a"]);
+    wire.hear(answer(1));
+    expect(wire.texts()).toEqual(["a", "abcd"]);
+    wire.hear(answer(2));
+    expect(wire.texts()).toEqual(["a", "abcd"]);
+  });
+
+  it("is not freed by the answer to another view's text", () => {
+    wire.connection.text("a");
+    wire.connection.text("ab");
+    wire.hear(answer(0, 7));
+    expect(wire.texts()).toEqual(["a"]);
+  });
+
+  it("says on which revision it builds", () => {
+    wire.hear(answer(0, 7));
+    wire.connection.text("a");
+    expect(wire.sent.at(-1)).toMatchObject({ type: "text", base: 7, seq: 1 });
+  });
+
+  it("is sent again when a new kernel side does not know it", () => {
+    wire.connection.text("mine");
+    wire.hear(snapshot("theirs"));
+    expect(wire.texts()).toEqual(["mine", "mine"]);
+  });
+});
+
+describe("frames", () => {
+  it("are paid for at once", () => {
+    wire.hear({ type: "frame", frame: 5 });
+    wire.hear({ type: "poses", frame: 6 });
+    expect(wire.sent.slice(-2)).toEqual([
+      { type: "credit", view: "me", frame: 5 },
+      { type: "credit", view: "me", frame: 6 },
+    ]);
+  });
+
+  it("of other views are none of ours", () => {
+    wire.hear({ type: "frame", frame: 5, view: "other" });
+    expect(wire.got).toEqual([]);
+    expect(wire.sent.some((message) => message.type === "credit")).toBe(false);
+  });
+});
+
+describe("the link", () => {
+  it("is live once something was heard", () => {
+    wire.time = 10;
+    wire.hear(snapshot(""));
+    expect(wire.links).toEqual(["live"]);
+  });
+
+  it("is busy while a command is not answered, and live again after it", async () => {
+    wire.time = 10;
+    wire.hear(snapshot(""));
+    const reply = wire.connection.command("pause");
+    wire.wait(400);
+    expect(wire.links).toEqual(["live", "busy"]);
+    wire.hear({ type: "reply", id: 1, error: null });
+    expect((await reply).error).toBeNull();
+    expect(wire.links).toEqual(["live", "busy", "live"]);
+  });
+
+  it("is lost after three silent seconds, asks again, and comes back", () => {
+    wire.time = 10;
+    wire.hear(snapshot(""));
+    wire.wait(3100);
+    expect(wire.links.at(-1)).toBe("lost");
+    expect(wire.sent.filter((message) => message.type === "hello")).toHaveLength(2);
+    wire.hear({ type: "frame", frame: 2 });
+    expect(wire.links.at(-1)).toBe("live");
+  });
+
+  it("is dead when the comm is closed", () => {
+    wire.broken = true;
+    wire.connection.tell("rate", { value: 5 });
+    expect(wire.links).toEqual(["dead"]);
+  });
+});
+
+it("a state begins empty and running nothing", () => {
+  expect(initialState().lit.size).toBe(0);
+});
