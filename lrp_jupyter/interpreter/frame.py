@@ -21,7 +21,7 @@ from lrp_jupyter.language.program import Path, Program
 if TYPE_CHECKING:
     from lrp_jupyter.interpreter.interpreter import Interpreter
 
-__all__ = ["Frame", "Status", "Tally", "render"]
+__all__ = ["Frame", "Status", "Tally", "is_active", "matches", "render"]
 
 Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
 
@@ -103,7 +103,7 @@ class Frame:
         state : str or path
             A bare name (``"moving"``), a path as text (``"follower/moving"``) or as a tuple.
         """
-        return any(matches(state, path[:end]) for path in self.active for end in range(2, len(path) + 1, 2))
+        return is_active(state, self.active)
 
     def count_of(self, state: str | Path) -> int:
         """How often states of this name or path were entered."""
@@ -115,6 +115,11 @@ def matches(wanted: str | Path, path: Path) -> bool:
     if isinstance(wanted, str):
         wanted = tuple(wanted.split("/"))
     return path[-1:] == wanted if len(wanted) == 1 else path == tuple(wanted)
+
+
+def is_active(state: str | Path, active: tuple[Path, ...]) -> bool:
+    """Whether a state is among the active ones, or encloses one of them."""
+    return any(matches(state, path[:end]) for path in active for end in range(2, len(path) + 1, 2))
 
 
 class Tally:

@@ -11,7 +11,7 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Literal
 
 from lrp_jupyter.language.program import Path, Program
 
@@ -26,6 +26,7 @@ __all__ = [
     "Reset",
     "Resume",
     "Rewind",
+    "SetPolicy",
     "SetRate",
     "SetSpeed",
     "SetVariable",
@@ -108,6 +109,14 @@ class SetSpeed:
     speed: float
 
 
+@dataclass(frozen=True, slots=True)
+class SetPolicy:
+    """Change ``on_active_edit`` or ``on_issue``."""
+
+    name: Literal["on_active_edit", "on_issue"]
+    value: str
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Call:
     """Call a function between two ticks: the world is dragged, drawn on, reset by these."""
@@ -117,7 +126,19 @@ class Call:
 
 
 Command = (
-    Edit | Force | SetVariable | Rename | Rewind | Reset | Pause | Resume | Step | SetRate | SetSpeed | Call
+    Edit
+    | Force
+    | SetVariable
+    | Rename
+    | Rewind
+    | Reset
+    | Pause
+    | Resume
+    | Step
+    | SetRate
+    | SetSpeed
+    | SetPolicy
+    | Call
 )
 
 

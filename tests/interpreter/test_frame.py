@@ -60,7 +60,9 @@ def test_rendered_values_are_bounded(value):
 
 
 @pytest.mark.parametrize(
-    "value", [10**9000, "x" * 10**6, [[[[[[1]]]]]], list(range(10**5)), {1: {2: {3: {4: 5}}}}]
+    "value",
+    [10**9000, "x" * 10**6, [[[[[[1]]]]]], list(range(10**5)), {1: {2: {3: {4: 5}}}}],
+    ids=["integer", "string", "deep", "long", "dict"],
 )
 def test_huge_and_deep_values_are_bounded(value):
     assert len(render(value)) <= LONGEST

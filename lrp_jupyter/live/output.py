@@ -1,0 +1,59 @@
+"""What the blocks print: kept in the session, shown by the lab, never on the notebook's stdout."""
+
+from __future__ import annotations
+
+import io
+from collections import deque
+from threading import Lock
+from typing import Any
+
+__all__ = ["Output"]
+
+
+class Output:
+    """The last lines printed, from one thread, read by others.
+
+    Parameters
+    ----------
+    lines : int
+        How many are kept; older ones are forgotten, but counted.
+    """
+
+    def __init__(self, lines: int = 1000) -> None:
+        self.count = 0
+        self._lines: deque[str] = deque(maxlen=lines)
+        self._open = ""  # a line that has no end yet
+        self._lock = Lock()
+
+    def print(self, *values: object, sep: str | None = None, end: str | None = None, **other: Any) -> None:
+        """Do what Python's ``print`` does, into this buffer; with `file` given, into that."""
+        if other.get("file") is not None:
+            print(*values, sep=sep, end=end, **other)  # noqa: T201  (the block asked for that file)
+            return
+        text = io.StringIO()
+        print(*values, sep=sep, end=end, file=text)
+        self.write(text.getvalue())
+
+    def write(self, text: str) -> None:
+        """Add text; every newline ends a line."""
+        with self._lock:
+            *lines, self._open = (self._open + text).split("\n")
+            self._open = self._open[:10_000]
+            self._lines.extend(line[:10_000] for line in lines)
+            self.count += len(lines)
+
+    def since(self, count: int) -> tuple[int, tuple[str, ...]]:
+        """Return the count now and the lines after the first `count`, as far as they are kept."""
+        with self._lock:
+            new = min(self.count - count, len(self._lines))
+            return self.count, tuple(self._lines)[len(self._lines) - new :] if new > 0 else ()
+
+    def clear(self) -> None:
+        """Forget the lines; the count goes on."""
+        with self._lock:
+            self._lines.clear()
+            self._open = ""
+
+    def __str__(self) -> str:
+        with self._lock:
+            return "\n".join((*self._lines, self._open)) if self._open else "\n".join((*self._lines, ""))[:]

@@ -1,0 +1,115 @@
+r"""A run as JSON Lines: one object per event.
+
+Every line has ``tick`` (the first is 1), ``time`` (seconds) and ``event``, and what it concerns::
+
+    {"tick":1,"time":0.0,"event":"spawned","machine":"follower"}
+    {"tick":1,"time":0.0,"event":"entered","state":"follower/moving"}
+    {"tick":9,"time":0.8,"event":"left","state":"follower/moving"}
+    {"tick":9,"time":0.8,"event":"discarded","machine":"follower/looking/lookalgo"}
+    {"tick":9,"time":0.8,"event":"fired","machine":"follower","transition":"tlooking","source":"moving",
+     "destination":"looking"}
+    {"tick":9,"time":0.8,"event":"changed","variable":"follower/nobump","value":false}
+    {"tick":9,"time":0.8,"event":"issue","code":"LRP601","element":"follower/moving","line":4,"message":"…"}
+    {"tick":9,"time":0.8,"event":"patched","applied":true,"restarted":false,"reason":null}
+    {"tick":9,"time":0.8,"event":"restarted","reason":"…"}
+    {"tick":9,"time":0.8,"event":"forced","state":"follower/looking","how":"teleport"}
+
+``started``, ``paused`` and ``resumed`` concern the program as a whole. A variable that has lost
+its value has no ``value``. Values that JSON does not know are texts, without addresses: two equal
+runs give equal traces.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Callable
+from typing import Any, TextIO
+
+from lrp_jupyter.interpreter.events import UNSET, TraceEvent
+from lrp_jupyter.interpreter.frame import render
+
+__all__ = ["Trace", "as_dict"]
+
+_ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
+
+
+def as_dict(event: TraceEvent) -> dict[str, Any]:
+    """Write an event as an object for JSON."""
+    kind, path, tick, now, data = event
+    line: dict[str, Any] = {"tick": tick, "time": round(now, 9), "event": kind}
+    text = "/".join(path)
+    match kind:
+        case "entered" | "left":
+            line["state"] = text
+        case "forced":
+            line |= {"state": text, "how": data}
+        case "spawned" | "discarded":
+            line["machine"] = text
+        case "changed":
+            line["variable"] = text
+            if data is not UNSET:
+                line["value"] = _plain(data)
+        case "restarted":
+            line["reason"] = data
+        case _:
+            line |= _details(event)
+    return line
+
+
+def _details(event: TraceEvent) -> dict[str, Any]:
+    data: Any = event.data
+    match event.kind:
+        case "fired":
+            source, destination = data
+            return {
+                "machine": "/".join(event.path[:-1]),
+                "transition": event.path[-1],
+                "source": source,
+                "destination": destination,
+            }
+        case "issue":
+            element = "/".join(data.element.path)
+            return {
+                "code": data.code,
+                "element": element,
+                "line": data.line,
+                "message": _steady(data.message),
+            }
+        case "patched":
+            return {"applied": data.applied, "restarted": data.restarted, "reason": data.reason}
+    return {}
+
+
+def _plain(value: object) -> object:
+    if value is None or type(value) in (bool, int):
+        return value
+    if type(value) is float:
+        return value if math.isfinite(value) else repr(value)  # JSON has neither NaN nor infinity
+    return value if type(value) is str and len(value) <= 200 else _steady(render(value))
+
+
+def _steady(text: str) -> str:
+    return _ADDRESS.sub("", text)
+
+
+class Trace:
+    """An observer that writes a line per event.
+
+    Parameters
+    ----------
+    write : callable or text file
+        Gets every line, with its newline.
+    """
+
+    def __init__(self, write: Callable[[str], Any] | TextIO) -> None:
+        self._write: Callable[[str], Any] = write if callable(write) else write.write
+
+    def __call__(self, event: TraceEvent) -> None:
+        """Write one event."""
+        self.line(as_dict(event))
+
+    def line(self, entry: dict[str, Any]) -> None:
+        """Write an object of one's own as a line: a command line adds what its robot did."""
+        self._write(json.dumps(entry, ensure_ascii=False, separators=(",", ":")) + "\n")
