@@ -16,98 +16,21 @@ from __future__ import annotations
 
 import ast
 import re
-import warnings
+from collections.abc import Callable, Collection, Mapping
 from functools import lru_cache
-from typing import NamedTuple
+from types import CellType, CodeType, FunctionType
+from typing import Any, NamedTuple
 
-from lrp_jupyter.language.scanner import block_end, logical_lines
+from lrp_jupyter.language.names import Offsets, normal, uses
+from lrp_jupyter.language.program import Block, line_starts
+from lrp_jupyter.language.scanner import block_end
+from lrp_jupyter.language.suites import Suite, no_warnings, parse_block, parse_suite
 
-__all__ = ["BlockFacts", "block_end", "facts_of", "parse_block"]
+__all__ = ["BlockFacts", "bind", "block_end", "compile_block", "facts_of", "parse_block"]
 
-_BLANK = re.compile(r"[ \t\f]*+")
-
-
-class _Layout(NamedTuple):
-    """A block's text made a suite: what stands above and before it, and what its first line lost."""
-
-    header: str
-    indent: str
-    skipped: int
-
-    def source(self, text: str) -> str:
-        return f"{self.header}{self.indent}{text[self.skipped :]}\n"
-
-
-def parse_block(text: str) -> ast.Module:
-    """Parse what stands between the brackets of a block.
-
-    Any layout of the same code gives the same ``ast.dump``. Positions are those of the made-up source, not of
-    the text.
-
-    Raises
-    ------
-    SyntaxError
-        With ``lineno``, ``offset``, ``end_lineno`` and ``end_offset`` in `text`, in characters, all from 1.
-    """
-    return _parse(text)[0]
-
-
-def _layouts(text: str) -> list[_Layout]:
-    skipped = _BLANK.match(text).end()  # type: ignore[union-attr]
-    margins = {_BLANK.match(text, start)[0] for start in logical_lines(text)}  # type: ignore[index]
-    if text[skipped : skipped + 1] in ("", "\n", "\r", "#"):  # no code in the first line
-        margin = min(margins, key=len, default="")
-        return [_Layout("if 1:\n" if margin else "", "", 0)]
-    layouts = [_Layout("", "", skipped)]
-    if margins:
-        margin = min(margins, key=len)
-        layouts.insert(0, _Layout("if 1:\n" if margin else "", margin, skipped))
-    return layouts
-
-
-def _parse(text: str) -> tuple[ast.Module, _Layout]:
-    worst: tuple[tuple[int, int], SyntaxError] | None = None
-    for layout in _layouts(text):
-        try:
-            tree = _python(layout.source(text))
-        except SyntaxError as error:
-            found = _in_text(error, text, layout)
-            place = (found.lineno or 0, found.offset or 0)
-            if worst is None or place > worst[0]:
-                worst = place, found
-            continue
-        if layout.header:
-            tree.body = tree.body[0].body if tree.body else []  # type: ignore[attr-defined]
-        return tree, layout
-    assert worst is not None
-    raise worst[1] from None
-
-
-def _python(source: str) -> ast.Module:
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SyntaxWarning)
-        warnings.simplefilter("ignore", DeprecationWarning)
-        try:
-            return ast.parse(source)
-        except (RecursionError, MemoryError):
-            raise SyntaxError("too deeply nested", ("", 1, 1, "", 1, 1)) from None
-        except ValueError as error:  # a null character, or half a surrogate pair
-            raise SyntaxError(str(error), ("", 1, 1, "", 1, 1)) from None
-
-
-def _in_text(error: SyntaxError, text: str, layout: _Layout) -> SyntaxError:
-    """Move the place of an error from the made-up source to the text."""
-    above = layout.header.count("\n")
-    shift = layout.skipped - len(layout.indent)
-
-    def move(line: int | None, column: int | None) -> tuple[int, int]:
-        line = (line or 1) - above
-        column = column or 1
-        return max(line, 1), max(column + shift if line <= 1 else column, 1)
-
-    line, column = move(error.lineno, error.offset)
-    end_line, end_column = move(error.end_lineno or error.lineno, error.end_offset or error.offset)
-    return SyntaxError(error.msg, (error.filename, line, column, error.text, end_line, end_column))
+_WORD = re.compile(r"(?:\w|[^\x00-\x7f\s])+")
+_LINE_END = re.compile(r"\r\n|\r|\n")
+_FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 
 
 class Fault(NamedTuple):
@@ -138,24 +61,279 @@ class BlockFacts(NamedTuple):
 def facts_of(text: str) -> BlockFacts:
     """Judge a block by its text: whether it is empty, or no Python."""
     try:
-        tree = parse_block(text)
+        tree, suite = parse_suite(text)
+        found = uses(tree, suite.source(text))
+        fault = _outlaw(tree, suite, text)
+        if fault is None:
+            _check(text, frozenset().union(*(use.scope.outer_names for use in found.found)))
     except SyntaxError as error:
         return BlockFacts(False, _fault(text, error), ())
-    return BlockFacts(not tree.body, None, ())
+    shift = suite.shift
+    places = [Declared(name, start + shift, start + shift + len(name)) for name, start in found.global_places]
+    return BlockFacts(not tree.body, fault, tuple(places))
 
 
-_QUOTED = re.compile(r"'([^']*)'")
+class Place(NamedTuple):
+    """One place where a block uses a name.
+
+    Parameters
+    ----------
+    name : str
+    start, end : int
+        Its characters in the program's text.
+    writes : bool
+        It is assigned (or deleted) here.
+    imported : str
+        The module's whole name where it is bound by ``import x.y``, else empty.
+    hidden : frozenset of str
+        Names that mean something else at this place, because an inner function binds them.
+    """
+
+    name: str
+    start: int
+    end: int
+    writes: bool
+    imported: str
+    hidden: frozenset[str]
+
+
+class BlockNames(NamedTuple):
+    """The names of a block that are not its inner functions' own: variables of the program, if there are such.
+
+    Parameters
+    ----------
+    reads, assigns : frozenset of str
+        Names that the block reads, and those that it assigns on its own level or by `nonlocal`.
+    places : tuple of Place
+        Every such name, in order of place.
+    inner : frozenset of str
+        Names that functions, lambdas, classes and comprehensions in the block bind for themselves.
+    """
+
+    reads: frozenset[str]
+    assigns: frozenset[str]
+    places: tuple[Place, ...]
+    inner: frozenset[str]
+
+
+def block_names(block: Block) -> BlockNames:
+    """Find the names of a block, with their places in the program's text."""
+    names = _names(block.text)
+    behind = block.span.start + 1
+    places = tuple(
+        [place._replace(start=place.start + behind, end=place.end + behind) for place in names.places]
+    )
+    return names._replace(places=places)
+
+
+@lru_cache(maxsize=20_000)
+def _names(text: str) -> BlockNames:
+    tree, suite = parse_suite(text)
+    block, found, _ = uses(tree, suite.source(text))
+    shift = suite.shift
+    places = []
+    inner = set()
+    for use in found:
+        owner = use.owner
+        if owner is block:
+            start = use.start + shift
+            places.append(Place(use.name, start, start + use.length, use.writes, use.imported, use.hidden))
+        elif owner is not None:
+            inner.add(use.name)
+    places.sort(key=lambda place: place.start)
+    reads = frozenset(place.name for place in places if not place.writes)
+    assigns = frozenset(place.name for place in places if place.writes)
+    return BlockNames(reads, assigns, tuple(places), frozenset(inner))
+
+
+def _check(text: str, names: frozenset[str]) -> None:
+    """Compile a block for its errors; those of the compiler count columns in bytes, the parser's in characters."""
+    try:
+        _function(text, 0, names)
+    except SyntaxError as error:
+        lines = _LINE_END.split(text)
+
+        def characters(line: int | None, column: int | None) -> int:
+            here = lines[min(line or 1, len(lines)) - 1]
+            return len(here.encode()[: (column or 1) - 1].decode(errors="ignore")) + 1
+
+        error.offset = characters(error.lineno, error.offset)
+        error.end_offset = characters(error.end_lineno, error.end_offset)
+        raise
+
+
+def _outlaw(tree: ast.Module, suite: Suite, text: str) -> Fault | None:
+    """Find a `yield` or `await` that would make a generator or coroutine of the block itself."""
+    nodes: list[ast.AST] = list(tree.body)
+    while nodes:
+        node = nodes.pop(0)
+        if isinstance(node, ast.Yield | ast.YieldFrom | ast.Await):
+            word = "await" if isinstance(node, ast.Await) else "yield"
+            message = f"`{word}` has no meaning in a block; use it inside a `def` only."
+            start = Offsets(suite.source(text)).start_of(node) + suite.shift
+            return Fault(message, start, start + len(word))
+        if not isinstance(node, _FUNCTIONS):
+            nodes += ast.iter_child_nodes(node)
+    return None
+
+
+_QUOTED = re.compile(r"'([^' ]+)'")
 
 
 def _fault(text: str, error: SyntaxError) -> Fault:
-    from lrp_jupyter.language.program import line_starts
-
     starts = line_starts(text)
 
     def offset(line: int, column: int) -> int:
         return min(starts[min(line, len(starts)) - 1] + column - 1, len(text))
 
     start = offset(error.lineno or 1, error.offset or 1)
-    end = max(offset(error.end_lineno or 1, error.end_offset or 1), start)
+    end = max(offset(error.end_lineno or 1, error.end_offset or 1), min(start + 1, len(text)))
     message = _QUOTED.sub(r"`\1`", error.msg)
     return Fault(f"Python cannot read this block: {message}.", start, end)
+
+
+def compile_block(block: Block, names: Collection[str], filename: str) -> CodeType:
+    """Compile a block for :func:`bind`.
+
+    Parameters
+    ----------
+    block : Block
+    names : collection of str
+        The variables of the program that the block sees. `robot` and `print` are always provided besides.
+    filename : str
+        Of the program, for tracebacks.
+
+    Returns
+    -------
+    types.CodeType
+        Its free variables are among `names`, `robot` and `print`; its lines and columns are the program's.
+
+    Raises
+    ------
+    SyntaxError
+        Only for what the parser cannot know, as a `nonlocal` whose variable is gone; `lineno` is the program's.
+    """
+    prefix = len(block.prefix.encode("utf-8", "replace"))
+    seen = frozenset(_words(block.text).intersection(names))
+    try:
+        return _placed(block.text, prefix, seen, block.line, filename)
+    except SyntaxError as error:
+        error.lineno = (error.lineno or 1) + block.line - 1
+        error.end_lineno = (error.end_lineno or 1) + block.line - 1
+        error.filename = filename
+        raise
+
+
+def bind(code: CodeType, namespace: dict[str, Any], cells: Mapping[str, CellType]) -> Callable[[], object]:
+    """Make a compiled block a function.
+
+    Parameters
+    ----------
+    code : types.CodeType
+    namespace : dict
+        Becomes the function's globals itself; nothing is written into it.
+    cells : mapping of str to types.CellType
+        One for every free variable of the code.
+    """
+    return FunctionType(
+        code, namespace, code.co_name, None, tuple([cells[name] for name in code.co_freevars])
+    )
+
+
+@lru_cache(maxsize=20_000)
+def _words(text: str) -> frozenset[str]:
+    return frozenset(map(normal, _WORD.findall(text)))
+
+
+@lru_cache(maxsize=20_000)
+def _placed(text: str, prefix: int, names: frozenset[str], line: int, filename: str) -> CodeType:
+    return _moved(_function(text, prefix, names), line - 1, filename)
+
+
+def _moved(code: CodeType, lines: int, filename: str) -> CodeType:
+    """Shift the lines of a code object and of those inside it."""
+    constants = tuple(
+        _moved(constant, lines, filename) if isinstance(constant, CodeType) else constant
+        for constant in code.co_consts
+    )
+    return code.replace(
+        co_firstlineno=code.co_firstlineno + lines,
+        co_filename=filename,
+        co_consts=constants,
+        co_qualname=code.co_qualname.removeprefix("outer.<locals>."),
+    )
+
+
+@lru_cache(maxsize=20_000)
+def _function(text: str, prefix: int, names: frozenset[str]) -> CodeType:
+    """Compile a block whose first line has `prefix` bytes before it; its lines count from 1."""
+    tree, suite = parse_suite(text)
+    scope = uses(tree, suite.source(text)).scope
+    assigned = sorted(scope.bound & names)
+    body: list[ast.stmt] = (
+        [_Plain(names).visit(statement) for statement in tree.body] if assigned else tree.body
+    )
+    if body and isinstance(body[-1], ast.Expr):
+        last = body[-1]
+        body[-1] = ast.copy_location(ast.Return(last.value), last)
+    module = ast.parse(_OUTER)
+    outer: ast.FunctionDef = module.body[0]  # type: ignore[assignment]
+    inner: ast.FunctionDef = outer.body[0]  # type: ignore[assignment]
+    outer.args.args = [ast.arg(name, lineno=1, col_offset=0) for name in sorted(names | {"robot", "print"})]
+    above = suite.header.count("\n")
+    columns = prefix + suite.skipped - len(suite.indent)
+    for statement in body:
+        _move(statement, above, columns)
+    inner.lineno = 1
+    if assigned:
+        body.insert(0, ast.Nonlocal(assigned, lineno=1, col_offset=0))
+    inner.body = body or inner.body
+    ast.fix_missing_locations(module)
+    code = _compiled(module)
+    return _inner(_inner(code))
+
+
+_OUTER = "def outer():\n def block(): pass"
+
+
+def _inner(code: CodeType) -> CodeType:
+    return next(constant for constant in code.co_consts if isinstance(constant, CodeType))
+
+
+def _compiled(module: ast.Module) -> CodeType:
+    with no_warnings():
+        try:
+            return compile(module, "<lrp>", "exec", dont_inherit=True)
+        except (RecursionError, MemoryError):
+            raise SyntaxError("too deeply nested", ("", 1, 1, "", 1, 1)) from None
+
+
+def _move(statement: ast.stmt, above: int, columns: int) -> None:
+    """Move a statement's nodes to where they stand: their lines up, those of the first line to the side."""
+    for node in ast.walk(statement):
+        if "lineno" not in node._attributes:
+            continue
+        if node.lineno == above + 1:
+            node.col_offset = max(node.col_offset + columns, 0)
+        if node.end_lineno == above + 1:
+            node.end_col_offset = max(node.end_col_offset + columns, 0)
+        node.lineno -= above
+        node.end_lineno -= above
+
+
+class _Plain(ast.NodeTransformer):
+    """Make `x: int = 4` a plain assignment where `x` is a variable of the program: Python would refuse it."""
+
+    def __init__(self, names: frozenset[str]) -> None:
+        self.names = names
+
+    def visit_AnnAssign(self, node: ast.AnnAssign) -> ast.stmt:
+        if not (node.simple and isinstance(node.target, ast.Name) and node.target.id in self.names):
+            return node
+        new = ast.Assign([node.target], node.value) if node.value else ast.Pass()
+        return ast.copy_location(new, node)
+
+    def skip(self, node: ast.AST) -> ast.AST:
+        return node
+
+    visit_FunctionDef = visit_AsyncFunctionDef = visit_ClassDef = visit_Lambda = skip

@@ -164,9 +164,15 @@ class _Reader:
             if tokens[index - 1].type == "UNCLOSED":
                 continue  # the bracket was probably lost together with the block's
             name = keywords[start]
-            message = f"The `(` of this `{name}` is not closed; put its `)`" if name else "This `(` is not closed; put its `)`"
+            message = (
+                f"The `(` of this `{name}` is not closed; put its `)`"
+                if name
+                else "This `(` is not closed; put its `)`"
+            )
             line, _ = self._place(tokens[index - 1].end)
-            self.report(tokens[start].start, tokens[start].end, "LRP101", f"{message} at the end of line {line}.")
+            self.report(
+                tokens[start].start, tokens[start].end, "LRP101", f"{message} at the end of line {line}."
+            )
         return extra, closing
 
     def _place(self, offset: int) -> tuple[int, int]:
@@ -218,7 +224,9 @@ class _Reader:
         if kind == "INTEGER":
             if text.isdecimal() and len(text) < 16:
                 return _Item(kind, start, end, int(text))
-            message = f"`{text}` is no whole number of milliseconds; write digits only, or a block: `[{text}]`."
+            message = (
+                f"`{text}` is no whole number of milliseconds; write digits only, or a block: `[{text}]`."
+            )
             self.report(start, end, "LRP108", message)
             return _Item(kind, start, end, 0)
         return _Item(kind, start, end)
@@ -238,18 +246,27 @@ class _Reader:
     def _block(self, token: Token, text: str, frame: _Frame) -> Block | None:
         _, start, end = token
         if token.type == "UNCLOSED":
-            self.report(start, start + 1, "LRP103", "This `[` is not closed; put its `]` behind the Python that it opens.")
+            self.report(
+                start,
+                start + 1,
+                "LRP103",
+                "This `[` is not closed; put its `]` behind the Python that it opens.",
+            )
             return None
         starts = self.starts
         while self.line < len(starts) and starts[self.line] <= start:
             self.line += 1
         line_start = starts[self.line - 1]
-        block = Block(text[1:-1], Span(start, end), self.line, start + 2 - line_start, self.text[line_start : start + 1])
+        block = Block(
+            text[1:-1], Span(start, end), self.line, start + 2 - line_start, self.text[line_start : start + 1]
+        )
         facts = blocks.facts_of(block.text)
         if facts.fault:
             message, first, last = facts.fault
             self.report(start + 1 + first, start + 1 + last, "LRP501", message)
-        frame.declared += [(Span(start + 1 + first, start + 1 + last), name) for name, first, last in facts.globals]
+        frame.declared += [
+            (Span(start + 1 + first, start + 1 + last), name) for name, first, last in facts.globals
+        ]
         return block
 
     def _finish(self, frames: list[_Frame], end: int) -> None:
@@ -310,7 +327,12 @@ class _Reader:
         while stop < len(items) and not items[stop].type.endswith("_FORM"):
             stop += 1
         start, end = items[index].start, items[stop - 1].end
-        self.report(start, end, "LRP105", "This stands outside every form; put it into one, or behind `;` as a comment.")
+        self.report(
+            start,
+            end,
+            "LRP105",
+            "This stands outside every form; put it into one, or behind `;` as a comment.",
+        )
         del items[index:stop]
 
     def _mistaken(self, frame: _Frame, types: tuple[str, ...], mistake: Mistake, end: int) -> None:
@@ -360,11 +382,11 @@ class _Reader:
         trigger = None
         if shape.trigger is not None:
             trigger = items[shape.trigger].node
-            self._filled(items[shape.trigger], "the delay in milliseconds" if kind == "ontime" else "the condition")
-        if kind == "eps" and shape.source == "every":
-            message = (
-                "`eps` cannot leave every state: it would fire at every tick; name its sources, as in `eps {a b} -> c`."
+            self._filled(
+                items[shape.trigger], "the delay in milliseconds" if kind == "ontime" else "the condition"
             )
+        if kind == "eps" and shape.source == "every":
+            message = "`eps` cannot leave every state: it would fire at every tick; name its sources, as in `eps {a b} -> c`."
             star = next(item for item in items if item.type == "STAR")
             self.report(star.start, star.end, "LRP112", message)
         return Transition(
@@ -378,7 +400,11 @@ class _Reader:
         )
 
     def _state(self, items: list[_Item], span: Span) -> State:
-        actions: dict[str, tuple[Block | Spawn, ...]] = {"ONENTRY_FORM": (), "RUNNING_FORM": (), "ONEXIT_FORM": ()}
+        actions: dict[str, tuple[Block | Spawn, ...]] = {
+            "ONENTRY_FORM": (),
+            "RUNNING_FORM": (),
+            "ONEXIT_FORM": (),
+        }
         machines = []
         for kind, _, _, node in items[2:]:
             if kind == "MACHINE_FORM":
@@ -391,7 +417,9 @@ class _Reader:
         parts = _parts(frame.items[2:])
         self._declared(frame, parts["VAR_FORM"])
         transitions = [
-            item.node for item in frame.items if item.type in ("ON_FORM", "ONTIME_FORM", "EPS_FORM", "EXIT_FORM")
+            item.node
+            for item in frame.items
+            if item.type in ("ON_FORM", "ONTIME_FORM", "EPS_FORM", "EXIT_FORM")
         ]
         return Machine(
             frame.items[1].node,  # type: ignore[arg-type]
@@ -425,7 +453,9 @@ class _Reader:
         names = {variable.name for variable in variables if variable}
         for span, name in frame.declared:
             if name in names:
-                message = f"`{name}` is a variable of the program, not a global of Python; remove this `global`."
+                message = (
+                    f"`{name}` is a variable of the program, not a global of Python; remove this `global`."
+                )
                 self.report(*span, "LRP501", message)
 
 

@@ -73,7 +73,9 @@ def repair(sequence: Sequence[Bracket]) -> Repair:
                     found[new_key] = candidate
         if len(found) > 1:
             limit = min(cost for cost, _, _ in found.values()) + _MARGIN
-            kept = sorted((item for item in found.items() if item[1][0] <= limit), key=lambda item: item[1][0])
+            kept = sorted(
+                (item for item in found.items() if item[1][0] <= limit), key=lambda item: item[1][0]
+            )
             found = dict(kept[:_WIDTH])
         stacks = found
     count = len(sequence)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-__all__ = ["block_end", "brackets", "line_end", "logical_lines", "string_end"]
+__all__ = ["block_end", "brackets", "fields", "line_end", "logical_lines", "string_end"]
 
 _BLOCK = re.compile(r"[\[\]#'\"]")
 _CODE = re.compile(r"[\[\](){}#'\"]")
@@ -92,13 +92,15 @@ def logical_lines(text: str) -> list[int]:
 
     Lines inside brackets and strings, continued by a backslash, blank or only a comment are left out.
     """
-    inside: list[tuple[int, int]] = []
+    inside: list[tuple[int, int]] = []  # brackets and strings
+    comment_ends = set()
     depth = opened = position = 0
     while match := _CODE.search(text, position):
         position = match.end()
         char = match[0]
         if char == "#":
             position = line_end(text, position)
+            comment_ends.add(position)
         elif char in "'\"":
             position, _ = string_end(text, match.start(), 0)
             inside.append((match.start(), position))
@@ -111,18 +113,19 @@ def logical_lines(text: str) -> list[int]:
                 inside.append((opened, position))
     if depth:
         inside.append((opened, len(text)))
-    inside.append((len(text) + 1, 0))
+    inside.sort(reverse=True)
     starts = []
-    index = 0
     for match in _STATEMENT_LINE.finditer(text):
-        while inside[index][1] <= match.start() and inside[index][0] <= len(text):
-            index += 1
-        if not inside[index][0] <= match.start():
+        newline = match.start()
+        while inside and inside[-1][1] <= newline:
+            inside.pop()
+        continued = text[newline - 1 : newline] == "\\" and newline not in comment_ends
+        if not continued and not (inside and inside[-1][0] < newline):
             starts.append(match.end() - len(match[1]))
     return starts
 
 
-_STATEMENT_LINE = re.compile(r"(?<!\\)(?:\r\n|(?<!\r)\n|\r(?!\n))([ \t\f]*)(?=[^\s#])")
+_STATEMENT_LINE = re.compile(r"(?:\r\n|\r|\n)([ \t\f]*+)(?=[^\s#])")
 
 
 def string_end(text: str, quote_at: int, floor: int) -> tuple[int, bool]:
@@ -160,19 +163,38 @@ def _prefix(text: str, quote_at: int, floor: int) -> str:
     return letters if letters in _PREFIXES else ""
 
 
-def _string_end(text: str, quote_at: int, floor: int, depth: int) -> int:
+def fields(text: str, start: int, stop: int) -> list[tuple[int, int]]:
+    """Find the expressions in the f-strings of a range, with what follows up to their format or ``}``.
+
+    Those in formats are found too; not those of f-strings inside an expression.
+    """
+    found: list[tuple[int, int]] = []
+    position = start
+    while match := _BLOCK.search(text, position, stop):
+        position = match.end()
+        if match[0] == "#":
+            position = line_end(text, position)
+        elif match[0] in "'\"":
+            position = max(_string_end(text, match.start(), start, 0, found), position)
+    return found
+
+
+_Found = list[tuple[int, int]] | None
+
+
+def _string_end(text: str, quote_at: int, floor: int, depth: int, found: _Found = None) -> int:
     quotes = text[quote_at]
     if text.startswith(quotes * 3, quote_at):
         quotes *= 3
     prefix = _prefix(text, quote_at, floor)
     position = quote_at + len(quotes)
     if "f" in prefix:
-        return _formatted_end(text, position, quotes, "r" in prefix, depth)
+        return _formatted_end(text, position, quotes, "r" in prefix, depth, found)
     end = _PLAIN[quotes].match(text, position).end()  # type: ignore[union-attr]
     return end + len(quotes) if text.startswith(quotes, end) else -1
 
 
-def _formatted_end(text: str, position: int, quotes: str, raw: bool, depth: int) -> int:
+def _formatted_end(text: str, position: int, quotes: str, raw: bool, depth: int, found: _Found) -> int:
     """Return the offset behind an f-string whose text begins at `position`; -1 if it is not closed."""
     if depth > _DEEPEST:
         return -1
@@ -183,12 +205,12 @@ def _formatted_end(text: str, position: int, quotes: str, raw: bool, depth: int)
             return position + len(quotes)
         if not text.startswith("{", position):
             return -1  # the end of the line, or of the text
-        position = _field_end(text, position + 1, quotes, depth)
+        position = _field_end(text, position + 1, quotes, depth, found)
         if position < 0:
             return -1
 
 
-def _field_end(text: str, position: int, quotes: str, depth: int) -> int:
+def _field_end(text: str, position: int, quotes: str, depth: int, found: _Found) -> int:
     """Return the offset behind the ``}`` of a replacement field whose expression begins at `position`."""
     floor = position
     level = 0
@@ -205,14 +227,14 @@ def _field_end(text: str, position: int, quotes: str, depth: int) -> int:
             level += 1
         elif level and char != ":":
             level -= 1
-        elif char == "}":
-            return position
-        elif char == ":" and not level:
-            return _format_end(text, position, quotes, depth)
+        elif char in "}:" and not level:
+            if found is not None:
+                found.append((floor, match.start()))
+            return position if char == "}" else _format_end(text, position, quotes, depth, found)
     return -1
 
 
-def _format_end(text: str, position: int, quotes: str, depth: int) -> int:
+def _format_end(text: str, position: int, quotes: str, depth: int, found: _Found) -> int:
     """Return the offset behind the ``}`` of a field whose format begins at `position`."""
     if depth > _DEEPEST:
         return -1
@@ -223,7 +245,7 @@ def _format_end(text: str, position: int, quotes: str, depth: int) -> int:
             return position + 1
         if not text.startswith("{", position):
             return -1
-        position = _field_end(text, position + 1, quotes, depth + 1)
+        position = _field_end(text, position + 1, quotes, depth + 1, found)
         if position < 0:
             return -1
 

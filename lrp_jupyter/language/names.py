@@ -1,0 +1,298 @@
+"""The names of a block: what it reads and assigns, and where each stands, to the character.
+
+Python's own scoping decides which of them can be variables of the program: a name that an inner function,
+lambda, class or comprehension binds is its own.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field
+from operator import attrgetter
+from typing import NamedTuple
+
+from lrp_jupyter.language.program import line_starts
+from lrp_jupyter.language.scanner import fields, line_end, string_end
+
+__all__ = ["Offsets", "Scope", "Use", "Uses", "normal", "uses"]
+
+_Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
+_Comprehension = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
+_WORD = re.compile(r"(?:\w|[^\x00-\x7f\s])+")
+_WORD_OR_QUOTE = re.compile(r"(?:\w|[^\x00-\x7f\s])+|['\"#]")
+_CONVERSION = re.compile(r"(?:=\s*)?(?:![A-Za-z]\s*)?\Z")
+
+
+class Use(NamedTuple):
+    """One place where a name stands; `start` is an offset in the source, in characters."""
+
+    name: str
+    start: int
+    length: int
+    writes: bool
+    scope: Scope
+    imported: str = ""  # the module's whole name where `import x.y` stands
+
+    @property
+    def owner(self) -> Scope | None:
+        """The scope that the name belongs to; None if it is a global of Python."""
+        return self.scope.owner(self.name)
+
+    @property
+    def hidden(self) -> frozenset[str]:
+        """The names that scopes around the use, the block itself left out, bind for themselves."""
+        names: set[str] = set()
+        scope = self.scope
+        while scope.outer is not None:
+            names |= scope.bound | scope.global_names
+            scope = scope.outer
+        return frozenset(names)
+
+
+@dataclass(eq=False)
+class Scope:
+    """The block itself (`outer` is None), or a function, class or comprehension in it."""
+
+    outer: Scope | None = None
+    is_class: bool = False
+    is_comprehension: bool = False
+    bound: set[str] = field(default_factory=set)
+    outer_names: set[str] = field(default_factory=set)  # declared `nonlocal`
+    global_names: set[str] = field(default_factory=set)
+
+    def owner(self, name: str) -> Scope | None:
+        """Find the scope that a name used here belongs to; the block itself if no other binds it."""
+        scope = self
+        while True:
+            if name in scope.global_names:
+                return None
+            if scope.outer is None:
+                return scope
+            hidden = scope.is_class and scope is not self  # what a class binds, its methods do not see
+            if name in scope.bound and name not in scope.outer_names and not hidden:
+                return scope
+            scope = scope.outer
+
+
+class Uses(NamedTuple):
+    """Every name of a block.
+
+    ``scope`` is the block's own, ``found`` every use in no particular order, ``global_places`` the names in
+    `global` statements with their offsets.
+    """
+
+    scope: Scope
+    found: list[Use]
+    global_places: list[tuple[str, int]]
+
+
+def uses(tree: ast.Module, source: str) -> Uses:
+    """Find every name of a source, whose tree is given."""
+    visitor = _Visitor(source, 0)
+    scope = Scope()
+    visitor.visit_all(tree.body, scope)
+    return Uses(scope, visitor.found, visitor.global_places)
+
+
+class Offsets:
+    """Where the nodes of a tree stand in its source, in characters."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.starts = line_starts(source)
+
+    def start_of(self, node: ast.AST) -> int:
+        """Return the offset in the source at which a node begins."""
+        return self.offset(node.lineno, node.col_offset)  # type: ignore[attr-defined]
+
+    def end_of(self, node: ast.AST) -> int:
+        """Return the offset in the source at which a node ends."""
+        return self.offset(node.end_lineno, node.end_col_offset)  # type: ignore[attr-defined]
+
+    def offset(self, line: int, column: int) -> int:
+        """Return the offset of a place of the tree, whose columns are bytes of UTF-8."""
+        start = self.starts[line - 1]
+        here = self.source[start : line_end(self.source, start)]
+        return start + (column if here.isascii() else len(here.encode()[:column].decode()))
+
+
+class _Visitor(Offsets):
+    """Walks a tree; `shift` is added to every offset (for the expressions inside f-strings)."""
+
+    def __init__(self, source: str, shift: int, found: list[Use] | None = None) -> None:
+        super().__init__(source)
+        self.shift = shift
+        self.found: list[Use] = [] if found is None else found
+        self.global_places: list[tuple[str, int]] = []
+
+    def note(self, name: str, start: int, writes: bool, scope: Scope, imported: str = "") -> None:
+        """Keep a name's place."""
+        if writes:
+            scope.bound.add(name)
+        match = _WORD.match(self.source, start)
+        length = len(match[0]) if match else len(name)
+        self.found.append(Use(name, start + self.shift, length, writes, scope, imported))
+
+    def word(self, name: str, start: int) -> int:
+        """Return the offset of the first word `name` of code at or behind `start`."""
+        for offset, word in words(self.source, start):
+            if word == name:
+                return offset
+        return start
+
+    def visit_all(self, nodes: Iterable[ast.AST | None], scope: Scope) -> None:
+        for node in nodes:
+            if node is not None:
+                self.visit(node, scope)
+
+    def visit(self, node: ast.AST, scope: Scope) -> None:
+        """Note the names of a node and of everything in it."""
+        method = getattr(self, f"on_{type(node).__name__}", None)
+        if method is not None:
+            method(node, scope)
+        else:
+            self.visit_all(ast.iter_child_nodes(node), scope)
+
+    # Names
+
+    def on_Name(self, node: ast.Name, scope: Scope) -> None:
+        self.note(node.id, self.start_of(node), not isinstance(node.ctx, ast.Load), scope)
+
+    def on_Global(self, node: ast.Global, scope: Scope) -> None:
+        scope.global_names.update(node.names)
+        start = self.start_of(node)
+        for name in node.names:
+            start = self.word(name, start + 1)
+            self.global_places.append((name, start))
+
+    def on_Nonlocal(self, node: ast.Nonlocal, scope: Scope) -> None:
+        scope.outer_names.update(node.names)
+        start = self.start_of(node)
+        for name in node.names:
+            start = self.word(name, start + 1)
+            self.note(name, start, False, scope)
+
+    def on_alias(self, node: ast.alias, scope: Scope) -> None:
+        start = self.start_of(node)
+        if node.asname:
+            self.note(node.asname, self.word_after("as", node.asname, start), True, scope)
+        elif node.name != "*":
+            self.note(node.name.partition(".")[0], start, True, scope, imported=node.name)
+
+    def word_after(self, keyword: str, name: str, start: int) -> int:
+        """Return the offset of `name` behind the word `keyword`."""
+        return self.word(name, self.word(keyword, start) + len(keyword))
+
+    def on_ExceptHandler(self, node: ast.ExceptHandler, scope: Scope) -> None:
+        self.visit_all([node.type], scope)
+        if node.name:
+            start = self.end_of(node.type) if node.type else self.start_of(node)
+            self.note(node.name, self.word_after("as", node.name, start), True, scope)
+        self.visit_all(node.body, scope)
+
+    def on_MatchAs(self, node: ast.MatchAs, scope: Scope) -> None:
+        self.visit_all([node.pattern], scope)
+        if node.name:
+            start = self.start_of(node)
+            if node.pattern:
+                start = self.word("as", self.end_of(node.pattern)) + 2
+            self.note(node.name, self.word(node.name, start), True, scope)
+
+    def on_MatchStar(self, node: ast.MatchStar, scope: Scope) -> None:
+        if node.name:
+            self.note(node.name, self.word(node.name, self.start_of(node)), True, scope)
+
+    def on_MatchMapping(self, node: ast.MatchMapping, scope: Scope) -> None:
+        self.visit_all([*node.keys, *node.patterns], scope)
+        if node.rest:
+            start = self.end_of(node.patterns[-1]) if node.patterns else self.start_of(node)
+            self.note(node.rest, self.word(node.rest, start), True, scope)
+
+    # Scopes
+
+    def on_FunctionDef(self, node: ast.FunctionDef | ast.AsyncFunctionDef, scope: Scope) -> None:
+        self.visit_all(node.decorator_list, scope)
+        self.note(node.name, self.word_after("def", node.name, self.start_of(node)), True, scope)
+        self.function(node, scope, node.body, [node.returns])
+
+    on_AsyncFunctionDef = on_FunctionDef
+
+    def on_Lambda(self, node: ast.Lambda, scope: Scope) -> None:
+        self.function(node, scope, [node.body], [])
+
+    def function(
+        self, node: _Function, scope: Scope, body: Iterable[ast.AST], outside: list[ast.expr | None]
+    ) -> None:
+        arguments = node.args
+        around = _type_scope(node, scope)
+        inner = Scope(around)
+        parameters = [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
+        parameters += [extra for extra in (arguments.vararg, arguments.kwarg) if extra]
+        for parameter in parameters:
+            self.note(parameter.arg, self.start_of(parameter), True, inner)
+            self.visit_all([parameter.annotation], around)
+        self.visit_all([*outside, *getattr(node, "type_params", ())], around)
+        self.visit_all([*arguments.defaults, *arguments.kw_defaults], scope)
+        self.visit_all(body, inner)
+
+    def on_ClassDef(self, node: ast.ClassDef, scope: Scope) -> None:
+        self.visit_all(node.decorator_list, scope)
+        self.note(node.name, self.word_after("class", node.name, self.start_of(node)), True, scope)
+        around = _type_scope(node, scope)
+        self.visit_all([*node.bases, *node.keywords, *getattr(node, "type_params", ())], around)
+        self.visit_all(node.body, Scope(around, is_class=True))
+
+    def on_ListComp(self, node: _Comprehension, scope: Scope) -> None:
+        inner = Scope(scope, is_comprehension=True)
+        first, *others = node.generators
+        self.visit(first.iter, scope)
+        self.visit_all([first.target, *first.ifs, *others], inner)
+        self.visit_all(
+            [child for child in ast.iter_child_nodes(node) if not isinstance(child, ast.comprehension)], inner
+        )
+
+    on_SetComp = on_DictComp = on_GeneratorExp = on_ListComp
+
+    def on_NamedExpr(self, node: ast.NamedExpr, scope: Scope) -> None:
+        self.visit(node.value, scope)
+        while scope.is_comprehension and scope.outer:
+            scope = scope.outer
+        self.visit(node.target, scope)
+
+    def on_JoinedStr(self, node: ast.JoinedStr, scope: Scope) -> None:
+        """Read the expressions of an f-string anew: before Python 3.12 the tree does not say where they are."""
+        for start, end in fields(self.source, self.start_of(node), self.end_of(node)):
+            expression = _CONVERSION.sub("", self.source[start:end])
+            source = f"({expression}\n)"
+            inner = _Visitor(source, self.shift + start - 1, self.found)
+            inner.visit(ast.parse(source), scope)
+
+    on_TemplateStr = on_JoinedStr
+
+
+def _type_scope(node: ast.AST, scope: Scope) -> Scope:
+    """Return a scope for the type parameters of a definition, from Python 3.12 on."""
+    inner = Scope(scope)
+    inner.bound.update(map(attrgetter("name"), getattr(node, "type_params", ())))
+    return inner
+
+
+def words(source: str, start: int) -> Iterator[tuple[int, str]]:
+    """Yield the words of code, strings and comments left out, from an offset on."""
+    position = start
+    while match := _WORD_OR_QUOTE.search(source, position):
+        position = match.end()
+        if match[0] == "#":
+            position = line_end(source, position)
+        elif match[0] in "'\"":
+            position, _ = string_end(source, match.start(), start)
+        else:
+            yield match.start(), normal(match[0])
+
+
+def normal(name: str) -> str:
+    """Return a name in the form in which Python knows it (NFKC)."""
+    return name if name.isascii() else unicodedata.normalize("NFKC", name)

@@ -1,0 +1,126 @@
+"""A block's text as a suite of Python: parsed in any layout, with its places kept."""
+
+from __future__ import annotations
+
+import ast
+import re
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import NamedTuple
+
+from lrp_jupyter.language.scanner import logical_lines
+
+__all__ = ["Suite", "no_warnings", "parse_block", "parse_suite"]
+
+_BLANK = re.compile(r"[ \t\f]*+")
+_UNHEARD = re.compile(r"[\0\ud800-\udfff]")
+
+
+class Suite(NamedTuple):
+    """A block's text made a suite: what stands above and before it, and what its first line lost."""
+
+    header: str
+    indent: str
+    skipped: int
+
+    @property
+    def shift(self) -> int:
+        """What to add to an offset in the source to get that in the block's text."""
+        return self.skipped - len(self.indent) - len(self.header)
+
+    def source(self, text: str) -> str:
+        """Return the suite."""
+        return f"{self.header}{self.indent}{text[self.skipped :]}\n"
+
+
+def parse_block(text: str) -> ast.Module:
+    """Parse what stands between the brackets of a block.
+
+    Any layout of the same code gives the same ``ast.dump``. Positions are those of the made-up source, not of
+    the text.
+
+    Raises
+    ------
+    SyntaxError
+        With ``lineno``, ``offset``, ``end_lineno`` and ``end_offset`` in `text`, in characters, all from 1.
+    """
+    return parse_suite(text)[0]
+
+
+def _suites(text: str) -> list[Suite]:
+    skipped = _BLANK.match(text).end()  # type: ignore[union-attr]
+    margins = {_BLANK.match(text, start)[0] for start in logical_lines(text)}  # type: ignore[index]
+    margin = min(margins, key=len, default="")
+    if text[skipped : skipped + 1] in ("", "\n", "\r", "#"):  # no code in the first line
+        indent, skipped = "", 0
+    else:
+        indent = margin
+    suites = [Suite("", "", skipped)]
+    if margin:
+        suites.insert(0, Suite("if 1:\n", indent, skipped))
+    return suites
+
+
+def _body(tree: ast.Module) -> list[ast.stmt]:
+    """Take a suite from under its header, which all of it must stand under."""
+    header, *rest = tree.body
+    assert isinstance(header, ast.If)
+    if rest or header.orelse:
+        raise IndentationError("unindent does not match any outer indentation level", ("", 1, 1, "", 1, 1))
+    return header.body
+
+
+def parse_suite(text: str) -> tuple[ast.Module, Suite]:
+    """Parse a block's text, and say how it was made a suite."""
+    match = _UNHEARD.search(text)
+    if match:
+        lines = re.split(r"\r\n|\r|\n", text[: match.start()])
+        line, column = len(lines), len(lines[-1]) + 1
+        raise SyntaxError("a character that no Python can hold", ("", line, column, "", line, column + 1))
+    worst: tuple[tuple[int, int], SyntaxError] | None = None
+    for suite in _suites(text):
+        try:
+            tree = _python(suite.source(text))
+            if suite.header:
+                tree.body = _body(tree)
+        except SyntaxError as error:
+            found = _in_text(error, text, suite)
+            place = (found.lineno or 0, found.offset or 0)
+            if worst is None or place > worst[0]:
+                worst = place, found
+            continue
+        return tree, suite
+    assert worst is not None
+    raise worst[1] from None
+
+
+@contextmanager
+def no_warnings() -> Iterator[None]:
+    """Keep Python from warning of a user's code in the name of ours; the checks tell what matters."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        yield
+
+
+def _python(source: str) -> ast.Module:
+    with no_warnings():
+        try:
+            return ast.parse(source)
+        except (RecursionError, MemoryError):
+            raise SyntaxError("too deeply nested", ("", 1, 1, "", 1, 1)) from None
+
+
+def _in_text(error: SyntaxError, text: str, suite: Suite) -> SyntaxError:
+    """Move the place of an error from the made-up source to the text."""
+    above = suite.header.count("\n")
+    shift = suite.skipped - len(suite.indent)
+
+    def move(line: int | None, column: int | None) -> tuple[int, int]:
+        line = (line or 1) - above
+        column = column or 1
+        return max(line, 1), max(column + shift if line <= 1 else column, 1)
+
+    line, column = move(error.lineno, error.offset)
+    end_line, end_column = move(error.end_lineno or error.lineno, error.end_offset or error.offset)
+    return SyntaxError(error.msg, (error.filename, line, column, error.text, end_line, end_column))
