@@ -511,21 +511,17 @@ class Bridge(ABC):
                 safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed")
             return None
         if method.velocity:
-            safety.moving(method.path, any(_numbers(arguments)))
+            safety.moving(method.path, _moves(arguments))
         return method.perform(command)
 
 
-def _numbers(arguments: Mapping[str, Any]) -> list[float]:
-    """Every number among arguments, however deep; a robot moves if one of them is not zero."""
-    found: list[float] = []
-    for value in arguments.values():
-        if isinstance(value, Mapping):
-            found += _numbers(value)
-        elif isinstance(value, (tuple, list)):
-            found += _numbers(dict(enumerate(value)))  # type: ignore[arg-type]
-        elif isinstance(value, (int, float)):
-            found.append(value)
-    return found
+def _moves(value: object) -> bool:
+    """Whether any number among arguments, however deep, is not zero."""
+    if isinstance(value, (int, float)):
+        return value != 0
+    if isinstance(value, dict):
+        return any(map(_moves, value.values()))
+    return isinstance(value, (list, tuple)) and any(map(_moves, value))
 
 
 def _doc_of(function: Callable[..., object]) -> str:

@@ -136,7 +136,7 @@ class Message:
         """Read a field by its dotted name, or by its short form."""
         value: Any = self
         for name in self.WORDS.get(path, path).split("."):
-            value = getattr(value, name)
+            value = value._fields[name]
         return value
 
     def set(self, path: str, value: object) -> None:
@@ -149,7 +149,10 @@ class Message:
 
     def as_dict(self) -> dict[str, Any]:
         """Give the message as nested dictionaries."""
-        return {k: v.as_dict() if isinstance(v, Message) else v for k, v in self._fields.items()}
+        return {
+            name: value if isinstance(self.FIELDS[name], Plain) else value.as_dict()
+            for name, value in self._fields.items()
+        }
 
     def _assign(self, name: str, value: object) -> None:
         kind = self.FIELDS.get(name)

@@ -137,6 +137,15 @@ class Safety:
         """Whether a loop drives the bridge; a person who drives by hand is not held by a stop."""
         return self._last_tick is not None
 
+    @property
+    def motion(self) -> tuple[str, float | None]:
+        """The velocity command that moves the robot, and its time; a bridge that rewinds sets it back."""
+        return self._moving_name, self._moving_since
+
+    @motion.setter
+    def motion(self, motion: tuple[str, float | None]) -> None:
+        self._moving_name, self._moving_since = motion
+
     def moving(self, name: str, is_moving: bool) -> None:
         """Note a velocity command that went out."""
         self._moving_name = name

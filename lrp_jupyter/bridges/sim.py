@@ -1,0 +1,348 @@
+"""The simulated robot as a bridge: the default.
+
+Owner: the interpreter's thread, like that of every bridge. What a person does to the world from
+another thread (`reset_world`, `place_robot`, `place_solid`, `draw`, `erase`) is queued and acts
+between two ticks; `stop` only sets a flag. Commands act at once, and the world moves in `advance`
+only, by whole steps of 10 ms: program and world live in one time.
+
+Paper: §3.2, §4 (the world that the line follower drives in).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from functools import partial
+from typing import NamedTuple
+
+from lrp_jupyter.bridges.bridge import Bridge, Panel
+from lrp_jupyter.bridges.message import Message, Twist
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.sim.inputs import Draw, Input, PlaceRobot, PlaceSolid, Reset
+from lrp_jupyter.sim.robot import Robot
+from lrp_jupyter.sim.simulation import STEP, Moment, Simulation
+from lrp_jupyter.sim.world import Noise, World, WorldError
+
+__all__ = ["RobotPicture", "SimBridge", "SimPicture"]
+
+
+@dataclass(frozen=True, slots=True)
+class RobotPicture:
+    """What can be seen of a robot, and of its sensors when they were read last.
+
+    Attributes
+    ----------
+    pose : tuple
+        x, y (metres), heading (radians).
+    command : tuple
+        The speeds asked of it: m/s, rad/s.
+    lights : tuple of int
+        0 black ... 255 white.
+    bumper : int
+        1 pressed, 0 free.
+    distances : tuple of float
+        Metres; ``inf`` where nothing is in reach.
+    pen : bool
+        Whether it leaves a trail.
+    """
+
+    pose: tuple[float, float, float]
+    command: tuple[float, float]
+    lights: tuple[int, ...]
+    bumper: int
+    distances: tuple[float, ...]
+    pen: bool
+
+
+@dataclass(frozen=True, slots=True)
+class SimPicture:
+    """The world at one moment, as far as it moves; what stands still is `SimBridge.world`.
+
+    Attributes
+    ----------
+    time : float
+        Seconds of the world.
+    robots : tuple of RobotPicture
+    solids : tuple of tuple
+        x, y, angle of every solid.
+    revision : int
+        Grows when the scene changes other than by motion and trails.
+    marks : int
+        Number of pieces of trails and drawings on the floor.
+    """
+
+    time: float
+    robots: tuple[RobotPicture, ...]
+    solids: tuple[tuple[float, float, float], ...]
+    revision: int
+    marks: int
+
+
+class _Moment(NamedTuple):
+    world: Moment
+    motion: tuple[str, float | None]  # the command watchdog is part of the run too
+    stopping: bool
+
+
+class SimBridge(Bridge):
+    """A robot in a simulated world.
+
+    Parameters
+    ----------
+    world : str, path, mapping or World
+        A bundled world's name, a JSON file, or a world.
+    seed : int, optional
+        Of all noise; the world's own unless given.
+    noise : Noise or mapping, optional
+        Of the robot that the program drives: ``{"motor": 0.2, "light": 20}``; the world's own unless
+        given.
+
+    Raises
+    ------
+    BridgeError
+        There is no such world, or it has a mistake; the sentence says where.
+    """
+
+    name = "sim"
+    hardware = False
+    time_step = STEP
+    stop_timeout = None
+
+    def __init__(
+        self,
+        world: str | os.PathLike[str] | Mapping[str, object] | World = "line",
+        seed: int | None = None,
+        noise: Noise | Mapping[str, float] | None = None,
+    ) -> None:
+        self._noise = _checked_noise(noise)
+        self._stopping = False
+        self.simulation = self._simulate(world, seed)
+
+    def _simulate(
+        self, world: str | os.PathLike[str] | Mapping[str, object] | World, seed: int | None
+    ) -> Simulation:
+        try:
+            simulation = Simulation(world, seed)
+            if self._noise is not None:
+                first, *others = simulation.world.robots
+                noisy = replace(simulation.world, robots=(replace(first, noise=self._noise), *others))
+                simulation = Simulation(noisy, seed)
+        except (WorldError, TypeError) as error:
+            raise BridgeError(str(error)) from error
+        return simulation
+
+    # -- the robot --------------------------------------------------------------------------------
+
+    def open_interface(self) -> Panel | None:
+        """Offer what the robot of this world has."""
+        robot = self.simulation.robot
+        spec = robot.spec
+        if spec.light:
+            self.add_variable(
+                "light.data", self._light, "brightness of the floor: 0 black ... 255 white", type=int
+            )
+        if spec.bumper:
+            self.add_variable(
+                "bumper.data", lambda: self._robot.readings.bumper, "1 pressed, 0 free", type=int
+            )
+        if spec.distance:
+            self.add_variable(
+                "distance.data",
+                self._distance,
+                "to the next solid ahead; inf: nothing in reach",
+                "m",
+                type=float,
+            )
+        self.add_variable(
+            "gyro.data", lambda: self._robot.readings.gyro, "angle turned since the start", "rad", type=float
+        )
+        for index, (name, unit, doc) in enumerate(_ODOM):
+            self.add_variable(f"odom.{name}", partial(self._odom, index), doc, unit, type=float)
+        self.add_method(
+            "move",
+            self._move,
+            "drive: linear in m/s, angular in rad/s; what is not given is 0",
+            message=Twist,
+            limits={"linear": spec.limits[0], "angular": spec.limits[1]},
+        )
+        self.add_method("stop", lambda: self.simulation.drive(), "stand still")
+        self.add_method("pen", self._pen, "lower the pen (True) or lift it (False): it leaves a trail")
+        self.simulation.latch()  # so that there is something to see before the first tick
+        return None
+
+    @property
+    def _robot(self) -> Robot:
+        return self.simulation.robot
+
+    def _light(self) -> int | None:
+        return next(iter(self._robot.readings.lights), None)
+
+    def _distance(self) -> float | None:
+        return next(iter(self._robot.readings.distances), None)
+
+    def _odom(self, index: int) -> float:
+        return self._robot.readings.odom[index]
+
+    def _move(self, message: Message) -> None:
+        x, *sideways = (message.linear.x, message.linear.y, message.linear.z)
+        *tilting, z = (message.angular.x, message.angular.y, message.angular.z)
+        if any(sideways) or any(tilting):
+            raise BridgeError(
+                "This robot has two wheels: it takes `linear.x` and `angular.z`, the rest is 0."
+            )
+        self.simulation.drive(x, z)
+
+    def _pen(self, down: bool = True) -> None:
+        self.simulation.pen(bool(down))
+
+    def stop(self) -> None:
+        """Let the robot stand still before the world moves on; only sets a flag."""
+        self._stopping = True
+
+    def sense(self, now: float) -> None:
+        """Read all sensors, once for the tick."""
+        self._stop_if_asked()
+        self.simulation.latch()
+
+    def _stop_if_asked(self) -> None:
+        if self._stopping:
+            self._stopping = False
+            for robot in self.simulation.robots:
+                self.simulation.drive(robot=robot.index)
+
+    # -- time -------------------------------------------------------------------------------------
+
+    def advance(self, seconds: float) -> None:
+        """Let the world pass `seconds`, a whole number of steps."""
+        self._stop_if_asked()
+        self.simulation.step(round(seconds / STEP))
+
+    def moment(self) -> object:
+        """Name this moment of the world."""
+        return _Moment(self.simulation.moment, self.safety.motion, self._stopping)
+
+    def rewind(self, moment: object) -> None:
+        """Bring the world back to a moment, exactly: what follows is what followed then.
+
+        Raises
+        ------
+        BridgeError
+            It is no moment of this world, or too long ago.
+        """
+        if not isinstance(moment, _Moment):
+            raise BridgeError(f"{moment!r} is no moment of the simulated world.")
+        try:
+            self.simulation.rewind(moment.world)
+        except ValueError as error:
+            raise BridgeError(str(error)) from error
+        self.safety.motion = moment.motion
+        self._stopping = moment.stopping
+
+    # -- the world, for views ---------------------------------------------------------------------
+
+    @property
+    def world(self) -> World:
+        """The world as it was in the beginning."""
+        return self.simulation.world
+
+    @property
+    def picture(self) -> SimPicture:
+        """What moves, now; what a person did to the world acts first. On the interpreter's thread."""
+        simulation = self.simulation
+        simulation.step(0)
+        robots = tuple(
+            RobotPicture(
+                robot.pose,
+                robot.command,
+                robot.readings.lights,
+                robot.readings.bumper,
+                robot.readings.distances,
+                robot.memory.pen is not None,
+            )
+            for robot in simulation.robots
+        )
+        solids = tuple(thing.pose for thing in simulation.solids)
+        return SimPicture(simulation.time, robots, solids, simulation.revision, len(simulation.floor.marks))
+
+    def load_world(
+        self, world: str | os.PathLike[str] | Mapping[str, object] | World, seed: int | None = None
+    ) -> None:
+        """Go on in another world. On the interpreter's thread, between two ticks.
+
+        Raises
+        ------
+        BridgeError
+            There is no such world, or it has a mistake; the old one stays.
+        """
+        self.simulation = self._simulate(world, seed)
+        if self.is_open:
+            self.nodes.clear()
+            self.open_interface()
+
+    def reset_world(self, drawings: bool = False) -> None:
+        """Put everything back to the start and erase trails; drawings too, if asked. Any thread."""
+        self._submit(Reset(drawings))
+
+    def place_robot(self, pose: tuple[float, float, float], robot: int = 0) -> None:
+        """Put a robot down elsewhere: x, y (metres), heading (radians). Any thread.
+
+        Raises
+        ------
+        BridgeError
+            There is no such robot, or a number is none.
+        """
+        self._submit(PlaceRobot(pose, robot))
+
+    def place_solid(self, solid: int, pose: tuple[float, float, float]) -> None:
+        """Put a solid down elsewhere: x, y (metres), angle (radians). Any thread.
+
+        Raises
+        ------
+        BridgeError
+            There is no such solid, or a number is none.
+        """
+        self._submit(PlaceSolid(pose, solid))
+
+    def draw(self, path: tuple[tuple[float, float], ...], width: float = 0.03, grey: float = 0) -> None:
+        """Paint a line through points (metres) on the floor; `grey` is 0 black ... 255 white. Any thread.
+
+        Raises
+        ------
+        BridgeError
+            There is no point, or a number is none.
+        """
+        self._submit(Draw(tuple(path), width, grey))
+
+    def erase(self, path: tuple[tuple[float, float], ...], width: float = 0.06) -> None:
+        """Paint with the floor's own grey. Any thread.
+
+        Raises
+        ------
+        BridgeError
+            There is no point, or a number is none.
+        """
+        self._submit(Draw(tuple(path), width, None))
+
+    def _submit(self, what: Input) -> None:
+        try:
+            self.simulation.submit(what)
+        except (TypeError, ValueError) as error:
+            raise BridgeError(str(error)) from error
+
+
+_ODOM = (
+    ("x", "m", "way driven along the heading at the start, by the wheels"),
+    ("y", "m", "way driven to the left of the heading at the start, by the wheels"),
+    ("theta", "rad", "angle turned since the start, by the wheels"),
+)
+
+
+def _checked_noise(noise: Noise | Mapping[str, float] | None) -> Noise | None:
+    if noise is None or isinstance(noise, Noise):
+        return noise
+    known = [field.name for field in fields(Noise)]
+    unknown = [name for name in noise if name not in known]
+    if unknown:
+        raise BridgeError(f"There is no noise `{unknown[0]}`; there is {', '.join(known)}.")
+    return replace(Noise(), **noise)

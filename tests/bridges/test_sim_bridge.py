@@ -1,0 +1,295 @@
+"""The simulated robot as a bridge: one clock, exact repetition, a world that a person can change."""
+
+from __future__ import annotations
+
+import json
+import math
+import threading
+from collections.abc import Callable
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Connection, MemberError, Robot
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import BridgeError
+
+PERIOD = 0.1
+
+
+@pytest.fixture
+def sim() -> SimBridge:
+    sim = SimBridge("empty", seed=1)
+    sim.open()
+    return sim
+
+
+def drive(sim: SimBridge, ticks: int, linear: float = 0.1, angular: float = 0.0, first: int = 0) -> None:
+    """Drive as a session does: tick, then the world's period."""
+    for tick in range(first, first + ticks):
+        now = tick * PERIOD
+        sim.begin_tick(now, PERIOD)
+        sim.robot.move(linear=linear, angular=angular)
+        sim.end_tick(now)
+        sim.advance(PERIOD)
+
+
+def pose(sim: SimBridge) -> tuple[float, float, float]:
+    return sim.picture.robots[0].pose
+
+
+def test_it_is_armed_and_no_hardware(sim: SimBridge) -> None:
+    assert sim.safety.armed
+    assert not sim.hardware
+    assert sim.status.state is Connection.CONNECTED
+    assert sim.time_step == 0.01
+
+
+def test_the_robot_of_the_papers_program_is_there(sim: SimBridge) -> None:
+    assert dir(sim.robot) == ["bumper", "distance", "gyro", "light", "move", "odom", "pen", "stop"]
+    assert sim.robot.light.data == 255
+    assert sim.robot.bumper.data == 0
+    assert sim.robot.distance.data > 0
+    assert (sim.robot.odom.x, sim.robot.odom.y, sim.robot.odom.theta, sim.robot.gyro.data) == (0, 0, 0, 0)
+
+
+def test_a_robot_without_sensors_offers_none() -> None:
+    bare = {"pose": [1, 1, 0], "light": [], "distance": [], "bumper": False}
+    sim = SimBridge({"version": 1, "size": [2, 2], "robots": [bare]})
+    sim.open()
+    assert dir(sim.robot) == ["gyro", "move", "odom", "pen", "stop"]
+    with pytest.raises(MemberError, match="`robot` has no `light`"):
+        sim.robot.light  # noqa: B018
+
+
+def test_driving_for_a_second_covers_the_way(sim: SimBridge) -> None:
+    drive(sim, 10, linear=0.1)
+    sim.begin_tick(1.0, PERIOD)
+    assert sim.robot.odom.x == pytest.approx(0.1, abs=0.01)
+    assert sim.picture.time == pytest.approx(1.0)
+
+
+def fill(robot: Robot) -> None:
+    with robot.move as msg:
+        msg.linear.x = 0.1
+        msg.angular.z = 0.5
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        lambda robot: robot.move(linear=0.1, angular=0.5),
+        lambda robot: robot.move(linear_x=0.1, angular_z=0.5),
+        lambda robot: robot.move(lambda msg: (msg.linear(x=0.1), msg.angular(z=0.5))),
+        lambda robot: fill(robot),
+    ],
+)
+def test_every_way_to_say_move_moves_alike(sim: SimBridge, how: Callable[[Robot], object]) -> None:
+    sim.begin_tick(0.0, PERIOD)
+    how(sim.robot)
+    assert sim.picture.robots[0].command == (0.1, 0.5)
+
+
+def test_the_world_stands_still_without_advance(sim: SimBridge) -> None:
+    sim.begin_tick(0.0, PERIOD)
+    sim.robot.move(linear=0.2)
+    sim.end_tick(0.0)
+    before = pose(sim)
+    assert pose(sim) == before
+    sim.advance(PERIOD)
+    assert pose(sim) != before
+
+
+def test_readings_are_latched_for_the_tick() -> None:
+    sim = SimBridge("empty", seed=3, noise={"light": 20})
+    sim.open()
+    sim.begin_tick(0.0, PERIOD)
+    sim.draw(((0, 0), (3, 2)), width=5, grey=0)
+    assert sim.robot.light.data == sim.robot.light.data
+    seen = sim.robot.light.data
+    sim.end_tick(0.0)
+    sim.advance(PERIOD)
+    sim.begin_tick(0.1, PERIOD)
+    assert sim.robot.light.data < seen
+
+
+def test_a_two_wheeled_robot_does_not_move_sideways(sim: SimBridge) -> None:
+    with pytest.raises(BridgeError, match="two wheels"):
+        sim.robot.move(linear_y=0.1)
+
+
+def test_a_speed_beyond_the_robots_limits_is_brought_back(sim: SimBridge) -> None:
+    most, _ = sim.world.robots[0].limits
+    sim.robot.move(linear=10 * most)
+    assert sim.picture.robots[0].command == (most, 0.0)
+    assert sim.safety.notices[-1].kind == "limited"
+
+
+def test_stop_all_acts_before_the_world_moves_on(sim: SimBridge) -> None:
+    drive(sim, 3, linear=0.3)
+    moving = pose(sim)
+    thread = threading.Thread(target=sim.stop_all)
+    thread.start()
+    thread.join()
+    assert sim.picture.robots[0].command == (0.3, 0.0), "the flag alone must not touch the world"
+    sim.advance(1.0)
+    assert sim.picture.robots[0].command == (0.0, 0.0)
+    assert pose(sim)[0] - moving[0] < 0.02
+
+
+def test_a_robot_that_is_not_commanded_stops_after_half_a_second(sim: SimBridge) -> None:
+    drive(sim, 1, linear=0.2)
+    for tick in range(1, 8):
+        sim.begin_tick(tick * PERIOD, PERIOD)
+        sim.end_tick(tick * PERIOD)
+        sim.advance(PERIOD)
+    assert sim.picture.robots[0].command == (0.0, 0.0)
+    assert [notice.text for notice in sim.safety.notices] == ["no command for 0.5 s: put `move` in `running`"]
+
+
+def test_the_program_can_stop_and_lower_the_pen(sim: SimBridge) -> None:
+    sim.robot.pen(True)
+    drive(sim, 10)
+    assert sim.picture.robots[0].pen
+    assert sim.picture.marks > 0
+    sim.begin_tick(1.0, PERIOD)
+    sim.robot.stop()
+    sim.robot.pen(False)
+    assert sim.picture.robots[0].command == (0.0, 0.0)
+    assert not sim.picture.robots[0].pen
+
+
+def test_rewinding_repeats_bit_for_bit() -> None:
+    def run(sim: SimBridge, first: int, ticks: int) -> list[object]:
+        seen: list[object] = []
+        for tick in range(first, first + ticks):
+            sim.begin_tick(tick * PERIOD, PERIOD)
+            if tick % 7 < 3:
+                sim.robot.move(linear=0.2, angular=0.5 if sim.robot.light.data > 128 else -0.5)
+            sim.end_tick(tick * PERIOD)
+            sim.advance(PERIOD)
+            seen.append((sim.robot.light.data, sim.picture.robots, sim.picture.time))
+        return seen
+
+    sim = SimBridge("line", seed=5, noise={"motor": 0.1, "light": 10})
+    sim.open()
+    run(sim, 0, 40)
+    moment = sim.moment()
+    first = run(sim, 40, 60)
+    sim.rewind(moment)
+    assert run(sim, 40, 60) == first
+
+
+def test_rewinding_forgets_a_stop_that_came_later(sim: SimBridge) -> None:
+    drive(sim, 3, linear=0.2)
+    moment = sim.moment()
+    sim.on_pause()
+    sim.rewind(moment)
+    sim.advance(PERIOD)
+    assert sim.picture.robots[0].command == (0.2, 0.0)
+
+
+def test_rewinding_to_nowhere_is_refused(sim: SimBridge) -> None:
+    other = SimBridge("empty")
+    other.open()
+    drive(other, 5)
+    with pytest.raises(BridgeError, match="cannot rewind"):
+        sim.rewind(other.moment())
+    with pytest.raises(BridgeError, match="is no moment"):
+        sim.rewind(7)
+
+
+def test_a_person_changes_the_world_from_another_thread(sim: SimBridge) -> None:
+    def by_hand() -> None:
+        sim.place_robot((0.5, 0.6, math.pi / 2))
+        sim.draw(((0.5, 0.6), (0.5, 1.0)), width=0.3, grey=0)
+
+    thread = threading.Thread(target=by_hand)
+    thread.start()
+    thread.join()
+    assert pose(sim) == (0.5, 0.6, math.pi / 2)
+    sim.begin_tick(0.0, PERIOD)
+    assert sim.robot.light.data == 0
+    sim.erase(((0.5, 0.6), (0.5, 1.0)), width=0.5)
+    sim.begin_tick(0.1, PERIOD)
+    assert sim.robot.light.data == 255
+
+
+def test_a_solid_can_be_moved_by_hand() -> None:
+    sim = SimBridge("line")
+    sim.open()
+    sim.place_solid(0, (1.0, 0.2, 0.5))
+    assert sim.picture.solids[0] == pytest.approx((1.0, 0.2, 0.5))
+
+
+def test_resetting_the_world_puts_the_robot_back(sim: SimBridge) -> None:
+    start = pose(sim)
+    sim.robot.pen()
+    drive(sim, 10)
+    sim.reset_world()
+    assert pose(sim) == start
+    assert sim.picture.marks == 0
+
+
+def test_what_cannot_be_done_by_hand_is_refused_at_once(sim: SimBridge) -> None:
+    with pytest.raises(BridgeError, match="there is no robot 3"):
+        sim.place_robot((0, 0, 0), robot=3)
+    with pytest.raises(BridgeError, match="there is no solid 9"):
+        sim.place_solid(9, (0, 0, 0))
+    with pytest.raises(BridgeError, match="needs a point"):
+        sim.draw(())
+    with pytest.raises(BridgeError, match="finite"):
+        sim.erase(((math.nan, 0),))
+
+
+def test_another_world_can_be_loaded_while_a_program_holds_robot(sim: SimBridge) -> None:
+    robot = sim.robot
+    drive(sim, 3)
+    sim.load_world("line")
+    assert sim.picture.time == 0
+    assert robot.light.data in range(256)
+    with pytest.raises(BridgeError, match="no world 'lime'"):
+        sim.load_world("lime")
+    assert robot.light.data in range(256)
+
+
+def test_an_unknown_world_or_noise_is_said_in_a_sentence() -> None:
+    with pytest.raises(BridgeError, match=r"no world 'lin'.*did you mean 'line'"):
+        SimBridge("lin")
+    with pytest.raises(BridgeError, match="no noise `engine`; there is motor"):
+        SimBridge(noise={"engine": 1})
+
+
+def test_noise_is_that_of_the_seed() -> None:
+    def run(seed: int) -> list[int]:
+        sim = SimBridge("line", seed=seed, noise={"light": 20})
+        sim.open()
+        seen = []
+        for tick in range(20):
+            sim.begin_tick(tick * PERIOD, PERIOD)
+            seen.append(sim.robot.light.data)
+            sim.advance(PERIOD)
+        return seen
+
+    assert run(1) == run(1)
+    assert run(1) != run(2)
+
+
+def test_members_tell_unit_doc_and_value(sim: SimBridge) -> None:
+    sim.begin_tick(2.0, PERIOD)
+    sim.refresh()
+    member = sim.describe("robot.distance.data")
+    assert (member.type, member.unit, member.age) == ("float", "m", 0.0)
+    assert member.value == sim.robot.distance.data
+    assert sim.describe("move").fields[0].name == "move.linear"
+    assert [field.name for field in sim.describe("odom").fields] == ["odom.x", "odom.y", "odom.theta"]
+    json.dumps([member.as_dict() for member in sim.members()], allow_nan=False)
+
+
+def test_pause_freezes_and_stops(sim: SimBridge) -> None:
+    drive(sim, 3, linear=0.2)
+    sim.on_pause()
+    before = pose(sim)
+    assert pose(sim) == before
+    sim.on_resume()
+    sim.advance(PERIOD)
+    assert sim.picture.robots[0].command == (0.0, 0.0)
