@@ -70,6 +70,7 @@ _LARK = _grammar()
 _REPEATABLE = frozenset(["BLOCK", *(f"{keyword.upper()}_FORM" for keyword in USAGE)])
 
 
+@lru_cache(maxsize=4096)
 def shape_of(types: tuple[str, ...]) -> Shape | Mistake | None:
     """Read the tokens of one form, given by their types.
 
@@ -112,7 +113,7 @@ def _shape(types: tuple[str, ...]) -> Shape | Mistake | None:
     *head, destination, name = tree.children[1:]
     source: Tree[Token] = head[-1]  # type: ignore[assignment]
     trigger: Tree[Token] | None = head[0] if len(head) > 1 else None  # type: ignore[assignment]
-    names = [token for token in source.scan_values(lambda token: token.type == "NAME")]
+    names = source.scan_values(lambda token: token.type == "NAME")
     return Shape(
         trigger=None if trigger is None else _index(trigger.children[0]),
         source=str(source.data),

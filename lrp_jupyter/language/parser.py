@@ -10,38 +10,22 @@ from __future__ import annotations
 
 import unicodedata
 from bisect import bisect_right
-from collections import defaultdict
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from keyword import iskeyword
-from typing import Any, NamedTuple
 
 from lrp_jupyter.errors import LRPSyntaxError
-from lrp_jupyter.language import blocks
+from lrp_jupyter.language import nodes
+from lrp_jupyter.language.blocks import facts_of
 from lrp_jupyter.language.forms import USAGE, Mistake, Shape, expected_text, shape_of
-from lrp_jupyter.language.program import (
-    Block,
-    Event,
-    Finding,
-    Machine,
-    Name,
-    Program,
-    Span,
-    Spawn,
-    State,
-    Transition,
-    Variable,
-    line_starts,
-)
+from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
 from lrp_jupyter.language.repair import Bracket, repair
-from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, tokenize
+from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
 
 __all__ = ["DEEPEST", "parse", "scan"]
 
 DEEPEST = 100
 """So many forms may stand in one another."""
-
-Node = "Variable | Machine | Event | Spawn | State | Transition | Block | _Actions"
 
 
 def parse(text: str, filename: str = "<lrp>") -> Program:
@@ -69,29 +53,26 @@ def scan(text: str, filename: str = "<lrp>") -> tuple[Program | None, tuple[Find
     return _Reader(text, filename).read()
 
 
-class _Item(NamedTuple):
-    """One token of a form, or a form inside it, with what it means (None if that was wrong)."""
+class _Form:
+    """A form that is being read: the types of its tokens, what they mean, and where they stand.
 
-    type: str
-    start: int
-    end: int
-    node: Node | Name | int | None = None
+    The first token is the keyword; a form inside is one token, too.
+    """
 
+    __slots__ = ("declared", "empty", "keyword", "parts", "places", "start", "types")
 
-class _Frame:
-    """A form that is being read."""
-
-    __slots__ = ("declared", "items", "keyword", "start")
-
-    def __init__(self, start: int, keyword: str, end: int) -> None:
-        self.start = start
+    def __init__(self, keyword: str, start: int, end: int) -> None:
         self.keyword = keyword
-        self.items = [_Item(keyword.upper(), start, end)]
-        self.declared: list[tuple[Span, str]] = []  # names that blocks inside declare `global`
+        self.start = start
+        self.types = [keyword.upper()]
+        self.parts: list[nodes.Part] = [None]
+        self.places = [(start, end)]
+        self.empty = False  # whether a block in it is
+        self.declared: list[tuple[str, Span]] = []  # what blocks inside declare `global`
 
 
 class _Reader:
-    """Reads one text. Collects findings as offsets, so that places are looked up only when there are any."""
+    """Reads one text. Findings are kept as offsets, and places looked up only when there are any."""
 
     def __init__(self, text: str, filename: str) -> None:
         self.text = text
@@ -103,375 +84,278 @@ class _Reader:
     def read(self) -> tuple[Program | None, tuple[Finding, ...]]:
         """Return the program, or None and the findings."""
         tokens = tokenize(self.text)
-        keywords = [self._keyword(tokens, index) for index in range(len(tokens))]
-        extra, unclosed = self._match(tokens, keywords)
-        program = None if extra is None else self._build(tokens, keywords, extra, unclosed)
-        if self.findings:
-            return None, tuple(self._finding(*finding) for finding in sorted(set(self.findings)))
-        return program, ()
+        brackets = [
+            (index, keyword_of(self.text, token) if token[0] == "OPEN" else None)
+            for index, token in enumerate(tokens)
+            if token[0] in ("OPEN", "CLOSE")
+        ]
+        extra, closing = self._match(tokens, brackets)
+        if not self.findings or self.findings[0][2] != "LRP111":
+            program = self._build(tokens, extra, closing)
+        if not self.findings:
+            return program, ()
+        place = Program(text=self.text).place
+        return None, tuple(
+            Finding(code, "error", message, *place(start), *place(end))
+            for start, end, code, message in sorted(set(self.findings))
+        )
 
     def report(self, start: int, end: int, code: str, message: str) -> None:
         """Note an error at a range of the text."""
         self.findings.append((start, end, code, message))
 
-    def _finding(self, start: int, end: int, code: str, message: str) -> Finding:
-        place = Program(text=self.text).place
-        return Finding(code, "error", message, *place(start), *place(max(start, end)))
-
-    def _keyword(self, tokens: list[Token], index: int) -> str | None:
-        """Return the keyword of the form that begins at a token; None if none begins there."""
-        if tokens[index].type != "OPEN":
-            return None
-        if index + 1 < len(tokens) and tokens[index + 1].type == "NAME":
-            return self.text[tokens[index + 1].start : tokens[index + 1].end]
-        return ""
-
     # Brackets
 
     def _match(
-        self, tokens: list[Token], keywords: list[str | None]
-    ) -> tuple[frozenset[int] | None, dict[int, int]]:
+        self, tokens: list[Token], brackets: list[tuple[int, str | None]]
+    ) -> tuple[frozenset[int], dict[int, int]]:
         """Find the ``)`` to leave out, and those to put in: their number by the token before which."""
         around = ["program"]
         sound = True
-        for token, keyword in zip(tokens, keywords, strict=True):
+        for index, keyword in brackets:
             if keyword is not None:
                 if len(around) > DEEPEST:
                     message = f"Forms are nested too deeply here; at most {DEEPEST} may stand in one another."
-                    self.report(token.start, token.end, "LRP111", message)
-                    return None, {}
-                if keyword in KEYWORDS and (around[-1] in KEYWORDS or around[-1] == "program"):
-                    sound = sound and keyword in LEGAL.get(around[-1], ())
-                around.append(keyword)
-            elif token.type == "CLOSE":
-                if len(around) > 1:
-                    around.pop()
-                else:
+                    self.report(*tokens[index][1:], "LRP111", message)
+                    return frozenset(), {}
+                if keyword in KEYWORDS and keyword not in LEGAL.get(around[-1], KEYWORDS - LEGAL.keys()):
                     sound = False
+                around.append(keyword)
+            elif len(around) > 1:
+                around.pop()
+            else:
+                sound = False
         if sound and len(around) == 1:
             return frozenset(), {}
-        indices = [index for index, token in enumerate(tokens) if token.type in ("OPEN", "CLOSE")]
-        found = repair([self._bracket(tokens[index], keywords[index]) for index in indices])
-        extra = frozenset(indices[index] for index in found.extra)
-        for index in extra:
+        found = repair([self._bracket(tokens[index], keyword) for index, keyword in brackets])
+        for bracket in found.extra:
             message = "This `)` closes nothing that is open; remove it."
-            self.report(tokens[index].start, tokens[index].end, "LRP102", message)
+            self.report(*tokens[brackets[bracket][0]][1:], "LRP102", message)
         closing: dict[int, int] = {}
-        indices.append(len(tokens))
-        for opening, before in found.unclosed:
-            start, index = indices[opening], indices[before]
+        for opening, bracket in found.unclosed:
+            index = brackets[bracket][0] if bracket < len(brackets) else len(tokens)
             closing[index] = closing.get(index, 0) + 1
-            if tokens[index - 1].type == "UNCLOSED":
-                continue  # the bracket was probably lost together with the block's
-            name = keywords[start]
-            message = (
-                f"The `(` of this `{name}` is not closed; put its `)`"
-                if name
-                else "This `(` is not closed; put its `)`"
-            )
-            line, _ = self._place(tokens[index - 1].end)
-            self.report(
-                tokens[start].start, tokens[start].end, "LRP101", f"{message} at the end of line {line}."
-            )
-        return extra, closing
+            if tokens[index - 1][0] != "UNCLOSED":  # else the bracket was lost together with the block's
+                self._unclosed(tokens[brackets[opening][0]], brackets[opening][1], tokens[index - 1])
+        return frozenset(brackets[bracket][0] for bracket in found.extra), closing
+
+    def _unclosed(self, opening: Token, keyword: str | None, last: Token) -> None:
+        line, _ = self._place(last[2])
+        what = f"`({keyword}`" if keyword else "`(`"
+        message = f"This {what} is not closed; put its `)` at the end of line {line}."
+        self.report(opening[1], opening[2], "LRP101", message)
+
+    def _bracket(self, token: Token, keyword: str | None) -> Bracket:
+        line, column = self._place(token[1])
+        before = self.text[self.starts[line - 1] : token[1]]
+        indent = len(before) - len(before.lstrip())
+        name = "" if keyword is None else keyword if keyword in KEYWORDS else "?"
+        return Bracket(name, -1 if before.strip() else column - 1, indent)
 
     def _place(self, offset: int) -> tuple[int, int]:
         line = bisect_right(self.starts, offset)
         return line, offset - self.starts[line - 1] + 1
 
-    def _bracket(self, token: Token, keyword: str | None) -> Bracket:
-        line, column = self._place(token.start)
-        before = self.text[self.starts[line - 1] : token.start]
-        indent = len(before) - len(before.lstrip())
-        name = "" if keyword is None else keyword if keyword in KEYWORDS else "?"
-        return Bracket(name, -1 if before.strip() else column - 1, indent)
-
     # Forms
 
-    def _build(
-        self, tokens: list[Token], keywords: list[str | None], extra: frozenset[int], closing: dict[int, int]
-    ) -> Program | None:
-        frames = [_Frame(0, "program", 0)]
-        is_keyword = False
+    def _build(self, tokens: list[Token], extra: frozenset[int], closing: dict[int, int]) -> Program:
+        text = self.text
+        form = _Form("program", 0, 0)
+        forms: list[_Form] = []
         for index, token in enumerate(tokens):
-            for _ in range(closing.get(index, 0)):
-                self._finish(frames, tokens[index - 1].end)
             kind, start, end = token
-            if is_keyword:
-                is_keyword = False
-            elif kind == "OPEN":
-                keyword = keywords[index]
-                is_keyword = bool(keyword)
-                frames.append(_Frame(start, keyword or "", tokens[index + 1].end if keyword else end))
+            if index in closing:
+                for _ in range(closing[index]):
+                    form = self._finish(form, forms, tokens[index - 1][2])
+            if kind == "OPEN":
+                forms.append(form)
+                form = _Form(keyword_of(text, token), start, end)
             elif kind == "CLOSE":
                 if index not in extra:
-                    self._finish(frames, end)
+                    form = self._finish(form, forms, end)
             elif kind == "STRAY":
                 self._stray(start, end)
             else:
-                frames[-1].items.append(self._item(token, frames[-1]))
+                word = text[start:end]
+                part: nodes.Part = None
+                if kind == "NAME":
+                    part = Name(word if word.isascii() else self._name(word, start, end), Span(start, end))
+                elif kind == "BLOCK":
+                    part = self._block(word, start, end, form)
+                elif kind == "UNCLOSED":
+                    kind = "BLOCK"
+                    message = "This `[` is not closed; put its `]` behind the Python that it opens."
+                    self.report(start, start + 1, "LRP103", message)
+                elif kind == "INTEGER":
+                    part = self._integer(word, start, end)
+                form.types.append(kind)
+                form.parts.append(part)
+                form.places.append((start, end))
         for _ in range(closing.get(len(tokens), 0)):
-            self._finish(frames, len(self.text))
-        return self._program(frames[0])
-
-    def _item(self, token: Token, frame: _Frame) -> _Item:
-        kind, start, end = token
-        text = self.text[start:end]
-        if kind == "NAME":
-            return _Item(kind, start, end, self._name(text, start, end))
-        if kind == "BLOCK" or kind == "UNCLOSED":
-            return _Item("BLOCK", start, end, self._block(token, text, frame))
-        if kind == "INTEGER":
-            if text.isdecimal() and len(text) < 16:
-                return _Item(kind, start, end, int(text))
-            message = (
-                f"`{text}` is no whole number of milliseconds; write digits only, or a block: `[{text}]`."
-            )
-            self.report(start, end, "LRP108", message)
-            return _Item(kind, start, end, 0)
-        return _Item(kind, start, end)
+            form = self._finish(form, forms, tokens[-1][2])
+        self._shape(form, len(text))
+        program = nodes.program(form.types, form.parts, text, self.filename)
+        self._declared(form, program.variables)
+        return program
 
     def _stray(self, start: int, end: int) -> None:
         char = self.text[start:end]
         what = "This `]` closes nothing that is open" if char == "]" else f"`{char}` means nothing here"
         self.report(start, end, "LRP104", f"{what}; remove it.")
 
-    def _name(self, text: str, start: int, end: int) -> Name:
-        if not text.isascii():
-            text = unicodedata.normalize("NFKC", text)  # as Python does
-            if not text.isidentifier():
-                self.report(start, end, "LRP110", f"`{text}` is no name; use letters, digits and `_`.")
-        return Name(text, Span(start, end))
+    def _integer(self, word: str, start: int, end: int) -> int:
+        if word.isascii() and word.isdecimal() and len(word) < 16:
+            return int(word)
+        message = f"`{word}` is no whole number of milliseconds; write digits only, or a block: `[{word}]`."
+        self.report(start, end, "LRP108", message)
+        return 0
 
-    def _block(self, token: Token, text: str, frame: _Frame) -> Block | None:
-        _, start, end = token
-        if token.type == "UNCLOSED":
-            self.report(
-                start,
-                start + 1,
-                "LRP103",
-                "This `[` is not closed; put its `]` behind the Python that it opens.",
-            )
-            return None
+    def _name(self, word: str, start: int, end: int) -> str:
+        name = unicodedata.normalize("NFKC", word)  # as Python does
+        if not name.isidentifier():
+            self.report(start, end, "LRP110", f"`{word}` is no name; use letters, digits and `_`.")
+        return name
+
+    def _block(self, word: str, start: int, end: int, form: _Form) -> Block:
         starts = self.starts
-        while self.line < len(starts) and starts[self.line] <= start:
-            self.line += 1
-        line_start = starts[self.line - 1]
+        line = self.line
+        while line < len(starts) and starts[line] <= start:
+            line += 1
+        self.line = line
+        behind = start + 1
+        line_start = starts[line - 1]
         block = Block(
-            text[1:-1], Span(start, end), self.line, start + 2 - line_start, self.text[line_start : start + 1]
+            word[1:-1], Span(start, end), line, behind - line_start + 1, self.text[line_start:behind]
         )
-        facts = blocks.facts_of(block.text)
-        if facts.fault:
-            message, first, last = facts.fault
-            self.report(start + 1 + first, start + 1 + last, "LRP501", message)
-        frame.declared += [
-            (Span(start + 1 + first, start + 1 + last), name) for name, first, last in facts.globals
-        ]
+        empty, fault, declared = facts_of(block.text)
+        if empty:
+            form.empty = True
+        if fault:
+            self.report(behind + fault.start, behind + fault.end, "LRP501", fault.message)
+        for name, first, last in declared:
+            form.declared.append((name, Span(behind + first, behind + last)))
         return block
 
-    def _finish(self, frames: list[_Frame], end: int) -> None:
-        """Close the innermost form and hand it to the one around it."""
-        frame = frames.pop()
-        around = frames[-1]
-        around.declared += frame.declared
-        if frame.keyword not in KEYWORDS:
-            self._unknown(frame, around.keyword)
-            return
-        shape = self._shape(frame, end)
-        node = None if isinstance(shape, Mistake) else self._node(frame, shape, Span(frame.start, end))
-        around.items.append(_Item(f"{frame.keyword.upper()}_FORM", frame.start, end, node))
+    def _finish(self, form: _Form, forms: list[_Form], end: int) -> _Form:
+        """Close a form, hand what it means to the one around it, and go on with that."""
+        outer = forms.pop()
+        if form.keyword in KEYWORDS:
+            shape = self._shape(form, end)
+            part = None
+            if not isinstance(shape, Mistake):
+                part = nodes.node(form.keyword, form.types, form.parts, shape, Span(form.start, end))
+                self._judge(form, shape, part)
+            outer.types.append(f"{form.types[0]}_FORM")
+            outer.parts.append(part)
+            outer.places.append((form.start, end))
+        else:
+            self._unknown(form, outer.keyword)
+        if form.declared:
+            outer.declared += form.declared
+        return outer
 
-    def _unknown(self, frame: _Frame, around: str) -> None:
+    def _judge(self, form: _Form, shape: Shape | None, part: nodes.Node) -> None:
+        """Report what the grammar does not forbid."""
+        keyword = form.keyword
+        if keyword == "var" and isinstance(part, Variable):
+            if iskeyword(part.name) or part.name == "__debug__":
+                message = f"`{part.name}` is a word of Python; give the variable another name."
+                self.report(*form.places[1], "LRP110", message)
+        elif shape is not None and shape.source == "every" and keyword == "eps":
+            message = (
+                "`eps` cannot leave every state, or it would fire at every tick; "
+                "name its sources, as in `(eps {a b} -> c)`."
+            )
+            self.report(*form.places[form.types.index("STAR")], "LRP112", message)
+        if form.empty and keyword in _FILLED:
+            start, end = form.places[form.types.index("BLOCK")]
+            self.report(start, end, "LRP109", f"This block is empty; write {_FILLED[keyword]} into it.")
+        if form.declared and isinstance(part, Machine):
+            self._declared(form, part.variables)
+
+    def _declared(self, form: _Form, variables: Sequence[Variable | None]) -> None:
+        """Report the blocks that declare one of these variables `global`."""
+        names = {variable.name for variable in variables if variable}
+        for name, span in form.declared:
+            if name in names:
+                message = f"`{name}` is a variable of the program, no global of Python; remove this `global`."
+                self.report(*span, "LRP501", message)
+
+    # Mistakes
+
+    def _unknown(self, form: _Form, around: str) -> None:
         legal = sorted(LEGAL.get(around, KEYWORDS))
-        start, end = frame.start, frame.items[0].end
-        if not frame.keyword:
+        start, end = form.places[0]
+        if not form.keyword:
             self.report(start, start + 1, "LRP106", f"A keyword must follow this `(`: {_either(legal)}.")
             return
-        close = get_close_matches(frame.keyword, legal, 1) or get_close_matches(frame.keyword, KEYWORDS, 1)
+        close = get_close_matches(form.keyword, legal, 1) or get_close_matches(form.keyword, KEYWORDS, 1)
         hint = f"did you mean `{close[0]}`?" if close else f"write {_either(legal)}."
-        self.report(end - len(frame.keyword), end, "LRP106", f"`{frame.keyword}` is no keyword; {hint}")
+        self.report(end - len(form.keyword), end, "LRP106", f"`{form.keyword}` is no keyword; {hint}")
 
-    def _shape(self, frame: _Frame, end: int) -> Shape | Mistake | None:
+    def _shape(self, form: _Form, end: int) -> Shape | Mistake | None:
         """Hold a form against the grammar; what may not stand in it at all is reported and left out."""
-        items = frame.items
         while True:
-            types = tuple([item.type for item in items])
-            shape = shape_of(types)
+            shape = shape_of(tuple(form.types))
             if not isinstance(shape, Mistake):
                 return shape
             index = shape.index
-            if index < len(items):
-                found = items[index]
-                keyword = found.type.removesuffix("_FORM").lower()
-                if keyword in KEYWORDS and keyword not in LEGAL.get(frame.keyword, ()):
-                    self._misplaced(found, keyword, frame.keyword)
-                    del items[index]
+            if index < len(form.types):
+                keyword = form.types[index].removesuffix("_FORM").lower()
+                if keyword in KEYWORDS and keyword not in LEGAL.get(form.keyword, ()):
+                    self._misplaced(keyword, form.places[index][0], form.keyword)
+                    self._leave_out(form, index, index + 1)
                     continue
-                if frame.keyword == "program":
-                    self._outside(items, index)
+                if form.keyword == "program":
+                    self._outside(form, index)
                     continue
-            self._mistaken(frame, types, shape, end)
+            self._mistaken(form, shape, end)
             return shape
 
-    def _misplaced(self, found: _Item, keyword: str, around: str) -> None:
+    def _leave_out(self, form: _Form, start: int, stop: int) -> None:
+        del form.types[start:stop], form.parts[start:stop], form.places[start:stop]
+
+    def _misplaced(self, keyword: str, start: int, around: str) -> None:
         homes = [home for home, legal in LEGAL.items() if keyword in legal]
         where = "at the top level" if around == "program" else f"in `{around}`"
         right = " or ".join("at the top level" if home == "program" else f"in a `{home}`" for home in homes)
-        start = self.text.index(keyword, found.start)
+        start = self.text.index(keyword, start)
         message = f"`{keyword}` cannot stand {where}; it belongs {right}."
         self.report(start, start + len(keyword), "LRP107", message)
 
-    def _outside(self, items: list[_Item], index: int) -> None:
+    def _outside(self, form: _Form, index: int) -> None:
         """Report what stands outside every form, once for a run of it."""
         stop = index
-        while stop < len(items) and not items[stop].type.endswith("_FORM"):
+        while stop < len(form.types) and not form.types[stop].endswith("_FORM"):
             stop += 1
-        start, end = items[index].start, items[stop - 1].end
-        self.report(
-            start,
-            end,
-            "LRP105",
-            "This stands outside every form; put it into one, or behind `;` as a comment.",
-        )
-        del items[index:stop]
+        message = "This stands outside every form; put it into one, or behind `;` as a comment."
+        self.report(form.places[index][0], form.places[stop - 1][1], "LRP105", message)
+        self._leave_out(form, index, stop)
 
-    def _mistaken(self, frame: _Frame, types: tuple[str, ...], mistake: Mistake, end: int) -> None:
+    def _mistaken(self, form: _Form, mistake: Mistake, end: int) -> None:
         index, expected = mistake
-        what = expected_text(frame.keyword, types[:index], expected)
-        usage = f"write `{USAGE[frame.keyword]}`"
-        if index < len(frame.items):
-            start, stop = frame.items[index].start, frame.items[index].end
-            found = self.text[start:stop].split("\n")[0]
-            found = found if len(found) < 30 else found[:27] + "…"
-            self.report(start, stop, "LRP108", f"Expected {what} instead of `{found}`; {usage}.")
-        else:
-            message = f"`{frame.keyword}` lacks {what} here; {usage}."
+        what = expected_text(form.keyword, tuple(form.types[:index]), expected)
+        usage = f"write `{USAGE[form.keyword]}`"
+        if index == len(form.types):
+            message = f"`{form.keyword}` lacks {what} here; {usage}."
             self.report(end - 1, end, "LRP108", message)
-
-    # Nodes
-
-    def _node(self, frame: _Frame, shape: Shape | None, span: Span) -> Node | None:
-        items = frame.items
-        keyword = frame.keyword
-        if shape is not None:
-            return self._transition(keyword, items, shape, span)
-        nodes = [item.node for item in items[1:]]
-        if keyword == "state":
-            return self._state(items, span)
-        if keyword == "machine":
-            return self._machine(frame, span)
-        if keyword == "var":
-            self._filled(items[3], "the variable's value")
-            name = items[1].node
-            if iskeyword(str(name)) or name == "__debug__":
-                message = f"`{name}` is a word of Python; give the variable another name."
-                self.report(items[1].start, items[1].end, "LRP110", message)
-            return Variable(name, items[3].node, span)  # type: ignore[arg-type]
-        if keyword == "event":
-            self._filled(items[2], "the event's condition")
-            return Event(nodes[0], nodes[1], span)  # type: ignore[arg-type]
-        if keyword == "spawn":
-            return Spawn(nodes[0], nodes[1], span)  # type: ignore[arg-type]
-        return _Actions(tuple(nodes))  # type: ignore[arg-type]
-
-    def _filled(self, item: _Item, what: str) -> None:
-        if isinstance(item.node, Block) and blocks.facts_of(item.node.text).empty:
-            self.report(item.start, item.end, "LRP109", f"This block is empty; write {what} into it.")
-
-    def _transition(self, kind: str, items: list[_Item], shape: Shape, span: Span) -> Transition:
-        trigger = None
-        if shape.trigger is not None:
-            trigger = items[shape.trigger].node
-            self._filled(
-                items[shape.trigger], "the delay in milliseconds" if kind == "ontime" else "the condition"
-            )
-        if kind == "eps" and shape.source == "every":
-            message = "`eps` cannot leave every state: it would fire at every tick; name its sources, as in `eps {a b} -> c`."
-            star = next(item for item in items if item.type == "STAR")
-            self.report(star.start, star.end, "LRP112", message)
-        return Transition(
-            kind,  # type: ignore[arg-type]
-            trigger,  # type: ignore[arg-type]
-            tuple([items[index].node for index in shape.sources]),  # type: ignore[misc]
-            shape.source in ("every", "but"),
-            items[shape.destination].node,  # type: ignore[arg-type]
-            None if shape.name is None else items[shape.name].node,  # type: ignore[arg-type]
-            span,
-        )
-
-    def _state(self, items: list[_Item], span: Span) -> State:
-        actions: dict[str, tuple[Block | Spawn, ...]] = {
-            "ONENTRY_FORM": (),
-            "RUNNING_FORM": (),
-            "ONEXIT_FORM": (),
-        }
-        machines = []
-        for kind, _, _, node in items[2:]:
-            if kind == "MACHINE_FORM":
-                machines.append(node)
-            elif isinstance(node, _Actions):
-                actions[kind] += node.items
-        return State(items[1].node, *actions.values(), tuple(machines), span)  # type: ignore[arg-type]
-
-    def _machine(self, frame: _Frame, span: Span) -> Machine:
-        parts = _parts(frame.items[2:])
-        self._declared(frame, parts["VAR_FORM"])
-        transitions = [
-            item.node
-            for item in frame.items
-            if item.type in ("ON_FORM", "ONTIME_FORM", "EPS_FORM", "EXIT_FORM")
-        ]
-        return Machine(
-            frame.items[1].node,  # type: ignore[arg-type]
-            parts["VAR_FORM"],
-            parts["EVENT_FORM"],
-            parts["STATE_FORM"],
-            tuple(transitions),  # type: ignore[arg-type]
-            span,
-        )
-
-    def _program(self, frame: _Frame) -> Program:
-        self._shape(frame, len(self.text))
-        parts = _parts(frame.items)
-        self._declared(frame, parts["VAR_FORM"])
-        pauses: dict[str, tuple[Block, ...]] = {}
-        for kind in ("ONPAUSE_FORM", "ONRESUME_FORM"):
-            pauses[kind] = tuple(block for node in parts[kind] if node is not None for block in node.items)
-        return Program(
-            parts["VAR_FORM"],
-            parts["EVENT_FORM"],
-            parts["MACHINE_FORM"],
-            parts["SPAWN_FORM"],
-            pauses["ONPAUSE_FORM"],
-            pauses["ONRESUME_FORM"],
-            self.text,
-            self.filename,
-        )
-
-    def _declared(self, frame: _Frame, variables: tuple[Variable | None, ...]) -> None:
-        """Report the blocks that declare one of these variables `global`."""
-        names = {variable.name for variable in variables if variable}
-        for span, name in frame.declared:
-            if name in names:
-                message = (
-                    f"`{name}` is a variable of the program, not a global of Python; remove this `global`."
-                )
-                self.report(*span, "LRP501", message)
+            return
+        start, stop = form.places[index]
+        found = " ".join(self.text[start : min(stop, start + 40)].split())
+        found = found if len(found) < 30 else found[:27] + "…"
+        self.report(start, stop, "LRP108", f"Expected {what} instead of `{found}`; {usage}.")
 
 
-class _Actions(NamedTuple):
-    """What an action form holds; the forms of a state with the same keyword add up."""
-
-    items: tuple[Block | Spawn, ...]
-
-
-def _parts(items: list[_Item]) -> dict[str, Any]:
-    parts: dict[str, list[Any]] = defaultdict(list)
-    for item in items:
-        parts[item.type].append(item.node)
-    return defaultdict(tuple, {kind: tuple(nodes) for kind, nodes in parts.items()})
+_FILLED = {
+    "var": "the variable's value",
+    "event": "the event's condition",
+    "on": "the condition",
+    "exit": "the condition",
+    "ontime": "the delay in milliseconds",
+}
+"""What the block of a form must say: an empty one would be `None`."""
 
 
 def _either(words: Iterable[str]) -> str:
-    *head, last = [f"`{word}`" for word in sorted(words)]
+    *head, last = [f"`{word}`" for word in words]
     return f"{', '.join(head)} or {last}" if head else last

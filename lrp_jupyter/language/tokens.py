@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import NamedTuple
-
 from lrp_jupyter.language.scanner import block_end, brackets, line_end
 
-__all__ = ["KEYWORDS", "LEGAL", "Token", "tokenize"]
+__all__ = ["KEYWORDS", "LEGAL", "Token", "keyword_of", "tokenize"]
 
 LEGAL: dict[str, frozenset[str]] = {
     "program": frozenset({"var", "machine", "event", "spawn", "onpause", "onresume"}),
@@ -22,46 +20,51 @@ KEYWORDS = frozenset().union(*LEGAL.values())
 _SKIP = r"[\s\ufeff]*+(?:[;#][^\r\n]*+[\s\ufeff]*+)*+"
 _NAME = r"(?:[^\W\d]|[^\x00-\x7f\s\ufeff])(?:\w|[^\x00-\x7f\s\ufeff])*+"
 _TOKEN = re.compile(
-    rf"{_SKIP}(?:(?P<OPEN>\((?={_SKIP}({_NAME})?))|(?P<CLOSE>\))|(?P<NAME>{_NAME})|(?P<BLOCK>\[)|(?P<ARROW>->)"
-    r"|(?P<ASSIGN>:=)|(?P<INTEGER>[0-9][\w.]*+)|(?P<STAR>\*)|(?P<LBRACE>\{)|(?P<RBRACE>\})|(?P<MINUS>-)"
-    r"|(?P<END>\Z)|(?P<STRAY>[\s\S]))"
+    rf"{_SKIP}(?:(?P<OPEN>\({_SKIP}(?P<KEYWORD>{_NAME})?+)|(?P<CLOSE>\))|(?P<NAME>{_NAME})"
+    r"|(?P<BLOCK>\[[^\[\]'\"#]*+\])|(?P<OTHER>\[)|(?P<ARROW>->)|(?P<ASSIGN>:=)|(?P<INTEGER>[0-9][\w.]*+)"
+    r"|(?P<STAR>\*)|(?P<LBRACE>\{)|(?P<RBRACE>\})|(?P<MINUS>-)|(?P<END>\Z)|(?P<STRAY>[\s\S]))"
 )
 _FORM_LINE = re.compile(rf"[\r\n][ \t]*\((?={_SKIP}({'|'.join(sorted(KEYWORDS))})\b)")
+_SPECIAL = frozenset({"OTHER", "END"})
 _TAIL = re.compile(r"\](?=[\s)]*+(?:[;#].*)?(?:[\r\n]|\Z))")
 
 
-class Token(NamedTuple):
-    """One token: ``text[start:end]``.
+Token = tuple[str, int, int]
+"""A token: its type and ``text[start:end]``.
 
-    ``type`` is a terminal of ``grammar.lark`` or ``OPEN``, ``CLOSE``, ``STRAY``, ``UNCLOSED`` (a block whose
-    ``]`` is missing; its end is a guess).
-    """
-
-    type: str
-    start: int
-    end: int
+The type is a terminal of ``grammar.lark``, ``OPEN`` (a ``(`` with the keyword behind it), ``CLOSE``, ``STRAY``, or
+``UNCLOSED``: a block whose ``]`` is missing; its end is a guess.
+"""
 
 
 def tokenize(text: str) -> list[Token]:
     """Cut a text into tokens; white space and comments are left out."""
-    tokens = []
+    tokens: list[Token] = []
     append = tokens.append
-    match_at = _TOKEN.match
-    position = 0
+    matches = _TOKEN.finditer(text)
     while True:
-        match = match_at(text, position)
-        kind: str = match.lastgroup  # type: ignore[union-attr,assignment]
-        start, position = match.span(kind)  # type: ignore[union-attr]
-        if kind == "BLOCK":
-            end = block_end(text, start)
-            if end < 0:
-                kind = "UNCLOSED"
-                position = _guess_end(text, start)
-            else:
-                position = end + 1
-        elif kind == "END":
+        for match in matches:
+            kind: str = match.lastgroup  # type: ignore[assignment]
+            if kind in _SPECIAL:
+                break
+            append((kind, *match.span(kind)))
+        if kind == "END":
             return tokens
-        append(Token(kind, start, position))
+        start = match.start(kind)
+        end = block_end(text, start) + 1
+        if not end:
+            kind, end = "UNCLOSED", _guess_end(text, start)
+        append((kind if kind == "UNCLOSED" else "BLOCK", start, end))
+        matches = _TOKEN.finditer(text, end)
+
+
+def keyword_of(text: str, token: Token) -> str:
+    """Return what follows the ``(`` of a token; empty if it is no name."""
+    word = text[token[1] + 1 : token[2]]
+    if word in KEYWORDS:
+        return word
+    match = _TOKEN.match(text, token[1])
+    return (match and match["KEYWORD"]) or ""
 
 
 def _guess_end(text: str, start: int) -> int:
