@@ -32,7 +32,7 @@ class Paint:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Segment:
+class Segment:
     x: float
     y: float
     dx: float
@@ -49,6 +49,9 @@ class _Segment:
         x -= along * self.dx
         y -= along * self.dy
         return math.sqrt(x * x + y * y)
+
+    def ends(self) -> tuple[float, float, float, float]:
+        return self.x, self.y, self.x + self.dx, self.y + self.dy
 
     def bounds(self) -> tuple[float, float, float, float]:
         right, top = self.x + self.dx, self.y + self.dy
@@ -78,8 +81,8 @@ class _Arc:
         return self.x - self.radius, self.y - self.radius, self.x + self.radius, self.y + self.radius
 
 
-_Piece = _Segment | _Arc
-Mark = tuple[int, Paint, _Piece]  # step, how, what
+_Piece = Segment | _Arc
+Mark = tuple[int, Paint, Segment]  # step, how, what
 
 
 class LiveFloor:
@@ -96,6 +99,7 @@ class LiveFloor:
     def __init__(self, floor: Floor, marks: list[Mark] | None = None) -> None:
         self.grey = float(floor.grey)
         self.marks: list[Mark] = [] if marks is None else marks
+        self.raster: tuple[tuple[int, int, int], list[list[bool]]] | None = None  # kept for sketches
         self._cells: dict[tuple[float, float], list[tuple[Paint, list[_Piece]]]] = {}
         for stroke in floor.strokes:
             paint = Paint(stroke.width / 2, stroke.grey, False)
@@ -104,10 +108,10 @@ class LiveFloor:
         for _, paint, piece in self.marks:
             self._enter(paint, piece)
 
-    def add(self, stroke: Stroke, step: int) -> None:
+    def add(self, stroke: PathStroke, step: int) -> None:
         """Paint a stroke over all that is there."""
         paint = Paint(stroke.width / 2, stroke.grey, False)
-        for piece in _pieces(stroke):
+        for piece in _segments(stroke.path):
             self._append(step, paint, piece)
 
     def ink(self, paint: Paint, start: Point, end: Point, step: int) -> None:
@@ -127,7 +131,7 @@ class LiveFloor:
                     grey += (paint.grey - grey) * share
         return grey
 
-    def _append(self, step: int, paint: Paint, piece: _Piece) -> None:
+    def _append(self, step: int, paint: Paint, piece: Segment) -> None:
         self.marks.append((step, paint, piece))
         self._enter(paint, piece)
 
@@ -153,16 +157,20 @@ def _share(depth: float) -> float:
     return 0.5 + (depth * math.sqrt(1.0 - depth * depth) + math.asin(depth)) / math.pi
 
 
-def _segment(start: Point, end: Point) -> _Segment:
+def _segment(start: Point, end: Point) -> Segment:
     dx, dy = end[0] - start[0], end[1] - start[1]
-    return _Segment(start[0], start[1], dx, dy, dx * dx + dy * dy)
+    return Segment(start[0], start[1], dx, dy, dx * dx + dy * dy)
+
+
+def _segments(path: tuple[Point, ...]) -> list[Segment]:
+    ends = path[1:] or path  # a single point is a dot
+    return [_segment(start, end) for start, end in zip(path, ends, strict=False)]
 
 
 def _pieces(stroke: Stroke) -> list[_Piece]:
     match stroke:
         case PathStroke(path=path):
-            ends = path[1:] or path  # a single point is a dot
-            return [_segment(start, end) for start, end in zip(path, ends, strict=False)]
+            return list(_segments(path))
         case ArcStroke(arc=(x, y, radius, first, last)):
             return [_Arc(x, y, radius, min(first, last), abs(last - first))]
         case CircleStroke(circle=(x, y, radius)):

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from lrp_jupyter.sim.world import PathStroke, Pose, Stroke
+from lrp_jupyter.sim.world import PathStroke, Pose
 
 if TYPE_CHECKING:
     from lrp_jupyter.sim.simulation import Simulation
@@ -63,7 +63,7 @@ class Draw:
     width: float = 0.03
     grey: float | None = 0
 
-    def stroke(self, floor_grey: float) -> Stroke:
+    def stroke(self, floor_grey: float) -> PathStroke:
         """Return what is painted."""
         return PathStroke(self.path, self.width, floor_grey if self.grey is None else self.grey)
 

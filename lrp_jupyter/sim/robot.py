@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import pymunk
 
@@ -177,6 +178,20 @@ class Robot:
         """The speeds asked of it, in m/s and rad/s, within its limits."""
         return self.memory.command
 
+    def state(self) -> dict[str, Any]:
+        """Return what a view may know, as plain data; see ``Simulation.state``."""
+        readings = self.memory.readings
+        return {
+            "pose": list(self.pose),
+            "command": list(self.memory.command),
+            "light": list(readings.lights),
+            "bumper": readings.bumper,
+            "distance": [None if math.isinf(way) else way for way in readings.distances],
+            "gyro": readings.gyro,
+            "odom": list(readings.odom),
+            "pen": int(self.memory.pen is not None),
+        }
+
     def steer(self) -> None:
         """Make target speeds of the command and the motor noise of this loop."""
         linear, angular = self.memory.command
@@ -230,6 +245,13 @@ class Thing:
     def pose(self) -> Pose:
         """Where it is: x, y, angle."""
         return (*self.body.position, self.body.angle)
+
+    def here(self) -> Solid:
+        """Return its description, where it is now."""
+        x, y, angle = self.pose
+        if isinstance(self.spec, Box):
+            return replace(self.spec, box=(x, y, *self.spec.box[2:]), angle=angle)
+        return replace(self.spec, circle=(x, y, self.spec.circle[2]), angle=angle)
 
     def embody(self, space: pymunk.Space, motion: Motion) -> None:
         """Make a body in a new space."""

@@ -25,7 +25,7 @@ import pymunk
 from lrp_jupyter.sim.floor import LiveFloor, Mark, Paint
 from lrp_jupyter.sim.inputs import Draw, Drive, Input, Latch, Pen, PlaceRobot, PlaceSolid, Reset, check_input
 from lrp_jupyter.sim.robot import STEP, Clock, Memory, Motion, Robot, Thing, edge, fresh_space
-from lrp_jupyter.sim.sensors import Readings, sense
+from lrp_jupyter.sim.sensors import Readings, light_spots, sense
 from lrp_jupyter.sim.world import Point, Pose, World
 from lrp_jupyter.sim.worlds import load
 
@@ -86,7 +86,8 @@ class Simulation:
     solids : tuple of Thing
     floor : LiveFloor
     revision : int
-        Grows whenever the scene changes by hand, by a reset or by rewinding (not by motion or trails).
+        Grows when a solid is moved by hand, and with every reset and rewinding: what a view drew is to be
+        drawn anew. Motion, trails and drawing on the floor leave it as it is.
     """
 
     def __init__(
@@ -230,7 +231,6 @@ class Simulation:
                 robot.memory.pen_at = (pose[0], pose[1])
                 robot.body.move((*pose, 0.0, 0.0, 0.0))
                 self._space.reindex_shapes_for_body(robot.body)
-                self.revision += 1
             case PlaceSolid(pose, index):
                 body = self.solids[index].body
                 body.move((*pose, 0.0, 0.0, 0.0))
@@ -239,7 +239,6 @@ class Simulation:
             case Draw():
                 if len(self.floor.marks) + len(what.path) <= MOST_MARKS:
                     self.floor.add(what.stroke(self.floor.grey), self.steps)
-                    self.revision += 1
             case Reset(drawings):
                 self._reset(drawings)
         if len(self._checkpoints[-1].inputs) >= CHECKPOINT_INPUTS:
@@ -275,6 +274,55 @@ class Simulation:
         if len(self.floor.marks) < MOST_MARKS:
             self.floor.ink(memory.pen, memory.pen_at, (x, y), self.steps)
         memory.pen_at = (x, y)
+
+    # -- looking at it ------------------------------------------------------------------------
+
+    def zones(self, robot: int = 0) -> frozenset[str]:
+        """Return the names of the zones in which the middle of a robot is."""
+        x, y, _ = self.robots[robot].pose
+        return frozenset(name for name, zone in self.world.zones.items() if zone.contains(x, y))
+
+    def greys(self, robot: int = 0) -> tuple[float, ...]:
+        """Return what a robot's light sensors would see now without noise."""
+        mover = self.robots[robot]
+        return tuple(self.floor.light(*spot) for spot in light_spots(mover.pose, mover.spec.light))
+
+    def scene(self) -> dict[str, Any]:
+        """Return what stands still, as plain data: the world's JSON form with the solids where they are.
+
+        To be drawn anew when :attr:`revision` has changed.
+        """
+        return replace(self.world, solids=tuple(thing.here() for thing in self.solids)).to_dict()
+
+    def state(self, marks: int = 0) -> dict[str, Any]:
+        """Return what moves, as plain data that JSON can say.
+
+        Parameters
+        ----------
+        marks : int
+            How many of the floor's marks (trails, drawings) the caller knows; only later ones are in
+            the answer. Known ones stay true as long as `revision` is the same.
+
+        Returns
+        -------
+        dict
+            ``step``, ``time``, ``revision``; ``robots``: a dict each of ``pose``, ``command``,
+            ``light``, ``bumper``, ``distance`` (``None``: nothing), ``gyro``, ``odom``, ``pen``;
+            ``solids``: number, x, y, angle of each pushable one; ``marks``: how many there are;
+            ``new``: width, grey, ink (1: it darkens; 0: it covers), x and y of both ends.
+        """
+        return {
+            "step": self.steps,
+            "time": self.time,
+            "revision": self.revision,
+            "robots": [robot.state() for robot in self.robots],
+            "solids": [[thing.index, *thing.pose] for thing in self.solids if thing.spec.push is not None],
+            "marks": len(self.floor.marks),
+            "new": [
+                [2 * paint.half, paint.grey, int(paint.ink), *piece.ends()]
+                for _, paint, piece in self.floor.marks[marks:]
+            ],
+        }
 
     def _reset(self, drawings: bool) -> None:
         kept = [] if drawings else [mark for mark in self.floor.marks if not mark[1].ink]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 
@@ -11,6 +12,9 @@ from lrp_jupyter.sim.reading import did_you_mean, read_file, read_world
 from lrp_jupyter.sim.world import (
     ArcStroke,
     Box,
+    BoxZone,
+    CircleZone,
+    Disc,
     Floor,
     PathStroke,
     RobotSpec,
@@ -18,7 +22,7 @@ from lrp_jupyter.sim.world import (
     WorldError,
 )
 
-__all__ = ["BUNDLED", "load"]
+__all__ = ["BUNDLED", "DESCRIPTIONS", "load"]
 
 _QUARTER = math.pi / 2
 _EIGHTH = math.pi / 4
@@ -30,7 +34,7 @@ def _empty() -> World:
 
 
 def _line() -> World:
-    """Draw an S course between two walls: the paper's scenario."""
+    """Draw three arcs between two straights."""
     radius, straight, left, level = 0.6, 0.4, 0.4, 0.5
     rise = radius * (1 - math.cos(_EIGHTH))
     run = radius * math.sin(_EIGHTH)
@@ -53,12 +57,119 @@ def _line() -> World:
             Box((right + 0.03, level, 0.06, 0.3), name="far wall"),
         ),
         robots=(RobotSpec((left + 0.3, level, 0)),),
+        zones={"near": CircleZone((left, level, 0.25)), "far": CircleZone((right, level, 0.25))},
     )
+
+
+def _oval() -> World:
+    """Draw two straights and two half circles."""
+    radius, left, right, middle = 0.5, 1.0, 2.0, 0.9
+    strokes = (
+        PathStroke(((left, middle - radius), (right, middle - radius))),
+        ArcStroke((right, middle, radius, -_QUARTER, _QUARTER)),
+        PathStroke(((right, middle + radius), (left, middle + radius))),
+        ArcStroke((left, middle, radius, _QUARTER, 3 * _QUARTER)),
+    )
+    robot = RobotSpec((1.3, middle - radius, 0))
+    zones = {
+        "right": CircleZone((right + radius, middle, 0.25)),
+        "left": CircleZone((left - radius, middle, 0.25)),
+    }
+    return World(name="oval", size=(3, 1.8), floor=Floor(strokes=strokes), robots=(robot,), zones=zones)
+
+
+_MAZE = """
++--+--+--+--+--+
+|     |        |
++--+  +  +--+  +
+|     |  |     |
++  +--+  +  +--+
+|        |     |
++  +--+--+--+  +
+|  |           |
++--+--+--+--+--+
+"""
+
+
+def _maze() -> World:
+    """Build a wall for every stroke of the drawing."""
+    cell, thick = 0.5, 0.04
+    rows = _MAZE.strip().splitlines()
+    width, height = (len(rows[0]) // 3) * cell, (len(rows) // 2) * cell
+    solids = []
+    for row, text in enumerate(rows[1:-1], start=1):  # the frame is the world's own edge
+        y = height - row * cell / 2
+        for column in range(0, len(text), 3):
+            if row % 2 and 0 < column < len(text) - 1 and text[column] == "|":
+                solids.append(Box((column / 3 * cell, y, thick, cell + thick)))
+        if row % 2 == 0:
+            for run in re.finditer(r"--(?:[+]--)*", text):
+                first, last = (run.start() - 1) / 3, run.end() / 3
+                solids.append(Box(((first + last) / 2 * cell, y, (last - first) * cell + thick, thick)))
+    robot = RobotSpec((cell / 2, height - cell / 2, 0))
+    zones = {"goal": CircleZone((width - cell / 2, cell / 2, 0.2))}
+    return World(name="maze", size=(width, height), solids=tuple(solids), robots=(robot,), zones=zones)
+
+
+def _arena() -> World:
+    """Draw a border."""
+    width, height, margin = 2.4, 1.8, 0.3
+    corners = (
+        (margin, margin),
+        (width - margin, margin),
+        (width - margin, height - margin),
+        (margin, height - margin),
+    )
+    floor = Floor(strokes=(PathStroke((*corners, corners[0]), width=0.05),))
+    inside = BoxZone((width / 2, height / 2, width - 2 * margin, height - 2 * margin))
+    robot = RobotSpec((width / 2, height / 2, 0.4))
+    return World(name="arena", size=(width, height), floor=floor, robots=(robot,), zones={"inside": inside})
+
+
+def _boxes() -> World:
+    """Put boxes and a can into a room."""
+    solids = (
+        Box((1.2, 1, 0.2, 0.2), push=0.3, name="box"),
+        Box((0.9, 1.6, 0.15, 0.15), angle=0.5, push=0.3, name="light box"),
+        Disc((1.5, 0.4, 0.1), push=0.2, name="can"),
+        Box((2.6, 1.7, 0.3, 0.3), name="fixed box"),
+    )
+    zones = {"goal": CircleZone((2.4, 1, 0.25))}
+    return World(name="boxes", size=(3, 2), solids=solids, robots=(RobotSpec((0.5, 1, 0)),), zones=zones)
+
+
+def _walls() -> World:
+    """Put walls into a room."""
+    solids = (
+        Box((1.6, 1, 1.2, 0.08), name="wall"),
+        Box((2.16, 1.3, 0.08, 0.6), name="end of the wall"),
+        Disc((0.6, 1.5, 0.12), name="pillar"),
+        Disc((2.5, 0.5, 0.12), name="other pillar"),
+    )
+    rays = ((0.0, 2.0), (math.pi / 2, 2.0), (-math.pi / 2, 2.0))
+    robot = RobotSpec((0.5, 0.5, 0), distance=rays)
+    return World(name="walls", size=(3, 2), solids=solids, robots=(robot,))
 
 
 BUNDLED: Mapping[str, Callable[[], World]] = {
     "empty": _empty,
     "line": _line,
+    "oval": _oval,
+    "maze": _maze,
+    "arena": _arena,
+    "boxes": _boxes,
+    "walls": _walls,
+}
+
+
+DESCRIPTIONS: Mapping[str, str] = {
+    "empty": "An empty room.",
+    "line": "An S-shaped line between two walls: the paper's scenario.",
+    "oval": "A closed line: two straights of 1 m and two half circles.",
+    "maze": "A maze of cells of 0.5 m; the goal is in the corner across.",
+    "arena": "A field with a black border line that a robot should not cross.",
+    "boxes": "Boxes that can be pushed, and a goal to push one into.",
+    "walls": "A room with a wall in it and two pillars: something to follow and something to avoid.",
 }
 
 
