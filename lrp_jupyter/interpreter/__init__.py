@@ -1,0 +1,1 @@
+"""Running a program: ticks, faults, live changes. No clock, no thread, no input or output."""

@@ -7,11 +7,12 @@ the way to the target is the only thing that is made.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.interpreter.linker import StatePlan
-from lrp_jupyter.interpreter.tree import Activation
+from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
+from lrp_jupyter.interpreter.tree import Activation, Row
 from lrp_jupyter.language.program import Path, path_text
 
 if TYPE_CHECKING:
@@ -45,34 +46,59 @@ def force(run: Run, target: StatePlan, *, blocks: bool) -> None:
     while (outer := run.plan.state(way[0].path[:-2])) is not None:
         way.insert(0, outer)
     depth = max((i for i, state in enumerate(way) if state.path[:-1] in run.live), default=-1)
-    if depth < 0:
-        act = _start_root(run, way[0])
-        _enter(run, act, way[0], last=len(way) == 1, blocks=blocks)
-        depth = 0
+    act = run.live.get(way[depth].path[:-1]) if depth >= 0 else None
+    above = depth < len(way) - 1
+    if isinstance(act, Activation) and act.state is way[depth] and above:
+        depth += 1  # the enclosing state is active already and stays
+    elif isinstance(act, Activation):
+        (run.leave if blocks else partial(_leave, run))(act)
+        _enter(run, act, way[depth], target, blocks)
+        depth += 1
     else:
-        act = run.live[way[depth].path[:-1]]  # type: ignore[assignment]
-        if act.state is not way[depth] or depth == len(way) - 1:
-            run.leave(act, blocks=blocks)
-            _enter(run, act, way[depth], last=depth == len(way) - 1, blocks=blocks)
-    for i, state in enumerate(way[depth + 1 :], depth + 1):
-        machine = run.plan.machines[state.path[:-1]]
-        act = run.create(machine, act, None, state)
-        _enter(run, act, state, last=i == len(way) - 1, blocks=blocks)
+        depth = 0
+    for state in way[depth:]:
+        act = _create(run, state, act if isinstance(act, Activation) else None)
+        _enter(run, act, state, target, blocks)
 
 
-def _enter(run: Run, act: Activation, state: StatePlan, *, last: bool, blocks: bool) -> None:
-    run.enter(act, state, blocks=blocks, spawns=last)
-
-
-def _start_root(run: Run, state: StatePlan) -> Activation:
-    """Start the root machine of `state` as a top-level spawn does."""
+def _create(run: Run, state: StatePlan, parent: Activation | None) -> Activation:
     machine = run.plan.machines[state.path[:-1]]
+    if parent is not None:
+        return run.create(machine, parent, None, state)
+    # A root machine starts as by a top-level spawn; with nothing active the program starts with it.
     spawns = [spawn.identity for spawn in run.plan.spawns]
     own = next((identity for identity in spawns if identity[0] == machine.name), None)
     if not run.roots:
         if not run.started:
             run.begin()
-        run.pending = frozenset(identity for identity in spawns if identity[0] != machine.name)
-    else:
-        run.pending -= {own} if own else set()
+        run.pending = frozenset(spawns)
+    run.pending -= {identity for identity in run.pending if identity[0] == machine.name}
     return run.create(machine, None, own, state)
+
+
+def _enter(run: Run, act: Activation, state: StatePlan, target: StatePlan, blocks: bool) -> None:
+    """Enter a state on the way, or the target: only there the spawns are done."""
+    row = run.row(act, state)
+    if blocks and state is target:
+        run.enter(act, row)
+    else:
+        _enter_partly(run, act, row, blocks=blocks, spawns=state is target)
+
+
+def _enter_partly(run: Run, act: Activation, row: Row, *, blocks: bool, spawns: bool) -> None:
+    """Enter a state with only its blocks, or only its spawns (and so on inside), or neither."""
+    bare = Row(row.state, row.path, (), (), (), ())
+    run.enter(act, bare)
+    act.row = row
+    for (call, site), plan in zip(row.onentry, row.state.onentry, strict=True):
+        if isinstance(plan, SpawnPlan):
+            if spawns:
+                run.spawn(act, plan, partial(_enter_partly, run, blocks=blocks, spawns=True))
+        elif blocks:
+            run.attempt(call, site)
+
+
+def _leave(run: Run, act: Activation) -> None:
+    """Leave without any onexit."""
+    run.discard(act, partial(_leave, run))
+    run.emit("left", act.row.path)

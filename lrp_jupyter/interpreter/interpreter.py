@@ -36,7 +36,7 @@ from typing import Any, Literal
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.events import UNSET, Observer
 from lrp_jupyter.interpreter.forcing import find_state, force
-from lrp_jupyter.interpreter.issues import Issues
+from lrp_jupyter.interpreter.issues import Issue, Issues
 from lrp_jupyter.interpreter.linker import BlockPlan, Plan, link
 from lrp_jupyter.interpreter.patching import Decision, Patch, Renaming, adopt, decide
 from lrp_jupyter.interpreter.run import Run
@@ -44,8 +44,7 @@ from lrp_jupyter.interpreter.tree import Scope, bind_block, content
 from lrp_jupyter.language.blocks import bind, compile_block
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.language.program import Block, Path, Program, path_text
-from lrp_jupyter.language.rename import rename
+from lrp_jupyter.language.program import Block, Element, Path, Program, path_text
 
 __all__ = ["Interpreter", "Variables"]
 
@@ -264,13 +263,13 @@ class Interpreter:
         decision = decide(run, plan, self.on_active_edit) if run.roots else Decision()
         if decision.apply:
             run.remember()
-            old = run.plan
+            self._carry_issues(plan, changes.removed + changes.changed)
             if decision.restart:
                 run.plan = plan
                 self._restart(decision.reason or "")
             else:
                 adopt(run, plan)
-            self._carry_issues(old, changes.removed + changes.changed)
+            self._report_duplicates()
         else:
             link(run.plan.program)  # tracebacks show the text that runs
         patch = Patch(changes, decision.apply, decision.restart, decision.reason)
@@ -302,14 +301,15 @@ class Interpreter:
         """
         run = self._run
         self._advance(now)
+        from lrp_jupyter.language.rename import rename
+
         where = _path(path)
         program = parse(rename(self.program, kind, where, new_name), self.program.filename)
         plan = link(program)
         changes = diff(run.plan.program, program)
         run.remember()
-        old = run.plan
+        self._carry_issues(plan, changes.removed)
         adopt(run, plan, Renaming(kind, where, new_name))
-        self._carry_issues(old, changes.removed)
         run.emit("patched", (), Patch(changes, True))
         self._done()
         return program.text
@@ -437,22 +437,26 @@ class Interpreter:
             message = f"{site.element.kind} `{name}` is defined twice here: the first one counts"
             run.report(site, "defined twice", message)
 
-    def _carry_issues(self, old: Plan, gone: tuple[Any, ...]) -> None:
+    def _carry_issues(self, plan: Plan, gone: tuple[Element, ...]) -> None:
         """Resolve the issues of what is gone, changed or repaired; move the others with the text."""
-        plan, issues = self._run.plan, self._run.issues
+        old, issues = self._run.plan, self._run.issues
+        twice = {site.element for site in plan.duplicates}
 
-        def over(issue: Any) -> bool:
+        def over(issue: Issue) -> bool:
             element = issue.element
             inside = any(
-                element == other or (other.kind in ("machine", "state") and element.path[: len(other.path)] == other.path)
+                element == other
+                or (other.kind in ("machine", "state") and element.path[: len(other.path)] == other.path)
                 for other in gone
             )
             repaired = (
-                issue.kind.startswith("unknown") and not issue.traceback and element not in plan.dangling
-            ) or (issue.kind == "defined twice" and element not in {site.element for site in plan.duplicates})
+                issue.kind.startswith("unknown")
+                and not issue.traceback
+                and (element, issue.kind) not in plan.dangling
+            ) or (issue.kind == "defined twice" and element not in twice)
             return inside or repaired or element not in plan.places
 
-        def place(issue: Any) -> tuple[int, int]:
+        def place(issue: Issue) -> tuple[int, int]:
             before, after = old.places.get(issue.element), plan.places.get(issue.element)
             if before is None or after is None:
                 return issue.line, issue.column
@@ -462,7 +466,6 @@ class Interpreter:
 
         issues.resolve(lambda _, issue: over(issue))
         issues.move(place)
-        self._report_duplicates()
 
 
 def _path(path: Path | str) -> Path:

@@ -9,16 +9,19 @@ from __future__ import annotations
 
 from collections import deque
 from types import CellType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.tree import Activation, content
 
 if TYPE_CHECKING:
-    from lrp_jupyter.interpreter.linker import StatePlan
     from lrp_jupyter.interpreter.run import Run
 
 __all__ = ["Journal"]
+
+
+Record = tuple[Any, ...]
+"""``(activation, state, entered, children)`` or ``(cell, value)`` before, or ``(snapshot,)``."""
 
 
 class Journal:
@@ -30,28 +33,20 @@ class Journal:
 
     def __init__(self, bound: int) -> None:
         self._entries: deque[tuple[float, list[Record]]] = deque(maxlen=bound)
-        self._log: list[Record] = []
+        self.log: list[Record] = []
 
     def __len__(self) -> int:
         """How many ticks can be undone."""
         return len(self._entries)
 
-    def note(self, act: Activation) -> None:
-        """Remember an activation before its active state or its children change."""
-        self._log.append(ActivationRecord(act))
-
-    def note_cell(self, cell: CellType, old: object) -> None:
-        """Remember what a cell held."""
-        self._log.append(CellRecord(cell, old))
-
     def remember(self, run: Run) -> None:
         """Remember everything, before a change that is not one of a tick."""
-        self._log.append(Snapshot(run))
+        self.log.append((Snapshot(run),))
 
     def close(self, before: float) -> None:
         """End a tick; `before` is the time of the one before it."""
-        self._entries.append((before, self._log))
-        self._log = []
+        self._entries.append((before, self.log))
+        self.log = []
 
     def undo(self, run: Run, ticks: int) -> None:
         """Undo what came after the last tick, then `ticks` ticks, then what came before those.
@@ -66,48 +61,30 @@ class Journal:
             raise ValueError(f"the journal holds {have} ticks: cannot go back {ticks}")
         self._undo_log(run)
         for _ in range(ticks):
-            run.now, self._log = self._entries.pop()
+            run.now, self.log = self._entries.pop()
             run.ticks -= 1
             self._undo_log(run)
 
     def _undo_log(self, run: Run) -> None:
-        for record in reversed(self._log):
-            record.undo(run)
-        self._log = []
+        for what, *before in reversed(self.log):
+            if isinstance(what, Activation):
+                what.state, what.entered, what.children = before
+            elif isinstance(what, Snapshot):
+                what.restore(run)
+            else:
+                put(what, before[0])
+        self.log = []
 
 
-class ActivationRecord:
-    """Active state, time of entry and children of one activation."""
-
-    __slots__ = ("_act", "_children", "_entered", "_state")
-
-    def __init__(self, act: Activation) -> None:
-        self._act = act
-        self._state: StatePlan = act.state
-        self._entered = act.entered
-        self._children = act.children
-
-    def undo(self, run: Run) -> None:
-        """Put them back."""
-        act = self._act
-        act.state, act.entered, act.children = self._state, self._entered, self._children
+def put(cell: CellType, value: object) -> None:
+    """Put a value into a cell, or empty it."""
+    if value is not UNSET:
+        cell.cell_contents = value
+    elif content(cell) is not UNSET:
+        del cell.cell_contents
 
 
-class CellRecord:
-    """What one variable held."""
-
-    __slots__ = ("_cell", "_old")
-
-    def __init__(self, cell: CellType, old: object) -> None:
-        self._cell = cell
-        self._old = old
-
-    def undo(self, run: Run) -> None:
-        """Put it back."""
-        if self._old is not UNSET:
-            self._cell.cell_contents = self._old
-        elif content(self._cell) is not UNSET:
-            del self._cell.cell_contents
+FIELDS = ("machine", "path", "outer", "spawn", "cells", "state", "entered", "children")
 
 
 class Snapshot:
@@ -118,30 +95,20 @@ class Snapshot:
     def __init__(self, run: Run) -> None:
         self._run = (run.plan, run.roots, run.pending, run.started)
         self._globals = (run.globals, dict(run.globals.own), run.globals.cells)
-        acts = [act for root in run.roots for act in root.walk()]
         self._acts = [
-            (
-                ActivationRecord(act),
-                act,
-                (act.machine, act.path, act.outer, act.spawn, dict(act.own), act.cells),
-            )
-            for act in acts
+            (act, {name: getattr(act, name) for name in FIELDS} | {"own": dict(act.own)})
+            for root in run.roots
+            for act in root.walk()
         ]
-        self._values = [
-            CellRecord(cell, content(cell))
-            for scope in (run.globals, *acts)
-            for cell in scope.own.values()
-        ]
+        scopes = (run.globals, *(act for act, _ in self._acts))
+        self._values = [(cell, content(cell)) for scope in scopes for cell in scope.own.values()]
 
-    def undo(self, run: Run) -> None:
+    def restore(self, run: Run) -> None:
         """Put everything back."""
         run.plan, run.roots, run.pending, run.started = self._run
         run.globals, run.globals.own, run.globals.cells = self._globals
-        for record, act, fields in self._acts:
-            record.undo(run)
-            act.machine, act.path, act.outer, act.spawn, act.own, act.cells = fields
-        for value in self._values:
-            value.undo(run)
-
-
-Record = ActivationRecord | CellRecord | Snapshot
+        for act, fields in self._acts:
+            for name, value in fields.items():
+                setattr(act, name, value)
+        for cell, value in self._values:
+            put(cell, value)

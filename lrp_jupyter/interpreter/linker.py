@@ -112,7 +112,7 @@ class EdgePlan:
     site: Site
     label: str
     noun: Transition
-    test: EventPlan | BlockPlan | str | int | None | Broken
+    test: EventPlan | BlockPlan | str | int | Broken | None
 
 
 @dataclass(slots=True, eq=False)
@@ -154,11 +154,11 @@ class Plan:
     onpause: tuple[BlockPlan, ...] = ()
     onresume: tuple[BlockPlan, ...] = ()
     duplicates: tuple[Site, ...] = ()
-    dangling: set[Element] = field(default_factory=set)
+    dangling: set[tuple[Element, IssueKind]] = field(default_factory=set)
     places: dict[Element, int] = field(default_factory=dict)
 
     def state(self, path: Path) -> StatePlan | None:
-        """The state with this path of definition."""
+        """Find the state with this path of definition."""
         machine = self.machines.get(path[:-1])
         return machine.states.get(path[-1]) if machine else None
 
@@ -191,20 +191,25 @@ class _Linker:
         plan.onpause = tuple(self._blocks(Element("onpause", ()), program.onpause, scope))
         plan.onresume = tuple(self._blocks(Element("onresume", ()), program.onresume, scope))
         plan.duplicates = tuple(self.duplicates)
-        plan.dangling = {site.element for site in self._dangling()}
+        plan.dangling = set(self._dangling())
         return plan
 
-    def _dangling(self) -> Iterator[Site]:
-        """What would be an issue if it were tried now."""
+    def _dangling(self) -> Iterator[tuple[Element, IssueKind]]:
+        """Yield what would be an issue if it were tried now."""
         spawns = list(self.plan.spawns)
         for machine in self.plan.machines.values():
             for state in machine.states.values():
                 spawns += (item for item in state.onentry if isinstance(item, SpawnPlan))
                 for edge in state.edges:
-                    leads = edge.noun.kind == "exit" or edge.noun.destination in machine.states
-                    if isinstance(edge.test, Broken) or not leads:
-                        yield edge.site
-        yield from (spawn.site for spawn in spawns if not spawn.resolves)
+                    if isinstance(edge.test, Broken):
+                        yield edge.site.element, edge.test.kind
+                    if edge.noun.kind != "exit" and edge.noun.destination not in machine.states:
+                        yield edge.site.element, "unknown state"
+        for spawn in spawns:
+            if isinstance(spawn.target, Broken):
+                yield spawn.site.element, spawn.target.kind
+            elif not spawn.resolves:
+                yield spawn.site.element, "unknown state"
 
     def _first(self, element: Element, offset: int, known: Mapping[str, object]) -> bool:
         """Whether this definition counts: the first one of a name does."""
@@ -306,13 +311,11 @@ class _Linker:
             code = code.replace(co_name=name, co_qualname=name)
         return BlockPlan(Site(element, ordinal, block.span.start), code)
 
-    def _edge(
-        self, machine: MachinePlan, label: str, noun: Transition, scope: frozenset[str]
-    ) -> EdgePlan:
+    def _edge(self, machine: MachinePlan, label: str, noun: Transition, scope: frozenset[str]) -> EdgePlan:
         element = Element("transition", (*machine.path, label))
         self.plan.places[element] = noun.span.start
         trigger = noun.trigger
-        test: EventPlan | BlockPlan | str | int | None | Broken
+        test: EventPlan | BlockPlan | str | int | Broken | None
         if isinstance(trigger, Block):
             test = self._block(element, 0, trigger, scope)
         elif trigger is None or isinstance(trigger, int):
@@ -346,5 +349,7 @@ class _Linker:
             enclosing.add(spawner.path)
             spawner = spawner.outer
         found = next((m[name] for m in around if name in m and m[name].path not in enclosing), None)
-        target = found or Broken("unknown machine", f"there is no machine `{name}` that could be spawned here")
+        target = found or Broken(
+            "unknown machine", f"there is no machine `{name}` that could be spawned here"
+        )
         return SpawnPlan(Site(element, 0, noun.span.start), start, target)

@@ -74,7 +74,7 @@ class Renaming:
         return path
 
     def variable(self, plan: VariablePlan) -> str:
-        """What a variable is called now."""
+        """Tell what a variable is called now."""
         return self.new if plan.initial.site.element == Element(self.kind, self.path) else plan.name
 
 

@@ -17,10 +17,12 @@ from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.issues import Issue, IssueKind, Issues
 from lrp_jupyter.interpreter.journal import Journal
 from lrp_jupyter.interpreter.linker import Broken, MachinePlan, Plan, Site, SpawnPlan, StatePlan, VariablePlan
-from lrp_jupyter.interpreter.tree import Activation, Edge, Fault, Scope, bind_block, bind_row, content
+from lrp_jupyter.interpreter.tree import Activation, Edge, Fault, Row, Scope, bind_block, bind_row, content
 from lrp_jupyter.language.program import Path, Program
 
 __all__ = ["Run"]
+
+_new = tuple.__new__  # a third of the time that a NamedTuple's own constructor takes
 
 
 class Run:
@@ -62,7 +64,7 @@ class Run:
         return self.plan.program
 
     def scope(self, machine: Path) -> Scope:
-        """The living scope of a machine, by its path of definition; the empty path: the globals."""
+        """Look up the living scope of a machine, by its path of definition; the empty path: the globals."""
         return self.live[machine]
 
     # ---- the tick ---------------------------------------------------------------------------
@@ -117,67 +119,80 @@ class Run:
         if kind.__module__ == "numpy" and kind.__name__ in ("bool", "bool_"):
             return bool(value)
         self.report(
-            edge.tested, "not boolean", f"a condition is True or False, not {_short(value)}; compare with something"
+            edge.tested,
+            "not boolean",
+            f"a condition is True or False, not {_short(value)}; compare with something",
         )
         return False
 
     def _fire(self, act: Activation, edge: Edge) -> bool:
-        if edge.site[:2] in self.issues.open_blocks:
+        if self.issues.open_blocks and edge.site[:2] in self.issues.open_blocks:
             self.recovered(edge.site, True)
         home = act
         if edge.up:
             assert act.parent is not None  # else its target would be missing
             home = act.parent
         assert edge.target is not None
+        row = edge.row
+        if row is None:
+            row = edge.row = self.row(home, edge.target)
         self.leave(home)
         if self.observers:
             self.emit("fired", edge.path, edge.data)
-        self.enter(home, edge.target)
+        self.enter(home, row)
         return edge.up
 
-    def enter(self, act: Activation, state: StatePlan, *, blocks: bool = True, spawns: bool = True) -> None:
-        """Make a state active; without its blocks or spawns where a forced state asks for that."""
-        act.state = state
-        act.entered = self.now
+    def row(self, act: Activation, state: StatePlan) -> Row:
+        """Look up what a state does, bound to this activation; bind it the first time."""
         row = act.rows.get(state.name)
         if row is None:
             row = act.rows[state.name] = bind_row(self, act, state)
+        return row
+
+    def enter(self, act: Activation, row: Row) -> None:
+        """Make a state active and run its onentry items."""
         act.row = row
+        act.state = row.state
+        act.entered = self.now
         if self.observers:
             self.emit("entered", row.path)
         for call, site in row.onentry:
-            if isinstance(call, SpawnPlan):
-                if spawns:
-                    self.spawn(act, call, blocks=blocks)
-            elif blocks:
-                try:
-                    call()
-                except BaseException as error:
-                    self.fault(site, error)
+            try:
+                call()
+            except BaseException as error:
+                self.fault(site, error)
 
-    def leave(self, act: Activation, *, blocks: bool = True) -> None:
+    def leave(self, act: Activation) -> None:
         """Leave the active state, what it contains first, innermost first. Paper: §5.1, step 6."""
         if self.journal is not None:
-            self.journal.note(act)
+            self.journal.log.append((act, act.state, act.entered, act.children))
         if act.children:
-            for child in reversed(act.children):
-                self.leave(child, blocks=blocks)
-                self.settle_scope(child)
-                del self.live[child.machine.path]
-                self.emit("discarded", child.path)
-            act.children = ()
-        if blocks:
-            for call, site in act.row.onexit:
-                try:
-                    call()
-                except BaseException as error:
-                    self.fault(site, error)
+            self.discard(act, self.leave)
+        for call, site in act.row.onexit:
+            try:
+                call()
+            except BaseException as error:
+                self.fault(site, error)
         if self.observers:
             self.emit("left", act.row.path)
 
+    def discard(self, act: Activation, leave: Callable[[Activation], None]) -> None:
+        """Leave and discard the machines inside, the last one spawned first."""
+        for child in reversed(act.children):
+            leave(child)
+            self.settle_scope(child)
+            del self.live[child.machine.path]
+            self.emit("discarded", child.path)
+        act.children = ()
+
     # ---- spawning ---------------------------------------------------------------------------
 
-    def spawn(self, parent: Activation | None, plan: SpawnPlan, *, blocks: bool = True) -> None:
+    def spawn(
+        self,
+        parent: Activation | None,
+        plan: SpawnPlan,
+        enter: Callable[[Activation, Row], None] | None = None,
+    ) -> None:
         """Do a spawn, or report why it cannot be done."""
         machine = plan.target
         if isinstance(machine, Broken):
@@ -192,7 +207,7 @@ class Run:
             if plan.site[:2] in self.issues.open_blocks:
                 self.recovered(plan.site, None)
             act = self.create(machine, parent, plan.identity, start)
-            self.enter(act, start, blocks=blocks)
+            (enter or self.enter)(act, self.row(act, start))
 
     def create(
         self,
@@ -209,7 +224,7 @@ class Run:
             self.roots += (act,)
         else:
             if self.journal is not None:
-                self.journal.note(parent)
+                self.journal.log.append((parent, parent.state, parent.entered, parent.children))
             parent.children += (act,)
         self.emit("spawned", act.path)
         self.initialise(act, machine.variables, outer.cells)
@@ -233,6 +248,13 @@ class Run:
         except BaseException as error:
             self.fault(variable.initial.site, error)
 
+    def attempt(self, call: Callable[[], object], site: Site) -> None:
+        """Run a block; an exception becomes an issue."""
+        try:
+            call()
+        except BaseException as error:
+            self.fault(site, error)
+
     # ---- faults -----------------------------------------------------------------------------
 
     def fault(self, site: Site, error: BaseException) -> None:
@@ -253,10 +275,9 @@ class Run:
             kind, message = "unknown variable", _name_error(error)
         self.report(site, kind, message, error)
 
-    def report(
-        self, site: Site, kind: IssueKind, message: str, error: BaseException | None = None
-    ) -> None:
+    def report(self, site: Site, kind: IssueKind, message: str, error: BaseException | None = None) -> None:
         """Record or count an issue."""
+
         def make() -> Issue:
             line, column = self._place(site, error)
             text = "".join(self._traceback(error).format()) if error is not None else ""
@@ -274,7 +295,7 @@ class Run:
         self.stale = True
 
     def _traceback(self, error: BaseException) -> tracebacks.TracebackException:
-        """The traceback of a fault from its block on."""
+        """Give the traceback of a fault from its block on."""
         trace = error.__traceback__
         while trace is not None and trace.tb_frame.f_code.co_filename != self.program.filename:
             trace = trace.tb_next
@@ -302,7 +323,7 @@ class Run:
     def emit(self, kind: str, path: Path, data: object = None) -> None:
         """Note an event for the observers; they are told when the tick or command is over."""
         if self.observers:
-            self.events.append(TraceEvent(kind, path, self.ticks, self.now, data))
+            self.events.append(_new(TraceEvent, (kind, path, self.ticks, self.now, data)))
 
     def remember(self) -> None:
         """Let the journal take a snapshot, before a change that is not one of a tick."""
@@ -312,7 +333,8 @@ class Run:
     def settle(self) -> None:
         """Take note of every variable that changed."""
         for scope in self.live.values():
-            self.settle_scope(scope)
+            if scope.own:
+                self.settle_scope(scope)
 
     def settle_scope(self, scope: Scope) -> None:
         """Take note of the variables of one scope that changed."""
@@ -320,12 +342,15 @@ class Run:
             return
         last = scope.last
         for name, cell in scope.own.items():
-            value = content(cell)
+            try:
+                value = cell.cell_contents
+            except ValueError:
+                value = UNSET
             old = last[name]
             if value is not old:
                 last[name] = value
                 if self.journal is not None:
-                    self.journal.note_cell(cell, old)
+                    self.journal.log.append((cell, old))
                 if self.observers and not _same(old, value):
                     self.emit("changed", (*scope.path, name), value)
 

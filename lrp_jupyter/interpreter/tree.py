@@ -10,9 +10,10 @@ changes (a patch, a fault that begins or ends); they are cheap to make again.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from functools import partial
 from numbers import Real
 from types import CellType
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.issues import IssueKind
@@ -107,11 +108,12 @@ class Activation(Scope):
 class Edge:
     """A transition as one state of one activation sees it."""
 
-    __slots__ = ("data", "missing", "path", "site", "target", "tested", "up")
+    __slots__ = ("data", "missing", "path", "row", "site", "target", "tested", "up")
 
     def __init__(self, act: Activation, state: StatePlan, plan: EdgePlan) -> None:
         noun = plan.noun
         self.up = noun.kind == "exit"
+        self.row: Row | None = None  # of the destination, once it has been there
         home = act if not self.up else act.parent
         destination = str(noun.destination)
         self.target = home.machine.states.get(destination) if home else None
@@ -126,18 +128,33 @@ class Edge:
         self.tested = plan.test.block.site if isinstance(plan.test, EventPlan) else plan.site
 
 
-class Row(NamedTuple):
-    """What one state of one activation does."""
+Calls = tuple[tuple[Call, Site], ...]
 
-    path: Path
-    tests: tuple[tuple[Call, Edge], ...]
-    onentry: tuple[tuple[Call | SpawnPlan, Site], ...]
-    running: tuple[tuple[Call, Site], ...]
-    onexit: tuple[tuple[Call, Site], ...]
+
+class Row:
+    """What one state of one activation does; every spawn of its onentry is a call like a block."""
+
+    __slots__ = ("onentry", "onexit", "path", "running", "state", "tests")
+
+    def __init__(
+        self,
+        state: StatePlan,
+        path: Path,
+        tests: tuple[tuple[Call, Edge], ...],
+        onentry: Calls,
+        running: Calls,
+        onexit: Calls,
+    ) -> None:
+        self.state = state
+        self.path = path
+        self.tests = tests
+        self.onentry = onentry
+        self.running = running
+        self.onexit = onexit
 
 
 def content(cell: CellType) -> object:
-    """The value in a cell, or UNSET."""
+    """Give the value in a cell, or UNSET."""
     try:
         return cell.cell_contents
     except ValueError:
@@ -175,18 +192,24 @@ def watched(run: Run, site: Site, call: Call) -> Call:
 def bind_row(run: Run, act: Activation, state: StatePlan) -> Row:
     """Bind everything that `state` does in `act`."""
 
-    def blocks(plans: tuple[BlockPlan, ...]) -> tuple[tuple[Call, Site], ...]:
-        return tuple((bind_block(run, plan, act.cells), plan.site) for plan in plans)
+    def calls(plans: tuple[BlockPlan | SpawnPlan, ...]) -> Calls:
+        return tuple(
+            (
+                partial(run.spawn, act, plan)
+                if isinstance(plan, SpawnPlan)
+                else bind_block(run, plan, act.cells),
+                plan.site,
+            )
+            for plan in plans
+        )
 
     return Row(
+        state,
         (*act.path, state.name),
         tuple((_test(run, act, plan), Edge(act, state, plan)) for plan in state.edges),
-        tuple(
-            (plan if isinstance(plan, SpawnPlan) else bind_block(run, plan, act.cells), plan.site)
-            for plan in state.onentry
-        ),
-        blocks(state.running),
-        blocks(state.onexit),
+        calls(state.onentry),
+        calls(state.running),
+        calls(state.onexit),
     )
 
 
@@ -211,17 +234,23 @@ def _test(run: Run, act: Activation, edge: EdgePlan) -> Call:
         return due
     read: Call
     if isinstance(plan, BlockPlan):
-        read = bind(plan.code, run.namespace, act.cells) if not isinstance(plan.code, Broken) else broken(plan.code)
+        read = (
+            bind(plan.code, run.namespace, act.cells)
+            if not isinstance(plan.code, Broken)
+            else broken(plan.code)
+        )
     else:
         read = _reader(str(plan), act.cells[str(plan)])
 
     def due_when_read() -> bool:
         delay = read()
-        if isinstance(delay, bool) or not isinstance(delay, Real) or delay != delay:  # noqa: PLR0124
+        if isinstance(delay, bool) or not isinstance(delay, Real) or delay != delay:
             raise Fault("not a delay", f"a delay is a number of milliseconds, not {delay!r}")
         return bool((run.now - act.entered) * 1000.0 + TOLERANCE >= delay)  # type: ignore[operator]
 
-    return watched(run, edge.site, due_when_read) if edge.site[:2] in run.issues.open_blocks else due_when_read
+    return (
+        watched(run, edge.site, due_when_read) if edge.site[:2] in run.issues.open_blocks else due_when_read
+    )
 
 
 TOLERANCE = 1e-6
