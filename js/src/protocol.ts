@@ -190,7 +190,7 @@ export interface Stroke {
   arc?: number[];
   width: number;
   grey: number;
-  tick?: number;
+  ink?: boolean;
 }
 
 export interface Floor {
@@ -204,7 +204,7 @@ export interface Solid {
   polygon?: Point[];
   segment?: number[];
   angle?: number;
-  push?: number;
+  push?: number | null;
 }
 
 export interface RobotShape {
@@ -222,6 +222,8 @@ export interface Zone {
 
 export interface WorldView {
   version: number;
+  name?: string;
+  open?: boolean;
   size: Point;
   seed: number;
   floor: Floor;

@@ -268,14 +268,14 @@ class PanelView(TypedDict):
 
 
 class Stroke(TypedDict):
-    """A line on the floor, in metres; grey from 0 (black) to 255."""
+    """A line on the floor, in metres; grey from 0 (black) to 255. `ink` (of a pen) only darkens."""
 
     path: NotRequired[list[Point]]
     circle: NotRequired[Pose]
     arc: NotRequired[list[float]]
     width: float
     grey: int
-    tick: NotRequired[int]
+    ink: NotRequired[bool]
 
 
 class Floor(TypedDict):
@@ -286,14 +286,14 @@ class Floor(TypedDict):
 
 
 class Solid(TypedDict):
-    """Something to bump into. `box`: centre and size; `angle` in rad; `push`: mass, if it can be pushed."""
+    """Something to bump into. `box`: centre and size; `angle` in rad; `push`: a number if pushable."""
 
     box: NotRequired[list[float]]
     circle: NotRequired[Pose]
     polygon: NotRequired[list[Point]]
     segment: NotRequired[list[float]]
     angle: NotRequired[float]
-    push: NotRequired[float]
+    push: NotRequired[float | None]
 
 
 class RobotShape(TypedDict):
@@ -317,6 +317,8 @@ class WorldView(TypedDict):
     """The world's JSON, sent when it changes other than by movement and ink."""
 
     version: int
+    name: NotRequired[str]
+    open: NotRequired[bool]
     size: Point
     seed: int
     floor: Floor

@@ -59,6 +59,7 @@ export interface Lab {
   goTo(kind: import("../protocol").ElementKind, path: string): void;
   goToRange(range: import("../protocol").Range, revision?: number): void;
   inspect(kind: import("../protocol").ElementKind, path: string): void;
+  rename(kind: import("../protocol").ElementKind, path: string): void;
   insert(text: string): void;
   say(sentence: string): void;
   readonly root: HTMLElement;

@@ -1,0 +1,192 @@
+/**
+ * A layout as SVG. What is where was decided in Python, for this picture and the still one; here it only
+ * becomes elements, which stay the same elements while their state or transition stays.
+ */
+
+import { reconcile, s, setAttribute, setText } from "../ui/dom";
+import type { GraphLayout, Label, Port, StateShape, TransitionShape } from "./layout";
+
+const STATE_FONT = 13;
+const LABEL_FONT = 11.5;
+const LIFT = 0.35; // of the font size: from the middle of a letter to its base line
+
+export interface Layers {
+  root: SVGGElement;
+  frame: SVGGElement;
+  arrows: SVGGElement;
+  ports: SVGGElement;
+  states: SVGGElement;
+  halos: SVGGElement;
+  labels: SVGGElement;
+}
+
+export function makeLayers(): Layers {
+  const layer = (name: string) => s("g", { class: `lrp-layer-${name}` });
+  const [frame, arrows, ports] = [layer("frame"), layer("arrows"), layer("ports")];
+  const [states, halos, labels] = [layer("states"), layer("halos"), layer("labels")];
+  // labels last, and their halos before all of them: no halo covers another label
+  const root = s("g", {}, frame, arrows, ports, states, halos, labels);
+  return { root, frame, arrows, ports, states, halos, labels };
+}
+
+export function draw(layers: Layers, layout: GraphLayout): void {
+  const { transitions } = layout;
+  const keys = arrowKeys(transitions);
+  const key = (shape: TransitionShape) => keys.get(shape) ?? "";
+  drawFrame(layers.frame, layout);
+  reconcile(layers.arrows, transitions, key, makeArrow, (element, shape) => updateArrow(element, shape));
+  reconcile(layers.ports, layout.ports, (port) => `${port.name} ${port.x} ${port.y}`, makePort, updatePort);
+  reconcile(layers.states, layout.states, (shape) => shape.id, makeState, updateState);
+  reconcile(layers.halos, transitions, key, makeText, (element, shape) =>
+    updateLabel(element, shape.label, "lrp-halo"),
+  );
+  reconcile(layers.labels, transitions, key, makeText, (element, shape) => {
+    updateLabel(element, shape.label, shape.broken ? "lrp-label lrp-off" : "lrp-label");
+    setAttribute(element, "data-of", shape.id);
+  });
+}
+
+/** A transition with several sources has several arrows: each gets a key of its own. */
+function arrowKeys(shapes: TransitionShape[]): Map<TransitionShape, string> {
+  const seen = new Map<string, number>();
+  return new Map(
+    shapes.map((shape) => {
+      const plain = `${shape.id} ${shape.source}`;
+      const count = seen.get(plain) ?? 0;
+      seen.set(plain, count + 1);
+      return [shape, `${plain} ${count}`];
+    }),
+  );
+}
+
+function drawFrame(layer: SVGGElement, layout: GraphLayout): void {
+  const [x = 0, y = 0, width = 0, height = 0] = layout.frame;
+  const outer = layout.machine.slice(0, Math.max(0, layout.machine.lastIndexOf("/")));
+  layer.replaceChildren(
+    s("rect", { class: "lrp-frame", x, y, width, height, rx: 8 }),
+    s(
+      "text",
+      { class: "lrp-machine", x: x + 12, y: y + 19 },
+      layout.name,
+      outer ? s("tspan", { class: "lrp-within", dx: 6 }, `in ${outer}`) : null,
+    ),
+  );
+  if (!layout.states.length) {
+    layer.append(text("lrp-faint", x + width / 2, y + height / 2 + 12, "no states yet"));
+  }
+}
+
+function makeArrow(shape: TransitionShape): SVGGElement {
+  return s(
+    "g",
+    { role: "button", tabindex: "-1", "data-lrp-transition": shape.id },
+    s("title"),
+    s("path", { class: "lrp-hit" }),
+    s("path", { class: "lrp-glow" }),
+    s("path", { class: "lrp-shaft" }),
+    s("path", { class: "lrp-head" }),
+    s("path", { class: "lrp-mark" }),
+  );
+}
+
+function updateArrow(element: Element, shape: TransitionShape): void {
+  const broken = shape.broken ? " lrp-broken" : "";
+  setAttribute(element, "class", `lrp-transition lrp-${shape.style}${broken}`);
+  setAttribute(element, "data-broken", shape.broken);
+  const words = `transition ${shape.name} from ${shape.source === "*" ? "any state" : shape.source} to ${shape.destination}`;
+  setAttribute(element, "aria-label", shape.broken ? `${words}, broken: ${shape.broken}` : words);
+  const [title, hit, glow, shaft, head, mark] = element.children;
+  setText(title!, shape.title);
+  for (const path of [hit, glow, shaft]) setAttribute(path!, "d", shape.d);
+  setAttribute(head!, "d", shape.head);
+  setAttribute(mark!, "d", shape.mark);
+}
+
+function makeState(shape: StateShape): SVGGElement {
+  const own = shape.kind === "any" ? {} : { "data-lrp-state": shape.id };
+  const focus = shape.kind === "state" ? { role: "button", tabindex: "-1" } : {};
+  return s("g", { ...own, ...focus });
+}
+
+function updateState(element: Element, shape: StateShape): void {
+  setAttribute(element, "class", `lrp-state lrp-${shape.kind}`);
+  if (shape.kind === "state") setAttribute(element, "aria-label", `state ${shape.title}`);
+  const dragged = element.hasAttribute("data-dragged");
+  if (!dragged) moveState(element, shape.x, shape.y);
+  const body = JSON.stringify({
+    ...shape,
+    x: 0,
+    y: 0,
+    start: null,
+    from: shape.start && shape.start.x - shape.x,
+  });
+  if (element.getAttribute("data-body") === body) return;
+  element.setAttribute("data-body", body);
+  element.replaceChildren(...stateBody(shape));
+}
+
+/** The body is drawn around its own middle, so that a moved state is one changed attribute. */
+export function moveState(element: Element, x: number, y: number): void {
+  setAttribute(element, "transform", `translate(${x} ${y})`);
+}
+
+function stateBody(shape: StateShape): SVGElement[] {
+  const { width, height } = shape;
+  const [left, top] = [-width / 2, -height / 2];
+  const rx = shape.kind === "any" ? height / 2 : 9;
+  const parts: SVGElement[] = [
+    s("title", {}, shape.title),
+    s("rect", { class: "lrp-box", x: left, y: top, width, height, rx }),
+  ];
+  if (shape.nested) {
+    const inner = { x: left + 3.5, y: top + 3.5, width: width - 7, height: height - 7, rx: 6 };
+    parts.push(s("rect", { class: "lrp-inner", ...inner }), text("lrp-name", 0, -2.5, shape.label));
+    parts.push(
+      s("g", { class: "lrp-nested", "data-nested": true }, nestedIcon(), text("", 9, 14, shape.nested)),
+    );
+  } else parts.push(text("lrp-name", 0, STATE_FONT * LIFT, shape.label));
+  if (shape.start) {
+    const { x, y, radius, d, head } = shape.start;
+    parts.push(
+      s(
+        "g",
+        { class: "lrp-start", transform: `translate(${-shape.x} ${-shape.y})` },
+        s("circle", { cx: x, cy: y, r: radius }),
+        s("path", { class: "lrp-start-shaft", d }),
+        s("path", { d: head }),
+      ),
+    );
+  }
+  return parts;
+}
+
+/** Two small states and an arrow: a nested machine. */
+function nestedIcon(): SVGPathElement {
+  return s("path", { class: "lrp-nested-icon", d: "M-6 -4h5v4h-5zM1 1h5v4h-5zM-3.5 0v3h4.5" });
+}
+
+function makePort(): SVGGElement {
+  return s("g", {}, s("circle", { class: "lrp-port", r: 4.5 }), s("text", { class: "lrp-outside" }));
+}
+
+function updatePort(element: Element, port: Port): void {
+  const [circle, label] = element.children;
+  setAttribute(circle!, "cx", port.x);
+  setAttribute(circle!, "cy", port.y);
+  updateLabel(label!, port.label, port.missing ? "lrp-outside lrp-off" : "lrp-outside");
+}
+
+function makeText(): SVGTextElement {
+  return s("text");
+}
+
+function updateLabel(element: Element, label: Label, kind: string): void {
+  setAttribute(element, "class", kind);
+  setAttribute(element, "x", label.x);
+  setAttribute(element, "y", label.y + LABEL_FONT * LIFT);
+  setText(element, label.text);
+}
+
+function text(kind: string, x: number, y: number, content: string): SVGTextElement {
+  return s("text", { class: kind, x, y }, content);
+}

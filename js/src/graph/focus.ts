@@ -1,0 +1,72 @@
+/** The keyboard in the drawing: one stop of the tab key, arrows go to the nearest element that way. */
+
+interface Point {
+  x: number;
+  y: number;
+}
+
+const WAYS: Record<string, Point> = {
+  ArrowRight: { x: 1, y: 0 },
+  ArrowLeft: { x: -1, y: 0 },
+  ArrowDown: { x: 0, y: 1 },
+  ArrowUp: { x: 0, y: -1 },
+};
+
+/** Of the points, the index of the nearest in a direction; what lies aside counts as farther. */
+export function nearest(from: Point, points: readonly Point[], key: string): number {
+  const way = WAYS[key];
+  let best = -1;
+  let least = Number.POSITIVE_INFINITY;
+  if (!way) return best;
+  points.forEach((point, index) => {
+    const dx = point.x - from.x;
+    const dy = point.y - from.y;
+    const along = dx * way.x + dy * way.y;
+    const aside = Math.abs(dx * way.y) + Math.abs(dy * way.x);
+    const cost = along + 2.5 * aside;
+    if (along > 1 && cost < least) {
+      least = cost;
+      best = index;
+    }
+  });
+  return best;
+}
+
+/** Make arrows walk through the elements that can have the focus. */
+export function walkWithArrows(svg: SVGSVGElement): void {
+  const elements = () => [...svg.querySelectorAll<SVGGElement>("[role=button]")];
+  const centre = (element: Element): Point => {
+    const shaft = element.querySelector<SVGPathElement>(".lrp-shaft");
+    if (shaft?.getTotalLength) {
+      const point = shaft.getPointAtLength(shaft.getTotalLength() / 2);
+      return { x: point.x, y: point.y };
+    }
+    const [x = 0, y = 0] = (element.getAttribute("transform")?.match(/-?[\d.]+/g) ?? []).map(Number);
+    return { x, y };
+  };
+  const focus = (element: SVGGElement) => {
+    for (const other of elements()) other.setAttribute("tabindex", other === element ? "0" : "-1");
+    element.focus({ preventScroll: true });
+  };
+  svg.addEventListener("focusin", (event) => {
+    const element = (event.target as Element).closest<SVGGElement>("[role=button]");
+    if (element) svg.dataset.focus = element.dataset.lrpState ?? element.dataset.lrpTransition ?? "";
+  });
+  svg.addEventListener("keydown", (event) => {
+    if (!(event.key in WAYS) || event.ctrlKey || event.metaKey || event.altKey) return;
+    const current = (event.target as Element).closest<SVGGElement>("[role=button]");
+    const others = elements().filter((element) => element !== current);
+    const next = current ? others[nearest(centre(current), others.map(centre), event.key)] : others[0];
+    if (!next) return;
+    event.preventDefault();
+    event.stopPropagation();
+    focus(next);
+  });
+}
+
+/** Keep exactly one element reachable with the tab key. */
+export function keepOneTabStop(svg: SVGSVGElement): void {
+  const elements = [...svg.querySelectorAll<SVGGElement>("[role=button]")];
+  if (!elements.some((element) => element.getAttribute("tabindex") === "0"))
+    elements.at(-1)?.setAttribute("tabindex", "0");
+}

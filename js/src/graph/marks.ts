@@ -1,0 +1,73 @@
+/** What runs, marked on the drawing: active states, the last fired transition, and what was too short to see. */
+
+import type { FiredView } from "../protocol";
+import type { LabState } from "../session/state";
+import { setAttribute } from "../ui/dom";
+import type { Layers } from "./draw";
+
+/** How long a visit or a firing stays visible (ms); at least 150, whatever the rate. */
+export const AFTERGLOW = 450;
+
+export class Marks {
+  private entered: Record<string, FiredView> = {};
+  private fired: Record<string, FiredView> = {};
+  private machine = "";
+  private readonly timers = new Map<Element, ReturnType<typeof setTimeout>>();
+
+  update(layers: Layers, state: LabState): void {
+    const fresh = state.machine !== this.machine; // another drawing: nothing that was before glows
+    this.machine = state.machine;
+    for (const node of layers.states.children) {
+      const path = node.getAttribute("data-lrp-state");
+      if (!path) continue;
+      const active = state.lit.has(path);
+      setAttribute(node, "data-active", active);
+      setAttribute(node, "aria-current", active ? "true" : null);
+      if (!fresh && !active && grown(state.entered[path], this.entered[path])) this.glow(node);
+      setAttribute(node, "data-chosen", path === state.chosen);
+    }
+    const last = lastFired(state.fired, state.machine);
+    for (const arrow of layers.arrows.children) {
+      const id = arrow.getAttribute("data-lrp-transition") ?? "";
+      setAttribute(arrow, "data-fired", id === last);
+      if (!fresh && grown(state.fired[id], this.fired[id])) this.glow(arrow);
+      setAttribute(arrow, "data-chosen", id === state.chosen);
+    }
+    for (const label of layers.labels.children) {
+      setAttribute(label, "data-chosen", label.getAttribute("data-of") === state.chosen);
+    }
+    this.entered = state.entered;
+    this.fired = state.fired;
+  }
+
+  private glow(element: Element): void {
+    clearTimeout(this.timers.get(element));
+    element.setAttribute("data-glow", "");
+    const end = () => {
+      element.removeAttribute("data-glow");
+      this.timers.delete(element);
+    };
+    this.timers.set(element, setTimeout(end, AFTERGLOW));
+  }
+
+  close(): void {
+    for (const timer of this.timers.values()) clearTimeout(timer);
+  }
+}
+
+function grown(now: FiredView | undefined, before: FiredView | undefined): boolean {
+  return (now?.count ?? 0) > (before?.count ?? 0);
+}
+
+/** The transition of a machine that fired last. */
+export function lastFired(fired: Record<string, FiredView>, machine: string): string {
+  let last = "";
+  let tick = 0;
+  for (const [id, { count, tick: when }] of Object.entries(fired)) {
+    if (count > 0 && when >= tick && id.slice(0, id.indexOf(":")) === machine) {
+      last = id;
+      tick = when;
+    }
+  }
+  return last;
+}

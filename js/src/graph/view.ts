@@ -1,0 +1,246 @@
+/** The state graph of the machine looked at: drawn, marked, moved around in, and worked with. */
+
+import type { Lab } from "../session/store";
+import { button, panel } from "../ui/button";
+import { h, s, setAttribute } from "../ui/dom";
+import { openMenu } from "../ui/menu";
+import { Camera } from "./camera";
+import { draw, makeLayers, moveState } from "./draw";
+import { keepOneTabStop, walkWithArrows } from "./focus";
+import type { GraphLayout } from "./layout";
+import { Marks } from "./marks";
+import { stateMenu, transitionMenu } from "./menus";
+import { restartNotice } from "./notice";
+
+type Mode = "live" | "static" | "hidden";
+const DRAG_FROM = 4; // px of movement that make a press a drag
+const TELL_EVERY = 40; // ms between two places of a dragged state
+
+export function graphView(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const layers = makeLayers();
+  const svg = s("svg", { class: "lrp-graph", role: "group", "aria-label": "State graph" }, layers.root);
+  const marks = new Marks();
+  const cameras = new Map<string, Camera>();
+  let camera = new Camera();
+  let shown: GraphLayout | null = null;
+  let mode: Mode = "live";
+
+  const place = () => setAttribute(layers.root, "transform", camera.transform);
+  const fit = () => {
+    const [x = 0, y = 0, width = 0, height = 0] = shown?.view ?? [];
+    camera.fit({ x, y, width, height }, svg.clientWidth, svg.clientHeight);
+    place();
+  };
+  const redraw = (anew = false) => {
+    const layout = store.state.layouts[store.state.machine] ?? null;
+    svg.toggleAttribute("hidden", mode === "hidden");
+    if (mode === "hidden" || !layout) {
+      if (!layout) layers.root.setAttribute("visibility", "hidden");
+      return;
+    }
+    layers.root.removeAttribute("visibility");
+    const other = shown?.machine !== layout.machine;
+    if (shown === layout && !anew) return;
+    if (mode === "static" && !other && !anew) {
+      element.dataset.stale = "";
+      return;
+    }
+    delete element.dataset.stale;
+    shown = layout;
+    if (other) {
+      camera = cameras.get(layout.machine) ?? new Camera();
+      cameras.set(layout.machine, camera);
+    }
+    draw(layers, layout);
+    keepOneTabStop(svg);
+    svg.setAttribute("aria-label", `State graph of ${layout.name}`);
+    if (camera.moved) place();
+    else fit();
+  };
+
+  const modes = h(
+    "select",
+    {
+      class: "lrp-select",
+      "aria-label": "How the graph is drawn",
+      title: "Live: with every edit. Static: drawn anew on the button.",
+      onchange: () => {
+        mode = modes.value as Mode;
+        element.dataset.mode = mode;
+        redraw(true);
+      },
+    },
+    ...["live", "static", "hidden"].map((name) => h("option", { value: name }, name)),
+  );
+  const zoom = (factor: number) => {
+    camera.zoom(factor, svg.clientWidth / 2, svg.clientHeight / 2);
+    place();
+  };
+  const whole = () => {
+    camera.moved = false;
+    fit();
+  };
+  const { element } = panel(
+    "graph",
+    "State graph",
+    [
+      button({
+        label: "Draw anew",
+        title: "Draw the graph of the program as it is now",
+        action: "redraw",
+        onclick: () => redraw(true),
+      }),
+      modes,
+      button({
+        icon: "arrange",
+        title: "Arrange all states anew",
+        action: "arrange",
+        onclick: () => void lab.act("arrange", { path: store.state.machine }),
+      }),
+      button({ icon: "minus", title: "Zoom out", action: "zoom-out", onclick: () => zoom(1 / 1.25) }),
+      button({ icon: "plus", title: "Zoom in", action: "zoom-in", onclick: () => zoom(1.25) }),
+      button({ icon: "fit", title: "Show all", action: "zoom-fit", onclick: whole }),
+    ],
+    h("div", { class: "lrp-graph-body" }, svg, emptyNote(lab), restartNotice(lab)),
+  );
+
+  store.watch(["layouts", "machine", "snapshot"], () => redraw());
+  store.watch(["lit", "entered", "fired", "machine", "layouts", "chosen"], () =>
+    marks.update(layers, store.state),
+  );
+  new ResizeObserver(() => {
+    if (!camera.moved) fit();
+  }).observe(svg);
+
+  /* ---------------------------------------------------------------- zoom, pan, drag */
+
+  const local = (event: { clientX: number; clientY: number }) => {
+    const frame = svg.getBoundingClientRect();
+    return { x: event.clientX - frame.left, y: event.clientY - frame.top };
+  };
+  svg.addEventListener(
+    "wheel",
+    (event) => {
+      if (!event.ctrlKey && !event.metaKey) return; // the page scrolls
+      event.preventDefault();
+      const { x, y } = local(event);
+      camera.zoom(Math.exp(-event.deltaY * 0.002), x, y);
+      place();
+    },
+    { passive: false },
+  );
+  svg.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0) return;
+    const node = (event.target as Element).closest<SVGGElement>("[data-lrp-state]");
+    const begin = local(event);
+    let last = begin;
+    let moved = false;
+    let told = 0;
+    const move = (now: PointerEvent) => {
+      const point = local(now);
+      if (!moved && Math.hypot(point.x - begin.x, point.y - begin.y) < DRAG_FROM) return;
+      if (!moved) svg.setPointerCapture(event.pointerId);
+      moved = true;
+      if (node) {
+        const [x, y] = camera.inside(point.x, point.y);
+        node.setAttribute("data-dragged", "");
+        moveState(node, x, y);
+        if (now.timeStamp - told > TELL_EVERY) {
+          told = now.timeStamp;
+          pin(node, x, y);
+        }
+      } else {
+        camera.pan(point.x - last.x, point.y - last.y);
+        place();
+      }
+      last = point;
+    };
+    const end = () => {
+      svg.removeEventListener("pointermove", move);
+      if (!node || !moved) return;
+      pin(node, ...camera.inside(last.x, last.y));
+      node.removeAttribute("data-dragged");
+      svg.addEventListener("click", (click) => click.stopPropagation(), { capture: true, once: true });
+    };
+    svg.addEventListener("pointermove", move);
+    svg.addEventListener("pointerup", end, { once: true });
+    svg.addEventListener("pointercancel", end, { once: true });
+  });
+  const pin = (node: Element, x: number, y: number) => {
+    const path = node.getAttribute("data-lrp-state") ?? "";
+    const name = path.slice(path.lastIndexOf("/") + 1);
+    lab.tell("pin", { path: store.state.machine, name, pose: [Math.round(x), Math.round(y), 0] });
+  };
+
+  /* ---------------------------------------------------------------- choose, open, menu */
+
+  const hit = (target: EventTarget | null) => {
+    const from = target as Element;
+    const id = from.closest?.("[data-of]")?.getAttribute("data-of");
+    const arrow = id ?? from.closest?.("[data-lrp-transition]")?.getAttribute("data-lrp-transition");
+    const state = from.closest?.(".lrp-state.lrp-state")?.getAttribute("data-lrp-state");
+    return { arrow: arrow ?? null, state: state ?? null };
+  };
+  const open = (path: string) => {
+    const inner = shown?.states.find((shape) => shape.id === path)?.machines[0];
+    if (inner) store.set("machine", `${path}/${inner}`);
+  };
+  const choose = (target: EventTarget | null) => {
+    const { arrow, state } = hit(target);
+    const chosen = arrow ?? state;
+    if (!chosen) return;
+    store.set("chosen", chosen);
+    lab.goTo(arrow ? "transition" : "state", chosen);
+  };
+  const menu = (target: EventTarget | null, at: { x: number; y: number }) => {
+    const { arrow, state } = hit(target);
+    if (arrow) openMenu(lab.root, at, transitionMenu(lab, arrow), `Transition ${arrow}`);
+    else if (state)
+      openMenu(
+        lab.root,
+        at,
+        stateMenu(lab, state, () => open(state)),
+        `State ${state}`,
+      );
+    return Boolean(arrow ?? state);
+  };
+  svg.addEventListener("click", (event) => choose(event.target));
+  svg.addEventListener("dblclick", (event) => {
+    const { state } = hit(event.target);
+    if (state) open(state);
+  });
+  svg.addEventListener("contextmenu", (event) => {
+    if (event.button !== 2 && event.detail === 0) return; // by key: see below
+    if (menu(event.target, { x: event.clientX, y: event.clientY })) {
+      event.preventDefault();
+      event.stopPropagation();
+    }
+  });
+  svg.addEventListener("keydown", (event) => {
+    const target = event.target as Element;
+    const frame = target.getBoundingClientRect();
+    if (event.key === "Enter" && event.shiftKey) open(hit(target).state ?? "");
+    else if (event.key === "Enter" || event.key === " ") choose(target);
+    else if (event.key === "ContextMenu" || (event.key === "F10" && event.shiftKey) || event.key === "m") {
+      menu(target, { x: frame.left + frame.width / 2, y: frame.top + frame.height / 2 });
+    } else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  walkWithArrows(svg);
+  return element;
+}
+
+function emptyNote(lab: Lab): HTMLElement {
+  const note = h(
+    "p",
+    { class: "lrp-empty" },
+    "No machine yet. Write ",
+    h("code", {}, "(machine m (state s)) (spawn m s)"),
+  );
+  lab.store.watch(["program", "snapshot"], () => {
+    note.hidden = lab.store.state.program.machines.length > 0;
+  });
+  return note;
+}

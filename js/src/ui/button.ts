@@ -1,0 +1,78 @@
+/** Buttons, switches and panel headers, all of one making. */
+
+import { type Attributes, h } from "./dom";
+import { type IconName, icon } from "./icons";
+
+interface ButtonOptions extends Record<string, unknown> {
+  icon?: IconName;
+  /** Shown beside the icon; without it the title is the label. */
+  label?: string;
+  title: string;
+  action?: string;
+  onclick: (event: MouseEvent) => void;
+}
+
+/** `action` becomes `data-lrp-action`, the name in the page for tests and themes. */
+export function button({
+  icon: name,
+  label,
+  title,
+  action,
+  onclick,
+  ...rest
+}: ButtonOptions): HTMLButtonElement {
+  const attributes: Attributes = { type: "button", class: "lrp-button", title, onclick, ...rest };
+  if (action) attributes["data-lrp-action"] = action;
+  if (!label) attributes["aria-label"] = title;
+  return h(
+    "button",
+    attributes,
+    name && icon(name),
+    label && h("span", { class: "lrp-button-label" }, label),
+  );
+}
+
+/** A switch: a button with a state. Set it with `setSwitch`. */
+export function toggle(
+  label: string,
+  title: string,
+  action: string,
+  onchange: (on: boolean) => void,
+): HTMLButtonElement {
+  const element = h(
+    "button",
+    {
+      type: "button",
+      role: "switch",
+      class: "lrp-switch",
+      title,
+      "aria-checked": "false",
+      "data-lrp-action": action,
+      onclick: () => onchange(element.getAttribute("aria-checked") !== "true"),
+    },
+    h("span", { class: "lrp-switch-track", "aria-hidden": "true" }),
+    h("span", {}, label),
+  );
+  return element;
+}
+
+export function setSwitch(element: Element, on: boolean): void {
+  if (element.getAttribute("aria-checked") !== String(on)) element.setAttribute("aria-checked", String(on));
+}
+
+/** A panel: a heading, tools at its right, and a body. */
+export function panel(
+  part: string,
+  title: string,
+  tools: (Node | null)[],
+  ...body: Node[]
+): { element: HTMLElement; heading: HTMLElement } {
+  const heading = h("h3", { class: "lrp-title" }, title);
+  const element = h(
+    "section",
+    { class: "lrp-panel", "data-lrp": part, "aria-label": title },
+    h("header", { class: "lrp-head" }, heading, h("div", { class: "lrp-tools" }, ...tools)),
+    ...body,
+  );
+  return { element, heading };
+}

@@ -1,0 +1,80 @@
+/** Making elements, without a framework. */
+
+type Child = Node | string | null | undefined | false;
+type Handlers = { [K in keyof HTMLElementEventMap as `on${K}`]?: (event: HTMLElementEventMap[K]) => void };
+export type Attributes = Record<string, unknown> & Handlers;
+
+const SVG = "http://www.w3.org/2000/svg";
+
+/** An HTML element. `onclick` and the like listen; true sets an attribute, false and null leave it out. */
+export function h<K extends keyof HTMLElementTagNameMap>(
+  tag: K,
+  attributes: Attributes = {},
+  ...children: Child[]
+): HTMLElementTagNameMap[K] {
+  return furnish(document.createElement(tag), attributes, children);
+}
+
+/** An SVG element. */
+export function s<K extends keyof SVGElementTagNameMap>(
+  tag: K,
+  attributes: Attributes = {},
+  ...children: Child[]
+): SVGElementTagNameMap[K] {
+  return furnish(document.createElementNS(SVG, tag), attributes, children);
+}
+
+function furnish<E extends Element>(element: E, attributes: Attributes, children: Child[]): E {
+  for (const [name, value] of Object.entries(attributes)) {
+    if (name.startsWith("on") && typeof value === "function") {
+      element.addEventListener(name.slice(2), value as EventListener);
+    } else setAttribute(element, name, value);
+  }
+  element.append(
+    ...children.filter(
+      (child): child is Node | string => child !== null && child !== undefined && child !== false,
+    ),
+  );
+  return element;
+}
+
+/** Set an attribute, only if it changes; false, null and undefined take it away. */
+export function setAttribute(element: Element, name: string, value: unknown): void {
+  if (value === false || value === null || value === undefined) {
+    if (element.hasAttribute(name)) element.removeAttribute(name);
+    return;
+  }
+  const text = value === true ? "" : String(value);
+  if (element.getAttribute(name) !== text) element.setAttribute(name, text);
+}
+
+/** Set the text, only if it changes: a screen reader and a selection are left alone. */
+export function setText(element: Element, text: string): void {
+  if (element.textContent !== text) element.textContent = text;
+}
+
+/** Make the children of an element those of a list, by key: what stays is the same element as before. */
+export function reconcile<T>(
+  parent: Element,
+  items: readonly T[],
+  key: (item: T) => string,
+  make: (item: T) => Element,
+  update: (element: Element, item: T) => void,
+): void {
+  const old = new Map<string, Element>();
+  for (const child of [...parent.children]) old.set(child.getAttribute("data-key") ?? "", child);
+  let place: Element | null = parent.firstElementChild;
+  for (const item of items) {
+    const name = key(item);
+    let element = old.get(name);
+    old.delete(name);
+    if (!element) {
+      element = make(item);
+      element.setAttribute("data-key", name);
+    }
+    update(element, item);
+    if (element === place) place = place.nextElementSibling;
+    else parent.insertBefore(element, place);
+  }
+  for (const gone of old.values()) gone.remove();
+}

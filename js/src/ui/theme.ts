@@ -1,0 +1,45 @@
+/**
+ * Light or dark, told by the background that is really there: in a dark JupyterLab the browser's own
+ * preference may well be light.
+ */
+
+export function watchTheme(root: HTMLElement): () => void {
+  const look = () => {
+    root.dataset.theme = isDark(root.parentElement ?? document.body) ? "dark" : "light";
+  };
+  const observer = new MutationObserver(look);
+  const attributes = {
+    attributes: true,
+    attributeFilter: ["class", "style", "data-jp-theme-light", "data-theme"],
+  };
+  observer.observe(document.body, attributes);
+  observer.observe(document.documentElement, attributes);
+  const preference = window.matchMedia("(prefers-color-scheme: dark)");
+  preference.addEventListener("change", look);
+  look();
+  requestAnimationFrame(look); // a view may be rendered before it is attached
+  return () => {
+    observer.disconnect();
+    preference.removeEventListener("change", look);
+  };
+}
+
+function isDark(start: Element): boolean {
+  for (let element: Element | null = start; element; element = element.parentElement) {
+    const lightness = lightnessOf(getComputedStyle(element).backgroundColor);
+    if (lightness !== null) return lightness < 128;
+  }
+  return window.matchMedia("(prefers-color-scheme: dark)").matches && colorScheme().includes("dark");
+}
+
+function colorScheme(): string {
+  return getComputedStyle(document.documentElement).colorScheme;
+}
+
+/** 0 to 255 of a computed colour; null if one can see through it. */
+export function lightnessOf(color: string): number | null {
+  const [red, green, blue, alpha = 1] = (color.match(/[\d.]+/g) ?? []).map(Number);
+  if (red === undefined || green === undefined || blue === undefined || alpha < 0.5) return null;
+  const scale = color.startsWith("color(") ? 255 : 1;
+  return (0.299 * red + 0.587 * green + 0.114 * blue) * scale;
+}
