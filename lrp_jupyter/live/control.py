@@ -103,12 +103,15 @@ def _rewind(loop: Loop, ticks: int) -> None:
     bridge, interpreter = loop.bridge, loop.interpreter
     if bridge.hardware and bridge.safety.armed:
         raise BridgeError(f"`{bridge.name}` is armed: a real robot cannot go back. Disarm it first.")
+    if not 0 <= ticks <= min(interpreter.journal, len(loop.moments)):
+        have = min(interpreter.journal, len(loop.moments))
+        raise ValueError(f"cannot go back {ticks} ticks: {have} are remembered")
+    if ticks:
+        first = loop.moments[-ticks]
+        loop.go_back(first)  # the world may refuse, and then nothing has changed
+        for _ in range(ticks):
+            loop.moments.pop()
     interpreter.rewind(ticks)
-    moment = None
-    while loop.moments and loop.moments[-1].tick >= interpreter.tick:
-        moment = loop.moments.pop()
-    if moment is not None:
-        loop.go_back(moment)
     loop.tally.revision += 1
 
 

@@ -92,10 +92,9 @@ class ThreadDriver:
 
     def join(self, timeout: float) -> bool:
         """See :class:`Driver`."""
-        if self._thread.ident is not None and self._thread is not threading.current_thread():
+        if self._thread is not threading.current_thread():
             self._thread.join(timeout)
-            return not self._thread.is_alive()
-        return True
+        return not self._thread.is_alive()
 
     def _run(self) -> None:
         loop, wake = self._loop, self._loop.inbox.wake

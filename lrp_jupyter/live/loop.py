@@ -49,7 +49,7 @@ STEP = 0.01
 
 _FREE = 0.0005  # wall seconds that a free-running loop keeps the interpreter lock
 _FRAMES = 60.0  # frames per wall second, at most
-_ROUNDING = 1e-9
+_ROUNDING = 1e-6  # s
 
 
 class Interrupted(BaseException):
@@ -145,11 +145,11 @@ class Loop:
 
     def go_back(self, moment: Moment) -> None:
         """Let it be an earlier moment: the time, and the bridge's world."""
+        self.bridge.rewind(moment.bridge)
         if self._step is None:
             self._now = moment.now
         else:
             self._steps = round(moment.now / self._step)
-        self.bridge.rewind(moment.bridge)
         self.due = self.now
         self.clock.rebase(self.now)
 
@@ -160,7 +160,7 @@ class Loop:
     def advance(self, seconds: float) -> None:
         """Let time pass, without a tick; a simulated world moves, by whole steps."""
         if self._step is None:
-            self._now = round(self._now + seconds, 9)
+            self._now = round(self._now + seconds, 12)
         elif (steps := math.floor(seconds / self._step + 1e-6)) > 0:
             self.bridge.advance(steps * self._step)
             self._steps += steps

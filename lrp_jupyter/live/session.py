@@ -288,10 +288,9 @@ class Session:
 
     def close(self) -> None:
         """Stop, and let the robot's connection go. Doing it twice does nothing."""
-        if self._ended != "closed":
-            self._end("closed")
-            self.bridge.close()
-            _open_sessions.discard(self)
+        self._end("closed")
+        self.bridge.close()
+        _open_sessions.discard(self)
 
     def __enter__(self) -> Session:
         return self
@@ -299,13 +298,12 @@ class Session:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def _end(self, status: Status) -> None:
-        if self._ended is None:
-            if self.bridge.is_open:
-                self.bridge.stop_all()
-            if self._turns.end():
-                self._loop.halt()
-        self._ended = status
+    def _end(self, status: Literal["stopped", "closed"]) -> None:
+        if self.bridge.is_open:
+            self.bridge.stop_all()
+        if self._turns.end() and self._ended is None:
+            self._loop.halt()
+        self._ended = "closed" if self._ended == "closed" else status
         self._notify()
 
     def interrupt(self) -> bool:
@@ -375,7 +373,11 @@ class Session:
         ------
         SessionTimeoutError
             It did not happen in `timeout` seconds.
+        LRPError
+            It cannot happen: the session is stopped, broken or closed, or nothing turns its loop.
         """
+        if not self._turns.waits_elsewhere and (timeout is None or self._turns.driven):
+            raise LRPError("nothing would run meanwhile: `start` it before, or use `run(until=…)`")
         end = None if timeout is None else monotonic() + timeout
         before = 0 if callable(condition) else self._frame.count_of(condition)
         with self._changed:

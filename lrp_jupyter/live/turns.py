@@ -50,6 +50,11 @@ class Turns:
         return self._driver is not None and self._driver.thread is not None
 
     @property
+    def waits_elsewhere(self) -> bool:
+        """Whether another thread turns the loop, so that this one may wait for it."""
+        return self._thread not in (None, threading.get_ident())
+
+    @property
     def hung(self) -> str:
         """The sentence about a block that does not return, or nothing."""
         return self._monitor.hung if self._monitor is not None else ""
@@ -74,7 +79,7 @@ class Turns:
         self._monitor.start()
 
     def end(self) -> bool:
-        """End driver and monitor; join them. Whether all of it is over.
+        """End driver and monitor; join them, unless a block of their own asks. Whether all is over.
 
         A block that does not return is interrupted; inside a call of C that does not help, and the
         thread, a daemon, is left behind.
@@ -84,12 +89,13 @@ class Turns:
         if driver is not None:
             driver.end()
             over = driver.join(PATIENCE)
-            if not over and driver.thread is not None:
+            if not over and driver.thread not in (None, threading.get_ident()):
                 interrupt(driver.thread)
                 over = driver.join(PATIENCE)
         if monitor is not None:
             monitor.end()
-        self._driver = self._monitor = None
+        if over:
+            self._driver = self._monitor = None
         return over and not self.loop.ticking
 
     def interrupt(self) -> bool:

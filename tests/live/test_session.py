@@ -1,0 +1,417 @@
+import math
+from types import MappingProxyType
+
+import pytest
+
+from lrp_jupyter.errors import BridgeError, LRPError, LRPSyntaxError, SessionClosedError, UnknownElementError
+from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.session import Session
+
+BLINK = """
+(var n := [0])
+(machine light
+  (state on (running [n = n + 1]))
+  (state off)
+  (ontime 500 on -> off)
+  (ontime 200 off -> on again))
+(spawn light on)
+(onpause [print("paused")]) (onresume [print("resumed")])
+"""
+ON, OFF = ("light", "on"), ("light", "off")
+
+
+def times(session, seconds, **options):
+    """Run, and return the times of the ticks."""
+    seen = []
+    session.interpreter.observe(lambda event: seen.append(event.now))
+    session.run(seconds, **options)
+    return sorted(set(seen))
+
+
+COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
+
+
+# -- time
+
+
+def test_a_run_ticks_at_the_beginning_of_each_period(session):
+    counting = session(COUNT)
+    assert times(counting, 0.5) == [0.0, 0.1, 0.2, 0.3, 0.4]
+    assert (counting.frame.time, counting.frame.tick) == (0.5, 5)
+
+
+@pytest.mark.parametrize("rate", [1, 3, 10, 40, 1000])
+def test_a_run_ticks_at_its_rate(session, rate):
+    counting = session(COUNT, rate=rate)
+    counting.run(2)
+    assert counting.frame.tick == 2 * rate
+
+
+def test_ten_steps_are_a_run_of_a_second(session):
+    stepped, ran = session(BLINK), session(BLINK)
+    for _ in range(10):
+        stepped.step()
+    ran.run(1)
+    assert (stepped.frame.time, stepped.frame.variables) == (ran.frame.time, ran.frame.variables)
+    assert stepped.frame.fired == ran.frame.fired
+
+
+def test_two_runs_are_as_good_as_one(session):
+    twice, once = session(BLINK), session(BLINK)
+    for _ in range(7):
+        twice.run(0.35)
+    once.run(2.45)
+    assert twice.frame.tick == once.frame.tick
+    assert twice.frame.fired == once.frame.fired
+
+
+def test_at_rate_0_a_run_ticks_at_every_step_of_virtual_time(session):
+    counting = session(COUNT, rate=0)
+    counting.run(1)
+    assert counting.frame.tick == 100
+
+
+def test_a_run_ends_at_the_state_it_runs_to(session):
+    blinking = session(BLINK)
+    assert blinking.run(until="off")
+    assert blinking.frame.active == (OFF,)
+    assert blinking.frame.time == 0.5
+
+
+def test_a_run_that_does_not_get_there_says_so(session):
+    assert not session(BLINK).run(0.4, until=OFF)
+
+
+def test_a_state_that_is_active_only_between_two_looks_ends_a_run(session):
+    passing = session(
+        "(machine m (state a) (state b (onentry (spawn n x)) (machine n (state x))) (eps a -> b)) (spawn m a)"
+    )
+    assert passing.run(1, until="m/b/n/x")
+
+
+def test_a_run_ends_when_a_condition_on_the_frame_holds(session):
+    counting = session(COUNT)
+    assert counting.run(9, until=lambda frame: frame.numbers[("n",)] >= 3)
+    assert counting.frame.variables == {("n",): "3"}
+
+
+def test_a_run_without_an_end_is_refused(session):
+    with pytest.raises(ValueError, match="how long"):
+        session(COUNT).run()
+
+
+def test_the_rate_can_change_while_a_program_runs(session):
+    counting = session(COUNT)
+    counting.run(1)
+    counting.rate = 100
+    counting.run(1)
+    assert counting.frame.tick == 10 + 100
+    assert counting.frame.rate == 100
+
+
+@pytest.mark.parametrize("rate", [-1, math.nan, math.inf])
+def test_a_rate_that_is_none_is_refused_and_breaks_nothing(session, rate):
+    counting = session(COUNT)
+    with pytest.raises(ValueError, match="rate"):
+        counting.rate = rate
+    assert counting.run(1)
+
+
+# -- pause and step
+
+
+def test_a_step_is_one_tick_and_one_period(session):
+    counting = session(COUNT, rate=4)
+    counting.step()
+    counting.step()
+    assert (counting.frame.tick, counting.frame.time, counting.frame.status) == (2, 0.5, "paused")
+
+
+def test_a_block_may_pause_its_own_session_and_the_tick_is_completed(session):
+    names = {}
+    pausing = session(
+        "(var n := [0]) (machine m (state a (running [session.pause('enough')] [n = 1]))) (spawn m a)",
+        namespace=names,
+    )
+    names["session"] = pausing
+    assert not pausing.run(5)
+    frame = pausing.frame
+    assert (frame.status, frame.reason, frame.tick, frame.variables) == (
+        "paused",
+        "enough",
+        2,
+        {("n",): "1"},
+    )
+
+
+def test_pausing_runs_the_pause_actions_once(session):
+    names = {}
+    text = BLINK.replace("[n = n + 1]", "[n = n + 1] [session.pause() if n == 2 else None]")
+    blinking = session(text, namespace=names)
+    names["session"] = blinking
+    blinking.run(5)
+    blinking.pause()
+    assert str(blinking.output) == "paused\n"
+    blinking.resume()
+    assert str(blinking.output) == "paused\nresumed\n"
+
+
+def test_on_issue_pause_completes_the_tick_and_pauses(session):
+    failing = session(
+        "(var n := [0]) (machine m (state a (running [1 / 0] [n = n + 1]))) (spawn m a)", on_issue="pause"
+    )
+    assert not failing.run(5)
+    frame = failing.frame
+    assert (frame.status, frame.tick, frame.variables) == ("paused", 2, {("n",): "1"})
+    assert "ZeroDivisionError" in frame.reason
+    failing.run(1)
+    assert failing.frame.issues[0].count > 1
+
+
+# -- edits
+
+
+def test_an_edit_goes_on_from_where_the_program_is(session):
+    blinking = session(BLINK)
+    blinking.run(0.6)
+    assert blinking.edit(BLINK.replace("200 off", "[150 + 50] off")) == ()
+    assert blinking.frame.active == (OFF,)
+    assert (blinking.frame.restarts, blinking.frame.revision) == (0, 1)
+
+
+def test_a_text_that_is_no_program_leaves_the_old_one_running(session):
+    blinking = session(BLINK)
+    blinking.run(0.6)
+    broken = BLINK.replace("(spawn light on)", "(spawn light on")
+    findings = blinking.edit(broken)
+    assert [finding.severity for finding in findings][:1] == ["error"]
+    assert (blinking.text, blinking.program.text) == (broken, BLINK)
+    assert blinking.findings == findings
+    assert blinking.run(1, until="on")
+
+
+def test_an_edit_before_the_start_is_what_starts(session):
+    editing = session("")
+    editing.edit(BLINK)
+    assert editing.run(1, until="on")
+    assert editing.frame.restarts == 0
+
+
+def test_the_reason_of_a_restart_is_in_the_frame(session):
+    blinking = session(BLINK)
+    blinking.run(0.2)
+    blinking.edit(BLINK.replace("n + 1", "n + 2"))
+    assert blinking.frame.restarts == 1
+    assert "`on`" in blinking.frame.restart_reason
+    assert blinking.frame.active == ()
+
+
+def test_with_the_policy_keep_nothing_restarts(session):
+    blinking = session(BLINK)
+    blinking.on_active_edit = "keep"
+    blinking.run(0.2)
+    blinking.edit(BLINK.replace("n + 1", "n + 100"))
+    blinking.run(0.2)
+    assert blinking.frame.numbers[("n",)] == 201
+    assert blinking.frame.restarts == 0
+
+
+def test_names_of_the_namespace_are_no_findings(session):
+    text = "(machine m (state a (running [helpful()]))) (spawn m a)"
+    assert session("", namespace={"helpful": print}).edit(text) == ()
+    assert session("").edit(text) != ()
+
+
+def test_the_namespace_is_used_as_it_is_and_never_written(session):
+    names = {"start": 3}
+    counting = session(COUNT.replace("[0]", "[start]").replace("n + 1", "n + start"), namespace=names)
+    counting.run(0.2)
+    assert counting.frame.numbers[("n",)] == 6
+    names["start"] = 10
+    counting.run(0.1)
+    assert counting.frame.numbers[("n",)] == 16
+    assert names == {"start": 10}
+
+
+def test_a_session_does_not_begin_with_a_text_that_is_no_program():
+    with pytest.raises(LRPSyntaxError):
+        Session("(machine")
+
+
+def test_the_text_is_saved_to_the_letter(session, tmp_path):
+    editing = session("")
+    text = "; ünder\r\n(machine m (state a))\r(spawn m a)\n\n; not yet ("
+    editing.edit(text)
+    editing.save(tmp_path / "m.lrp")
+    assert (tmp_path / "m.lrp").read_bytes() == text.encode()
+
+
+def test_a_rename_changes_the_text_and_restarts_nothing(session):
+    blinking = session(BLINK)
+    blinking.run(0.2)
+    text = blinking.rename("state", "light/on", "bright")
+    assert (
+        blinking.text
+        == text
+        == BLINK.replace(" on ", " bright ").replace(" on)", " bright)").replace("-> on", "-> bright")
+    )
+    assert blinking.frame.active == (("light", "bright"),)
+    assert blinking.frame.restarts == 0
+
+
+def test_nothing_is_renamed_in_a_text_that_is_no_program(session):
+    blinking = session(BLINK)
+    blinking.edit(BLINK + "(")
+    with pytest.raises(ValueError, match="not a program"):
+        blinking.rename("state", "light/on", "bright")
+    assert blinking.text == BLINK + "("
+
+
+# -- forcing
+
+
+@pytest.mark.parametrize("state", ["off", "light/off", OFF])
+def test_a_state_is_forced_by_name_or_path(session, state):
+    blinking = session(BLINK)
+    blinking.run(0.1)
+    blinking.transition_to(state)
+    assert blinking.frame.active == (OFF,)
+    blinking.teleport_to(ON)
+    assert blinking.frame.active == (ON,)
+
+
+def test_forcing_an_unknown_state_is_an_issue_and_changes_nothing(session):
+    blinking = session(BLINK)
+    blinking.run(0.1)
+    blinking.transition_to("of")
+    assert blinking.frame.active == (ON,)
+    (issue,) = blinking.issues
+    assert issue.kind == "unknown state"
+
+
+def test_a_variable_is_set_by_an_expression_in_its_scope(session):
+    blinking = session(BLINK)
+    blinking.run(0.2)
+    blinking.set_variable("n", "n * 100")
+    assert blinking.frame.variables[("n",)] == "100"
+
+
+def test_an_expression_that_fails_changes_nothing(session):
+    blinking = session(BLINK)
+    blinking.run(0.2)
+    with pytest.raises(ZeroDivisionError):
+        blinking.set_variable("n", "n / 0")
+    with pytest.raises(SyntaxError):
+        blinking.set_variable("n", "n = 3")
+    with pytest.raises(UnknownElementError):
+        blinking.set_variable("m", "3")
+    assert blinking.frame.variables[("n",)] == "1"
+    assert blinking.run(1)
+
+
+# -- going back
+
+
+def test_rewinding_and_running_again_is_the_same_run(session):
+    blinking = session(BLINK)
+    blinking.run(2)
+    before = (blinking.frame.active, blinking.frame.variables, blinking.frame.time)
+    blinking.rewind(13)
+    assert blinking.frame.tick == 7
+    for _ in range(13):
+        blinking.step()
+    assert (blinking.frame.active, blinking.frame.variables, blinking.frame.time) == before
+
+
+def test_rewinding_takes_edits_back_and_the_text_with_them(session):
+    blinking = session(BLINK)
+    blinking.run(0.5)
+    blinking.edit(BLINK.replace("200", "300"))
+    blinking.run(0.5)
+    blinking.rewind(6)
+    assert blinking.text == blinking.program.text == BLINK
+
+
+def test_rewinding_to_before_the_start_leaves_nothing_active(session):
+    blinking = session(BLINK)
+    blinking.run(0.5)
+    blinking.rewind(5)
+    assert (blinking.frame.active, blinking.frame.time, blinking.frame.tick) == ((), 0.0, 0)
+
+
+def test_rewinding_too_far_is_refused_and_changes_nothing(session):
+    blinking = session(BLINK, journal=3)
+    blinking.run(1)
+    with pytest.raises(ValueError, match="3 are remembered"):
+        blinking.rewind(4)
+    assert blinking.frame.tick == 10
+
+
+# -- output, values, end
+
+
+def test_what_blocks_print_is_kept_and_counted_and_never_on_stdout(session, capsys):
+    talking = session("(machine m (state a (onentry [print('a', 1, sep='-')]))) (spawn m a)")
+    talking.run(1)
+    assert talking.output.since(0) == (1, ("a-1",))
+    assert talking.frame.printed == 1
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_program_without_a_spawn_runs_and_does_nothing(session):
+    idle = session("(machine m (state a))")
+    assert idle.run(1)
+    assert idle.frame.active == ()
+
+
+def test_a_closed_session_keeps_its_text_and_frame_and_refuses_the_rest(session):
+    blinking = session(BLINK)
+    blinking.run(0.3)
+    blinking.close()
+    blinking.close()
+    assert (blinking.status, blinking.frame.tick, blinking.text) == ("closed", 3, BLINK)
+    for call in (blinking.start, blinking.step, blinking.pause, lambda: blinking.run(1)):
+        with pytest.raises(SessionClosedError):
+            call()
+
+
+def test_a_session_closes_at_the_end_of_a_with_statement():
+    with Session(BLINK) as blinking:
+        blinking.run(1)
+    assert blinking.status == "closed"
+
+
+def test_a_fault_of_our_own_breaks_the_session_and_says_so(session, monkeypatch):
+    blinking = session(BLINK)
+    blinking.run(0.3)
+    monkeypatch.setattr(type(blinking.interpreter), "step", lambda *_: {}["our own mistake"])
+    blinking.run(1)
+    frame = blinking.frame
+    assert (frame.status, frame.issues) == ("broken", ())
+    assert "not of the program" in frame.reason
+    assert "our own mistake" in blinking.fault
+    with pytest.raises(LRPError, match="broken"):
+        blinking.step()
+
+
+def test_an_unknown_bridge_is_refused_by_name():
+    with pytest.raises(BridgeError, match="simm"):
+        Session(BLINK, "simm")
+
+
+def test_frames_do_not_change_when_the_run_goes_on(session):
+    blinking = session(BLINK)
+    blinking.run(0.6)
+    before = blinking.frame
+    fired = dict(before.fired)
+    blinking.run(3)
+    assert isinstance(before.fired, MappingProxyType)
+    assert dict(before.fired) == fired
+    assert blinking.frame.fired != fired
+
+
+def test_a_virtual_clock_serves_a_session(session):
+    clock = VirtualClock()
+    blinking = session(BLINK, clock=clock)
+    blinking.run(1)
+    assert clock.now() == 1

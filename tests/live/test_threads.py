@@ -1,0 +1,366 @@
+import asyncio
+import threading
+import time
+from statistics import median
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.errors import LRPError, SessionTimeoutError
+from lrp_jupyter.live import turns
+from lrp_jupyter.live.commands import Pause, Step
+
+COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
+BLINK = "(machine m (state a) (state b) (ontime 20 a -> b) (ontime 20 b -> a)) (spawn m a)"
+GATED = "(machine m (state a (running [entered.set()] [gate.wait(9)] [after.set()]))) (spawn m a)"
+ENDLESS = """
+(machine m
+  (state a (running [entered.set()] [while True: pass]))
+  (state b)
+  (on done a -> b)
+  (event done [len(stop) > 0]))
+(spawn m a)
+"""
+LONG = 9.0  # seconds; reached only when something is wrong
+
+
+class Gates(dict):
+    """A namespace of events, made as blocks ask for them."""
+
+    def __init__(self):
+        super().__init__(entered=threading.Event(), gate=threading.Event(), after=threading.Event())
+        self.stop = self["stop"] = []
+
+
+@pytest.fixture
+def gates():
+    made = Gates()
+    yield made
+    made["gate"].set()
+
+
+@pytest.fixture
+def impatient(monkeypatch):
+    monkeypatch.setattr(turns, "PATIENCE", 0.05)
+
+
+@pytest.fixture
+def pushcart():
+    """A robot that notes what is done to it."""
+
+    class Pushcart(Bridge):
+        hardware = False
+        stop_timeout = None
+
+        def __init__(self):
+            self.stops = 0
+            self.paused = threading.Event()
+            self.stopped = threading.Event()
+
+        def open_interface(self):
+            pass
+
+        def stop(self):
+            self.stops += 1
+            self.stopped.set()
+
+        def on_pause(self):
+            super().on_pause()
+            self.paused.set()
+
+    yield Pushcart()
+    Bridge.registry.pop(Pushcart.name)
+
+
+def test_a_started_program_runs_by_itself(session):
+    blinking = session(BLINK, rate=100)
+    blinking.start()
+    assert blinking.wait_for("b", LONG).count_of("b") == 1
+    assert blinking.wait_for("m/a", LONG).status == "running"
+
+
+def test_waiting_for_a_state_that_does_not_come_ends_with_a_sentence(session):
+    blinking = session(BLINK, rate=100)
+    blinking.start()
+    with pytest.raises(SessionTimeoutError, match=r"`c` did not come in 0.01 s"):
+        blinking.wait_for("c", 0.01)
+
+
+def test_waiting_for_what_nobody_runs_is_refused(session):
+    with pytest.raises(LRPError, match="start"):
+        session(BLINK).wait_for("b")
+
+
+def test_a_visit_too_short_to_see_is_waited_for(session):
+    passing = session(
+        "(machine m (state a) (state b) (state c) (ontime 50 a -> b) (eps b -> c)) (spawn m a)", rate=0
+    )
+    passing.start()
+    assert passing.wait_for("b", LONG).count_of("b") == 1
+
+
+def test_time_passes_for_a_program_as_on_the_wall(session):
+    blinking = session(BLINK, rate=100)
+    begun = time.monotonic()
+    blinking.start()
+    frame = blinking.wait_for(lambda frame: frame.count_of("b") >= 3, LONG)
+    assert 0.1 <= frame.time <= time.monotonic() - begun
+
+
+def test_at_ten_times_the_speed_time_passes_ten_times_as_fast(session):
+    counting = session(COUNT, "sim", speed=10.0)
+    begun = time.monotonic()
+    counting.start()
+    frame = counting.wait_for(lambda frame: frame.time >= 2, LONG)
+    assert frame.time <= 10 * (time.monotonic() - begun) + 0.01
+
+
+def test_paused_time_does_not_pass_and_a_step_is_one_tick(session):
+    counting = session(COUNT, rate=100)
+    counting.start()
+    counting.wait_for(lambda frame: frame.tick >= 3, LONG)
+    counting.pause()
+    before = counting.frame
+    counting.step()
+    counting.step()
+    after = counting.frame
+    assert (after.tick - before.tick, after.status) == (2, "paused")
+    assert after.time - before.time == pytest.approx(0.02)
+
+
+def test_a_call_from_another_thread_is_applied_when_it_returns(session):
+    counting = session(COUNT, rate=0)
+    counting.start()
+    for value in range(1000, 50_000, 7000):
+        counting.set_variable("n", str(value))
+        assert counting.frame.numbers[("n",)] >= value
+    counting.pause()
+    assert counting.frame.status == "paused"
+
+
+def test_a_call_that_a_block_holds_up_ends_with_the_blocks_name_and_is_done_later(session, gates, impatient):
+    holding = session(GATED, namespace=gates)
+    holding.start()
+    assert gates["entered"].wait(LONG)
+    with pytest.raises(SessionTimeoutError, match=r"pause waits: `a.running` has not returned"):
+        holding.pause()
+    gates["gate"].set()
+    assert holding.wait_for(lambda frame: frame.status == "paused", LONG)
+
+
+def test_an_edit_that_a_block_holds_up_raises_nothing_and_is_done_later(session, gates, impatient):
+    holding = session(GATED, namespace=gates)
+    holding.start()
+    assert gates["entered"].wait(LONG)
+    findings = holding.edit(GATED + "\n(machine other (state x)) (spawn other x)")
+    assert "LRP690" in [finding.code for finding in findings]
+    gates["gate"].set()
+    assert holding.wait_for("other/x", LONG)
+
+
+def test_submitting_does_not_wait(session, gates):
+    holding = session(GATED, namespace=gates)
+    holding.start()
+    assert gates["entered"].wait(LONG)
+    answer = holding.submit(Pause("later"))
+    assert not answer.done()
+    gates["gate"].set()
+    answer.result(LONG)
+    assert (holding.frame.status, holding.frame.reason) == ("paused", "later")
+
+
+def test_commands_are_carried_out_between_ticks_only(session, gates):
+    holding = session(GATED, namespace=gates)
+    holding.start()
+    assert gates["entered"].wait(LONG)
+    answers = [holding.submit(command) for command in (Pause(), Step(), Step())]
+    assert not any(answer.done() for answer in answers)
+    gates["gate"].set()
+    answers[-1].result(LONG)
+    assert holding.frame.status == "paused"
+
+
+def test_a_block_that_does_not_return_is_shown_and_stops_the_robot(session, gates, pushcart):
+    holding = session(GATED, pushcart, namespace=gates, hung_after=0.02)
+    holding.start()
+    frame = holding.wait_for(lambda frame: frame.status == "hung", LONG)
+    assert "`a.running` has run for" in frame.reason
+    assert pushcart.stops >= 1
+    gates["gate"].set()
+    assert holding.wait_for(lambda frame: frame.status == "running", LONG)
+
+
+def test_an_interrupted_block_becomes_an_issue_and_the_program_goes_on(session, gates):
+    endless = session(ENDLESS, namespace=gates, rate=100)
+    endless.start()
+    assert gates["entered"].wait(LONG)
+    gates.stop.append(True)
+    while not endless.interrupt():
+        pass
+    frame = endless.wait_for("b", LONG)
+    (issue,) = frame.issues
+    assert "interrupted" in issue.message
+    assert issue.element.path == ("m", "a")
+
+
+def test_there_is_nothing_to_interrupt_in_a_program_that_runs_well(session):
+    assert not session(COUNT).interrupt()
+
+
+def test_stopping_a_program_that_never_returns_ends_its_thread(session, gates, impatient):
+    endless = session(ENDLESS, namespace=gates)
+    endless.start()
+    assert gates["entered"].wait(LONG)
+    endless.stop()
+    assert endless.status == "stopped"
+
+
+def test_stopping_the_robot_does_not_wait_for_the_block(session, gates, pushcart):
+    holding = session(GATED, pushcart, namespace=gates)
+    holding.start()
+    assert gates["entered"].wait(LONG)
+    holding.stop_robot()
+    assert pushcart.stopped.is_set()
+    assert not pushcart.paused.is_set()
+    gates["gate"].set()
+    assert holding.wait_for(lambda frame: frame.status == "paused", LONG).reason == "the robot was stopped"
+    assert pushcart.paused.is_set()
+
+
+def test_a_robot_that_nobody_watches_pauses(session, pushcart):
+    counting = session(COUNT, pushcart, dead_man=0.05)
+    counting.start()
+    frame = counting.wait_for(lambda frame: frame.status == "paused", LONG)
+    assert "nobody" in frame.reason
+    assert pushcart.stops >= 1
+
+
+def test_a_program_that_was_stopped_starts_from_the_beginning(session):
+    counting = session(COUNT, rate=100)
+    counting.start()
+    counting.wait_for(lambda frame: frame.tick > 9, LONG)
+    counting.stop()
+    tick = counting.frame.tick
+    counting.start()
+    frame = counting.wait_for(lambda frame: frame.tick > tick and frame.active, LONG)
+    assert frame.numbers[("n",)] < 5
+
+
+def test_starting_twice_makes_one_thread(session):
+    counting = session(COUNT)
+    counting.start()
+    before = threading.active_count()
+    counting.start()
+    assert threading.active_count() == before
+
+
+def test_a_run_suspends_the_thread_and_hands_back_to_it(session, gates):
+    gates["seen"] = seen = []
+    gates["me"] = threading.get_ident
+    counting = session(
+        "(machine m (state a (running [seen.append(me())]))) (spawn m a)", namespace=gates, rate=100
+    )
+    counting.start()
+    counting.wait_for(lambda frame: frame.tick >= 3, LONG)
+    ticks = counting.frame.tick
+    assert counting.run(5)
+    here = [ident == threading.get_ident() for ident in seen]
+    first = here.index(True)
+    assert here[first : first + 500] == [True] * 500
+    assert first >= ticks - 1
+    tick = counting.frame.tick
+    assert counting.wait_for(lambda frame: frame.tick > tick + 2, LONG).status == "running"
+
+
+def test_calls_from_other_threads_are_carried_out_within_a_run(session):
+    done = threading.Event()
+    counting = session(COUNT)
+
+    def other():
+        counting.set_variable("n", "-1000")
+        done.set()
+
+    def started(_frame):
+        if not thread.is_alive() and not done.is_set():
+            thread.start()
+        return done.is_set()
+
+    thread = threading.Thread(target=other)
+    assert counting.run(until=started)
+    thread.join(LONG)
+    assert counting.frame.numbers[("n",)] < 0
+
+
+def test_what_a_block_asks_of_its_own_session_is_done_after_the_tick(session, gates):
+    asking = session(
+        "(machine m (state a (running [session.transition_to('b')] [after.set()])) (state b)) (spawn m a)",
+        namespace=gates,
+    )
+    gates["session"] = asking
+    asking.start()
+    assert asking.wait_for("b", LONG)
+    assert gates["after"].is_set()
+
+
+def test_a_fault_of_our_own_in_the_thread_stops_the_robot_and_is_told(session, pushcart, monkeypatch):
+    counting = session(COUNT, pushcart, rate=100)
+    counting.start()
+    counting.wait_for("a", LONG)
+    monkeypatch.setattr(type(counting.interpreter), "step", lambda *_: {}["our own mistake"])
+    frame = counting.wait_for(lambda frame: frame.status == "broken", LONG)
+    assert frame.issues == ()
+    assert "our own mistake" in counting.fault
+    assert pushcart.stops >= 1
+
+
+def test_a_program_that_runs_free_lets_others_run(session):
+    counting = session(COUNT, rate=0)
+    counting.start()
+    counting.wait_for("a", LONG)
+    never, late = threading.Event(), []
+    for _ in range(100):
+        begun = time.perf_counter()
+        never.wait(0.001)
+        late.append(time.perf_counter() - begun - 0.001)
+    assert median(late) < 0.004  # it would be 0.005 and more
+    assert counting.frame.achieved_rate == 0 or counting.frame.achieved_rate > 1000
+
+
+def test_frames_are_few_however_many_ticks_there_are(session):
+    counting = session(COUNT, rate=0)
+    frames = []
+    publish = counting._loop._publish
+    counting._loop._publish = lambda frame: (frames.append(frame), publish(frame))
+    counting.start()
+    frame = counting.wait_for(lambda frame: frame.tick > 5000, LONG)
+    assert len(frames) <= 60 * frame.time + 5
+
+
+def test_a_place_without_threads_runs_a_program_by_asyncio(session):
+    async def scenario():
+        blinking = session(BLINK, rate=100, driver="asyncio")
+        before = threading.active_count()
+        blinking.start()
+        while blinking.frame.count_of("b") < 2:
+            await asyncio.sleep(0.005)
+        blinking.pause()
+        tick = blinking.frame.tick
+        blinking.step()
+        assert (blinking.frame.tick, blinking.status) == (tick + 1, "paused")
+        blinking.resume()
+        while blinking.frame.tick < tick + 3:
+            await asyncio.sleep(0.005)
+        assert threading.active_count() == before
+        blinking.close()
+
+    asyncio.run(scenario())
+
+
+def test_a_session_closes_from_inside_one_of_its_blocks(session, gates):
+    closing = session(
+        "(machine m (state a (onentry [session.close()]))) (spawn m a)", namespace=gates, rate=100
+    )
+    gates["session"] = closing
+    closing.start()
+    with pytest.raises(LRPError, match="closed"):
+        closing.wait_for("nothing", LONG)
