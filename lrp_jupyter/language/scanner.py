@@ -12,7 +12,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-__all__ = ["block_end", "brackets", "fields", "line_end", "logical_lines", "string_end"]
+__all__ = ["block_end", "brackets", "fields", "line_end", "logical_lines", "string_end", "strings"]
 
 _BLOCK = re.compile(r"[\[\]#'\"]")
 _CODE = re.compile(r"[\[\](){}#'\"]")
@@ -85,6 +85,20 @@ def brackets(text: str, start: int, stop: int | None = None) -> Iterator[tuple[i
                 yield match.start(), '"'
         else:
             yield match.start(), char
+
+
+def strings(text: str) -> list[tuple[int, int]]:
+    """Find the strings of code, from the opening quotes to behind the closing ones."""
+    found = []
+    position = 0
+    while match := _BLOCK.search(text, position):
+        position = match.end()
+        if match[0] == "#":
+            position = line_end(text, position)
+        elif match[0] in "'\"":
+            position, _ = string_end(text, match.start(), 0)
+            found.append((match.start(), position))
+    return found
 
 
 def logical_lines(text: str) -> list[int]:

@@ -1,0 +1,142 @@
+"""From program to text: ``parse(to_source(p)) == p``.
+
+The layout is canonical, whatever the text was like: variables, events, states, transitions, each in their
+order. Comments outside blocks are no part of a program and are not printed; to change a text and keep them,
+edit the text (see :mod:`~lrp_jupyter.language.rename`).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from lrp_jupyter.language.program import (
+    Action,
+    Block,
+    Event,
+    Machine,
+    Program,
+    State,
+    Transition,
+    Variable,
+)
+from lrp_jupyter.language.scanner import block_end, logical_lines, strings
+from lrp_jupyter.language.suites import parse_suite
+
+__all__ = ["to_source"]
+
+_WIDTH = 90
+_STEP = "  "
+_MARGIN = re.compile(r"[ \t\f]*+")
+_LINE = re.compile(r"(\r\n|\r|\n)([ \t]*+)(?=\S)")
+
+
+def to_source(program: Program) -> str:
+    """Write a program as text, in a canonical and readable layout."""
+    sections = [
+        [_variable(variable, "") for variable in program.variables],
+        [_event(event, "") for event in program.events],
+        *[[_machine(machine, "")] for machine in program.machines],
+        [*_actions("onpause", program.onpause, ""), *_actions("onresume", program.onresume, "")],
+        [f"(spawn {spawn.machine} {spawn.state})" for spawn in program.spawns],
+    ]
+    return "\n\n".join("\n".join(section) for section in sections if section) + "\n"
+
+
+def _variable(variable: Variable, indent: str) -> str:
+    return _with_block(f"{indent}(var {variable.name} := ", variable.initial, ")")
+
+
+def _event(event: Event, indent: str) -> str:
+    return _with_block(f"{indent}(event {event.name} ", event.condition, ")")
+
+
+def _machine(machine: Machine, indent: str) -> str:
+    inner = indent + _STEP
+    parts = [
+        *(_variable(variable, inner) for variable in machine.variables),
+        *(_event(event, inner) for event in machine.events),
+        *(_state(state, inner) for state in machine.states),
+        *(_transition(transition, inner) for transition in machine.transitions),
+    ]
+    return _closed(f"{indent}(machine {machine.name}", parts)
+
+
+def _state(state: State, indent: str) -> str:
+    inner = indent + _STEP
+    parts = [
+        *_actions("onentry", state.onentry, inner),
+        *_actions("running", state.running, inner),
+        *_actions("onexit", state.onexit, inner),
+        *(_machine(machine, inner) for machine in state.machines),
+    ]
+    return _closed(f"{indent}(state {state.name}", parts)
+
+
+def _transition(transition: Transition, indent: str) -> str:
+    head = f"{indent}({transition.kind} "
+    name = f" {transition.name}" if transition.name else ""
+    tail = f"{transition.source_text} -> {transition.destination}{name})"
+    if isinstance(transition.trigger, Block):
+        return _with_block(head, transition.trigger, f" {tail}")
+    trigger = "" if transition.trigger is None else f"{transition.trigger} "
+    return f"{head}{trigger}{tail}"
+
+
+def _actions(keyword: str, actions: Iterable[Action], indent: str) -> list[str]:
+    """Print an action form, several items in a line where they fit; nothing if there is none."""
+    text = f"{indent}({keyword}"
+    found = False
+    for action in actions:
+        beside = _action(f"{text} ", action)
+        added = beside[len(text) :]
+        if found and ("\n" in added or len(beside) - beside.rfind("\n") > _WIDTH):
+            beside = _action(f"{text}\n{indent}{_STEP}", action)
+        text, found = beside, True
+    return [f"{text})"] if found else []
+
+
+def _action(head: str, action: Action) -> str:
+    if isinstance(action, Block):
+        return _with_block(head, action, "")
+    return f"{head}(spawn {action.machine} {action.state})"
+
+
+def _closed(head: str, parts: list[str]) -> str:
+    return "\n".join([head, *parts]) + ")"
+
+
+def _with_block(head: str, block: Block, tail: str) -> str:
+    """Print a block behind `head`, its lines under its first one."""
+    column = len(head) - head.rfind("\n")
+    whole = f"[{_aligned(block.text, column)}]"
+    if block_end(whole, 0) != len(whole) - 1:  # a comment would swallow the bracket
+        whole = f"{whole[:-1]}\n{' ' * (column - 1)}]"
+    return f"{head}{whole}{tail}"
+
+
+def _aligned(text: str, column: int) -> str:
+    """Move the lines of a block so that they stand below `column`, unless that would change its meaning."""
+    better = text.strip(" \t").rstrip()
+    lines = [_MARGIN.match(text, start)[0] for start in logical_lines(text)]  # type: ignore[index]
+    if lines:
+        smallest = len(min(lines, key=len))
+        try:
+            level = not smallest or better[:1] in "\r\n#" or bool(parse_suite(text)[1].indent)
+        except SyntaxError:
+            return text
+        better = _moved(better, (column if level else column + 4) - smallest)
+    return better if Block(better) == Block(text) else text
+
+
+def _moved(text: str, by: int) -> str:
+    """Change the indentation of every line but the first, except for lines that begin inside a string."""
+    inside = strings(text)
+
+    def line(match: re.Match[str]) -> str:
+        at = match.start()
+        if any(start < at < end for start, end in inside):
+            return match[0]
+        return match[1] + (match[2] + " " * by if by >= 0 else match[2][-by:])
+
+    return _LINE.sub(line, text)
