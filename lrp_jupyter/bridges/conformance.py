@@ -276,8 +276,10 @@ class BridgeConformance:
                 _require(bool(calls), f"`{method.path}` moved on without new commands")
 
     def test_a_hanging_loop_stops_the_robot(self) -> None:
-        """No tick for half a second: the robot is stopped."""
+        """No tick for half a second: the robot is stopped, unless its world stands still with it."""
         with self._opened() as bridge:
+            if bridge.time_step is not None:
+                return
             bridge.arm()
             bridge.begin_tick(0.0, 0.1)
             calls = _spy(bridge, "stop", "stop_all")

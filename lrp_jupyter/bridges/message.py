@@ -94,6 +94,8 @@ class Message:
         return self
 
     def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):  # copy, pickle and notebooks ask for these
+            raise MemberError(f"`{type(self).__name__}` has no `{name}`.")
         try:
             return self._fields[name]
         except KeyError:
@@ -109,6 +111,12 @@ class Message:
         return type(other) is type(self) and self._fields == other._fields
 
     __hash__ = None  # type: ignore[assignment]  # a message is filled, thus mutable
+
+    def __copy__(self) -> Self:
+        return type(self)(self._path, **self._fields)
+
+    def __deepcopy__(self, memo: object) -> Self:
+        return self.__copy__()  # parts are always copied
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({', '.join(f'{k}={v!r}' for k, v in self._fields.items())})"
@@ -180,8 +188,6 @@ class Message:
         self._fields[first]._assign(rest, value)
 
     def _unknown(self, name: str) -> MemberError:
-        if name.startswith("__"):  # copy, pickle and notebooks ask for these
-            return MemberError(name)
         known = [*self.FIELDS, *(path.replace(".", "_") for path in self.paths() if "." in path)]
         names = ", ".join(f"`{field}`" for field in self.FIELDS)
         return MemberError(f"`{self._path}` has no `{name}`; it has {names}.{did_you_mean(name, known)}")

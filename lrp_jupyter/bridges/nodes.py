@@ -144,7 +144,8 @@ class Method:
         if message is not None:
             self.signature = f"({', '.join(f'{name}=0.0' for name in message.WORDS or message.FIELDS)})"
         else:
-            self.signature = str(self._parameters) if self._parameters else "(...)"
+            bare = [p.replace(annotation=p.empty) for p in self._parameters.parameters.values()]
+            self.signature = str(inspect.Signature(bare))
         self._filling: list[Message] = []
         self._redirected: Callable[[Message | inspect.BoundArguments], object] | None = None
 
@@ -170,8 +171,16 @@ class Method:
             self._bridge.send(self, message)
 
     def __getattr__(self, name: str) -> NoReturn:
+        if name.startswith("_"):  # copy, pickle and notebooks ask for these
+            raise MemberError(f"a method of `robot` has no `{name}`.")
         path = f"robot.{self.path}"
         raise MemberError(f"`{path}` is a method and has no `{name}`; call it: `{path}{self.signature}`.")
+
+    def __copy__(self) -> Method:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Method:
+        return self
 
     def __setattr__(self, name: str, value: object) -> None:
         if name not in Method.__slots__:

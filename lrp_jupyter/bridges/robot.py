@@ -36,6 +36,8 @@ class Robot:
         object.__setattr__(self, "_prefix", prefix)
 
     def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):  # copy, pickle and notebooks ask for these; no list of members
+            raise MemberError(f"`robot` has no `{name}`.")
         node = self._bridge.nodes.table.get(self._prefix + name)
         if node is None:
             raise self._unknown(name)
@@ -68,13 +70,17 @@ class Robot:
             }
         )
 
+    def __copy__(self) -> Robot:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Robot:
+        return self  # there is one robot, however often a value that holds it is copied
+
     def __repr__(self) -> str:
         what = f"robot.{self._prefix}".rstrip(".")
         return f"<{what}: {', '.join(dir(self)) or 'no members'}>"
 
     def _unknown(self, name: str) -> MemberError:
-        if name.startswith("_"):  # copy, pickle and notebooks ask for these; no list of members
-            return MemberError(f"`robot` has no `{name}`.")
         what, names = f"robot.{self._prefix}".rstrip("."), dir(self)
         if not names:
             return MemberError(

@@ -1,74 +1,532 @@
-"""The abstract bridge: thirty lines make a robot."""
+"""The abstract bridge and the robot that a program sees of it."""
 
 from __future__ import annotations
 
+import copy
+import json
+import threading
+from collections import namedtuple
+from dataclasses import dataclass
+from typing import Any
+
 import pytest
 
-from lrp_jupyter.bridges.bridge import Bridge, MemberError, NullBridge
-from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.bridges.bridge import Bridge, Connection, MemberError, NullBridge, Robot, attach
+from lrp_jupyter.bridges.panel import Button, Field, Panel, Question, Table
+from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
 
 
-class Cart(Bridge):
-    """A cart that writes down what it is told."""
+class Bare(Bridge):
+    """A bridge whose test adds what it wants."""
 
-    name = "test-cart"
-
-    def __init__(self) -> None:
-        self.sent: list[tuple[float, float]] = []
-        self.light: int | None = 7
+    name = "test-bare"
+    hardware = False
 
     def open_interface(self) -> None:
-        self.add_variable("light.data", lambda: self.light, doc="0 dark ... 255 bright")
-        self.add_method("move", self.move, doc="m/s and rad/s", limits={"linear": 0.5})
-
-    def move(self, linear: float = 0.0, angular: float = 0.0) -> None:
-        self.sent.append((linear, angular))
+        """Nothing yet."""
 
 
 @pytest.fixture
-def cart() -> Cart:
-    cart = Cart()
-    cart.open()
-    cart.arm()
-    return cart
+def bare() -> Bare:
+    bare = Bare()
+    bare.open()
+    return bare
 
 
-def test_a_program_reads_and_commands_through_robot(cart: Cart) -> None:
+# -- robot ----------------------------------------------------------------------------------------
+
+
+def test_a_program_reads_and_commands_through_robot(cart: Any) -> None:
     assert cart.robot.light.data == 7
     cart.robot.move(linear=0.2)
-    assert cart.sent == [(0.2, 0.0)]
+    cart.robot.move(0.1, angular=1)
+    assert cart.sent == [(0.2, 0.0), (0.1, 1)]
 
 
-def test_an_unknown_member_names_the_existing_ones_and_the_nearest(cart: Cart) -> None:
-    with pytest.raises(
-        MemberError, match=r"`robot` has no `lihgt`; it has `light`, `move`. Did you mean `light`\?"
-    ):
+def test_a_method_gives_what_the_bridge_gives(cart: Any) -> None:
+    assert cart.robot.beep(2) == "440 Hz for 2 s"
+
+
+def test_an_unknown_member_names_the_existing_ones_and_the_nearest(cart: Any) -> None:
+    with pytest.raises(MemberError) as error:
         cart.robot.lihgt  # noqa: B018
+    assert str(error.value) == (
+        "`robot` has no `lihgt`; it has `battery`, `beep`, `light`, `move`. Did you mean `light`?"
+    )
+    with pytest.raises(MemberError, match=r"`robot\.light` has no `dta`; it has `data`"):
+        cart.robot.light.dta  # noqa: B018
 
 
-def test_hardware_opens_disarmed_and_records_what_it_does_not_send() -> None:
-    cart = Cart()
-    cart.open()
-    cart.robot.move(linear=0.2)
-    assert cart.sent == []
-    assert cart.safety.commands[-1].arguments == {"linear": 0.2}
-    assert not cart.safety.commands[-1].sent
+def test_an_unknown_member_is_an_attribute_error_and_one_of_ours(cart: Any) -> None:
+    assert not hasattr(cart.robot, "wings")
+    assert issubclass(MemberError, AttributeError)
+    assert issubclass(MemberError, LRPError)
 
 
-def test_a_reading_that_is_not_there_yet_is_no_fault(cart: Cart) -> None:
+def test_robot_without_members_says_why() -> None:
+    with pytest.raises(BridgeError, match="the bridge `none` offers no members"):
+        NullBridge().robot.move(linear=1)
+
+
+def test_what_python_asks_of_every_object_is_answered_shortly(cart: Any) -> None:
+    with pytest.raises(AttributeError, match=r"`robot` has no `_repr_html_`.$"):
+        cart.robot._repr_html_  # noqa: B018
+
+
+def test_there_is_one_robot_however_often_it_is_copied(cart: Any) -> None:
+    kept = {"robot": cart.robot, "light": cart.robot.light, "move": cart.robot.move}
+    again = copy.deepcopy(kept)
+    assert all(again[name] is kept[name] for name in kept)
+    assert copy.copy(cart.robot) is cart.robot
+    assert copy.copy(cart.robot.move) is cart.robot.move
+
+
+def test_nothing_of_robot_can_be_assigned_or_deleted(cart: Any) -> None:
+    with pytest.raises(MemberError, match=r"call it: `robot\.move\(linear=0\.0, angular=0\.0\)`"):
+        cart.robot.move = 1
+    with pytest.raises(MemberError, match="is read from the robot and cannot be assigned"):
+        cart.robot.light.data = 1
+    with pytest.raises(MemberError, match=r"is a part of the robot .* it has `robot\.light\.data`"):
+        cart.robot.light = 1
+    with pytest.raises(MemberError, match=r"`robot` has no `ligth`.*Did you mean `light`"):
+        cart.robot.ligth = 1
+    with pytest.raises(MemberError, match="cannot be deleted"):
+        del cart.robot.move
+    with pytest.raises(MemberError, match="is a method and has no `linear`; call it"):
+        cart.robot.move.linear = 0.2
+    assert cart.robot.light.data == 7
+
+
+def test_dir_and_repr_show_the_members(cart: Any) -> None:
+    assert dir(cart.robot) == ["battery", "beep", "light", "move"]
+    assert repr(cart.robot) == "<robot: battery, beep, light, move>"
+    assert repr(cart.robot.light) == "<robot.light: data>"
+    assert repr(NullBridge().robot) == "<robot: no members>"
+    assert repr(cart.robot.move).startswith("<robot.move(linear")
+
+
+def test_robot_stays_the_same_object_when_members_and_bridges_change(cart: Any, bare: Bare) -> None:
+    robot: Robot = cart.robot
+    cart.add_variable("compass", lambda: 90, "heading")
+    assert robot.compass == 90
+    cart.remove_member("compass")
+    assert not hasattr(robot, "compass")
+    bare.add_variable("depth", lambda: 3, "below the surface")
+    attach(robot, bare)
+    assert dir(robot) == ["depth"]
+
+
+# -- members --------------------------------------------------------------------------------------
+
+
+def test_a_member_of_the_same_name_replaces_the_first(bare: Bare) -> None:
+    bare.add_variable("x", lambda: 1)
+    bare.add_variable("x", lambda: 2)
+    assert bare.robot.x == 2
+    assert len(bare.members()) == 1
+
+
+@pytest.mark.parametrize("name", ["", "1st", "a b", "class", "_hidden", "a..b", "a.", "light.if"])
+def test_a_name_that_cannot_be_written_after_robot_is_refused(bare: Bare, name: str) -> None:
+    with pytest.raises(ValueError, match="no usable name"):
+        bare.add_variable(name, lambda: 1)
+
+
+def test_a_name_is_a_member_or_a_part_not_both(bare: Bare) -> None:
+    bare.add_variable("light.data", lambda: 1)
+    bare.add_variable("sound", lambda: 1)
+    with pytest.raises(ValueError, match="`light` has members of its own"):
+        bare.add_variable("light", lambda: 1)
+    with pytest.raises(ValueError, match="`sound` is a member already"):
+        bare.add_method("sound.level", lambda: 1)
+    assert dir(bare.robot) == ["light", "sound"]
+
+
+def test_removing_a_part_removes_all_in_it_and_the_last_member_takes_its_part_along(bare: Bare) -> None:
+    for name in ("arm.left.x", "arm.left.y", "arm.right", "leg.x"):
+        bare.add_variable(name, lambda: 1)
+    bare.remove_member("leg.x")
+    assert dir(bare.robot) == ["arm"]
+    bare.remove_member("arm.left")
+    assert dir(bare.robot.arm) == ["right"]
+    with pytest.raises(MemberError, match=r"no member `amr` to remove. Did you mean `arm`\?"):
+        bare.remove_member("amr")
+
+
+def test_members_know_type_unit_doc_value_and_age(cart: Any) -> None:
+    assert cart.describe("battery").value is None
+    cart.begin_tick(1.0, 0.1)
+    cart.refresh()
+    cart.begin_tick(1.5, 0.1)
+    battery = cart.describe("battery")
+    assert (battery.kind, battery.type, battery.unit, battery.doc) == (
+        "variable",
+        "float",
+        "V",
+        "what is left",
+    )
+    assert (battery.value, battery.age) == (0.5, 0.5)
+    beep = cart.describe("robot.beep")
+    assert (beep.kind, beep.doc) == ("method", "Sound a tone.")
+    assert beep.signature == "(seconds, *, tone=440)"
+
+
+def test_a_part_is_described_by_its_members(cart: Any) -> None:
+    assert [field.name for field in cart.describe("light").fields] == ["light.data"]
+
+
+Point = namedtuple("Point", "x y")
+
+
+@dataclass
+class Pose:
+    """A reading with fields."""
+
+    position: Point
+    heading: float
+
+
+class Slotted:
+    """A reading as message libraries make them."""
+
+    __slots__ = ("_private", "seconds")
+
+    def __init__(self) -> None:
+        self.seconds = 3
+        self._private = 4
+
+
+def test_the_fields_of_a_reading_are_described_to_any_depth(bare: Bare) -> None:
+    bare.add_variable("odom", lambda: Pose(Point(1, 2), 0.5))
+    bare.add_variable("stamp", Slotted)
+    bare.refresh()
+    assert bare.describe("odom.position.y").value == 2
+    assert bare.describe("odom.heading").type == "float"
+    assert [field.name for field in bare.describe("stamp").fields] == ["stamp.seconds"]
+    with pytest.raises(MemberError, match=r"`robot\.odom\.position` has no `z`"):
+        bare.describe("odom.position.z")
+    with pytest.raises(MemberError, match=r"`robot` has no `odm`. Did you mean `odom`"):
+        bare.describe("odm")
+
+
+def test_fields_are_known_from_the_type_before_the_first_reading(bare: Bare) -> None:
+    bare.add_variable("odom", lambda: None, type=Pose)
+    assert [field.name for field in bare.describe("odom").fields] == ["odom.position", "odom.heading"]
+    assert bare.describe("odom.heading").type == "float"
+
+
+def test_a_value_that_contains_itself_is_described_all_the_same(bare: Bare) -> None:
+    class Knot:
+        def __init__(self) -> None:
+            self.me = self
+
+    bare.add_variable("knot", Knot)
+    bare.refresh()
+    assert bare.describe("knot.me.me").name == "knot.me.me"
+
+
+def test_members_are_json_whatever_their_values(bare: Bare) -> None:
+    for index, value in enumerate(
+        (float("nan"), float("inf"), 1, True, "x" * 1000, object(), [1], Pose(Point(1, 2), 0))
+    ):
+        bare.add_variable(f"v{index}", lambda value=value: value)
+    bare.refresh()
+    text = json.dumps([member.as_dict() for member in bare.members()], allow_nan=False)
+    assert len(text) < 5000
+
+
+def test_members_may_come_and_go_while_other_threads_look(bare: Bare) -> None:
+    failures: list[BaseException] = []
+    done = threading.Event()
+
+    def look() -> None:
+        try:
+            while not done.is_set():
+                bare.members()
+                dir(bare.robot)
+        except BaseException as error:
+            failures.append(error)
+
+    thread = threading.Thread(target=look)
+    thread.start()
+    for round_ in range(300):
+        bare.add_variable(f"a{round_ % 7}.b", lambda: 1)
+        bare.remove_member(f"a{round_ % 7}")
+    done.set()
+    thread.join()
+    assert not failures
+
+
+# -- readings -------------------------------------------------------------------------------------
+
+
+def test_a_reading_that_is_not_there_yet_is_no_fault(cart: Any) -> None:
     cart.light = None
-    with pytest.raises(NoDataYet):
+    with pytest.raises(NoDataYet, match=r"`robot\.light\.data` has no data yet"):
         cart.robot.light.data  # noqa: B018
 
 
-def test_a_number_beyond_the_limit_is_brought_back(cart: Cart) -> None:
-    cart.robot.move(linear=2)
-    assert cart.sent == [(0.5, 0.0)]
-    assert cart.safety.notices[-1].text == "`move`: linear 2 limited to 0.5"
+def test_a_getter_may_say_itself_that_there_is_no_data(bare: Bare) -> None:
+    def getter() -> int:
+        raise NoDataYet
+
+    bare.add_variable("x", getter)
+    with pytest.raises(NoDataYet):
+        bare.robot.x  # noqa: B018
 
 
-def test_the_null_bridge_has_no_members() -> None:
-    bridge = NullBridge()
+def test_a_getter_that_fails_is_a_bridge_error_with_its_cause(bare: Bare) -> None:
+    bare.add_variable("x", lambda: {}["y"])
+    bare.add_variable("z", lambda: object().wheel)  # type: ignore[attr-defined]
+    with pytest.raises(BridgeError, match=r"`robot\.x` could not be read: KeyError: 'y'") as error:
+        bare.robot.x  # noqa: B018
+    assert isinstance(error.value.__cause__, KeyError)
+    with pytest.raises(BridgeError, match=r"AttributeError: .* 'wheel'") as error:
+        bare.robot.z  # noqa: B018
+    assert not isinstance(error.value, AttributeError), "it must not look as if the member did not exist"
+
+
+def test_one_tick_sees_one_world(cart: Any) -> None:
+    cart.begin_tick(0.0, 0.1)
+    assert cart.robot.light.data == 7
+    cart.light = 8
+    assert cart.robot.light.data == 7
+    cart.end_tick(0.0)
+    assert cart.robot.light.data == 8, "between ticks a person sees what is there now"
+    cart.begin_tick(0.1, 0.1)
+    assert cart.robot.light.data == 8
+
+
+def test_what_fails_is_tried_once_in_a_tick(cart: Any) -> None:
+    cart.light = None
+    cart.begin_tick(0.0, 0.1)
+    for _ in range(3):
+        with pytest.raises(NoDataYet):
+            cart.robot.light.data  # noqa: B018
+    assert cart.reads == 1
+
+
+def test_what_is_not_read_is_not_fetched(cart: Any) -> None:
+    cart.begin_tick(0.0, 0.1)
+    cart.end_tick(0.0)
+    cart.members()
+    assert cart.reads == 0
+
+
+def test_a_variable_with_another_source_has_no_data(bare: Bare) -> None:
+    bare.add_variable("x", lambda: 1)
+    bare.refresh()
+    bare.add_variable("x", lambda: None)
+    assert bare.describe("x").value is None
+
+
+def test_a_bridge_may_know_the_age_better(bare: Bare) -> None:
+    bare.add_variable("x", lambda: 1, age=lambda: 3.5)
+    assert bare.describe("x").age == 3.5
+
+
+# -- commands -------------------------------------------------------------------------------------
+
+
+def test_a_wrong_argument_is_refused_with_the_right_one(cart: Any) -> None:
+    with pytest.raises(BridgeError, match=r"unexpected keyword argument 'liner'\. Did you mean `linear`\?"):
+        cart.robot.move(liner=1)
+    with pytest.raises(BridgeError, match="missing a required argument: 'seconds'"):
+        cart.robot.beep()
+    with pytest.raises(BridgeError, match="must be a number, not 'fast'"):
+        cart.robot.move(linear="fast")
+    assert cart.sent == []
+
+
+def test_a_method_that_fails_is_a_bridge_error_with_its_cause(bare: Bare) -> None:
+    def fail() -> None:
+        raise OSError("unplugged")
+
+    bare.add_method("kick", fail, "kick the ball")
+    with pytest.raises(BridgeError, match=r"`robot\.kick` failed: OSError: unplugged") as error:
+        bare.robot.kick()
+    assert isinstance(error.value.__cause__, OSError)
+
+
+def test_a_method_without_message_cannot_be_filled(cart: Any) -> None:
+    with pytest.raises(BridgeError, match="takes no message"), cart.robot.beep:
+        pass
+
+
+def test_a_callable_without_signature_takes_anything(bare: Bare) -> None:
+    bare.add_method("lowest", min, "the smallest of numbers", command=False)
+    assert bare.robot.lowest(3, 1, 2) == 1
+
+
+# -- life -----------------------------------------------------------------------------------------
+
+
+class Noted(Bridge):
+    """Notes the life of a connection."""
+
+    name = "test-noted"
+
+    def __init__(self) -> None:
+        self.calls: list[str] = []
+        self.fail: Exception | None = None
+
+    def open_interface(self) -> Panel:
+        self.calls.append("open")
+        if self.fail:
+            raise self.fail
+        return Panel("Noted")
+
+    def close_interface(self) -> None:
+        self.calls.append("close")
+        if self.fail:
+            raise self.fail
+
+    def stop(self) -> None:
+        self.calls.append("stop")
+
+    def sense(self, now: float) -> None:
+        self.calls.append(f"sense {now}")
+        if self.fail:
+            raise self.fail
+
+
+def test_opening_connects_once_and_gives_the_panel() -> None:
+    bridge = Noted()
+    assert bridge.status.state is Connection.DISCONNECTED
+    assert bridge.open() == bridge.open() == Panel("Noted")
+    assert bridge.calls == ["open"]
+    assert bridge.status.state is Connection.CONNECTED
+    assert bridge.is_open
+
+
+def test_closing_stops_first_and_only_once() -> None:
+    bridge = Noted()
+    bridge.close()
     bridge.open()
-    with pytest.raises(BridgeError, match="offers no members"):
-        bridge.robot.move(linear=1)
+    bridge.close()
+    bridge.close()
+    assert bridge.calls == ["open", "stop", "close"]
+    assert bridge.status.sentence == "`test-noted` is closed."
+    bridge.open()
+    assert bridge.is_open
+
+
+def test_a_robot_that_is_not_there_is_a_bridge_error_and_a_status() -> None:
+    bridge = Noted()
+    bridge.fail = BridgeError("nobody answers at 10.0.0.7")
+    with pytest.raises(BridgeError, match=r"^nobody answers"):
+        bridge.open()
+    assert bridge.status.sentence == "nobody answers at 10.0.0.7"
+    bridge.fail = OSError("no such port")
+    with pytest.raises(BridgeError, match=r"`test-noted` could not be opened: OSError: no such port"):
+        bridge.open()
+    assert not bridge.is_open
+    assert bridge.status.state is Connection.DISCONNECTED
+
+
+def test_closing_goes_on_when_the_bridge_fails() -> None:
+    bridge = Noted()
+    bridge.open()
+    bridge.fail = OSError("gone")
+    bridge.close()
+    assert not bridge.is_open
+    assert bridge.safety.notices[-1].text == "closing `test-noted`: OSError: gone"
+
+
+def test_a_bridge_that_fails_in_a_tick_is_lost_and_stopped_and_the_loop_goes_on() -> None:
+    bridge = Noted()
+    bridge.open()
+    bridge.fail = BridgeError("the server is gone")
+    for tick in range(3):
+        bridge.begin_tick(tick / 10, 0.1)
+        bridge.end_tick(tick / 10)
+    assert bridge.status.state is Connection.LOST
+    assert bridge.status.sentence == "the server is gone"
+    assert bridge.calls.count("stop") == 1
+    assert [notice.count for notice in bridge.safety.notices] == [3]
+    bridge.fail = ValueError("a mistake in sense")
+    bridge.begin_tick(0.3, 0.1)
+    assert bridge.safety.notices[-1].text == "sense: ValueError: a mistake in sense"
+
+
+def test_a_bridge_says_itself_how_it_stands() -> None:
+    class Asking(Noted):
+        name = "test-asking"
+
+        def open_interface(self) -> Panel:
+            self.set_status("disconnected", "waiting for the address")
+            return Panel("Asking", questions=(Question("host", "Address of the robot"),))
+
+    bridge = Asking()
+    bridge.open()
+    assert bridge.status.sentence == "waiting for the address"
+    bridge.set_status(Connection.STALE)
+    assert bridge.status.sentence == "`test-asking` is stale."
+    with pytest.raises(ValueError, match="not a valid Connection"):
+        bridge.set_status("fine")
+
+
+def test_a_constructor_need_not_call_the_one_above(cart: Any) -> None:
+    assert "super" not in type(cart).__init__.__code__.co_names
+    assert cart.status.state is Connection.CONNECTED
+
+
+def test_a_bridge_without_open_interface_cannot_be_made() -> None:
+    class Half(Bridge):
+        name = "test-half"
+
+    with pytest.raises(TypeError, match="open_interface"):
+        Half()  # type: ignore[abstract]
+
+
+def test_armed_hardware_cannot_step_back(cart: Any) -> None:
+    with pytest.raises(BridgeError, match="a real robot cannot step back"):
+        cart.rewind(cart.moment())
+    cart.disarm()
+    cart.rewind(cart.moment())
+
+
+# -- panel ----------------------------------------------------------------------------------------
+
+
+def test_a_panel_is_plain_data() -> None:
+    panel = Panel(
+        "Robot",
+        fields=(Field("speed", "Speed", "number", "0.2", unit="m/s"),),
+        tables=(
+            Table(
+                "topics",
+                "Topics",
+                ("name", "type"),
+                ("odom",),
+                (("odom", "Odometry"),),
+                (Button("x", "Remove"),),
+            ),
+        ),
+        questions=(Question("host", "Address", "127.0.0.1"),),
+    )
+    data = json.loads(json.dumps(panel.as_dict()))
+    assert data["buttons"] == [{"key": "stop", "label": "Stop robot"}]
+    assert data["fields"][0]["kind"] == "number"
+    assert data["tables"][0]["rows"] == [["odom", "Odometry"]]
+    assert data["questions"][0] == {"key": "host", "text": "Address", "default": "127.0.0.1"}
+
+
+def test_a_table_has_a_key_and_a_text_for_each_column_in_every_row() -> None:
+    with pytest.raises(ValueError, match="each row needs a key"):
+        Table("t", "T", ("a",), (), (("1",),))
+    with pytest.raises(ValueError, match="a text for each column"):
+        Table("t", "T", ("a", "b"), ("k",), (("1",),))
+
+
+def test_the_stop_button_works_on_every_bridge_and_others_are_refused() -> None:
+    bridge = Noted()
+    bridge.open()
+    bridge.press("stop")
+    assert bridge.calls == ["open", "stop"]
+    with pytest.raises(BridgeError, match="no button `dance`"):
+        bridge.press("dance")
+    with pytest.raises(BridgeError, match="asks no `host`"):
+        bridge.answer("host", "10.0.0.7")
+    assert bridge.panel() == Panel("Noted")
+    assert bridge.picture is None

@@ -1,0 +1,55 @@
+"""A small robot for the tests of bridges."""
+
+from __future__ import annotations
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge
+
+
+class Cart(Bridge):
+    """A cart that writes down what it is told: about what a student writes."""
+
+    name = "test-cart"
+
+    def __init__(self) -> None:
+        self.sent: list[tuple[float, float]] = []
+        self.light: object = 7
+        self.reads = 0
+
+    def open_interface(self) -> None:
+        self.add_variable("light.data", self.read_light, doc="0 dark ... 255 bright")
+        self.add_variable("battery", lambda: 0.5, doc="what is left", unit="V")
+        self.add_method("move", self.move, doc="m/s and rad/s", limits={"linear": 0.5})
+        self.add_method("beep", self.beep)
+
+    def read_light(self) -> object:
+        self.reads += 1
+        return self.light
+
+    def move(self, linear: float = 0.0, angular: float = 0.0) -> None:
+        self.sent.append((linear, angular))
+
+    def beep(self, seconds: float, *, tone: int = 440) -> str:
+        """Sound a tone.
+
+        As long as it is told.
+        """
+        return f"{tone} Hz for {seconds} s"
+
+
+@pytest.fixture
+def cart() -> Cart:
+    """Open and armed."""
+    cart = Cart()
+    cart.open()
+    cart.arm()
+    return cart
+
+
+@pytest.fixture
+def disarmed() -> Cart:
+    """Open, as hardware opens."""
+    cart = Cart()
+    cart.open()
+    return cart

@@ -1,0 +1,373 @@
+"""Safety is in the base class: whoever writes a bridge has it."""
+
+from __future__ import annotations
+
+import json
+import threading
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lrp_jupyter.bridges.bridge import Bridge, Twist
+from lrp_jupyter.bridges.safety import patience
+from lrp_jupyter.errors import BridgeError
+
+
+def tick(bridge: Bridge, now: float, period: float = 0.1) -> None:
+    bridge.begin_tick(now, period)
+    bridge.end_tick(now)
+
+
+def texts(bridge: Bridge) -> list[str]:
+    return [notice.text for notice in bridge.safety.notices]
+
+
+# -- armed ----------------------------------------------------------------------------------------
+
+
+def test_hardware_opens_disarmed_and_records_what_it_does_not_send(disarmed: Any) -> None:
+    disarmed.robot.move(linear=0.2)
+    assert disarmed.sent == []
+    record = disarmed.safety.commands[-1]
+    assert (record.name, record.arguments, record.sent) == ("move", {"linear": 0.2}, False)
+    assert texts(disarmed) == ["`move` was not sent: the robot is disarmed"]
+
+
+def test_arming_sends_from_then_on_and_nothing_of_before(disarmed: Any) -> None:
+    disarmed.robot.move(linear=0.2)
+    disarmed.arm()
+    disarmed.arm()
+    assert disarmed.sent == []
+    disarmed.robot.move(linear=0.3)
+    assert disarmed.sent == [(0.3, 0.0)]
+    assert texts(disarmed)[1:] == ["`test-cart` is armed: commands move the robot"]
+
+
+def test_disarming_stops_the_robot_first(cart: Any) -> None:
+    cart.robot.move(linear=0.2)
+    cart.disarm()
+    cart.disarm()
+    cart.robot.move(linear=0.3)
+    assert cart.sent == [(0.2, 0.0), (0.0, 0.0)]
+
+
+def test_a_question_is_answered_while_disarmed() -> None:
+    class Asking(Bridge):
+        name = "test-question"
+
+        def open_interface(self) -> None:
+            self.add_method("version", lambda: 3, "of the firmware", command=False)
+
+    bridge = Asking()
+    bridge.open()
+    assert bridge.robot.version() == 3
+    assert bridge.safety.commands == ()
+
+
+def test_wrong_arguments_are_refused_while_disarmed_too(disarmed: Any) -> None:
+    with pytest.raises(BridgeError, match="liner"):
+        disarmed.robot.move(liner=1)
+
+
+def test_the_same_notice_again_and_again_is_counted(disarmed: Any) -> None:
+    for _ in range(50):
+        disarmed.robot.move(linear=0.2)
+    assert [notice.count for notice in disarmed.safety.notices] == [50]
+    assert disarmed.safety.notice_count == disarmed.safety.command_count == 50
+
+
+def test_the_log_is_bounded_and_plain_data(disarmed: Any) -> None:
+    for number in range(300):
+        disarmed.robot.move(linear=number)
+    assert len(disarmed.safety.commands) == len(disarmed.safety.notices) == 100
+    json.dumps([entry.as_dict() for entry in (*disarmed.safety.commands, *disarmed.safety.notices)])
+
+
+def test_an_argument_that_json_does_not_know_is_a_text_in_the_log(disarmed: Any) -> None:
+    disarmed.robot.beep(object())
+    json.dumps(disarmed.safety.commands[-1].as_dict())
+
+
+# -- limits ---------------------------------------------------------------------------------------
+
+
+def test_a_number_beyond_the_limit_is_brought_back_and_shown(cart: Any) -> None:
+    cart.robot.move(linear=2)
+    cart.robot.move(-2)
+    assert cart.sent == [(0.5, 0.0), (-0.5, 0.0)]
+    assert texts(cart)[1:] == ["`move`: linear 2 limited to 0.5", "`move`: linear -2 limited to -0.5"]
+    assert cart.safety.commands[-1].limited == ("`move`: linear -2 limited to -0.5",)
+
+
+def test_a_number_within_the_limit_is_left_alone(cart: Any) -> None:
+    cart.robot.move(linear=0.5)
+    assert cart.sent == [(0.5, 0.0)]
+    assert len(texts(cart)) == 1
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), "1", None, True])
+def test_what_is_limited_must_be_a_number(cart: Any, value: object) -> None:
+    with pytest.raises(BridgeError, match=r"`move\(linear=…\)` must be a"):
+        cart.robot.move(linear=value)
+    assert cart.sent == []
+
+
+class Limited(Bridge):
+    """Limits of a message."""
+
+    name = "test-limited"
+    hardware = False
+
+    def __init__(self) -> None:
+        self.sent: list[tuple[float, float]] = []
+
+    def open_interface(self) -> None:
+        limits = {"linear": (-0.1, 0.5), "angular.z": 1.0}
+        self.add_method("move", self.move, "drive", message=Twist, limits=limits)
+
+    def move(self, msg: Any) -> None:
+        self.sent.append((msg.linear.x, msg.angular.z))
+
+
+@given(st.floats(-5, 5), st.floats(-5, 5))
+def test_nothing_beyond_the_limits_ever_reaches_the_robot(linear: float, angular: float) -> None:
+    bridge = Limited()
+    bridge.open()
+    bridge.robot.move(linear=linear, angular=angular)
+    ((x, z),) = bridge.sent
+    assert -0.1 <= x <= 0.5
+    assert -1 <= z <= 1
+    assert x == linear or bridge.safety.notices
+
+
+def test_a_limit_that_is_upside_down_is_refused() -> None:
+    with pytest.raises(ValueError, match="from the smaller to the larger"):
+        Limited().add_method("lift", print, limits={"height": (1.0, 0.0)})
+
+
+# -- the command watchdog -------------------------------------------------------------------------
+
+
+def test_a_velocity_that_is_not_repeated_ends_after_half_a_second(cart: Any) -> None:
+    cart.begin_tick(0.0, 0.1)
+    cart.robot.move(linear=0.2)
+    cart.end_tick(0.0)
+    for number in range(1, 5):
+        tick(cart, number / 10)
+    assert cart.sent == [(0.2, 0.0)]
+    tick(cart, 0.5)
+    assert cart.sent[1:] == [(0.0, 0.0)]
+    assert texts(cart)[-1] == "no command for 0.5 s: put `move` in `running`"
+    for number in range(6, 20):
+        tick(cart, number / 10)
+    assert len(cart.sent) == 2, "a robot that stands still needs no stop"
+
+
+def test_a_velocity_that_is_repeated_goes_on(cart: Any) -> None:
+    for number in range(30):
+        cart.begin_tick(number / 10, 0.1)
+        cart.robot.move(linear=0.2)
+        cart.end_tick(number / 10)
+    assert cart.sent == [(0.2, 0.0)] * 30
+
+
+def test_a_slow_program_has_three_periods(cart: Any) -> None:
+    cart.begin_tick(0.0, 1.0)
+    cart.robot.move(linear=0.2)
+    cart.end_tick(0.0)
+    tick(cart, 1.0, 1.0)
+    tick(cart, 2.0, 1.0)
+    assert len(cart.sent) == 1
+    tick(cart, 3.0, 1.0)
+    assert texts(cart)[-1] == "no command for 3 s: put `move` in `running`"
+
+
+def test_standing_still_needs_no_repetition(cart: Any) -> None:
+    cart.begin_tick(0.0, 0.1)
+    cart.robot.move(linear=0.0)
+    cart.end_tick(0.0)
+    for number in range(1, 20):
+        tick(cart, number / 10)
+    assert cart.sent == [(0.0, 0.0)]
+
+
+def test_a_motor_started_in_an_onentry_runs_on() -> None:
+    class Motors(Bridge):
+        name = "test-motors"
+        hardware = False
+        stopped = 0
+
+        def open_interface(self) -> None:
+            self.add_method("motorA.start", lambda speed: None, "turn")
+
+        def stop(self) -> None:
+            self.stopped += 1
+
+    bridge = Motors()
+    bridge.open()
+    bridge.begin_tick(0.0, 0.1)
+    bridge.robot.motorA.start(50)
+    for number in range(1, 50):
+        tick(bridge, number / 10)
+    assert bridge.stopped == 0
+
+
+# -- the tick watchdog ----------------------------------------------------------------------------
+
+
+def test_a_loop_that_hangs_stops_the_robot_once(cart: Any) -> None:
+    cart.begin_tick(0.0, 0.1)
+    cart.robot.move(linear=0.2)
+    assert cart.check_watchdog(0.4) is None
+    notice = cart.check_watchdog(0.6)
+    assert notice.text == "no tick for 0.6 s: the robot was stopped"
+    assert cart.check_watchdog(0.9) is None
+    assert cart.sent == [(0.2, 0.0), (0.0, 0.0)]
+
+
+def test_a_block_that_comes_back_after_the_stop_does_not_start_the_robot_again(cart: Any) -> None:
+    cart.begin_tick(0.0, 0.1)
+    cart.check_watchdog(1.0)
+    cart.robot.move(linear=0.2)
+    assert cart.sent == [(0.0, 0.0)]
+    assert texts(cart)[-1] == "`move` was not sent: the robot was stopped in this tick"
+    cart.begin_tick(1.1, 0.1)
+    cart.robot.move(linear=0.2)
+    assert cart.sent == [(0.0, 0.0), (0.2, 0.0)]
+    assert cart.check_watchdog(1.2) is None
+
+
+def test_without_ticks_nobody_is_watched(cart: Any) -> None:
+    assert cart.check_watchdog(100.0) is None
+    tick(cart, 0.0)
+    cart.safety.rest()
+    assert cart.check_watchdog(100.0) is None
+
+
+def test_a_world_that_stands_still_without_ticks_is_not_watched() -> None:
+    class World(Limited):
+        name = "test-world"
+        time_step = 0.01
+
+    world = World()
+    world.open()
+    world.begin_tick(0.0, 0.1)
+    assert world.check_watchdog(100.0) is None
+
+
+@given(st.floats(0, 10))
+def test_patience_is_half_a_second_or_three_periods(period: float) -> None:
+    assert patience(period) >= 0.5
+    assert patience(period) >= 3 * period
+    assert patience(period) in (0.5, 3 * period)
+
+
+# -- stop_all -------------------------------------------------------------------------------------
+
+
+def test_a_person_who_drives_by_hand_goes_on_after_a_stop(cart: Any) -> None:
+    cart.robot.move(linear=0.2)
+    assert cart.stop_all() is True
+    cart.robot.move(linear=0.3)
+    assert cart.sent == [(0.2, 0.0), (0.0, 0.0), (0.3, 0.0)]
+
+
+def test_the_stop_is_sent_while_disarmed(disarmed: Any) -> None:
+    disarmed.stop_all()
+    assert disarmed.sent == [(0.0, 0.0)]
+
+
+def test_a_stop_that_fails_does_not_raise_and_says_so() -> None:
+    class Broken(Bridge):
+        name = "test-broken-stop"
+
+        def open_interface(self) -> None:
+            """Nothing."""
+
+        def stop(self) -> None:
+            raise OSError("unplugged")
+
+    bridge = Broken()
+    bridge.open()
+    assert bridge.stop_all() is False
+    assert texts(bridge) == ["the robot may not have stopped: OSError: unplugged"]
+
+
+def test_a_stop_that_hangs_does_not_hang_the_caller() -> None:
+    class Hanging(Bridge):
+        name = "test-hanging-stop"
+        stop_timeout = 0.05
+        go = threading.Event()
+
+        def open_interface(self) -> None:
+            """Nothing."""
+
+        def stop(self) -> None:
+            self.go.wait(10)
+
+    bridge = Hanging()
+    bridge.open()
+    assert bridge.stop_all() is False
+    assert texts(bridge) == ["the robot may not have stopped: no answer for 0.05 s"]
+    Hanging.go.set()
+
+
+def test_a_velocity_without_defaults_stops_with_zeros() -> None:
+    class Wheels(Bridge):
+        name = "test-wheels"
+        hardware = False
+
+        def __init__(self) -> None:
+            self.sent: list[tuple[float, ...]] = []
+
+        def open_interface(self) -> None:
+            self.add_method("move", self.turn, "speeds of the wheels")
+            self.add_method("arm.move", lambda *angles, speed: self.sent.append((*angles, speed)), "lift")
+            self.add_method("wink", lambda: self.sent.append((9.0,)), "no velocity")
+
+        def turn(self, left: float, right: float, ramp: float = 0.5) -> None:
+            self.sent.append((left, right, ramp))
+
+    wheels = Wheels()
+    wheels.open()
+    wheels.stop_all()
+    assert wheels.sent == [(0.0, 0.0, 0.5), (0.0,)]
+
+
+def test_a_pause_stops_and_going_on_sends_nothing(cart: Any) -> None:
+    cart.on_start()
+    cart.begin_tick(0.0, 0.1)
+    cart.robot.move(linear=0.2)
+    cart.end_tick(0.0)
+    cart.on_pause()
+    cart.on_resume()
+    assert cart.sent == [(0.2, 0.0), (0.0, 0.0)]
+
+
+def test_every_number_in_a_velocity_counts_as_movement() -> None:
+    class Arm(Bridge):
+        name = "test-arm"
+        hardware = False
+        stopped = 0
+
+        def open_interface(self) -> None:
+            self.add_method("move", lambda joints, note="": None, "speeds of the joints")
+
+        def stop(self) -> None:
+            self.stopped += 1
+
+    def stops_after(command: object) -> bool:
+        arm = Arm()
+        arm.open()
+        arm.begin_tick(0.0, 0.1)
+        arm.robot.move(command)
+        tick(arm, 1.0)
+        return arm.stopped == 1
+
+    assert stops_after([0, 0.1])
+    assert stops_after({"elbow": (0, 2)})
+    assert not stops_after([0, 0.0])
+    assert not stops_after({"elbow": ()})
+    assert not stops_after("rest")
