@@ -1,0 +1,55 @@
+"""Static checks: what is wrong, or looks wrong, with a program that has not run.
+
+Paper: §9 ("We plan to statically detect more kinds of errors").
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+
+from lrp_jupyter.language.checks.findings import CODES, Code
+from lrp_jupyter.language.checks.names import check_names
+from lrp_jupyter.language.checks.python import check_python
+from lrp_jupyter.language.checks.reachability import check_reachability
+from lrp_jupyter.language.checks.references import check_references
+from lrp_jupyter.language.checks.report import Report
+from lrp_jupyter.language.checks.scope import resolve
+from lrp_jupyter.language.parser import scan
+from lrp_jupyter.language.program import Finding, Program
+
+__all__ = ["CODES", "Code", "check"]
+
+
+def check(text_or_program: str | Program, names: Collection[str] = ()) -> tuple[Finding, ...]:
+    """Find what is wrong with a program, without running it.
+
+    Parameters
+    ----------
+    text_or_program : str or Program
+        A text that is not a program has the findings of the parser only.
+    names : collection of str
+        Those of the session's namespace, such as a notebook's functions and imports.
+
+    Returns
+    -------
+    tuple of Finding
+        In order of place; what their codes mean stands in :data:`CODES`. Errors are what certainly
+        cannot work; a correct program has no findings.
+    """
+    if isinstance(text_or_program, Program):
+        program = text_or_program
+    else:
+        scanned, found = scan(text_or_program)
+        if scanned is None:
+            return found
+        program = scanned
+    report = Report(program, names)
+    top, repeats = resolve(program)
+    check_names(report, top, repeats)
+    check_reachability(report, top, check_references(report, top))
+    check_python(report, top)
+    return tuple(sorted(report.findings, key=_place))
+
+
+def _place(finding: Finding) -> tuple[int, int, int, int, str]:
+    return finding.line, finding.column, finding.end_line, finding.end_column, finding.code

@@ -1,0 +1,250 @@
+"""What can be told of a block by its text alone; computed once per text.
+
+Which of its names are variables depends on where a block stands, and what its value is for; both are
+left to :mod:`~lrp_jupyter.language.checks.python`.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections import defaultdict
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import NamedTuple
+
+from lrp_jupyter.language.names import Offsets, Use, Uses, uses
+from lrp_jupyter.language.program import Span
+from lrp_jupyter.language.suites import Suite, parse_suite
+
+__all__ = ["Facts", "Remark", "Word", "facts_of"]
+
+_CONSTANTS: dict[type, str] = {
+    bool: "truth value",
+    int: "number",
+    float: "number",
+    str: "string",
+    type(None): "`None`",
+}
+_DISPLAYS: dict[type[ast.expr], str] = {
+    ast.JoinedStr: "string",
+    ast.List: "list",
+    ast.ListComp: "list",
+    ast.Tuple: "tuple",
+    ast.Set: "set",
+    ast.SetComp: "set",
+    ast.Dict: "dictionary",
+    ast.DictComp: "dictionary",
+    ast.Lambda: "function",
+    ast.GeneratorExp: "generator",
+}
+
+
+class Word(NamedTuple):
+    """A name and its place; `nested`: in a function inside the block."""
+
+    name: str
+    span: Span
+    nested: bool
+
+
+class Remark(NamedTuple):
+    """A suspicious place.
+
+    Parameters
+    ----------
+    span : Span
+    edit : Span or None
+        What a fix would replace.
+    name : str
+        The variable that a fix would assign or compare; for a bitwise operator, the operator.
+    last : bool
+        It is the last statement of the block, and so its value.
+    """
+
+    span: Span
+    edit: Span | None = None
+    name: str = ""
+    last: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What a block does with names and values; all places are offsets in its text.
+
+    Parameters
+    ----------
+    reads : tuple of Word
+        Names that it reads and binds nowhere: variables, or names from outside the program.
+    nonlocals : tuple of Word
+        Names that a function inside declares `nonlocal` and that the block does not bind.
+    binds : dict of str to Span
+        Names that it binds (a variable, if there is one in scope; else local to it), with a place.
+    augmented : tuple of Word
+        Names that it changes (``x += 1``) in a scope which does not otherwise bind them.
+    comparisons, uncalled, bitwise : tuple of Remark
+        Statements that only compare, statements that only name something of the robot, and comparisons
+        with a bitwise operator inside where a logical one was meant.
+    valueless : Remark or None
+        Its last statement, if its value is None for certain.
+    literal : tuple of str and Span, or None
+        Kind and place of its value, if that is written as a literal.
+    """
+
+    reads: tuple[Word, ...] = ()
+    nonlocals: tuple[Word, ...] = ()
+    binds: dict[str, Span] = field(default_factory=dict)
+    augmented: tuple[Word, ...] = ()
+    comparisons: tuple[Remark, ...] = ()
+    uncalled: tuple[Remark, ...] = ()
+    bitwise: tuple[Remark, ...] = ()
+    valueless: Remark | None = None
+    literal: tuple[str, Span] | None = None
+
+
+@lru_cache(maxsize=20_000)
+def facts_of(text: str) -> Facts:
+    """Read a block; one that is no Python has no facts."""
+    try:
+        tree, suite = parse_suite(text)
+    except SyntaxError:  # only in a program put together by hand; the parser refuses such a block
+        return Facts()
+    places = _Places(suite, text)
+    found = uses(tree, places.source)
+    values = _Values(tree.body, places)
+    changed = {places.span(node.target) for node in values.changes}
+    augmented = _augmented(found, changed, places)
+    block = found.scope
+    free = [use for use in found.found if use.owner is block]
+    unbound = [use for use in free if not use.writes and use.name not in block.bound]
+    written = [use for use in free if use.writes and use.name not in {word.name for word in augmented}]
+    return Facts(
+        reads=tuple(places.word(use) for use in unbound if use.name not in use.scope.outer_names),
+        nonlocals=tuple(places.word(use) for use in unbound if use.name in use.scope.outer_names),
+        binds={use.name: places.word(use).span for use in written},
+        augmented=augmented,
+        comparisons=tuple(values.comparisons),
+        uncalled=tuple(values.uncalled),
+        bitwise=tuple(values.bitwise),
+        valueless=values.valueless(),
+        literal=values.literal(),
+    )
+
+
+class _Places(Offsets):
+    """Offsets in a block's text."""
+
+    def __init__(self, suite: Suite, text: str) -> None:
+        super().__init__(suite.source(text))
+        self.shift = suite.shift
+
+    def span(self, node: ast.expr | ast.stmt) -> Span:
+        """Return the range of a node."""
+        return Span(self.start_of(node) + self.shift, self.end_of(node) + self.shift)
+
+    def word(self, use: Use) -> Word:
+        """Return the place of a name."""
+        start = use.start + self.shift
+        return Word(use.name, Span(start, start + use.length), use.scope.outer is not None)
+
+    def between(self, first: ast.expr, sign: str, second: ast.expr) -> Span | None:
+        """Return where a sign stands between two expressions."""
+        start = self.source.find(sign, self.end_of(first), self.start_of(second)) + self.shift
+        return Span(start, start + len(sign)) if start >= self.shift else None
+
+
+def _augmented(found: Uses, changed: set[Span], places: _Places) -> tuple[Word, ...]:
+    """Find the names that are changed in a scope which never gives them a first value."""
+    writes = defaultdict(list)
+    for use in found.found:
+        scope = use.scope
+        if use.writes and not (scope.is_class or use.name in scope.outer_names | scope.global_names):
+            writes[scope, use.name].append(places.word(use))
+    return tuple(
+        word for words in writes.values() if all(word.span in changed for word in words) for word in words
+    )
+
+
+class _Values:
+    """What the statements of a block are good for."""
+
+    def __init__(self, body: list[ast.stmt], places: _Places) -> None:
+        self.places = places
+        self.last = body[-1] if body else None
+        self.returns = False
+        self.changes: list[ast.AugAssign] = []
+        self.comparisons: list[Remark] = []
+        self.uncalled: list[Remark] = []
+        self.bitwise: list[Remark] = []
+        waiting: list[tuple[ast.AST, bool]] = [(statement, False) for statement in reversed(body)]
+        while waiting:
+            node, nested = waiting.pop()
+            self._look(node, nested)
+            nested = nested or isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
+            if not isinstance(node, ast.JoinedStr):  # places inside one are wrong before Python 3.12
+                waiting += [(child, nested) for child in ast.iter_child_nodes(node)]
+
+    def _look(self, node: ast.AST, nested: bool) -> None:
+        if isinstance(node, ast.Expr):
+            self._statement(node)
+        elif isinstance(node, ast.Compare):
+            self._comparison(node)
+        elif isinstance(node, ast.AugAssign):
+            if isinstance(node.target, ast.Name):
+                self.changes.append(node)
+        elif isinstance(node, ast.Return):
+            self.returns |= not nested and node.value is not None
+
+    def _statement(self, node: ast.Expr) -> None:
+        value, span, last = node.value, self.places.span(node.value), node is self.last
+        if isinstance(value, ast.Compare):
+            name = _root(value.left)
+            single = len(value.ops) == 1 and isinstance(value.ops[0], ast.Eq)
+            edit = self.places.between(value.left, "==", value.comparators[0]) if single and name else None
+            self.comparisons.append(Remark(span, edit, name, last))
+        elif isinstance(value, ast.Attribute) and _root(value) == "robot":
+            self.uncalled.append(Remark(span, last=last))
+
+    def _comparison(self, node: ast.Compare) -> None:
+        """Look for `a == 1 & b`: nobody takes the bits of a literal in order to compare them."""
+        before = node.left
+        for operand in node.comparators:
+            if isinstance(operand, ast.BinOp) and isinstance(operand.left, ast.Constant):
+                sign = {ast.BitAnd: "&", ast.BitOr: "|"}.get(type(operand.op))
+                if sign and not self.places.between(before, "(", operand):
+                    edit = self.places.between(operand.left, sign, operand.right)
+                    self.bitwise.append(Remark(self.places.span(node), edit, sign))
+            before = operand
+
+    def valueless(self) -> Remark | None:
+        """Return the last statement, if the block's value is None for certain."""
+        last = self.last
+        if last is None or self.returns or isinstance(last, ast.Expr | ast.Raise):
+            return None
+        span = self.places.span(last)
+        if isinstance(last, ast.Assign) and len(last.targets) == 1 and _root(last.targets[0]):
+            target = last.targets[0]
+            return Remark(span, self.places.between(target, "=", last.value), _root(target), last=True)
+        return Remark(span, last=True)
+
+    def literal(self) -> tuple[str, Span] | None:
+        """Return the kind and place of the block's value, if that is a literal."""
+        if self.returns or not isinstance(self.last, ast.Expr):
+            return None
+        kind = _kind(self.last.value)
+        return (kind, self.places.span(self.last)) if kind else None
+
+
+def _root(node: ast.expr) -> str:
+    """Return the name with which something assignable begins, ``msg`` of ``msg.linear.x``; else nothing."""
+    while isinstance(node, ast.Attribute | ast.Subscript):
+        node = node.value
+    return node.id if isinstance(node, ast.Name) else ""
+
+
+def _kind(node: ast.expr) -> str | None:
+    """Return what kind of value a literal has; None for any other expression."""
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
+        return _kind(node.operand)
+    if isinstance(node, ast.Constant):
+        return _CONSTANTS.get(type(node.value), "constant")
+    return _DISPLAYS.get(type(node))

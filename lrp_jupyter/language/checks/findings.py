@@ -1,0 +1,299 @@
+"""The table of all codes: what each means, with a program that has it and the same program repaired.
+
+It is the documentation of the findings, and their test: each example has its own code and no other, and its
+repair has none.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lrp_jupyter.language.checks.examples import EXAMPLES
+from lrp_jupyter.language.program import Severity
+
+__all__ = ["CODES", "Code"]
+
+
+@dataclass(frozen=True, slots=True)
+class Code:
+    """A kind of finding.
+
+    Parameters
+    ----------
+    code : str
+        Stable for ever: ``LRP301``.
+    severity : {"error", "warning", "hint"}
+        An error certainly cannot work; a warning works, but hardly as meant; a hint is worth a look.
+    title, explanation : str
+        A few words, and a few sentences.
+    example, repaired : str
+        Two programs. Empty for what only a running program can show (6xx).
+    """
+
+    code: str
+    severity: Severity
+    title: str
+    explanation: str
+    example: str = ""
+    repaired: str = ""
+
+
+_TABLE: tuple[tuple[str, Severity, str, str], ...] = (
+    ("LRP101", "error", "`(` not closed", "Indentation decides which bracket it is that lacks its `)`."),
+    ("LRP102", "error", "`)` too many", "A closing bracket closes nothing that is open."),
+    (
+        "LRP103",
+        "error",
+        "`[` not closed",
+        "A block of Python ends with the `]` that matches its `[`; brackets inside it must match too.",
+    ),
+    (
+        "LRP104",
+        "error",
+        "Stray character",
+        "Outside blocks there are only brackets, names, numbers, arrows, `:=`, `*` and braces.",
+    ),
+    (
+        "LRP105",
+        "error",
+        "Outside every form",
+        "A program consists of forms in brackets; remarks stand behind `;` or `#`.",
+    ),
+    ("LRP106", "error", "No keyword", "Behind a `(` stands one of the keywords of the language."),
+    (
+        "LRP107",
+        "error",
+        "Form at the wrong place",
+        "Each form has its place: states and transitions in machines, actions and nested machines in states.",
+    ),
+    (
+        "LRP108",
+        "error",
+        "Incomplete or disordered form",
+        "The form does not have the parts of its kind, in their order.",
+    ),
+    (
+        "LRP109",
+        "error",
+        "Empty block",
+        "An action may be empty; a variable, a condition and a delay need a value.",
+    ),
+    (
+        "LRP110",
+        "error",
+        "No name",
+        "A name is an identifier of Python; that of a variable must not be one of Python's keywords.",
+    ),
+    ("LRP111", "error", "Nested too deeply", "There is a limit to the depth of brackets."),
+    (
+        "LRP112",
+        "error",
+        "`eps` from every state",
+        "It would leave and enter its destination at every tick. Name the states that it leaves.",
+    ),
+    (
+        "LRP201",
+        "error",
+        "Defined twice",
+        "The first definition of a name counts; the second one is never used.",
+    ),
+    (
+        "LRP202",
+        "warning",
+        "Variable hides a variable",
+        "An inner variable with the name of an outer one is another variable; the blocks inside see only "
+        "the inner one.",
+    ),
+    (
+        "LRP203",
+        "warning",
+        "Variable hides `robot` or `print`",
+        "Blocks reach the robot by the name `robot` and the lab's output by `print`, unless a variable "
+        "has that name.",
+    ),
+    (
+        "LRP204",
+        "warning",
+        "Variable hides a builtin of Python",
+        "Blocks cannot call Python's own function any more where a variable has its name.",
+    ),
+    (
+        "LRP205",
+        "hint",
+        "Transitions told apart by order only",
+        "Transitions are known by kind, sources, destination and name; the condition is their content. "
+        "Two that share all four are told apart by their order, so that removing the first looks like "
+        "changing both.",
+    ),
+    (
+        "LRP206",
+        "warning",
+        "Nothing is spawned",
+        "A program begins with the machines that it spawns at top level; there is no implicit start.",
+    ),
+    (
+        "LRP301",
+        "error",
+        "Unknown event",
+        "The transition never fires. Events are looked up in the machine of the transition, then outward.",
+    ),
+    (
+        "LRP302",
+        "error",
+        "Unknown source",
+        "The transition leaves no such state. Only states of its own machine can be its sources.",
+    ),
+    (
+        "LRP303",
+        "error",
+        "Unknown destination",
+        "The transition cannot be taken, and the next one is tried. Only `exit` leads out of a machine.",
+    ),
+    (
+        "LRP304",
+        "error",
+        "Unknown machine",
+        "A machine can be spawned by the state that contains it and all that is inside that state, and "
+        "from everywhere if it stands at top level; never by itself or from inside itself.",
+    ),
+    (
+        "LRP305",
+        "error",
+        "Unknown start state",
+        "The machine has no state of that name, so it is not spawned.",
+    ),
+    (
+        "LRP306",
+        "error",
+        "Unknown state to exit to",
+        "`exit` leads to a state of the machine around: that of the state which spawned this machine.",
+    ),
+    (
+        "LRP307",
+        "error",
+        "`exit` in a root machine",
+        "A machine that is spawned at top level has no machine around it to which `exit` could lead.",
+    ),
+    (
+        "LRP308",
+        "error",
+        "Unknown variable as delay",
+        "The delay of `ontime` is a number of milliseconds, a variable of the program, or a block.",
+    ),
+    (
+        "LRP401",
+        "warning",
+        "State out of reach",
+        "No transition and no spawn leads to this state, whatever the robot sees.",
+    ),
+    (
+        "LRP402",
+        "warning",
+        "Machine never spawned",
+        "A nested machine does not start by itself: an `onentry` spawns it, and names its start state.",
+    ),
+    ("LRP403", "hint", "Event never used", "An event occurs only where a transition names it."),
+    (
+        "LRP404",
+        "warning",
+        "Transition never tested",
+        "Transitions are tested in the order of the text, and the first enabled one is taken. This one "
+        "stands behind another which is enabled whenever it is: an `eps`, the same condition, or a delay "
+        "that is no longer.",
+    ),
+    (
+        "LRP405",
+        "warning",
+        "State entered anew at every tick",
+        "An `eps` (or a delay of 0) from a state to itself leaves no tick in which that state runs.",
+    ),
+    (
+        "LRP406",
+        "warning",
+        "Transition from no state",
+        "A wildcard stands for all states but its destination and those named behind `*-`; here none is "
+        "left.",
+    ),
+    ("LRP501", "error", "No Python", "Python cannot read the block."),
+    (
+        "LRP502",
+        "error",
+        "Name defined nowhere",
+        "A block sees the variables of its machine and of those around it, its own local names, Python's "
+        "builtins, `robot`, `print`, and the names of the notebook.",
+    ),
+    (
+        "LRP503",
+        "error",
+        "Changing what has no value",
+        "`x += 1` needs an `x` to begin with. A name that is no variable is local to one run of the "
+        "block, even if the notebook has one like it.",
+    ),
+    (
+        "LRP504",
+        "warning",
+        "Comparison as a statement",
+        "`==` compares and `=` assigns; the result of a comparison that stands alone is lost.",
+    ),
+    (
+        "LRP505",
+        "error",
+        "Condition or delay without a value",
+        "The value of a block is that of its last statement, if that is an expression. This one is "
+        "another statement, so that the value is always `None`.",
+    ),
+    (
+        "LRP506",
+        "warning",
+        "Variable without a value",
+        "The initialiser ends in a statement, so that the variable is `None`.",
+    ),
+    (
+        "LRP507",
+        "warning",
+        "Named but not called",
+        "A member of the robot that stands alone does nothing; brackets behind it call it.",
+    ),
+    (
+        "LRP508",
+        "error",
+        "Value of the wrong kind",
+        "A condition is `True` or `False`, nothing else counts as true; a delay is a number of milliseconds.",
+    ),
+    (
+        "LRP509",
+        "warning",
+        "`&` inside a comparison",
+        "In Python `&` and `|` bind more tightly than `==`: `a == 1 & b` compares `a` with `1 & b`.",
+    ),
+    (
+        "LRP601",
+        "error",
+        "Exception in a block",
+        "What the block did before it stays done; the traceback shows the line.",
+    ),
+    (
+        "LRP602",
+        "error",
+        "Condition not boolean",
+        "It counts as false. Write a comparison, or `bool(…)` around it.",
+    ),
+    ("LRP603", "error", "Unknown event", "The transition is ignored until the event exists."),
+    ("LRP604", "error", "Unknown state", "The transition or the spawn is ignored until the state exists."),
+    ("LRP605", "error", "Unknown machine", "The spawn is ignored until the machine exists."),
+    ("LRP606", "error", "Unknown variable", "The block or the delay names a variable that does not exist."),
+    ("LRP607", "error", "Delay not a number", "The timeout never fires."),
+    ("LRP608", "error", "Machine runs already", "A machine that runs is not spawned a second time."),
+    ("LRP609", "error", "Defined twice", "The first definition counts."),
+    (
+        "LRP610",
+        "hint",
+        "No data yet",
+        "A reading of the robot has not arrived; an event that needs it does not occur.",
+    ),
+)
+
+CODES: dict[str, Code] = {
+    row[0]: Code(*row, *EXAMPLES.get(row[0], "").strip().partition("\n---\n")[::2]) for row in _TABLE
+}
+"""Every code, in order."""

@@ -1,0 +1,84 @@
+"""2xx: names that are defined twice, hide others, or are missing altogether."""
+
+from __future__ import annotations
+
+import builtins
+import re
+
+from lrp_jupyter.language.checks.report import Report
+from lrp_jupyter.language.checks.scope import Repeat, Scope
+from lrp_jupyter.language.program import Edit, Fix, Machine, Name, Span, Transition, Variable, path_text
+
+__all__ = ["BUILTINS", "check_names"]
+
+BUILTINS = frozenset(dir(builtins))
+_LINE_END = re.compile(r"\r\n|\r|\n")
+_PROVIDED = {"robot": "the robot", "print": "the `print` that writes into the lab's output"}
+
+
+def check_names(report: Report, top: Scope, repeats: list[Repeat]) -> None:
+    """Report what is wrong with the definitions of a program."""
+    for kind, scope, first, again in repeats:
+        place = f" of `{path_text(scope.path)}`" if scope.path else ""
+        report.add(
+            "LRP201",
+            again.name.span,
+            f"`{again.name}` is already a {kind}{place}, in line {report.line(first.name.span)}, and only "
+            "the first counts; give this one another name, or remove it.",
+        )
+    for scope in top.walk():
+        for variable in scope.variables.values():
+            _hiding(report, scope, variable)
+        _colliding(report, scope)
+    if not report.program.spawns and top.machines:
+        _no_spawn(report)
+
+
+def _hiding(report: Report, scope: Scope, variable: Variable) -> None:
+    name = variable.name
+    outer = scope.outer.visible.get(name) if scope.outer else None
+    if name in _PROVIDED:
+        message = f"The variable `{name}` hides {_PROVIDED[name]} from all blocks here; give it another name."
+        report.add("LRP203", name.span, message)
+    elif outer:
+        line = report.line(outer.variables[name].name.span)
+        message = f"The variable `{name}` hides the `{name}` of line {line}; give one of them another name."
+        report.add("LRP202", name.span, message)
+    elif name in BUILTINS:
+        message = (
+            f"The variable `{name}` hides Python's own `{name}` from all blocks here; give it another name"
+        )
+        report.add("LRP204", name.span, message)
+
+
+def _colliding(report: Report, scope: Scope) -> None:
+    """Report transitions that edits can only tell apart by their order. Paper: §6.1, footnote 5."""
+    seen: dict[object, Transition] = {}
+    for transition in scope.transitions:
+        first = seen.setdefault(transition.identity, transition)
+        if first is not transition and first.trigger != transition.trigger:
+            remedy = "another name" if transition.name else "a name"
+            report.add(
+                "LRP205",
+                transition.span,
+                f"Only the condition tells this transition from that of line {report.line(first.span)}, so "
+                f"an edit may take one for the other; give it {remedy}.",
+            )
+
+
+def _no_spawn(report: Report) -> None:
+    """Report, at the first line, that nothing is ever spawned; with one state there is no doubt which."""
+    program = report.program
+    machine: Machine = program.machines[0]
+    start = machine.states[0].name if machine.states else Name("state")
+    text = f"(spawn {machine.name} {start})"
+    certain = len(program.machines) == len(machine.states) == 1
+    newline = next(iter(_LINE_END.findall(program.text)), "\n")
+    begin = "" if program.text.endswith(("\n", "\r")) else newline
+    edit = Edit(len(program.text), len(program.text), f"{begin}{text}{newline}")
+    report.add(
+        "LRP206",
+        Span(0, len(_LINE_END.split(program.text, maxsplit=1)[0])),
+        f"Nothing is spawned, so nothing runs; end the program with `{text}`.",
+        Fix(f"Add `{text}`", (edit,)) if certain else None,
+    )

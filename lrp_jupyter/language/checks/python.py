@@ -1,0 +1,193 @@
+"""5xx: Python in blocks that cannot do what it seems to be for.
+
+Paper: §3.2 (line 32 of the listing compares where it should assign), §9.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from functools import cached_property
+from typing import Literal, NamedTuple
+
+from lrp_jupyter.language.checks.facts import Facts, facts_of
+from lrp_jupyter.language.checks.names import BUILTINS
+from lrp_jupyter.language.checks.report import Report, nearest, replace
+from lrp_jupyter.language.checks.scope import Scope
+from lrp_jupyter.language.program import Block, Span, path_text
+
+__all__ = ["check_python"]
+
+_PROVIDED = frozenset({"robot", "print"})
+_SPELT = {"nil": "None", "null": "None", "undefined": "None", "self": "robot"}
+"""What people write who come from other languages, in which `difflib` would see no likeness."""
+
+
+class Place(NamedTuple):
+    """A block with what it is for, and the variables that it sees."""
+
+    block: Block
+    use: Literal["action", "initialiser", "condition", "delay"]
+    scope: Scope
+    visible: dict[str, Scope]
+
+
+def check_python(report: Report, top: Scope) -> None:
+    """Report what is wrong inside the blocks of a program."""
+    _Python(report, top).check()
+
+
+class _Python:
+    def __init__(self, report: Report, top: Scope) -> None:
+        self.report = report
+        self.top = top
+        self.known = BUILTINS | _PROVIDED | set(report.names)
+
+    def check(self) -> None:
+        for place in self._places():
+            facts = facts_of(place.block.text)
+            self._names(place, facts)
+            self._values(place, facts)
+
+    def _places(self) -> Iterator[Place]:
+        """Yield every block of the program."""
+        for scope in self.top.walk():
+            visible = dict(scope.outer.visible) if scope.outer else {}
+            for variable in scope.variables.values():
+                yield Place(variable.initial, "initialiser", scope, visible)
+                visible[variable.name] = scope
+            for event in scope.events.values():
+                yield Place(event.condition, "condition", scope, scope.visible)
+            for transition in scope.transitions:
+                if isinstance(transition.trigger, Block):
+                    use: Literal["condition", "delay"] = (
+                        "delay" if transition.kind == "ontime" else "condition"
+                    )
+                    yield Place(transition.trigger, use, scope, scope.visible)
+            for state in scope.states.values():
+                for action in (*state.onentry, *state.running, *state.onexit):
+                    if isinstance(action, Block):
+                        yield Place(action, "action", scope, scope.visible)
+        for action in (*self.report.program.onpause, *self.report.program.onresume):
+            yield Place(action, "action", self.top, self.top.visible)
+
+    # Names
+
+    def _names(self, place: Place, facts: Facts) -> None:
+        visible = place.visible
+        for name, span, _ in facts.reads:
+            if name not in visible and name not in self.known and not name.startswith("__"):
+                problem = f"`{name}` is defined nowhere that this block can see"
+                self._unknown("LRP502", place, name, span, problem, [*visible, *facts.binds], self.known)
+        for name, span, _ in facts.nonlocals:
+            if name not in visible:
+                problem = f"There is no variable `{name}` that could be `nonlocal` here"
+                self._unknown("LRP502", place, name, span, problem, [*visible, *facts.binds])
+        for name, span, nested in facts.augmented:
+            if nested and (name in visible or name in facts.binds):
+                message = (
+                    f"`{name}` is local to this function, without a value; write `nonlocal {name}` first."
+                )
+                self._add("LRP503", place, span, message)
+            elif name not in visible:
+                problem = f"`{name}` is no variable here, so it has no value that could change"
+                self._unknown("LRP503", place, name, span, problem, [*visible, *facts.binds])
+
+    def _unknown(
+        self, code: str, place: Place, name: str, span: Span, problem: str, *known: Iterable[str]
+    ) -> None:
+        """Report a name without a meaning, with what was probably meant."""
+        elsewhere = self._elsewhere(place, name)
+        meant = _SPELT.get(name) or next(filter(None, (nearest(name, names) for names in known)), None)
+        if elsewhere:
+            self._add(code, place, span, f"{problem}: {elsewhere}.")
+        elif meant:
+            self._add(code, place, span, f"{problem}; did you mean `{meant}`?", meant)
+        else:
+            self._add(code, place, span, f"{problem}; declare `(var {name} := [value])`.")
+
+    def _elsewhere(self, place: Place, name: str) -> str | None:
+        """Say what the name is that this block does not see."""
+        if place.scope.event(name):
+            return "it is an event; only transitions use events"
+        if name in self._variables:
+            scope = self._variables[name]
+            if scope.path == place.scope.path[: len(scope.path)]:
+                return "the variable is initialised later; declare it first"
+            return f"the variable belongs to `{path_text(scope.path)}`; declare it further out"
+        if name in self._assigned:
+            line = self.report.line(self._assigned[name])
+            return f"line {line} sets it for its own block only; declare `(var {name} := [value])` to keep it"
+        return None
+
+    @cached_property
+    def _variables(self) -> dict[str, Scope]:
+        return {name: scope for scope in self.top.walk() for name in scope.variables}
+
+    @cached_property
+    def _assigned(self) -> dict[str, Span]:
+        """Where the blocks of the program bind names, one place for each."""
+        return {
+            name: _shifted(place.block, span)
+            for place in self._places()
+            for name, span in facts_of(place.block.text).binds.items()
+        }
+
+    # Values
+
+    def _values(self, place: Place, facts: Facts) -> None:
+        used = place.use != "action"
+        for remark in facts.comparisons:
+            if not (used and remark.last):
+                fix = (
+                    "="
+                    if remark.edit and (remark.name in place.visible or remark.name in facts.binds)
+                    else None
+                )
+                remedy = "write `=` to assign" if remark.edit else "use its result, or remove it"
+                message = f"This only compares, and nobody sees the result; {remedy}."
+                self._add("LRP504", place, remark.span, message, fix, remark.edit)
+        for remark in facts.uncalled:
+            if not (used and remark.last):
+                text = place.block.text[slice(*remark.span)]
+                message = (
+                    f"This only names `{text}` and does nothing; write `{text}()` to call it, or remove it."
+                )
+                self._add("LRP507", place, remark.span, message)
+        for remark in facts.bitwise:
+            word = "and" if remark.name == "&" else "or"
+            message = f"`{remark.name}` binds more tightly than the comparison; write `{word}`."
+            self._add("LRP509", place, remark.span, message, word, remark.edit)
+        if facts.valueless and place.use == "initialiser":
+            message = "This ends in a statement, so the variable is `None`; end with its value on a new line."
+            self._add("LRP506", place, facts.valueless.span, message)
+        elif facts.valueless and used:
+            remedy = "write `==` to compare" if facts.valueless.edit else "end with an expression"
+            message = f"This {place.use} ends in a statement and has no value; {remedy}."
+            fix = "==" if place.use == "condition" and facts.valueless.edit else None
+            self._add("LRP505", place, facts.valueless.span, message, fix, facts.valueless.edit)
+        if facts.literal and place.use in _WANTED:
+            kind, wanted = facts.literal[0], _WANTED[place.use]
+            if kind != wanted:
+                message = f"A {place.use} must be a {wanted}, no {kind}; write an expression that gives one."
+                self._add("LRP508", place, facts.literal[1], message)
+
+    def _add(
+        self,
+        code: str,
+        place: Place,
+        span: Span,
+        message: str,
+        text: str | None = None,
+        edit: Span | None = None,
+    ) -> None:
+        """Report a finding at a range of a block; `text` is what a fix puts there, or at `edit`."""
+        fix = None if text is None else replace(_shifted(place.block, edit or span), text)
+        self.report.add(code, _shifted(place.block, span), message, fix)
+
+
+_WANTED = {"condition": "truth value", "delay": "number"}
+
+
+def _shifted(block: Block, span: Span) -> Span:
+    start = block.span.start + 1
+    return Span(start + span.start, start + span.end)

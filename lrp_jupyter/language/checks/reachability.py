@@ -1,0 +1,181 @@
+"""4xx: what never happens, and what never stops happening, by the graph of states alone.
+
+Conditions are taken to be possible, and misspelt references to be repaired: a state is out of reach
+only if no transition and no spawn leads there, whatever the robot sees.
+
+Paper: §9.
+"""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Hashable, Iterator
+
+from lrp_jupyter.language.checks.references import Arrow, Links, Spawned
+from lrp_jupyter.language.checks.report import Report
+from lrp_jupyter.language.checks.scope import Scope
+from lrp_jupyter.language.program import Block, Transition
+
+__all__ = ["check_reachability"]
+
+
+def check_reachability(report: Report, top: Scope, links: Links) -> None:
+    """Report states, machines, events and transitions that the program never comes to."""
+    _unspawned(report, top, links)
+    _unreached(report, top, links)
+    _unused_events(report, top, links)
+    for scope, arrows in links.arrows.items():
+        _untested(report, scope, arrows)
+        for transition in scope.transitions:
+            _livelock(report, transition)
+
+
+def _unspawned(report: Report, top: Scope, links: Links) -> None:
+    spawned = {spawned.machine for spawned in links.spawned}
+    for scope in top.walk():
+        # One finding says that the program spawns nothing; a spawn of who knows what may mean any.
+        if (
+            scope.name is None
+            or scope in spawned
+            or links.guess
+            or not (scope.state or report.program.spawns)
+        ):
+            continue
+        start = next(iter(scope.states), "state")
+        place = f"the `onentry` of `{scope.state}`" if scope.state else "the top level"
+        message = f"`{scope.name}` is never spawned; put `(spawn {scope.name} {start})` into {place}."
+        report.add("LRP402", scope.name.span, message)
+
+
+def _unreached(report: Report, top: Scope, links: Links) -> None:
+    reached = _reach(top, links)
+    for scope, names in reached.items():
+        for name, state in scope.states.items():
+            if name not in names:
+                message = f"`{scope.name}` never comes to `{name}`; add a transition that leads there."
+                report.add("LRP401", state.name.span, message)
+
+
+def _reach(top: Scope, links: Links) -> dict[Scope, set[str]]:
+    """Find the states that can become active, by machine, beginning with the top-level spawns."""
+    spawned: dict[tuple[Scope, str], list[Spawned]] = defaultdict(list)
+    for spawn in links.spawned:
+        spawned[spawn.scope, spawn.state].append(spawn)
+    outgoing = {scope: _Outgoing(scope, arrows) for scope, arrows in links.arrows.items()}
+
+    def following(scope: Scope, state: str) -> Iterator[tuple[Scope, str]]:
+        for spawn in spawned[scope, state]:
+            # An unknown start state may mean any: it is a finding, and those of its machine would be none.
+            for start in [spawn.start] if spawn.start else spawn.machine.states:
+                yield spawn.machine, start
+        for arrow in outgoing[scope].of(state):
+            yield from arrow.targets
+
+    reached: dict[Scope, set[str]] = defaultdict(set)
+    waiting = [following(top, "")]
+    while waiting:
+        for scope, state in waiting.pop():
+            if state not in reached[scope]:
+                reached[scope].add(state)
+                waiting.append(following(scope, state))
+    return reached
+
+
+class _Outgoing:
+    """The transitions of a machine by the state that they leave."""
+
+    def __init__(self, scope: Scope, arrows: list[Arrow]) -> None:
+        self._wild = [arrow for arrow in arrows if arrow.transition.wildcard]
+        self._named: dict[str, list[Arrow]] = {}
+        for arrow in arrows:
+            if not arrow.transition.wildcard:
+                for source in arrow.sources:
+                    self._named.setdefault(source, []).append(arrow)
+
+    def of(self, state: str) -> Iterator[Arrow]:
+        """Yield those that leave a state, in no particular order."""
+        yield from self._named.get(state, ())
+        yield from (arrow for arrow in self._wild if arrow.transition.leaves(state))
+
+
+def _unused_events(report: Report, top: Scope, links: Links) -> None:
+    used = {id(arrow.event) for arrows in links.arrows.values() for arrow in arrows}
+    for scope in top.walk():
+        for name, event in scope.events.items():
+            if id(event) not in used:
+                remedy = f"write `(on {name} source -> destination)`, or remove it"
+                message = f"No transition uses the event `{name}`; {remedy}."
+                report.add("LRP403", event.name.span, message)
+
+
+def _untested(report: Report, scope: Scope, arrows: list[Arrow]) -> None:
+    """Report transitions that come after one which always fires before them. Paper: §5.1.1."""
+    earlier: dict[str, _Earlier] = defaultdict(_Earlier)
+    for arrow in arrows:
+        transition = arrow.transition
+        sources = arrow.sources
+        if transition.wildcard:
+            sources = [state for state in scope.states if transition.leaves(state)]
+        key = _key(arrow)
+        found = [earlier[state].found(key) for state in sources]
+        if transition.wildcard and not sources and transition.destination in scope.states:
+            message = (
+                f"`{transition.source_text}` stands for no state here, so this transition is never tested; "
+            )
+            report.add("LRP406", transition.span, message + "add a state that it can leave, or remove it.")
+        elif found and all(found) and found[0]:
+            reason, first = found[0]
+            message = (
+                f"This transition is never tested, since that of line {report.line(first.span)} leaves "
+                f"`{sources[0]}` before it {reason}; move it up, or remove one of them."
+            )
+            report.add("LRP404", transition.span, message)
+        elif arrow.sound:
+            for state in sources:
+                earlier[state].note(key, transition)
+
+
+def _key(arrow: Arrow) -> Hashable:
+    """Return what transitions share that are enabled together: milliseconds, if they are known."""
+    kind, trigger = arrow.transition.kind, arrow.transition.trigger
+    if trigger is None or isinstance(trigger, int):
+        return max(0, trigger or 0)
+    if isinstance(trigger, Block) or kind == "ontime":
+        return kind == "ontime", trigger
+    return ("event", id(arrow.event)) if arrow.event and arrow.sound else None
+
+
+class _Earlier:
+    """The transitions from one state that stand before another, by what enables them."""
+
+    def __init__(self) -> None:
+        self._same: dict[Hashable, Transition] = {}
+        self._soonest: tuple[int, Transition] | None = None
+
+    def note(self, key: Hashable, transition: Transition) -> None:
+        """Remember a transition."""
+        if not isinstance(key, int):
+            self._same.setdefault(key, transition)
+        elif self._soonest is None or key < self._soonest[0]:
+            self._soonest = key, transition
+
+    def found(self, key: Hashable) -> tuple[str, Transition] | None:
+        """Return a transition that is enabled whenever one with this key is, and how that comes."""
+        if key is not None and self._soonest:
+            delay, transition = self._soonest
+            if delay == 0:
+                return "in any case", transition
+            if isinstance(key, int) and delay <= key:
+                return "after no longer time", transition
+        return ("on the same condition", self._same[key]) if key in self._same else None
+
+
+def _livelock(report: Report, transition: Transition) -> None:
+    trigger, destination = transition.trigger, transition.destination
+    instant = trigger is None or (isinstance(trigger, int) and trigger <= 0)
+    if instant and not transition.wildcard and destination in transition.sources:
+        message = (
+            f"`{destination}` is left and entered anew at every tick, so that nothing in it ever runs; "
+            f"give this transition a condition or a time, or another destination."
+        )
+        report.add("LRP405", transition.span, message)

@@ -1,0 +1,211 @@
+"""3xx: references to what does not exist, each with the name that was meant if one is near.
+
+What comes back are the references as they were meant, so that one misspelt name is one finding, and
+not a state out of reach as well.
+
+Paper: §6.2, §9.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+from lrp_jupyter.language.checks.report import Report, replace
+from lrp_jupyter.language.checks.scope import Scope
+from lrp_jupyter.language.program import Event, Fix, Name, Span, Spawn, Transition, path_text
+
+__all__ = ["Arrow", "Links", "Spawned", "check_references"]
+
+_OPENING = re.compile(r"\(\s*(?:[;#][^\r\n]*\s+)*(\w+)")
+"""From the bracket of a form to its keyword, across comments."""
+
+
+class Spawned(NamedTuple):
+    """A spawn of a machine: by a state of `scope`, or at top level; its start state, if known."""
+
+    scope: Scope
+    state: str
+    machine: Scope
+    start: str | None
+
+
+class Arrow(NamedTuple):
+    """A transition as it is probably meant.
+
+    Parameters
+    ----------
+    transition : Transition
+    sources : list of str
+        Those that it names, or that a wildcard leaves out.
+    event : Event or None
+    targets : list of tuple of Scope and str
+        The machines and states to which it leads: several for an `exit` of a machine that is spawned
+        from several.
+    sound : bool
+        All its references resolve as they stand.
+    """
+
+    transition: Transition
+    sources: list[str]
+    event: Event | None
+    targets: list[tuple[Scope, str]]
+    sound: bool
+
+
+@dataclass(slots=True)
+class Links:
+    """What the references of a program mean.
+
+    Parameters
+    ----------
+    spawned : list of Spawned
+    guess : bool
+        Some spawn names a machine that cannot even be guessed: it may mean any.
+    arrows : dict of Scope to list of Arrow
+        In the order of the text.
+    """
+
+    spawned: list[Spawned] = field(default_factory=list)
+    guess: bool = False
+    arrows: dict[Scope, list[Arrow]] = field(default_factory=dict)
+
+
+def check_references(report: Report, top: Scope) -> Links:
+    """Report every reference that dangles, and say what all of them mean."""
+    return _References(report, top).links
+
+
+class _References:
+    def __init__(self, report: Report, top: Scope) -> None:
+        self.report = report
+        self.top = top
+        self.links = Links()
+        scopes = list(top.walk())
+        for spawn in report.program.spawns:
+            self._spawn(top, "", spawn)
+        for scope in scopes:
+            for state, spawn in scope.spawns():
+                self._spawn(scope, state, spawn)
+        spawners: dict[Scope, dict[Scope, None]] = {}
+        for spawned in self.links.spawned:
+            spawners.setdefault(spawned.machine, {})[spawned.scope] = None
+        for scope in scopes:
+            around = [outer for outer in spawners.get(scope, [scope.outer]) if outer and outer.path]
+            self.links.arrows[scope] = [self._arrow(scope, around, part) for part in scope.transitions]
+
+    def _spawn(self, scope: Scope, state: str, spawn: Spawn) -> None:
+        known = scope.spawnable(state)
+        name: str | None = spawn.machine
+        if name not in known:
+            problem = f"There is no machine `{name}` that could be spawned here"
+            if spawn.machine in scope.path[::2]:
+                remedy = "a machine cannot spawn itself, nor one that it is part of"
+            else:
+                remedy = (
+                    self._elsewhere(lambda other: other.name == spawn.machine)
+                    or f"define `(machine {name} …)`"
+                )
+            name = self.report.unknown("LRP304", spawn.machine, problem, known, remedy)
+            self.links.guess |= name is None
+        if name is not None:
+            machine = known[name]
+            start = self._state("LRP305", spawn.state, machine)
+            self.links.spawned.append(Spawned(scope, state, machine, start))
+
+    def _arrow(self, scope: Scope, around: list[Scope], transition: Transition) -> Arrow:
+        before = len(self.report.findings)
+        sources = [self._state("LRP302", source, scope) for source in transition.sources]
+        event = None
+        if isinstance(transition.trigger, Name):
+            if transition.kind == "ontime":
+                self._delay(scope, transition.trigger)
+            else:
+                event = self._event(scope, transition.trigger)
+        lead = self._exit if transition.kind == "exit" else self._destination
+        targets = lead(scope, around, transition)
+        known = [source for source in sources if source is not None]
+        return Arrow(transition, known, event, targets, len(self.report.findings) == before)
+
+    def _state(self, code: str, name: Name, machine: Scope) -> str | None:
+        if name in machine.states:
+            return name
+        problem = f"`{machine.name}` has no state `{name}`"
+        return self.report.unknown(code, name, problem, machine.states, f"define `(state {name})` in it")
+
+    def _event(self, scope: Scope, name: Name) -> Event | None:
+        event = scope.event(name)
+        if event:
+            return event
+        if name in scope.visible:
+            message = f"`{name}` is a variable and no event; write `[{name}]` to test it."
+            self.report.add("LRP301", name.span, message, replace(name.span, f"[{name}]"))
+            return None
+        known = {name for outer in scope.outwards() for name in outer.events}
+        remedy = self._elsewhere(lambda other: name in other.events) or f"define `(event {name} […])`"
+        meant = self.report.unknown("LRP301", name, f"There is no event `{name}` here", known, remedy)
+        return scope.event(meant) if meant else None
+
+    def _delay(self, scope: Scope, name: Name) -> None:
+        if name in scope.visible:
+            return
+        if name in self.report.names:
+            message = f"`{name}` is no variable of the program; write `[{name}]` to use that of the notebook."
+            self.report.add("LRP308", name.span, message, replace(name.span, f"[{name}]"))
+            return
+        remedy = (
+            self._elsewhere(lambda other: name in other.variables)
+            or f"define `(var {name} := [1000])`, in milliseconds"
+        )
+        self.report.unknown("LRP308", name, f"There is no variable `{name}` here", scope.visible, remedy)
+
+    def _destination(
+        self, scope: Scope, around: list[Scope], transition: Transition
+    ) -> list[tuple[Scope, str]]:
+        name = transition.destination
+        outside = [(outer, str(name)) for outer in around if name in outer.states]
+        if name in scope.states or not outside:
+            meant = self._state("LRP303", name, scope)
+            return [(scope, meant)] if meant else []
+        message = (
+            f"`{name}` is a state of `{outside[0][0].name}`, outside of `{scope.name}`; "
+            f"only `(exit condition source -> {name})` leads there."
+        )
+        certain = transition.kind == "on" and len(transition.sources) == 1 and not transition.wildcard
+        self.report.add("LRP303", name.span, message, self._keyword(transition, "exit") if certain else None)
+        return outside
+
+    def _exit(self, scope: Scope, around: list[Scope], transition: Transition) -> list[tuple[Scope, str]]:
+        name = transition.destination
+        inside = [(scope, str(name))] if name in scope.states else []
+        fix = self._keyword(transition, "on") if inside else None
+        if not around:
+            message = f"No state is around `{scope.name}` that `exit` could leave; write `(on …)`."
+            self.report.add("LRP307", transition.span, message, fix)
+            return inside
+        targets = [(outer, str(name)) for outer in around if name in outer.states]
+        machines = " or ".join(f"`{outer.name}`" for outer in around)
+        if inside and not targets:
+            message = (
+                f"`{name}` is in `{scope.name}`, but `exit` leads to a state of {machines}; write `(on …)`."
+            )
+            self.report.add("LRP306", name.span, message, fix)
+            return inside
+        if targets:
+            return targets
+        problem = f"`exit` leads to a state of {machines}, where there is no `{name}`"
+        known = [state for outer in around for state in outer.states]
+        meant = self.report.unknown("LRP306", name, problem, known, f"define `(state {name})` there")
+        return [(outer, meant) for outer in around if meant in outer.states] if meant else []
+
+    def _keyword(self, transition: Transition, keyword: str) -> Fix | None:
+        """Return the fix that makes another kind of transition of this one."""
+        found = _OPENING.match(self.report.program.text, transition.span.start)
+        return replace(Span(*found.span(1)), keyword) if found else None
+
+    def _elsewhere(self, defines: Callable[[Scope], bool]) -> str | None:
+        """Say where a name is defined that cannot be seen here."""
+        path = next((scope.path for scope in self.top.walk() if defines(scope)), None)
+        return f"that of `{path_text(path)}` cannot be seen from here" if path else None

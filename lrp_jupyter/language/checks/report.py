@@ -1,0 +1,63 @@
+"""How a check says what it found."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from difflib import get_close_matches
+from functools import lru_cache
+
+from lrp_jupyter.language.checks.findings import CODES
+from lrp_jupyter.language.program import Edit, Finding, Fix, Name, Program, Span
+
+__all__ = ["Report", "nearest", "replace"]
+
+
+class Report:
+    """The findings of one check, gathered.
+
+    Parameters
+    ----------
+    program : Program
+    names : collection of str
+        Those that the session's namespace provides.
+    """
+
+    def __init__(self, program: Program, names: Collection[str]) -> None:
+        self.program = program
+        self.names = names
+        self.findings: list[Finding] = []
+
+    def add(self, code: str, span: Span, message: str, fix: Fix | None = None) -> None:
+        """Report a finding of the given code at a range of the text."""
+        start, end = self.program.place(span.start), self.program.place(span.end)
+        self.findings.append(Finding(code, CODES[code].severity, message, *start, *end, fix))
+
+    def unknown(self, code: str, name: Name, problem: str, known: Iterable[str], remedy: str) -> str | None:
+        """Report a name that means nothing, with the known one that was meant, if one is near.
+
+        Returns that name, so that what depends on it is checked as if it were repaired.
+        """
+        meant = nearest(name, known)
+        message = f"{problem}; did you mean `{meant}`?" if meant else f"{problem}; {remedy}."
+        self.add(code, name.span, message, replace(name.span, meant) if meant else None)
+        return meant
+
+    def line(self, span: Span) -> int:
+        """Return the line in which a range begins."""
+        return self.program.place(span.start)[0]
+
+
+def replace(span: Span, text: str) -> Fix:
+    """Return the fix that puts `text` in the place of a range."""
+    return Fix(f"Change to `{text}`", (Edit(span.start, span.end, text),))
+
+
+def nearest(name: str, known: Iterable[str]) -> str | None:
+    """Return the known name that is most like `name`, if one is like it."""
+    return _nearest(str(name), frozenset(map(str, known)))
+
+
+@lru_cache(maxsize=500)
+def _nearest(name: str, known: frozenset[str]) -> str | None:
+    same = sorted(other for other in known if other.lower() == name.lower())
+    return next(iter(same or get_close_matches(name, sorted(known), n=1, cutoff=0.7)), None)
