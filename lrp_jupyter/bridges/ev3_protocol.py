@@ -1,0 +1,241 @@
+"""The bytes that a Lego EV3 brick understands: direct commands, little endian.
+
+Pure functions. A *byte code* is one or more operations; a *frame* is a byte code with its
+header. Motor ports are a bit mask (A = 1 … D = 8) where a command may name several, and a number
+(A = 0 … D = 3) where it reads one; sensor ports are numbers (1 is 0), and 16 to 19 are the motors
+seen as sensors. The layer is always 0: the brick itself, no chained one.
+"""
+
+from __future__ import annotations
+
+import struct
+from typing import NamedTuple
+
+from lrp_jupyter.errors import BridgeError
+
+__all__ = [
+    "ALL_MOTORS",
+    "SAME_MODE",
+    "MotorReading",
+    "Reading",
+    "Reply",
+    "SensorReading",
+    "beep",
+    "brick_name",
+    "clear_count",
+    "constant",
+    "frame",
+    "parse_reading",
+    "read_everything",
+    "run_degrees",
+    "run_milliseconds",
+    "split_replies",
+    "start_power",
+    "start_speed",
+    "stop",
+    "variable",
+]
+
+ALL_MOTORS = 0b1111
+NAME_SIZE = 32
+MAXIMUM_FRAME = 1024  # the brick's buffer: what announces more is no brick
+
+_WITH_REPLY, _WITHOUT_REPLY = 0x00, 0x80
+_REPLY_OK, _REPLY_ERROR = 0x02, 0x04
+
+
+def constant(value: int) -> bytes:
+    """Encode a number as the shortest constant that the brick does not take for NaN.
+
+    The smallest number of each size (-128, -32768, …) *is* the brick's NaN, so it takes the next
+    size.
+
+    Raises
+    ------
+    BridgeError
+        The number does not fit 32 bits.
+    """
+    if -32 <= value <= 31:
+        return bytes([value & 0x3F])
+    for tag, size in ((0x81, 1), (0x82, 2), (0x83, 4)):
+        if abs(value) < 1 << (8 * size - 1):
+            return bytes([tag]) + value.to_bytes(size, "little", signed=True)
+    raise BridgeError(f"{value} is too large for the brick: 32 bits at most")
+
+
+def variable(offset: int) -> bytes:
+    """Encode the place of a result: its offset in the globals, which the reply carries."""
+    if offset < 32:
+        return bytes([0x60 | offset])
+    return bytes([0xE1, offset]) if offset < 256 else b"\xe2" + offset.to_bytes(2, "little")
+
+
+def frame(counter: int, code: bytes, size: int = 0, reply: bool = False) -> bytes:
+    """Put a byte code into a frame.
+
+    Parameters
+    ----------
+    counter : int
+        0 to 65535; the reply repeats it.
+    code : bytes
+        The operations.
+    size : int
+        Bytes of globals that the operations write and the reply carries.
+    reply : bool
+        Ask for a reply; one is always asked for when `size` is not 0.
+    """
+    kind = _WITH_REPLY if reply or size else _WITHOUT_REPLY
+    return struct.pack("<HHBH", len(code) + 5, counter, kind, size) + code
+
+
+class Reply(NamedTuple):
+    """One reply: the counter of its command, whether it was carried out, the globals."""
+
+    counter: int
+    ok: bool
+    data: bytes
+
+
+def split_replies(buffer: bytes) -> tuple[list[Reply], bytes]:
+    """Take the whole replies from what has arrived; what is left is the begin of the next.
+
+    Raises
+    ------
+    BridgeError
+        These bytes are no replies of a brick.
+    """
+    replies = []
+    while len(buffer) >= 2:
+        end = 2 + int.from_bytes(buffer[:2], "little")
+        if not 5 <= end <= MAXIMUM_FRAME:
+            raise BridgeError(f"the brick sent a frame of {end} bytes, which is none of its replies")
+        if len(buffer) < end:
+            break
+        counter, kind = struct.unpack_from("<HB", buffer, 2)
+        if kind not in (_REPLY_OK, _REPLY_ERROR):
+            raise BridgeError(f"the brick sent a frame of type 0x{kind:02x}, which is no reply")
+        replies.append(Reply(counter, kind == _REPLY_OK, buffer[5:end]))
+        buffer = buffer[end:]
+    return replies, buffer
+
+
+def _operation(*head: int, values: tuple[int, ...] = (), results: tuple[int, ...] = ()) -> bytes:
+    return bytes(head) + b"".join(map(constant, values)) + b"".join(map(variable, results))
+
+
+def _then_start(code: bytes, ports: int) -> bytes:
+    return code + _operation(0xA6, values=(0, ports))
+
+
+def start_speed(ports: int, speed: int) -> bytes:
+    """Turn motors at a regulated speed, -100 to 100, until told otherwise."""
+    return _then_start(_operation(0xA5, values=(0, ports, speed)), ports)
+
+
+def start_power(ports: int, power: int) -> bytes:
+    """Turn motors with unregulated power, -100 to 100, until told otherwise."""
+    return _then_start(_operation(0xA4, values=(0, ports, power)), ports)
+
+
+def run_degrees(ports: int, speed: int, degrees: int, brake: bool) -> bytes:
+    """Turn motors by an angle (at least 0; the direction is the speed's), then stop them."""
+    return _then_start(_operation(0xAE, values=(0, ports, speed, 0, degrees, 0, brake)), ports)
+
+
+def run_milliseconds(ports: int, speed: int, milliseconds: int, brake: bool) -> bytes:
+    """Turn motors for a time, then stop them."""
+    return _then_start(_operation(0xAF, values=(0, ports, speed, 0, milliseconds, 0, brake)), ports)
+
+
+def stop(ports: int, brake: bool) -> bytes:
+    """Stop motors and hold them (brake), or let them run out."""
+    return _operation(0xA3, values=(0, ports, brake))
+
+
+def clear_count(ports: int) -> bytes:
+    """Set the rotation counts of motors to zero."""
+    return _operation(0xB2, values=(0, ports))
+
+
+def beep(volume: int, frequency: int, milliseconds: int) -> bytes:
+    """Sound a tone: volume 0 to 100, frequency in Hz."""
+    return _operation(0x94, 0x01, values=(volume, frequency, milliseconds))
+
+
+def brick_name() -> tuple[bytes, int]:
+    """Ask for the brick's name: the byte code and the size of its zero-terminated reply."""
+    return _operation(0xD3, 0x0D, values=(NAME_SIZE,), results=(0,)), NAME_SIZE
+
+
+class MotorReading(NamedTuple):
+    """A motor: rotation count in degrees, speed in percent, type (7 large, 8 medium)."""
+
+    count: int
+    speed: int
+    type: int
+
+
+class SensorReading(NamedTuple):
+    """A sensor: its value in the unit of its mode (NaN: none), type and mode numbers."""
+
+    value: float
+    type: int
+    mode: int
+
+
+class Reading(NamedTuple):
+    """Everything that the brick knows at one moment; the battery in percent."""
+
+    motors: tuple[MotorReading, ...]
+    sensors: tuple[SensorReading, ...]
+    battery: int
+
+
+# Numbers of 32 bits come first: the brick's processor cannot write them at odd places.
+_LAYOUT = struct.Struct("<4i4fi4b8b8bB")
+_COUNTS, _VALUES, _UNUSED, _SPEEDS, _MOTOR_TYPES, _SENSOR_TYPES, _BATTERY = 0, 16, 32, 36, 40, 48, 56
+_SAME_TYPE, SAME_MODE = 0, -1
+
+
+def read_everything(modes: tuple[int, ...] = (SAME_MODE,) * 4) -> tuple[bytes, int]:
+    """Ask for all motors, sensors and the battery in one frame: the byte code, the reply's size.
+
+    It never makes the brick wait for a sensor (a sensor that has just changed its mode says NaN).
+
+    Parameters
+    ----------
+    modes : tuple of int
+        The mode that each sensor shall measure in, or -1 for the one it is in.
+    """
+    code = b""
+    for motor in range(4):
+        code += _operation(0xB3, values=(0, motor), results=(_COUNTS + 4 * motor,))
+        # READ's own count is another one, which CLR_COUNT does not clear
+        code += _operation(0xA8, values=(0, motor), results=(_SPEEDS + motor, _UNUSED))
+        place = _MOTOR_TYPES + 2 * motor
+        code += _operation(0x99, 0x05, values=(0, 16 + motor), results=(place, place + 1))
+    for sensor, mode in enumerate(modes):
+        code += _operation(0x9D, values=(0, sensor, _SAME_TYPE, mode), results=(_VALUES + 4 * sensor,))
+        place = _SENSOR_TYPES + 2 * sensor
+        code += _operation(0x99, 0x05, values=(0, sensor), results=(place, place + 1))
+    return code + _operation(0x81, 0x12, results=(_BATTERY,)), _LAYOUT.size
+
+
+def parse_reading(data: bytes) -> Reading:
+    """Read the reply to :func:`read_everything`.
+
+    Raises
+    ------
+    BridgeError
+        The reply has another size.
+    """
+    if len(data) != _LAYOUT.size:
+        raise BridgeError(f"the brick answered with {len(data)} bytes instead of {_LAYOUT.size}")
+    numbers = _LAYOUT.unpack(data)
+    counts, values, speeds = numbers[0:4], numbers[4:8], numbers[9:13]
+    motor_types, sensor_types, sensor_modes = numbers[13:21:2], numbers[21:29:2], numbers[22:29:2]
+    return Reading(
+        tuple(map(MotorReading, counts, speeds, motor_types)),
+        tuple(map(SensorReading, values, sensor_types, sensor_modes)),
+        numbers[29],
+    )

@@ -1,0 +1,283 @@
+"""The connection to a brick: every fault is answered within a second, by a sentence."""
+
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from typing import Any
+
+import pytest
+
+from lrp_jupyter.bridges import ev3_protocol as protocol
+from lrp_jupyter.bridges.ev3_client import BrickClient, NoBrickError, check_address, connect, parse_beacon
+from lrp_jupyter.errors import BridgeError
+
+NAME = protocol.brick_name()
+
+
+@contextmanager
+def within_a_second(match: str | None = None) -> Iterator[None]:
+    """Expect a BridgeError, soon; the limit is 1 s, and the machine may be busy."""
+    begin = time.monotonic()
+    with pytest.raises(BridgeError, match=match):
+        yield
+    assert time.monotonic() - begin < 1.2
+
+
+@pytest.fixture
+def stranger() -> Iterator[Callable[[bytes | None], int]]:
+    """Make TCP servers that are no bricks; each says one thing (None: nothing) and keeps the line."""
+    servers: list[socket.socket] = []
+    threads: list[threading.Thread] = []
+
+    def make(answer: bytes | None) -> int:
+        server = socket.create_server(("127.0.0.1", 0))
+        servers.append(server)
+
+        def serve() -> None:
+            connection, _ = server.accept()
+            with connection, suppress(ConnectionResetError):  # whoever rings off may leave words unread
+                if answer is not None:
+                    connection.sendall(answer)
+                while connection.recv(100):
+                    pass
+
+        threads.append(threading.Thread(target=serve))
+        threads[-1].start()
+        return int(server.getsockname()[1])
+
+    yield make
+    for thread in threads:
+        thread.join(2)
+    for server in servers:
+        server.close()
+
+
+def test_a_brick_answers(client: BrickClient) -> None:
+    assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
+
+
+def test_the_unlocking_text_is_that_of_the_documentation(client: BrickClient, brick: Any) -> None:
+    client.request(*NAME)
+    assert brick.greetings == [b"GET /target?sn= VMTP1.0\r\nProtocol: EV3"]
+
+
+def test_a_command_is_carried_out_without_an_answer(client: BrickClient, brick: Any) -> None:
+    client.command(protocol.start_speed(0b0101, 40))
+    client.request(*NAME)
+    assert [motor.turning for motor in brick.motors] == [40, 0, 40, 0]
+
+
+@pytest.mark.parametrize("fault", ["split", "merge"])
+def test_replies_cut_or_joined_by_the_network_are_read(client: BrickClient, brick: Any, fault: str) -> None:
+    brick.fault = fault
+    for _ in range(3):
+        assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
+
+
+@pytest.mark.parametrize(
+    ("fault", "sentence"),
+    [
+        ("half", "does not answer"),
+        ("silent", "does not answer"),
+        ("close", "closed the connection"),
+        ("noise", "none of its replies"),
+    ],
+)
+def test_a_brick_that_does_not_answer_as_it_should_is_lost(
+    client: BrickClient, brick: Any, fault: str, sentence: str
+) -> None:
+    brick.fault = fault
+    with within_a_second(sentence):
+        client.request(*NAME)
+    brick.fault = ""
+    with within_a_second(sentence):
+        client.command(protocol.stop(15, True))
+    assert sentence in client.lost
+
+
+def test_a_refused_command_is_an_error_and_no_loss(client: BrickClient, brick: Any) -> None:
+    brick.fault = "refuse"
+    with within_a_second("refused"):
+        client.request(*NAME)
+    brick.fault = ""
+    assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
+
+
+def test_an_unplugged_brick_is_lost(client: BrickClient, brick: Any) -> None:
+    brick.unplug()
+    with within_a_second("does not answer"):
+        client.request(*NAME)
+
+
+def test_a_lost_connection_is_cut_so_that_nothing_under_way_arrives_later(
+    client: BrickClient, brick: Any, until: Callable[..., None]
+) -> None:
+    brick.fault = "silent"
+    with within_a_second():
+        client.request(*NAME)
+    client.close()
+    until(lambda: brick.resets == 1)
+    assert brick.goodbyes == 0
+    frames = len(brick.frames)
+    with within_a_second():
+        client.command(protocol.start_speed(1, 50))
+    assert len(brick.frames) == frames
+
+
+def test_a_closed_connection_delivers_what_was_sent_before(brick: Any, until: Callable[..., None]) -> None:
+    client = BrickClient(("127.0.0.1", brick.port))
+    client.command(protocol.stop(15, True))
+    client.close()
+    until(lambda: brick.goodbyes == 1)
+    assert all(motor.braked for motor in brick.motors)
+
+
+def test_a_brick_that_takes_no_more_bytes_is_lost(client: BrickClient, brick: Any) -> None:
+    brick.unplug()
+    with within_a_second("takes no commands"):
+        for _ in range(10_000):  # until every buffer between here and the brick is full
+            client.command(protocol.stop(15, True) * 200, 0.2)
+
+
+def test_a_question_that_waits_is_woken_by_the_loss_of_the_connection(
+    client: BrickClient, brick: Any
+) -> None:
+    brick.fault = "silent"
+
+    def give_up() -> None:
+        with suppress(BridgeError):
+            client.lose("somebody gave up")
+
+    threading.Timer(0.05, give_up).start()
+    with within_a_second("somebody gave up"):
+        client.request(*NAME)
+
+
+def test_a_command_does_not_wait_for_a_question_under_way(client: BrickClient, brick: Any) -> None:
+    brick.fault = "silent"
+
+    def ask() -> None:
+        with suppress(BridgeError):
+            client.request(*NAME)
+
+    asking = threading.Thread(target=ask)
+    asking.start()
+    begin = time.monotonic()
+    client.command(protocol.stop(15, True))
+    assert time.monotonic() - begin < 0.1
+    asking.join()
+
+
+def test_many_threads_share_a_connection(client: BrickClient, brick: Any) -> None:
+    wrong: list[object] = []
+
+    def work(port: int) -> None:
+        for _ in range(20):
+            client.command(protocol.start_speed(port, port))
+            if client.request(*NAME).rstrip(b"\0") != b"SLOWPOKE":
+                wrong.append(port)
+
+    threads = [threading.Thread(target=work, args=(1 << i,)) for i in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(10)
+    assert wrong == []
+    assert [motor.turning for motor in brick.motors] == [1, 2, 4, 8]
+
+
+@pytest.mark.parametrize("answer", [None, b"", b"HTTP/1.1 400 Bad Request\r\n\r\n", b"Accept:EV3", b"A" * 16])
+def test_a_host_that_is_no_brick_is_told_within_a_second(
+    stranger: Callable[[bytes | None], int], answer: bytes | None, free_udp_port: int
+) -> None:
+    port = stranger(answer)
+    with within_a_second("is no EV3 brick"):
+        connect("127.0.0.1", port=port, beacon_port=free_udp_port)
+
+
+def test_an_address_where_nothing_is_gives_up_in_time(free_udp_port: int) -> None:
+    with within_a_second("no EV3 brick found: no connection to 127.0.0.1:1: .*refused"):
+        connect("127.0.0.1", port=1, beacon_port=free_udp_port, patience=0.3)
+
+
+def test_without_address_and_beacon_the_search_gives_up_in_time(free_udp_port: int) -> None:
+    with within_a_second("no beacon"):
+        connect(beacon_port=free_udp_port, patience=0.3)
+
+
+def test_a_search_can_be_cancelled(free_udp_port: int) -> None:
+    with within_a_second("no EV3 brick found"):
+        connect(beacon_port=free_udp_port, patience=60, cancelled=lambda: True)
+
+
+@pytest.mark.parametrize("address", ["", "ev3.local", "1.2.3", "1.2.3.4.5", "300.1.1.1", "[::1]"])
+def test_what_is_no_address_is_refused_at_once(address: str) -> None:
+    with within_a_second("is no address of a brick"):
+        check_address(address)
+
+
+def test_a_brick_is_found_by_its_beacon_and_unlocked_by_its_serial_number(
+    make_brick: Callable[..., Any], free_udp_port: int
+) -> None:
+    brick = make_brick(free_udp_port)
+    client = connect(beacon_port=free_udp_port, patience=3)
+    assert client.address == ("127.0.0.1", brick.port)
+    assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
+    assert brick.greetings == [b"GET /target?sn=0016535a1b2c VMTP1.0\r\nProtocol: EV3"]
+    assert brick.answers >= 1
+    client.close()
+
+
+def test_a_brick_that_refuses_tcp_until_its_beacon_is_answered_is_found_by_its_address(
+    make_brick: Callable[..., Any], free_udp_port: int
+) -> None:
+    brick = make_brick(free_udp_port)
+    with pytest.raises(BridgeError, match="refused"):
+        BrickClient(("127.0.0.1", brick.port))
+    client = connect("127.0.0.1", port=brick.port, beacon_port=free_udp_port, patience=3)
+    assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
+    client.close()
+
+
+def test_where_an_address_is_given_tcp_needs_no_beacon(brick: Any, free_udp_port: int) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other_program:
+        other_program.bind(("", free_udp_port))
+        client = connect("127.0.0.1", port=brick.port, beacon_port=free_udp_port)
+    assert client.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
+    client.close()
+
+
+def test_a_beacon_that_cannot_be_heard_is_told(free_udp_port: int) -> None:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other_program:
+        other_program.bind(("", free_udp_port))
+        with within_a_second(f"UDP port {free_udp_port} cannot be listened to"):
+            connect(beacon_port=free_udp_port)
+
+
+def test_the_beacon_of_another_brick_is_not_answered(
+    make_brick: Callable[..., Any], free_udp_port: int
+) -> None:
+    brick = make_brick(free_udp_port)
+    with within_a_second("no beacon of it"):
+        connect(serial="001653ffffff", beacon_port=free_udp_port, patience=0.4)
+    assert (brick.answers, brick.connections) == (0, 0)
+
+
+def test_a_beacon_is_read() -> None:
+    data = b"Serial-Number: 0016533f0c1e\r\nPort: 5555\r\nName: EV3 of Ann\r\nProtocol: EV3\r\n"
+    assert parse_beacon(data) == ("0016533f0c1e", 5555, "EV3 of Ann")
+
+
+@pytest.mark.parametrize(
+    "data", [b"", b"\xff\xfe\0", b"Port: 5555\r\n", b"Serial-Number: 1\r\nPort: x\r\nProtocol: EV3\r\n"]
+)
+def test_another_datagram_is_no_beacon(data: bytes) -> None:
+    assert parse_beacon(data) is None
+
+
+def test_a_stranger_is_told_apart_from_an_absent_brick() -> None:
+    assert issubclass(NoBrickError, BridgeError)
