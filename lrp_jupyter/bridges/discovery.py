@@ -114,22 +114,29 @@ def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any
     else:
         bridge = find_bridges()[choose_bridge(which)].load() if isinstance(which, str) else which
     if inspect.isabstract(bridge):
-        raise BridgeError(
-            f"`{bridge.__name__}` lacks `open_interface`, the one method that a bridge must have."
-        )
-    parameters = (
-        inspect.signature(bridge.__init__).parameters if bridge.__init__ is not object.__init__ else {}
-    )
-    takes_any = any(p.kind is p.VAR_KEYWORD for p in parameters.values())
+        missing = ", ".join(f"`{name}`" for name in sorted(bridge.__abstractmethods__))
+        raise BridgeError(f"`{bridge.__name__}` lacks {missing}: a bridge must have it.")
+    _check_options(bridge, options)
+    return bridge(**options)
+
+
+def _check_options(bridge: type[Bridge], options: Mapping[str, Any]) -> None:
+    """Say in a sentence which option is wrong, before Python says it in terms of ``__init__``."""
+    known = dict(inspect.signature(bridge).parameters)
+    if bridge.__init__ is object.__init__:
+        known = {}
+    elif any(parameter.kind is parameter.VAR_KEYWORD for parameter in known.values()):
+        return
     for option in options:
-        if option not in parameters and not takes_any:
-            known = [name for name in parameters if name != "self"]
+        if option not in known:
             listed = ", ".join(f"`{name}`" for name in known) or "no options"
             raise BridgeError(
                 f"The bridge `{bridge.name}` has no option `{option}`; it takes {listed}."
                 f"{did_you_mean(option, known)}"
             )
-    return bridge(**options)
+    for name, parameter in known.items():
+        if parameter.default is parameter.empty and name not in options:
+            raise BridgeError(f"The bridge `{bridge.name}` needs the option `{name}`.")
 
 
 def open_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any) -> Bridge:

@@ -1,0 +1,214 @@
+"""Finding bridges: packages offer them, notebooks define them, somebody chooses."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from abc import abstractmethod
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge, NullBridge
+from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge, open_bridge
+from lrp_jupyter.errors import BridgeError
+
+
+@pytest.fixture
+def registry() -> Iterator[dict[str, type[Bridge]]]:
+    """What is defined in a test is forgotten after it."""
+    before = dict(Bridge.registry)
+    yield Bridge.registry
+    Bridge.registry.clear()
+    Bridge.registry.update(before)
+
+
+@pytest.fixture
+def package(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An installed package with three bridges: a good one, one that cannot be imported, one that is none."""
+    info = tmp_path / "robots_for_all-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: robots-for-all\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(
+        "[lrp.bridges]\n"
+        "test-good = robots_for_all:Good\n"
+        "test-bad = robots_for_all_bad:Bad\n"
+        "test-none = robots_for_all:nothing\n"
+    )
+    (tmp_path / "robots_for_all.py").write_text(
+        "from lrp_jupyter.bridges import Bridge\n"
+        "class Good(Bridge):\n"
+        "    name = 'test-good'\n"
+        "    def open_interface(self): self.add_variable('depth', lambda: 3, 'below the surface')\n"
+        "nothing = 3\n"
+    )
+    (tmp_path / "robots_for_all_bad.py").write_text("import a_library_that_is_not_installed\n")
+    monkeypatch.syspath_prepend(str(tmp_path))
+    monkeypatch.delitem(sys.modules, "robots_for_all", raising=False)
+    return tmp_path
+
+
+def test_the_bridges_of_this_package_are_found_by_name() -> None:
+    known = find_bridges()
+    assert {"none", "sim"} <= set(known)
+    assert known["sim"].origin == "lrp-jupyter"
+    assert known["none"].load() is NullBridge
+
+
+def test_looking_at_the_list_imports_no_bridge() -> None:
+    code = (
+        "import sys, lrp_jupyter.bridges as b\n"
+        "assert 'sim' in b.find_bridges()\n"
+        "bad = {'pymunk', 'lrp_jupyter.bridges.sim', 'lrp_jupyter.bridges.ros', 'lrp_jupyter.bridges.ev3'}\n"
+        "assert not bad & set(sys.modules), bad & set(sys.modules)\n"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, timeout=60)
+
+
+def test_a_class_is_found_as_soon_as_it_is_defined(registry: dict[str, type[Bridge]]) -> None:
+    class MyBot(Bridge):
+        def open_interface(self) -> None:
+            """Nothing."""
+
+    assert MyBot.name == "mybot"
+    assert find_bridges()["mybot"].load() is MyBot
+    assert find_bridges()["mybot"].origin == "defined here"
+
+
+def test_a_cell_that_is_run_again_defines_the_bridge_anew(registry: dict[str, type[Bridge]]) -> None:
+    def cell() -> type[Bridge]:
+        class MyBot(Bridge):
+            name = "mybot"
+
+            def open_interface(self) -> None:
+                """Nothing."""
+
+        return MyBot
+
+    first, second = cell(), cell()
+    assert find_bridges()["mybot"].load() is second is not first
+
+
+def test_a_subclass_has_a_name_of_its_own(registry: dict[str, type[Bridge]]) -> None:
+    class Cart(Bridge):
+        name = "cart"
+
+        def open_interface(self) -> None:
+            """Nothing."""
+
+    class BigCartBridge(Cart):
+        pass
+
+    assert BigCartBridge.name == "bigcart"
+    assert find_bridges()["cart"].load() is Cart
+
+
+def test_what_is_abstract_is_not_listed(registry: dict[str, type[Bridge]]) -> None:
+    class Family(Bridge):
+        @abstractmethod
+        def connect(self) -> None:
+            """Each in its own way."""
+
+    assert "family" in Bridge.registry
+    assert "family" not in find_bridges()
+    with pytest.raises(BridgeError, match="`Family` lacks `connect`, `open_interface`"):
+        make_bridge(Family)
+
+
+@pytest.mark.parametrize("taken", ["none", "sim"])
+def test_the_names_of_the_defaults_cannot_be_taken(registry: dict[str, type[Bridge]], taken: str) -> None:
+    with pytest.raises(BridgeError, match=f"The name `{taken}` is taken; give `Mine` another"):
+        type("Mine", (NullBridge,), {"name": taken, "__module__": "__main__"})
+    assert find_bridges()[taken].origin == "lrp-jupyter"
+
+
+def test_the_default_is_chosen_unless_somebody_names_another(registry: dict[str, type[Bridge]]) -> None:
+    class MyBot(Bridge):
+        def open_interface(self) -> None:
+            """Nothing."""
+
+    assert choose_bridge() == "sim", "hardware is never chosen by itself"
+    assert choose_bridge(default="none") == "none"
+    assert choose_bridge("mybot") == "mybot"
+
+
+def test_an_unknown_name_is_answered_with_the_known_ones() -> None:
+    with pytest.raises(
+        BridgeError, match=r"There is no bridge `simm`; there are .*`sim`.* Did you mean `sim`\?"
+    ):
+        choose_bridge("simm")
+
+
+def test_a_packages_bridge_is_found_and_opened(registry: dict[str, type[Bridge]], package: Path) -> None:
+    assert find_bridges()["test-good"].origin == "robots-for-all"
+    bridge = open_bridge("test-good")
+    assert bridge.robot.depth == 3
+    assert find_bridges()["test-good"].origin == "robots-for-all", "also once it is imported"
+
+
+def test_a_bridge_that_cannot_be_imported_disturbs_no_other(
+    registry: dict[str, type[Bridge]], package: Path
+) -> None:
+    with pytest.raises(BridgeError) as error:
+        open_bridge("test-bad")
+    assert str(error.value) == (
+        "The bridge `test-bad` of the package robots-for-all cannot be loaded:"
+        " ModuleNotFoundError: No module named 'a_library_that_is_not_installed'"
+    )
+    with pytest.raises(BridgeError, match=r"`robots_for_all:nothing` .* is no subclass of Bridge"):
+        open_bridge("test-none")
+    assert open_bridge("test-good").is_open
+
+
+def test_a_definition_in_the_notebook_wins_over_a_packages(
+    registry: dict[str, type[Bridge]], package: Path
+) -> None:
+    class Better(Bridge):
+        name = "test-good"
+
+        def open_interface(self) -> None:
+            """Nothing."""
+
+    assert find_bridges()["test-good"].load() is Better
+
+
+def test_options_go_to_the_bridge_and_unknown_ones_are_refused() -> None:
+    bridge = open_bridge("sim", world="empty", seed=3)
+    assert bridge.robot.light.data == 255
+    with pytest.raises(BridgeError, match=r"`sim` has no option `wrold`; it takes .* Did you mean `world`\?"):
+        make_bridge("sim", wrold="line")
+    with pytest.raises(BridgeError, match="`none` has no option `host`; it takes no options"):
+        make_bridge("none", host="10.0.0.7")
+
+
+def test_a_bridge_may_take_any_option(registry: dict[str, type[Bridge]]) -> None:
+    class Free(Bridge):
+        def __init__(self, **options: object) -> None:
+            self.options = options
+
+        def open_interface(self) -> None:
+            """Nothing."""
+
+    assert make_bridge("free", colour="red").options == {"colour": "red"}  # type: ignore[attr-defined]
+
+
+def test_an_option_that_is_missing_is_a_bridge_error(registry: dict[str, type[Bridge]]) -> None:
+    class Needy(Bridge):
+        def __init__(self, port: str) -> None:
+            self.port = port
+
+        def open_interface(self) -> None:
+            """Nothing."""
+
+    with pytest.raises(BridgeError, match="`needy` needs the option `port`"):
+        make_bridge("needy")
+
+
+def test_a_class_an_object_and_nothing_are_taken_as_they_are() -> None:
+    assert isinstance(make_bridge(), NullBridge)
+    assert isinstance(make_bridge(NullBridge), NullBridge)
+    bridge = NullBridge()
+    assert make_bridge(bridge) is bridge
+    with pytest.raises(BridgeError, match="exists already"):
+        make_bridge(bridge, world="line")
