@@ -263,6 +263,12 @@ class Machine:
             labels.append(label if count == 1 else f"{label}#{count}")
         return tuple(labels)
 
+    def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
+        """Show itself in a notebook: a picture, and a tree as plain text."""
+        from lrp_jupyter.views.still import mimebundle  # views build on this module
+
+        return mimebundle(self)
+
 
 @dataclass(frozen=True)
 class Program:
@@ -300,6 +306,12 @@ class Program:
                     yield from inside((*path, str(state.name)), state.machines)
 
         yield from inside((), self.machines)
+
+    def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
+        """Show itself in a notebook: a picture, and a tree as plain text."""
+        from lrp_jupyter.views.still import mimebundle  # views build on this module
+
+        return mimebundle(self)
 
 
 _LINE_END = re.compile(r"\r\n|\r|\n")

@@ -1,0 +1,382 @@
+"""The ways of arrows: quadratic arcs from border to border, loops on top, labels beside them.
+
+Edges are routed anew each time; only states have places that must stay.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from itertools import pairwise
+
+from lrp_jupyter.views.places import Box, Point
+
+__all__ = ["Route", "arc", "bends", "detour", "loop", "place_labels", "straight"]
+
+OPPOSITE, PARALLEL = 22.0, 26.0
+"""How far apart the middles of opposite and of parallel arrows are, in px."""
+TIP = 9.0
+"""Length of an arrow's head, in px."""
+CLEAR = 7.0
+"""How far an arrow stays away from states that it passes, in px."""
+DETOURS = (0.0, 28.0, -28.0, 52.0, -52.0, 84.0, -84.0, 124.0, -124.0, 176.0, -176.0, 240.0, -240.0)
+LABEL_GAP = 5.0
+PORT = 5.5
+"""How far from the middle of a port an arrow ends, in px."""
+SAMPLES = 16
+
+
+@dataclass
+class Route:
+    """The way of one arrow.
+
+    Parameters
+    ----------
+    d, head : str
+        SVG path data of the shaft and of the head.
+    points : list of (float, float)
+        Points along the shaft, evenly by parameter, from source to target.
+    side : int
+        On which side of the way its label had better stand: 1 is the right hand (of a walker, y
+        grows downwards), -1 the left.
+    mark : str
+        SVG path data of the cross on a broken arrow, else empty.
+    """
+
+    d: str
+    head: str
+    points: list[Point]
+    side: int = 1
+    mark: str = ""
+    obstacles: list[Box] = field(default_factory=list)
+
+
+def bends(forward: int, backward: int) -> tuple[list[float], list[float]]:
+    """Say how far the middles of the arrows between two states leave the straight line.
+
+    Parameters
+    ----------
+    forward, backward : int
+        How many arrows lead each way.
+
+    Returns
+    -------
+    two lists of float
+        px, positive to the right hand of the arrow's own direction.
+    """
+    if forward and backward:
+        return (
+            [OPPOSITE / 2 + PARALLEL * i for i in range(forward)],
+            [OPPOSITE / 2 + PARALLEL * i for i in range(backward)],
+        )
+    middle = (forward + backward - 1) / 2
+    spread = [PARALLEL * (i - middle) for i in range(forward + backward)]
+    return (spread, []) if forward else ([], spread)
+
+
+def number(value: float) -> str:
+    """Write a coordinate: one decimal at most."""
+    text = f"{value:.1f}"
+    return text[:-2] if text.endswith(".0") else text
+
+
+def _path(command: str, *points: Point) -> str:
+    return command + " ".join(f"{number(x)} {number(y)}" for x, y in points)
+
+
+def _quadratic(p: Point, c: Point, q: Point, t: float) -> Point:
+    a, b, d = (1 - t) * (1 - t), 2 * t * (1 - t), t * t
+    return a * p[0] + b * c[0] + d * q[0], a * p[1] + b * c[1] + d * q[1]
+
+
+def _part(p: Point, c: Point, q: Point, start: float, end: float) -> tuple[Point, Point, Point]:
+    """Cut a quadratic arc: the piece between two parameters, by its three points."""
+    first, last = _quadratic(p, c, q, start), _quadratic(p, c, q, end)
+    along = (p[0] + (c[0] - p[0]) * start, p[1] + (c[1] - p[1]) * start)
+    beyond = (c[0] + (q[0] - c[0]) * start, c[1] + (q[1] - c[1]) * start)
+    return first, (along[0] + (beyond[0] - along[0]) * end, along[1] + (beyond[1] - along[1]) * end), last
+
+
+def _leaving(box: Box, p: Point, c: Point, q: Point) -> float:
+    """At which parameter an arc that starts inside a box leaves it."""
+    low, high = 0.0, 0.5
+    for _ in range(18):
+        middle = (low + high) / 2
+        if box.holds(_quadratic(p, c, q, middle)):
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _head(base: Point, tip: Point) -> str:
+    length = math.hypot(tip[0] - base[0], tip[1] - base[1]) or 1.0
+    x, y = (tip[0] - base[0]) / length, (tip[1] - base[1]) / length
+    back = (tip[0] - TIP * x, tip[1] - TIP * y)
+    half = TIP * 0.42
+    return (
+        _path("M", tip, (back[0] - half * y, back[1] + half * x), (back[0] + half * y, back[1] - half * x))
+        + "Z"
+    )
+
+
+def detour(source: Box, target: Box, offsets: Sequence[float], others: Iterable[Box]) -> float:
+    """Say how far all arrows between two states must be bent together to pass the states between.
+
+    Parameters
+    ----------
+    source, target : Box
+    offsets : sequence of float
+        What :func:`bends` says for each arrow, px, positive to the right hand on the way from `source`
+        to `target`.
+    others : iterable of Box
+        The other states.
+
+    Returns
+    -------
+    float
+        px, to be added to each offset; 0 where the way is clear, and the least evil where none is.
+    """
+    length = math.dist((source.x, source.y), (target.x, target.y))
+    choices = [*DETOURS, 0.3 * length, -0.3 * length, 0.5 * length, -0.5 * length]
+    passed = list(others)
+    best, least = 0.0, math.inf
+    for choice in choices:
+        cost = abs(choice)
+        for offset in offsets:
+            if cost < least:
+                p, c, q = _bent(source, target, offset, choice)
+                if near := _near(passed, p, c, q):
+                    points = [_quadratic(p, c, q, (i + 0.5) / SAMPLES) for i in range(SAMPLES)]
+                    cost += 60.0 * sum(box.holds(point, CLEAR) for box in near for point in points)
+        if cost < least:
+            best, least = choice, cost
+        if least <= abs(choice):
+            break
+    return best
+
+
+def _near(boxes: Iterable[Box], p: Point, c: Point, q: Point) -> list[Box]:
+    """Keep the boxes that an arc may meet: those that reach into the rectangle around its points."""
+    left, right = min(p[0], c[0], q[0]) - CLEAR, max(p[0], c[0], q[0]) + CLEAR
+    top, bottom = min(p[1], c[1], q[1]) - CLEAR, max(p[1], c[1], q[1]) + CLEAR
+    return [
+        box
+        for box in boxes
+        if left < box.x + box.width / 2
+        and box.x - box.width / 2 < right
+        and top < box.y + box.height / 2
+        and box.y - box.height / 2 < bottom
+    ]
+
+
+def _bent(source: Box, target: Box, offset: float, around: float) -> tuple[Point, Point, Point]:
+    """Lay an arc from inside one box to inside the other, parallel ones side by side."""
+    way = (target.x - source.x, target.y - source.y)
+    length = math.hypot(*way) or 1.0
+    x, y = -way[1] / length, way[0] / length  # to the right hand
+
+    def shift(box: Box) -> float:  # the ends keep apart too, as far as the box is wide
+        room = 0.3 * (abs(x) * box.width + abs(y) * box.height)
+        return max(-room, min(room, 0.6 * offset))
+
+    here, there = shift(source), shift(target)
+    p = (source.x + x * here, source.y + y * here)
+    q = (target.x + x * there, target.y + y * there)
+    bend = 2 * (offset + around - (here + there) / 2)
+    return p, ((p[0] + q[0]) / 2 + x * bend, (p[1] + q[1]) / 2 + y * bend), q
+
+
+def arc(source: Box, target: Box, offset: float, around: float = 0.0, *, broken: bool = False) -> Route:
+    """Lead an arrow from border to border.
+
+    Parameters
+    ----------
+    source, target : Box
+    offset, around : float
+        How far the middle leaves the straight line, px, positive to the right hand: among arrows
+        between the same states, and by the :func:`detour` of all of them.
+    broken : bool
+        Whether it leads nowhere: there is a gap with a cross in the middle, and no head.
+    """
+    p, c, q = _bent(source, target, offset, around)
+    start = _leaving(source, p, c, q)
+    end = 1.0 - _leaving(target, q, c, p)
+    if end <= start:  # states that touch or overlap, because someone dragged them there
+        start, end = 0.4, 0.6
+    return _drawn(*_part(p, c, q, start, end), 1 if offset + around >= 0 else -1, broken)
+
+
+def _drawn(p: Point, c: Point, q: Point, side: int, broken: bool) -> Route:
+    length = math.hypot(q[0] - p[0], q[1] - p[1]) or 1.0
+    points = [_quadratic(p, c, q, i / SAMPLES) for i in range(SAMPLES + 1)]
+    if broken:
+        gap = min(0.25, 11.0 / length)
+        first, second = _part(p, c, q, 0.0, 0.5 - gap), _part(p, c, q, 0.5 + gap, 1.0)
+        x, y = middle = _quadratic(p, c, q, 0.5)
+        d = "".join(_path("M", a) + _path("Q", b, e) for a, b, e in (first, second))
+        mark = "".join(_path("M", (x - 4, y - 4 * k)) + _path("L", (x + 4, y + 4 * k)) for k in (1, -1))
+        return Route(d, "", points, side, mark, [Box(*middle, 12.0, 12.0)])
+    base = max(0.0, 1.0 - 0.8 * TIP / length)
+    a, b, e = _part(p, c, q, 0.0, base)
+    return Route(_path("M", a) + _path("Q", b, e), _head(e, q), points, side)
+
+
+def straight(source: Box, target: Point, *, broken: bool = False) -> Route:
+    """Lead an arrow straight from a state to a point."""
+    p = (source.x, source.y)
+    c = ((p[0] + target[0]) / 2, (p[1] + target[1]) / 2)
+    stop = 1.0 - PORT / (math.dist(p, target) or 1.0)
+    return _drawn(*_part(p, c, target, _leaving(source, p, c, target), stop), 1, broken)
+
+
+def loop(box: Box, index: int, *, broken: bool = False) -> Route:
+    """Lead an arrow from a state to itself, on top; the next one around the one before."""
+    half = 11.0 + 8.0 * index
+    rise = 34.0 + 22.0 * index
+    top = box.y - box.height / 2
+    p, q = (box.x - half, top), (box.x + half, top)
+    c, e = (box.x - half * 1.7, top - rise), (box.x + half * 1.7, top - rise)
+    points = [_cubic(p, c, e, q, i / SAMPLES) for i in range(SAMPLES + 1)]
+    if broken:
+        x, y = _cubic(p, c, e, q, 0.5)
+        mark = "".join(_path("M", (x - 4, y - 4 * k)) + _path("L", (x + 4, y + 4 * k)) for k in (1, -1))
+        return Route(_path("M", p) + _path("C", c, e, q), "", points, 1, mark, [Box(x, y, 12.0, 12.0)])
+    base = _cubic(p, c, e, q, 1.0 - 0.25 * TIP / rise)
+    return Route(_path("M", p) + _path("C", c, e, base), _head(base, q), points, -1)
+
+
+def _cubic(p: Point, c: Point, e: Point, q: Point, t: float) -> Point:
+    s = 1 - t
+    k = (s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t)
+    return (
+        k[0] * p[0] + k[1] * c[0] + k[2] * e[0] + k[3] * q[0],
+        k[0] * p[1] + k[1] * c[1] + k[2] * e[1] + k[3] * q[1],
+    )
+
+
+class _Cells:
+    """Boxes and points by the cells of a coarse grid, to look only at what is near."""
+
+    SIZE = 48.0
+
+    def __init__(self) -> None:
+        self._boxes: dict[tuple[int, int], list[Box]] = {}
+        self._points: dict[tuple[int, int], list[tuple[int, Point]]] = {}
+
+    def _cells(self, box: Box) -> list[tuple[int, int]]:
+        size = self.SIZE
+        columns = range(
+            math.floor((box.x - box.width / 2) / size), math.floor((box.x + box.width / 2) / size) + 1
+        )
+        rows = range(
+            math.floor((box.y - box.height / 2) / size), math.floor((box.y + box.height / 2) / size) + 1
+        )
+        return [(i, j) for i in columns for j in rows]
+
+    def add_box(self, box: Box) -> None:
+        for cell in self._cells(box):
+            self._boxes.setdefault(cell, []).append(box)
+
+    def add_point(self, owner: int, point: Point) -> None:
+        cell = (math.floor(point[0] / self.SIZE), math.floor(point[1] / self.SIZE))
+        self._points.setdefault(cell, []).append((owner, point))
+
+    def cost(self, box: Box, owner: int) -> float:
+        """How badly a label would stand here: other boxes count most, then others' lines."""
+        total = 0.0
+        for cell in self._cells(box):
+            for other in self._boxes.get(cell, ()):
+                if box.overlaps(other, 2.0, 1.0):
+                    total += 1000.0
+            for line, point in self._points.get(cell, ()):
+                if box.holds(point, 1.0):
+                    total += 0.0 if line == owner else 40.0
+        return total
+
+    def lines_between(self, box: Box, point: Point, owner: int) -> int:
+        """How many points of others' lines are between a label and its own line."""
+        left, right = min(box.x, point[0]), max(box.x, point[0])
+        top, bottom = min(box.y, point[1]), max(box.y, point[1])
+        way = Box((left + right) / 2, (top + bottom) / 2, right - left, bottom - top)
+        return sum(
+            line != owner and way.holds(other, 2.0)
+            for cell in self._cells(way)
+            for line, other in self._points.get(cell, ())
+        )
+
+
+def place_labels(
+    routes: Sequence[Route], sizes: Sequence[tuple[float, float]], obstacles: Iterable[Box]
+) -> list[Box]:
+    """Place a label beside each arrow in one greedy pass; a placed one is an obstacle for the next.
+
+    Parameters
+    ----------
+    routes : sequence of Route
+    sizes : sequence of (float, float)
+        Width and height of each label, in px.
+    obstacles : iterable of Box
+        States and other things that no label may cover.
+    """
+    cells = _Cells()
+    for box in obstacles:
+        cells.add_box(box)
+    for index, route in enumerate(routes):
+        for box in route.obstacles:
+            cells.add_box(box)
+        for one, other in pairwise(route.points):
+            steps = max(1, round(math.dist(one, other) / 11.0))
+            for step in range(steps):
+                part = step / steps
+                cells.add_point(
+                    index, (one[0] + (other[0] - one[0]) * part, one[1] + (other[1] - one[1]) * part)
+                )
+    labels = []
+    for index, (route, size) in enumerate(zip(routes, sizes, strict=True)):
+        best: tuple[float, Box] | None = None
+        for price, at, far, side in _SEATS:
+            if best is not None and price >= best[0]:
+                break
+            box = _seat(route, size, at, far, side)
+            cost = price + cells.cost(box, index)
+            if far:
+                cost += 40.0 * cells.lines_between(box, route.points[at], index)
+            if side == 0:  # a short arrow must not vanish behind its own label
+                cost += 60.0 * sum(box.holds(point) for point in route.points) / SAMPLES
+            if best is None or cost < best[0]:
+                best = (cost, box)
+        assert best is not None
+        cells.add_box(best[1])
+        labels.append(best[1])
+    return labels
+
+
+_SEATS = sorted(
+    (30.0 * abs(at / SAMPLES - 0.5) + price, at, far, side)
+    for at in range(2, SAMPLES - 1)
+    for price, far, side in (
+        (12.0, 0.0, 0),
+        *(
+            (far + (4.0 if side < 0 else 0.0), far, side)
+            for far in (0.0, 10.0, 24.0, 44.0)
+            for side in (1, -1)
+        ),
+    )
+)
+"""Where a label may stand, cheapest first: price, at which point of the way, how far from it, and on
+which side: 1 the route's own, -1 the other, 0 on the line itself, which its halo hides."""
+
+
+def _seat(route: Route, size: tuple[float, float], at: int, far: float, side: int) -> Box:
+    x, y = route.points[at]
+    if side:
+        before, after = route.points[at - 1], route.points[at + 1]
+        way = (after[0] - before[0], after[1] - before[1])
+        length = (math.hypot(*way) or 1.0) * side * route.side
+        right = (-way[1] / length, way[0] / length)
+        # the nearest corner of the label just clears the line
+        reach = abs(right[0]) * size[0] / 2 + abs(right[1]) * size[1] / 2 + LABEL_GAP + far
+        x, y = x + right[0] * reach, y + right[1] * reach
+    return Box(round(x, 1), round(y, 1), *size)
