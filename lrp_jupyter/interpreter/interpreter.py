@@ -172,14 +172,16 @@ class Interpreter:
         Observers are called in order when a tick or a command is over, on the interpreter's thread.
         """
         run = self._run
-        if not run.observers and run.journal is None:
+        if not run.watched:
             for scope in run.live.values():
                 scope.sync()
         run.observers.append(callback)
+        run.watched = run.attention = True
 
         def unsubscribe() -> None:
             if callback in run.observers:
                 run.observers.remove(callback)
+            run.watched = run.journal is not None or bool(run.observers)
 
         return unsubscribe
 
@@ -198,23 +200,18 @@ class Interpreter:
         """
         run = self._run
         before = run.now
-        self._advance(now)
+        if now != before:
+            self._advance(now)
         run.ticks += 1
         if run.roots:
             for root in run.roots:
                 run.tick(root)
-            if run.pending:
+            if run.attention and run.pending:
                 run.spawn_top(run.pending)
         else:
             run.start()
-        if run.journal is not None or run.observers:
-            run.settle()
-            if run.journal is not None:
-                run.journal.close(before)
-        if run.stale:
-            run.rebind()
-        if run.events or run.new_issue:
-            self._tell()
+        if run.attention:
+            self._done(before)
 
     def _advance(self, now: float | None) -> None:
         if now is None:
@@ -223,26 +220,25 @@ class Interpreter:
             raise ValueError(f"time never goes back: {now!r} comes before {self._run.now!r}")
         self._run.now = now
 
-    def _done(self) -> None:
-        """End a command."""
+    def _done(self, before: float | None = None) -> None:
+        """End a command, or a tick (`before`: the time of the one before it)."""
         run = self._run
-        run.settle()
+        if run.watched:
+            run.settle()
+            if run.journal is not None and before is not None:
+                run.journal.close(before)
         if run.stale:
             run.rebind()
-        self._tell()
-
-    def _tell(self) -> None:
-        """Tell the observers, and pause at a new issue if asked to."""
-        run = self._run
+        run.attention = run.watched or bool(run.pending)
         if run.new_issue:
             run.new_issue = False
             if self.on_issue == "pause" and not self.paused:
                 self.pause()
-                return
-        events, run.events = run.events, []
-        for event in events:
+        if run.events:
+            events, run.events = run.events, []
             for observer in tuple(run.observers):
-                observer(event)
+                for event in events:
+                    observer(event)
 
     # ---- changes ----------------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.issues import Issue, IssueKind, Issues
 from lrp_jupyter.interpreter.journal import Journal
 from lrp_jupyter.interpreter.linker import Broken, MachinePlan, Plan, Site, SpawnPlan, StatePlan, VariablePlan
-from lrp_jupyter.interpreter.tree import Activation, Edge, Fault, Row, Scope, bind_block, bind_row, content
+from lrp_jupyter.interpreter.tree import Activation, Edge, Fault, Row, Scope, bind_block, bind_row
 from lrp_jupyter.language.program import Path, Program
 
 __all__ = ["Run"]
@@ -48,6 +48,7 @@ class Run:
         self.events: list[TraceEvent] = []
         self.new_issue = False
         self.stale = False
+        self.watched = self.attention = self.journal is not None
         self.clear()
 
     def clear(self) -> None:
@@ -99,9 +100,12 @@ class Run:
             except BaseException as error:
                 self.fault(edge.tested, error)
                 continue
-            if holds is True or (holds is not False and self._judge(edge, holds)):
+            if holds is False:
+                continue
+            if holds is True or self._judge(edge, holds):
                 if edge.target is not None:
-                    return self._fire(act, edge)
+                    self._fire(act, edge)
+                    return edge.up
                 self.report(edge.site, "unknown state", edge.missing)
         for call, site in row.running:
             try:
@@ -125,22 +129,41 @@ class Run:
         )
         return False
 
-    def _fire(self, act: Activation, edge: Edge) -> bool:
-        if self.issues.open_blocks and edge.site[:2] in self.issues.open_blocks:
-            self.recovered(edge.site, True)
-        home = act
-        if edge.up:
-            assert act.parent is not None  # else its target would be missing
-            home = act.parent
-        assert edge.target is not None
+    def _fire(self, act: Activation, edge: Edge) -> None:
+        home = act.parent if edge.up else act
+        assert home is not None  # else it would lead nowhere
         row = edge.row
         if row is None:
-            row = edge.row = self.row(home, edge.target)
-        self.leave(home)
-        if self.observers:
-            self.emit("fired", edge.path, edge.data)
-        self.enter(home, row)
-        return edge.up
+            row = self._destination(home, edge)
+        if self.watched or home.children:
+            self.leave(home)
+            if self.observers:
+                self.events.append(_new(TraceEvent, ("fired", edge.path, self.ticks, self.now, edge.data)))
+            self.enter(home, row)
+            return
+        # Leave and enter where nothing is inside and nobody watches: two calls less, an eighth of
+        # the time of a state change.
+        for call, site in home.row.onexit:
+            try:
+                call()
+            except BaseException as error:
+                self.fault(site, error)
+        home.row = row
+        home.state = row.state
+        home.entered = self.now
+        for call, site in row.onentry:
+            try:
+                call()
+            except BaseException as error:
+                self.fault(site, error)
+
+    def _destination(self, home: Activation, edge: Edge) -> Row:
+        """Look up where an edge leads, the first time that it fires: an issue of its is over."""
+        if edge.site[:2] in self.issues.open_blocks:
+            self.recovered(edge.site, True)
+        assert edge.target is not None
+        edge.row = self.row(home, edge.target)
+        return edge.row
 
     def row(self, act: Activation, state: StatePlan) -> Row:
         """Look up what a state does, bound to this activation; bind it the first time."""
@@ -155,7 +178,7 @@ class Run:
         act.state = row.state
         act.entered = self.now
         if self.observers:
-            self.emit("entered", row.path)
+            self.events.append(_new(TraceEvent, ("entered", row.path, self.ticks, self.now, None)))
         for call, site in row.onentry:
             try:
                 call()
@@ -174,7 +197,7 @@ class Run:
             except BaseException as error:
                 self.fault(site, error)
         if self.observers:
-            self.emit("left", act.row.path)
+            self.events.append(_new(TraceEvent, ("left", act.row.path, self.ticks, self.now, None)))
 
     def discard(self, act: Activation, leave: Callable[[Activation], None]) -> None:
         """Leave and discard the machines inside, the last one spawned first."""
@@ -285,14 +308,14 @@ class Run:
 
         issue = self.issues.report((*site[:2], kind), make, message, self.ticks)
         if issue is not None:
-            self.stale = self.new_issue = True
+            self.stale = self.new_issue = self.attention = True
             self.emit("issue", site.element.path, issue)
 
     def recovered(self, site: Site, value: object) -> None:
         """Resolve the issues of a site that just ran without fault and gave `value`."""
         boolean = value is True or value is False
         self.issues.resolve(lambda key, _: key[:2] == site[:2] and (boolean or key[2] != "not boolean"))
-        self.stale = True
+        self.stale = self.attention = True
 
     def _traceback(self, error: BaseException) -> tracebacks.TracebackException:
         """Give the traceback of a fault from its block on."""
@@ -334,12 +357,14 @@ class Run:
         """Take note of every variable that changed."""
         for scope in self.live.values():
             if scope.own:
-                self.settle_scope(scope)
+                self._settle(scope)
 
     def settle_scope(self, scope: Scope) -> None:
-        """Take note of the variables of one scope that changed."""
-        if self.journal is None and not self.observers:
-            return
+        """Take note of the variables of a scope that is about to be discarded."""
+        if self.watched:
+            self._settle(scope)
+
+    def _settle(self, scope: Scope) -> None:
         last = scope.last
         for name, cell in scope.own.items():
             try:

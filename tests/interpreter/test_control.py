@@ -1,0 +1,355 @@
+"""Pause, reset, forced states, variables, observers: what acts between ticks."""
+
+import pytest
+from story import robot
+
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.events import EVENT_KINDS
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.parser import parse
+
+NESTED = """
+(var log := [""])
+(machine m
+  (state a (onentry [log += "A"]) (onexit [log += "a"]))
+  (state b (onentry [log += "B"] (spawn n x) (spawn k s)) (onexit [log += "b"])
+    (machine k (state s (onentry [log += "S"]) (onexit [log += "s"])))
+    (machine n (var depth := [1])
+      (state x (onentry [log += "X"]) (onexit [log += "x"]))
+      (state y (onentry [log += "Y"] (spawn o z)) (onexit [log += "y"])
+        (machine o (state z (onentry [log += "Z"]) (onexit [log += "z"])) (state w (onentry [log += "W"]))))))
+  (state c))
+(machine other (state o) (state p))
+(spawn m a)
+(spawn other o)
+"""
+
+
+def started(text=NESTED, ticks=1, **options):
+    i = Interpreter(parse(text), robot(), **options)
+    for tick in range(ticks):
+        i.step(tick / 10)
+    return i
+
+
+def active(i):
+    return ["/".join(path) for path in i.active]
+
+
+def log(i):
+    return i.variables["log"]
+
+
+def test_nothing_is_active_before_the_first_tick():
+    i = started(ticks=0)
+    assert i.active == ()
+    assert dict(i.variables) == {}
+
+
+def test_transition_here_leaves_and_enters_with_all_actions_and_spawns():
+    i = started()
+    i.transition_to(("m", "b"))
+    assert active(i) == ["m/b/n/x", "m/b/k/s", "other/o"]
+    assert log(i) == "AaBXS"
+
+
+def test_teleport_runs_no_action_of_any_state_but_does_the_spawns():
+    i = started()
+    i.teleport_to("m/b")
+    assert active(i) == ["m/b/n/x", "m/b/k/s", "other/o"]
+    assert log(i) == "A"
+    i.teleport_to("m/a")
+    assert (active(i), log(i)) == (["m/a", "other/o"], "A")
+
+
+def test_forcing_the_active_state_leaves_and_enters_it():
+    i = started()
+    i.transition_to("m/a", now=0.05)
+    assert log(i) == "AaA"
+    assert i.entered("m/a") == 0.05
+
+
+def test_a_target_in_an_inactive_nested_machine_makes_the_states_around_it_active():
+    i = started()
+    i.transition_to("m/b/n/y")
+    assert active(i) == ["m/b/n/y/o/z", "other/o"], "the spawns of b are not done, those of the target are"
+    assert log(i) == "AaBYZ"
+    assert i.variables["m/b/n/depth"] == 1
+
+
+def test_teleport_deep_down_initialises_variables_and_runs_nothing():
+    i = started()
+    i.teleport_to("m/b/n/y/o/w")
+    assert active(i) == ["m/b/n/y/o/w", "other/o"]
+    assert log(i) == "A"
+    assert i.variables["m/b/n/depth"] == 1
+
+
+def test_an_enclosing_state_that_is_active_stays_and_so_do_the_siblings():
+    i = started()
+    i.transition_to("m/b")
+    i.transition_to("m/b/n/y")
+    assert active(i) == ["m/b/n/y/o/z", "m/b/k/s", "other/o"]
+    assert log(i) == "AaBXSxYZ"
+    i.transition_to("m/b/n/x")
+    i.teleport_to("m/b/n/y/o/w")
+    assert active(i) == ["m/b/n/y/o/w", "m/b/k/s", "other/o"]
+
+
+def test_only_the_missing_machine_is_created():
+    i = started(
+        "(machine m (state a (machine n (state x)) (machine k (state s)) (onentry (spawn k s))))(spawn m a)"
+    )
+    i.transition_to("m/a/n/x")
+    assert active(i) == ["m/a/k/s", "m/a/n/x"]
+
+
+def test_forcing_with_nothing_active_starts_the_program_there():
+    i = started(ticks=0)
+    i.transition_to("m/c")
+    assert active(i) == ["m/c"]
+    assert log(i) == ""
+    i.step(0.1)
+    assert active(i) == ["m/c", "other/o"], "the other top-level spawns start at the next tick"
+    i.step(0.2)
+    assert active(i) == ["m/c", "other/o"]
+
+
+def test_forcing_into_a_root_machine_that_does_not_run_starts_it():
+    i = started(NESTED.replace("(spawn other o)", ""))
+    i.transition_to("other/p")
+    assert active(i) == ["m/a", "other/p"]
+    patch = i.patch(parse(NESTED.replace("(spawn other o)", "; a comment")))
+    assert not patch.restarted
+
+
+@pytest.mark.parametrize("force", [Interpreter.transition_to, Interpreter.teleport_to])
+@pytest.mark.parametrize("path", ["m/nowhere", "nowhere/a", "m", "", "m/a/n/x"])
+def test_an_unknown_target_raises_and_changes_nothing(force, path):
+    i = started()
+    with pytest.raises(UnknownElementError, match="there is no state"):
+        force(i, path)
+    assert (active(i), log(i)) == (["m/a", "other/o"], "A")
+
+
+def test_a_forced_state_can_be_named_by_its_path_as_spawned():
+    i = started("(machine h (state p) (state q))(machine m (state a (onentry (spawn h p))))(spawn m a)")
+    i.transition_to("m/a/h/q")
+    assert active(i) == ["m/a/h/q"]
+
+
+def test_reset_runs_no_onexit_and_begins_anew_at_the_next_tick():
+    i = started()
+    i.reset()
+    assert i.active == ()
+    assert dict(i.variables) == {}
+    i.step(0.1)
+    assert log(i) == "A"
+
+
+PAUSE = """(var log := [""])(machine m (state a))(spawn m a)
+(onpause [log += "p"] [log += "q"])(onresume [log += "r"] [1 / 0])"""
+
+
+def test_pause_and_resume_run_their_actions_once():
+    i = started(PAUSE)
+    i.pause()
+    i.pause()
+    assert i.paused
+    assert log(i) == "pq"
+    i.resume()
+    i.resume()
+    assert not i.paused
+    assert log(i) == "pqr"
+    assert [(issue.code, issue.line) for issue in i.issues] == [("LRP601", 2)]
+
+
+def test_pause_runs_no_action_while_nothing_is_active():
+    i = started(PAUSE, ticks=0)
+    i.pause()
+    i.resume()
+    assert not i.issues
+
+
+def test_a_paused_program_that_restarts_stays_paused():
+    i = started(PAUSE)
+    i.pause()
+    i.reset()
+    assert i.paused
+
+
+def test_pause_on_issue_completes_the_tick_first():
+    i = started(
+        "(var n := [0])(machine m (state a (running [1 / 0] [n += 1])))(spawn m a)", 2, on_issue="pause"
+    )
+    assert i.paused
+    assert i.variables["n"] == 1
+    assert isinstance(i.last_exception, ZeroDivisionError)
+    i.resume()
+    i.step(0.2)
+    assert not i.paused, "it is no new issue"
+
+
+def test_set_variable_evaluates_in_the_scope_of_the_variable():
+    i = started("(var n := [2])(machine m (var k := [5]) (state a))(spawn m a)", namespace={"seven": 7})
+    i.set_variable("m/k", " n * k + seven ")
+    assert i.variables["m/k"] == 17
+    i.set_variable(("n",), "[x for x in range(n)]")
+    assert i.variables["n"] == [0, 1]
+
+
+@pytest.mark.parametrize("path", ["k", "m/n", "q/k", ""])
+def test_a_variable_that_does_not_live_cannot_be_set(path):
+    i = started("(var n := [2])(machine m (var k := [5]) (state a))(spawn m a)")
+    with pytest.raises(UnknownElementError):
+        i.set_variable(path, "1")
+
+
+@pytest.mark.parametrize(
+    ("expression", "error"),
+    [("1 +", SyntaxError), ("n = 3", SyntaxError), ("1 / 0", ZeroDivisionError), ("", SyntaxError)],
+)
+def test_an_expression_that_fails_leaves_the_variable(expression, error):
+    i = started("(var n := [2])(machine m (state a))(spawn m a)")
+    with pytest.raises(error):
+        i.set_variable("n", expression)
+    assert i.variables["n"] == 2
+
+
+def test_time_never_goes_back():
+    i = started(ticks=3)
+    with pytest.raises(ValueError, match="time never goes back"):
+        i.step(0.1)
+    with pytest.raises(ValueError, match="time never goes back"):
+        i.step(float("nan"))
+
+
+def test_keyboard_interrupt_passes():
+    i = started("(machine m (state a (running [raise KeyboardInterrupt])))(spawn m a)")
+    with pytest.raises(KeyboardInterrupt):
+        i.step(0.1)
+
+
+def test_nothing_is_written_into_the_namespace():
+    space = {"gain": 3}
+    i = started(
+        "(var n := [gain])(machine m (state a (running [local = gain; n = local])))(spawn m a)",
+        2,
+        namespace=space,
+    )
+    assert i.variables["n"] == 3
+    space["gain"] = 4
+    i.step(0.2)
+    assert i.variables["n"] == 4
+    assert space == {"gain": 4}
+
+
+def test_an_lrp_variable_wins_over_a_name_of_the_namespace():
+    i = started("(var gain := [1])(machine m (state a))(spawn m a)", namespace={"gain": 9})
+    i.set_variable("gain", "gain + 1")
+    assert i.variables["gain"] == 2
+
+
+def test_print_goes_where_it_is_told():
+    said = []
+    started(
+        '(machine m (state a (onentry [print("hello", 3)])))(spawn m a)',
+        output=lambda *words: said.append(words),
+    )
+    assert said == [("hello", 3)]
+
+
+def test_every_kind_of_event_is_told_in_order():
+    i = Interpreter(parse(PAUSE.replace("[1 / 0]", "[nope]")), robot())
+    seen = []
+    stop = i.observe(seen.append)
+    i.step(0.0)
+    i.pause()
+    i.resume()
+    i.transition_to("m/a")
+    i.patch(parse(PAUSE))
+    i.reset()
+    assert [e.kind for e in seen] == [
+        "started", "spawned", "entered", "changed",
+        "paused", "changed", "issue", "resumed", "changed",
+        "forced", "left", "entered", "patched", "restarted",
+    ]  # fmt: skip
+    assert {e.kind for e in seen} <= set(EVENT_KINDS)
+    stop()
+    stop()
+    i.step(0.1)
+    assert len(seen) == 14
+
+
+def test_an_observer_that_comes_late_hears_only_what_is_new():
+    i = started(
+        "(var n := [0])(var k := [1])(machine m (state a (running [n += 1])))(spawn m a)", 3, journal=0
+    )
+    seen = []
+    i.observe(seen.append)
+    i.step(0.3)
+    assert [(e.kind, e.path, e.data) for e in seen] == [("changed", ("n",), 3)]
+
+
+def test_numpy_conditions_hold_when_they_are_true():
+    numpy = pytest.importorskip("numpy")
+    text = "(machine m (state a)(state b)(on [np.bool_(False)] a -> a)(on [np.float64(3) > 2] a -> b))(spawn m a)"
+    i = started(text, 2, namespace={"np": numpy})
+    assert active(i) == ["m/b"]
+    assert not i.issues
+
+
+def test_a_traceback_shows_the_line_of_the_program():
+    i = started("(machine m\n  (state a (running [x = 1\n    y = x / 0])))\n(spawn m a)", 2)
+    (issue,) = i.issues
+    assert (issue.line, issue.column) == (3, 9)
+    assert "y = x / 0" in issue.traceback
+    assert "a.running" in issue.traceback
+    assert "interpreter" not in issue.traceback
+
+
+def test_an_issue_is_resolved_and_reopened():
+    i = started("(var n := [0])(machine m (state a (running [n += 1] [1 / (n % 3)])))(spawn m a)", 4)
+    assert [issue.resolved for issue in i.issues] == [False]
+    i.step(0.4)
+    assert [issue.resolved for issue in i.issues] == [True]
+    i.step(0.5)
+    i.step(0.6)
+    (issue,) = i.issues
+    assert (issue.resolved, issue.count, issue.first_tick, issue.last_tick) == (False, 2, 4, 7)
+
+
+def test_going_back_needs_a_journal_that_reaches_so_far():
+    i = started(ticks=5, journal=3)
+    with pytest.raises(ValueError, match="holds 3 ticks"):
+        i.rewind(4)
+    i.rewind(3)
+    assert i.tick == 2
+    with pytest.raises(ValueError, match="no journal"):
+        started(journal=0).rewind(1)
+
+
+def test_going_back_undoes_what_was_done_between_ticks():
+    i = started("(var n := [0])(machine m (state a (running [n += 1])) (state b))(spawn m a)", 3)
+    i.set_variable("n", "100")
+    i.transition_to("m/b")
+    i.rewind(0)
+    assert (active(i), i.variables["n"], i.tick) == (["m/a"], 2, 3)
+    i.set_variable("n", "100")
+    i.reset()
+    i.step(0.3)
+    i.step(0.4)
+    i.rewind(2)
+    assert (active(i), i.variables["n"], i.now) == (["m/a"], 2, 0.2)
+    i.rewind(3)
+    assert (i.active, dict(i.variables), i.tick) == ((), {}, 0)
+
+
+def test_after_going_back_the_program_runs_on_as_before():
+    i = started(ticks=1)
+    i.transition_to("m/b")
+    i.step(0.1)
+    i.rewind(1)
+    assert active(i) == ["m/a", "other/o"]
+    i.transition_to("m/b")
+    assert log(i) == "AaBXS"
