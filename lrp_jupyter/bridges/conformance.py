@@ -28,7 +28,7 @@ from typing import Any, ClassVar
 from lrp_jupyter.bridges.bridge import Bridge, Connection, Status
 from lrp_jupyter.bridges.members import MemberError
 from lrp_jupyter.bridges.nodes import Method, Variable
-from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
+from lrp_jupyter.errors import BridgeError, NoDataYet
 
 __all__ = ["BridgeConformance", "ConformanceError", "Outcome", "Report", "check_bridge"]
 
@@ -137,7 +137,7 @@ class BridgeConformance:
                 try:
                     json.dumps(value, allow_nan=False)
                 except (TypeError, ValueError) as error:
-                    raise ConformanceError(f"the {what} are no plain data: {error}") from error
+                    raise ConformanceError(f"no plain data in the {what}: {error}") from error
 
     def test_members_can_be_described(self) -> None:
         """Every member is found by its name, and through `robot`."""
@@ -460,8 +460,6 @@ def _read(variable: Variable) -> object:
         return variable.read()
     except (NoDataYet, BridgeError):
         return None
-    except LRPError as error:
-        raise ConformanceError(f"`{variable.path}` raises {type(error).__name__}: {error}") from error
 
 
 def _variables(bridge: Bridge) -> list[Variable]:

@@ -93,10 +93,6 @@ class Variable:
             raise self._failure.with_traceback(None)
         return self.value
 
-    def forget(self) -> None:
-        """Back to "no data yet": another source stands behind the name."""
-        self.value, self.arrived, self._seen = None, None, -1
-
     def age(self) -> float | None:
         """Seconds since the reading arrived; None before the first."""
         if self._age is not None:

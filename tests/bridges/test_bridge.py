@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from lrp_jupyter.bridges.bridge import Bridge, Connection, MemberError, NullBridge, Robot, attach
+from lrp_jupyter.bridges.bridge import Bridge, Connection, MemberError, NullBridge, Robot, Twist, attach
 from lrp_jupyter.bridges.panel import Button, Field, Panel, Question, Table
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
 
@@ -71,6 +71,8 @@ def test_robot_without_members_says_why() -> None:
 def test_what_python_asks_of_every_object_is_answered_shortly(cart: Any) -> None:
     with pytest.raises(AttributeError, match=r"`robot` has no `_repr_html_`.$"):
         cart.robot._repr_html_  # noqa: B018
+    assert not hasattr(cart.robot.move, "_repr_html_")
+    assert not hasattr(Twist(), "_repr_html_")
 
 
 def test_there_is_one_robot_however_often_it_is_copied(cart: Any) -> None:
@@ -215,6 +217,16 @@ def test_fields_are_known_from_the_type_before_the_first_reading(bare: Bare) -> 
     assert bare.describe("odom.heading").type == "float"
 
 
+def test_an_annotation_that_cannot_be_resolved_still_names_its_field(bare: Bare) -> None:
+    class Odd:
+        speed: NoSuchType  # type: ignore[name-defined]  # noqa: F821
+
+    bare.add_variable("odd", lambda: None, type=Odd)
+    assert [(field.name, field.type) for field in bare.describe("odd").fields] == [
+        ("odd.speed", "NoSuchType")
+    ]
+
+
 def test_a_value_that_contains_itself_is_described_all_the_same(bare: Bare) -> None:
     class Knot:
         def __init__(self) -> None:
@@ -284,6 +296,17 @@ def test_a_getter_that_fails_is_a_bridge_error_with_its_cause(bare: Bare) -> Non
     with pytest.raises(BridgeError, match=r"AttributeError: .* 'wheel'") as error:
         bare.robot.z  # noqa: B018
     assert not isinstance(error.value, AttributeError), "it must not look as if the member did not exist"
+
+
+def test_a_getter_that_says_what_is_wrong_is_believed(bare: Bare) -> None:
+    def getter() -> int:
+        raise BridgeError("the sensor is not plugged in")
+
+    bare.add_variable("x", getter)
+    bare.begin_tick(0.0, 0.1)
+    for _ in range(2):
+        with pytest.raises(BridgeError, match=r"^the sensor is not plugged in$"):
+            bare.robot.x  # noqa: B018
 
 
 def test_one_tick_sees_one_world(cart: Any) -> None:

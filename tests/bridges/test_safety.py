@@ -103,7 +103,8 @@ def test_a_number_beyond_the_limit_is_brought_back_and_shown(cart: Any) -> None:
 
 def test_a_number_within_the_limit_is_left_alone(cart: Any) -> None:
     cart.robot.move(linear=0.5)
-    assert cart.sent == [(0.5, 0.0)]
+    cart.robot.move(angular=9)
+    assert cart.sent == [(0.5, 0.0), (0.0, 9)]
     assert len(texts(cart)) == 1
 
 

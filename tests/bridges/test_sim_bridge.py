@@ -252,6 +252,13 @@ def test_another_world_can_be_loaded_while_a_program_holds_robot(sim: SimBridge)
     assert robot.light.data in range(256)
 
 
+def test_another_world_can_be_chosen_before_it_is_opened() -> None:
+    sim = SimBridge("line")
+    sim.load_world("empty")
+    sim.open()
+    assert sim.robot.light.data == 255
+
+
 def test_an_unknown_world_or_noise_is_said_in_a_sentence() -> None:
     with pytest.raises(BridgeError, match=r"no world 'lin'.*did you mean 'line'"):
         SimBridge("lin")

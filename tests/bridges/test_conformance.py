@@ -1,0 +1,394 @@
+"""The public checks: good bridges pass all of them, and for each there is a bridge that fails it."""
+
+from __future__ import annotations
+
+import itertools
+import threading
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge, NullBridge, Panel, Twist
+from lrp_jupyter.bridges.conformance import BridgeConformance, ConformanceError, check_bridge
+from lrp_jupyter.bridges.message import Message
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import BridgeError
+
+CHECKS = sorted(name for name in vars(BridgeConformance) if name.startswith("test_"))
+
+
+class TestNullBridge(BridgeConformance):
+    def make_bridge(self) -> Bridge:
+        return NullBridge()
+
+
+class TestSimBridge(BridgeConformance):
+    def make_bridge(self) -> Bridge:
+        return SimBridge("line", noise={"light": 10})
+
+
+class Good(Bridge):
+    """A bridge with something of everything."""
+
+    name = "test-good-bot"
+
+    def __init__(self) -> None:
+        self.done: list[object] = []
+
+    def open_interface(self) -> Panel | None:
+        self.add_variable("light.data", lambda: 7, "0 dark ... 255 bright")
+        self.add_variable("slow", lambda: None, "never arrives")
+        self.add_method("move", self.done.append, "drive", message=Twist)
+        self.add_method("beep", self.beep, "sound a tone")
+        return Panel("Good")
+
+    def beep(self, seconds: float) -> None:
+        self.done.append(seconds)
+
+
+class TestGood(BridgeConformance):
+    def make_bridge(self) -> Bridge:
+        return Good()
+
+
+# -- bridges that are broken, each in one way -----------------------------------------------------
+
+
+class BadName(Good):
+    name = "my bot!"
+
+
+class OpensTwice(Good):
+    def open(self) -> Panel | None:
+        return self.open_interface()
+
+
+class MembersPileUp(Good):
+    def open(self) -> Panel | None:
+        panel = super().open()
+        self.add_variable(f"extra{len(self.members())}", lambda: 1, "one more at each open")
+        return panel
+
+
+class NeverOpen(Good):
+    is_open = False  # type: ignore[assignment]
+
+
+class SpeechlessStatus(Good):
+    def open_interface(self) -> None:
+        self.set_status("connected", " ")
+
+
+class ClosesWithoutStop(Good):
+    def close(self) -> None:
+        if self.is_open:
+            self._is_open = False
+            self.close_interface()
+            self.set_status("disconnected")
+
+
+class ClosesAgain(Good):
+    def close(self) -> None:
+        self._is_open = True
+        super().close()
+
+
+class CannotCloseUnopened(Good):
+    def close(self) -> None:
+        if not self.done and not self.is_open:
+            raise BridgeError("it is not open")
+        super().close()
+
+
+class OpensOnlyOnce(Good):
+    used = False
+
+    def open_interface(self) -> None:
+        if self.used:
+            raise BridgeError("it was used already")
+        self.used = True
+
+
+class ForgetsMembers(Good):
+    used = False
+
+    def open_interface(self) -> None:
+        if not self.used:
+            self.add_variable("x", lambda: 1, "only the first time")
+        self.used = True
+
+
+class LeavesAThread(Good):
+    def open_interface(self) -> None:
+        self.end = threading.Event()
+        threading.Thread(target=self.end.wait, args=(5,), daemon=True).start()
+
+
+class Undocumented(Good):
+    def open_interface(self) -> None:
+        self.add_variable("x", lambda: 1)
+
+
+class PanelWithAnObject(Good):
+    def open_interface(self) -> Panel:
+        return Panel("Bad", fields=(object(),))  # type: ignore[arg-type]
+
+
+class MisnamedMember(Good):
+    def describe(self, path: str) -> Any:
+        return super().describe("light.data")
+
+
+class HidesMembers(Good):
+    def open(self) -> Panel | None:
+        panel = super().open()
+        self.robot = type("Mute", (), {"__dir__": lambda robot: []})()
+        return panel
+
+
+class HangingReading(Good):
+    def open_interface(self) -> None:
+        self.end = threading.Event()
+        self.add_variable("x", lambda: self.end.wait(1), "takes its time")
+
+
+class FlickeringReading(Good):
+    def open_interface(self) -> None:
+        count = itertools.count()
+        self.add_variable("x", lambda: next(count), "changes all the time")
+
+    def begin_tick(self, now: float, period: float) -> None:
+        """Without the latch."""
+
+
+class AnswersAnything(Good):
+    def open(self) -> Panel | None:
+        panel = super().open()
+        self.robot = type("Anything", (), {"__getattr__": lambda robot, name: 0})()
+        return panel
+
+
+class Terse(Good):
+    def open(self) -> Panel | None:
+        panel = super().open()
+        self.robot = type("Terse", (), {"light": 1})()
+        return panel
+
+
+class Assignable(Good):
+    def open(self) -> Panel | None:
+        panel = super().open()
+        robot = self.robot
+        body = {"__getattr__": lambda _, name: getattr(robot, name), "__dir__": lambda _: dir(robot)}
+        self.robot = type("Open", (), body)()
+        return panel
+
+
+class ArmsItself(Good):
+    def open_interface(self) -> None:
+        self.arm()
+
+
+class MoveAsQuestion(Good):
+    def open_interface(self) -> None:
+        self.add_method("move", self.done.append, "drive", message=Twist, command=False)
+
+
+class SendsDisarmed(Good):
+    def send(self, method: Any, command: Any) -> object:
+        return method.perform(command)
+
+
+class RecordsNothing(Good):
+    def send(self, method: Any, command: Any) -> object:
+        return super().send(method, command) if self.safety.armed else None
+
+
+class SendsTwice(Good):
+    def send(self, method: Any, command: Any) -> object:
+        super().send(method, command)
+        return super().send(method, command)
+
+
+class IgnoresTheStop(Good):
+    def stop_all(self) -> bool:
+        self.stop()
+        return True
+
+
+class StopFails(Good):
+    def stop(self) -> None:
+        raise OSError("unplugged")
+
+
+class StopRaises(Good):
+    def stop_all(self) -> bool:
+        raise OSError("unplugged")
+
+
+class StopHangs(Good):
+    end = threading.Event()
+
+    def stop_all(self) -> bool:
+        self.end.wait(1)
+        return super().stop_all()
+
+
+class StopOnlyWhenArmed(Good):
+    def _stop_now(self) -> bool:
+        return super()._stop_now() if self.safety.armed else True
+
+
+class DrivesOnInPause(Good):
+    def on_pause(self) -> None:
+        """Forgets to stop."""
+
+
+class SendsAgainOnResume(Good):
+    def on_resume(self) -> None:
+        self.safety.held = False
+        self.robot.move(linear=0.2)
+
+
+class DrivesOnInSilence(Good):
+    def end_tick(self, now: float) -> None:
+        self.act(now)
+
+
+class NotWatched(Good):
+    def check_watchdog(self, now: float) -> None:
+        return None
+
+
+class Nervous(Good):
+    def check_watchdog(self, now: float) -> Any:
+        self.stop_all()
+        return self.safety.notice("tick watchdog", "late")
+
+
+class SaysButDoesNot(Good):
+    def check_watchdog(self, now: float) -> Any:
+        sentence = self.safety.tick_overdue(now)
+        return sentence and self.safety.notice("tick watchdog", sentence)
+
+
+class SenseFails(Good):
+    def sense(self, now: float) -> None:
+        raise OSError("unplugged")
+
+
+class ActHangs(Good):
+    end = threading.Event()
+
+    def act(self, now: float) -> None:
+        self.end.wait(1)
+
+
+class StepsBackArmed(Good):
+    def rewind(self, moment: object) -> None:
+        """Pretends."""
+
+
+BROKEN: list[tuple[type[Bridge], str, str]] = [
+    (BadName, "test_it_has_a_name", "cannot be typed"),
+    (OpensTwice, "test_open_connects_once", "was called 2 times"),
+    (MembersPileUp, "test_open_connects_once", "the second `open` changed the members"),
+    (NeverOpen, "test_open_connects_once", "not open after `open`"),
+    (SpeechlessStatus, "test_status_is_said_in_a_sentence", "has no sentence"),
+    (ClosesWithoutStop, "test_close_stops_first_and_once", "did not stop the robot first"),
+    (ClosesAgain, "test_close_stops_first_and_once", "the second `close` closed again"),
+    (CannotCloseUnopened, "test_close_before_open_does_nothing", "close raised BridgeError: it is not open"),
+    (OpensOnlyOnce, "test_it_opens_again_after_close", "open raised BridgeError: it was used already"),
+    (ForgetsMembers, "test_it_opens_again_after_close", "has other members"),
+    (LeavesAThread, "test_no_thread_is_left", "runs on after `close`"),
+    (Undocumented, "test_members_are_documented", "without a doc: `x`"),
+    (PanelWithAnObject, "test_views_get_plain_data", "no plain data in the panel"),
+    (MisnamedMember, "test_members_can_be_described", "`slow` is not found"),
+    (HidesMembers, "test_members_can_be_described", "not listed by dir"),
+    (HangingReading, "test_readings_come_in_time", "reading `x` took more than"),
+    (FlickeringReading, "test_one_tick_sees_one_world", "`x` was 0, then 1 in the same tick"),
+    (AnswersAnything, "test_an_unknown_member_is_answered_with_the_known_ones", "is no error"),
+    (Terse, "test_an_unknown_member_is_answered_with_the_known_ones", "raises AttributeError"),
+    (Assignable, "test_an_unknown_member_is_answered_with_the_known_ones", "can be assigned"),
+    (ArmsItself, "test_hardware_opens_disarmed", "opening armed it"),
+    (MoveAsQuestion, "test_move_is_a_velocity_command", "passes by the safety"),
+    (SendsDisarmed, "test_disarmed_sends_nothing", "`move` was sent"),
+    (RecordsNothing, "test_disarmed_sends_nothing", "`move` was not recorded"),
+    (SendsTwice, "test_armed_sends", "was sent 2 times"),
+    (IgnoresTheStop, "test_a_stop_holds_for_the_tick", "was sent after the stop"),
+    (StopFails, "test_stop_all_works_on_any_thread", "may not have stopped: OSError: unplugged"),
+    (StopRaises, "test_stop_all_works_on_any_thread", "raised OSError"),
+    (StopHangs, "test_stop_all_works_on_any_thread", "took more than"),
+    (StopOnlyWhenArmed, "test_stop_all_works_on_any_thread", "did not call `stop`"),
+    (DrivesOnInPause, "test_pause_stops", "did not stop the robot"),
+    (SendsAgainOnResume, "test_pause_stops", "`on_resume` sent a command"),
+    (DrivesOnInSilence, "test_silence_stops_a_velocity", "moved on without new commands"),
+    (NotWatched, "test_a_hanging_loop_stops_the_robot", "says nothing"),
+    (Nervous, "test_a_hanging_loop_stops_the_robot", "too early"),
+    (SaysButDoesNot, "test_a_hanging_loop_stops_the_robot", "did not stop"),
+    (SenseFails, "test_ticks_are_short_and_never_raise", "sense: OSError: unplugged"),
+    (ActHangs, "test_ticks_are_short_and_never_raise", "act took more than"),
+    (StepsBackArmed, "test_an_armed_robot_cannot_step_back", "was not refused"),
+]
+
+
+class Impatient(BridgeConformance):
+    answer_within = 0.2
+    bridge: Callable[[], Bridge]
+
+    def make_bridge(self) -> Bridge:
+        return type(self).bridge()
+
+
+@pytest.mark.parametrize(
+    ("broken", "check", "problem"), BROKEN, ids=lambda value: getattr(value, "__name__", None)
+)
+def test_a_broken_bridge_fails_the_check(broken: type[Bridge], check: str, problem: str) -> None:
+    checks = type("Checks", (Impatient,), {"bridge": broken})()
+    with pytest.raises(ConformanceError) as error:
+        getattr(checks, check)()
+    assert problem in str(error.value)
+
+
+def test_every_check_can_fail() -> None:
+    assert sorted({check for _, check, _ in BROKEN}) == CHECKS
+
+
+def test_a_report_is_a_list_to_read() -> None:
+    report = check_bridge(Undocumented)
+    assert not report.passed
+    lines = str(report).splitlines()
+    assert lines[0] == f"Bridge `undocumented`: {len(CHECKS) - 1} of {len(CHECKS)} checks passed"
+    assert "  FAIL  Every member has a doc, for completion and hover." in lines
+    assert "        without a doc: `x`" in lines
+    assert [outcome.problem for outcome in report.problems] == ["without a doc: `x`"]
+    assert repr(report) == str(report)
+
+
+def test_a_good_bridge_has_a_clean_report() -> None:
+    report = check_bridge(lambda: Good())
+    assert report.passed
+    assert "FAIL" not in str(report)
+    assert len(report.outcomes) == len(CHECKS)
+
+
+def test_a_bridge_that_exists_is_checked_itself_and_closed() -> None:
+    bridge = Good()
+    assert check_bridge(bridge).passed
+    assert not bridge.is_open
+    assert all(isinstance(done, Message) and done == Twist() for done in bridge.done), "only stops reached it"
+
+
+def test_a_bridge_that_cannot_even_be_made_is_reported() -> None:
+    def make() -> Bridge:
+        raise OSError("no such port")
+
+    report = check_bridge(make)
+    assert not report.passed
+    assert {outcome.problem for outcome in report.outcomes} == {"OSError: no such port"}
+
+
+def test_the_checks_want_to_know_which_bridge() -> None:
+    with pytest.raises(NotImplementedError, match="make_bridge"):
+        BridgeConformance().make_bridge()
