@@ -29,7 +29,7 @@ from lrp_jupyter.views.graph import (
     why_dangling,
 )
 from lrp_jupyter.views.places import Box, Point, arrange, free_place
-from lrp_jupyter.views.routes import Route, arc, bends, detour, loop, number, place_labels, straight
+from lrp_jupyter.views.routes import Route, arc, bends, chords, detour, loop, number, place_labels, straight
 from lrp_jupyter.views.shapes import Label, Layout, Place, Port, Start, StateShape, TransitionShape
 from lrp_jupyter.views.widths import shorten, text_width
 
@@ -290,7 +290,19 @@ class _Drawing:
         between: dict[tuple[str, str], list[_Edge]] = {}
         for edge in edges:
             between.setdefault((edge.source, edge.target), []).append(edge)
+        pairs = {
+            (a, b): len(mine) + len(between.get((b, a), ()))
+            for (a, b), mine in between.items()
+            if a != b and ((b, a) not in between or a < b)
+        }
+        lines = chords(boxes, pairs)
         around: dict[tuple[str, str], float] = {}
+        for (a, b), line in lines.items():
+            there, back = bends(len(between.get((a, b), ())), len(between.get((b, a), ())))
+            others = [box for name, box in boxes.items() if name not in (a, b)]
+            around[a, b] = detour(boxes[a], boxes[b], [*there, *(-bend for bend in back)], others, line)
+        for (a, b), (p, q) in list(lines.items()):
+            lines[b, a], around[b, a] = (q, p), -around[a, b]
         routes: list[Route] = []
         for edge in edges:
             a, b = edge.source, edge.target
@@ -299,12 +311,8 @@ class _Drawing:
             if a == b:
                 routes.append(loop(boxes[a], index, broken=broken))
                 continue
-            there, back = bends(len(between[a, b]), len(between.get((b, a), ())))
-            if (a, b) not in around:
-                others = [box for name, box in boxes.items() if name not in (a, b)]
-                around[a, b] = detour(boxes[a], boxes[b], [*there, *(-bend for bend in back)], others)
-                around[b, a] = -around[a, b]
-            routes.append(arc(boxes[a], boxes[b], there[index], around[a, b], broken=broken))
+            bend = bends(len(between[a, b]), len(between.get((b, a), ())))[0][index]
+            routes.append(arc(boxes[a], boxes[b], bend, around[a, b], chord=lines[a, b], broken=broken))
         return routes
 
     def _exits(

@@ -55,6 +55,14 @@ class Box(NamedTuple):
             and abs(point[1] - self.y) < self.height / 2 + margin
         )
 
+    def inside(self, point: Point, margin: float) -> Point:
+        """Return the point of the box, at least `margin` from its border, that is nearest to a point."""
+        x, y = max(0.0, self.width / 2 - margin), max(0.0, self.height / 2 - margin)
+        return (
+            max(self.x - x, min(self.x + x, point[0])),
+            max(self.y - y, min(self.y + y, point[1])),
+        )
+
     def crossed_by(self, start: Point, end: Point, margin: float = 0.0) -> bool:
         """Whether a straight line touches it."""
         low, high = 0.0, 1.0
@@ -207,7 +215,7 @@ def _coordinates(
 ) -> dict[str, Point]:
     """Put each node above the middle of its neighbours, in the given order and with room between."""
     near: dict[str, list[str]] = {name: [] for row in rows for name in row}
-    for a, b in links:
+    for a, b in dict.fromkeys((min(link), max(link)) for link in links):
         if a != b and a in near and b in near:
             near[a].append(b)
             near[b].append(a)

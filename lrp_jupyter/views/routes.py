@@ -6,13 +6,16 @@ Edges are routed anew each time; only states have places that must stay.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 
 from lrp_jupyter.views.places import Box, Point
 
-__all__ = ["Route", "arc", "bends", "detour", "loop", "place_labels", "straight"]
+__all__ = ["Route", "arc", "bends", "chords", "detour", "loop", "place_labels", "straight"]
+
+Pair = tuple[str, str]
+Chord = tuple[Point, Point]
 
 OPPOSITE, PARALLEL = 22.0, 26.0
 """How far apart the middles of opposite and of parallel arrows are, in px."""
@@ -121,7 +124,53 @@ def _head(base: Point, tip: Point) -> str:
     )
 
 
-def detour(source: Box, target: Box, offsets: Sequence[float], others: Iterable[Box]) -> float:
+def chords(boxes: Mapping[str, Box], pairs: Mapping[Pair, int]) -> dict[Pair, Chord]:
+    """Spread the arrows of each state along its sides, in the order of where they lead.
+
+    Parameters
+    ----------
+    boxes : mapping of str to Box
+    pairs : mapping of (str, str) to int
+        How many arrows run between two states, both ways together; each pair once.
+
+    Returns
+    -------
+    dict of (str, str) to (point, point)
+        Inside the two boxes: where the straight line between them begins and ends.
+    """
+    sides: dict[tuple[str, bool, bool], list[tuple[float, Pair, int]]] = {}
+    ends: dict[tuple[str, Pair], Point] = {}
+    for pair, count in pairs.items():
+        start, stop = ((boxes[name].x, boxes[name].y) for name in pair)
+        if any(box.crossed_by(start, stop) for name, box in boxes.items() if name not in pair):
+            ends[pair[0], pair], ends[pair[1], pair] = start, stop  # it will go a long way round
+            continue
+        for name, other in (pair, pair[::-1]):
+            box, end = boxes[name], boxes[other]
+            x, y = end.x - box.x, end.y - box.y
+            across = abs(x) * box.height < abs(y) * box.width  # leaves through the top or the bottom
+            slope = x / abs(y) if across else y / (abs(x) or 1.0)
+            sides.setdefault((name, across, (y if across else x) > 0), []).append((slope, pair, count))
+    for (name, across, _), leaving in sides.items():
+        box = boxes[name]
+        room = (box.width if across else box.height) * 0.7
+        total = sum(count for *_, count in leaving) * OPPOSITE
+        step = OPPOSITE * min(1.0, room / total)
+        at = -step * sum(count for *_, count in leaving) / 2
+        for _, pair, count in sorted(leaving):
+            middle = at + step * count / 2
+            at += step * count
+            ends[name, pair] = (box.x + middle, box.y) if across else (box.x, box.y + middle)
+    return {pair: (ends[pair[0], pair], ends[pair[1], pair]) for pair in pairs}
+
+
+def detour(
+    source: Box,
+    target: Box,
+    offsets: Sequence[float],
+    others: Iterable[Box],
+    chord: Chord | None = None,
+) -> float:
     """Say how far all arrows between two states must be bent together to pass the states between.
 
     Parameters
@@ -132,6 +181,8 @@ def detour(source: Box, target: Box, offsets: Sequence[float], others: Iterable[
         to `target`.
     others : iterable of Box
         The other states.
+    chord : (point, point), optional
+        From where to where; by default from middle to middle.
 
     Returns
     -------
@@ -146,7 +197,7 @@ def detour(source: Box, target: Box, offsets: Sequence[float], others: Iterable[
         cost = abs(choice)
         for offset in offsets:
             if cost < least:
-                p, c, q = _bent(source, target, offset, choice)
+                p, c, q = _bent(source, target, offset, choice, chord)
                 if near := _near(passed, p, c, q):
                     points = [_quadratic(p, c, q, (i + 0.5) / SAMPLES) for i in range(SAMPLES)]
                     cost += 60.0 * sum(box.holds(point, CLEAR) for box in near for point in points)
@@ -171,24 +222,33 @@ def _near(boxes: Iterable[Box], p: Point, c: Point, q: Point) -> list[Box]:
     ]
 
 
-def _bent(source: Box, target: Box, offset: float, around: float) -> tuple[Point, Point, Point]:
+def _bent(
+    source: Box, target: Box, offset: float, around: float, chord: Chord | None
+) -> tuple[Point, Point, Point]:
     """Lay an arc from inside one box to inside the other, parallel ones side by side."""
-    way = (target.x - source.x, target.y - source.y)
-    length = math.hypot(*way) or 1.0
-    x, y = -way[1] / length, way[0] / length  # to the right hand
+    p, q = chord or ((source.x, source.y), (target.x, target.y))
+    length = math.dist(p, q) or 1.0
+    x, y = (p[1] - q[1]) / length, (q[0] - p[0]) / length  # to the right hand
 
-    def shift(box: Box) -> float:  # the ends keep apart too, as far as the box is wide
+    def shifted(point: Point, box: Box) -> Point:  # the ends keep apart too, as far as the box is wide
         room = 0.3 * (abs(x) * box.width + abs(y) * box.height)
-        return max(-room, min(room, 0.6 * offset))
+        shift = max(-room, min(room, 0.6 * offset))
+        return box.inside((point[0] + x * shift, point[1] + y * shift), 4.0)
 
-    here, there = shift(source), shift(target)
-    p = (source.x + x * here, source.y + y * here)
-    q = (target.x + x * there, target.y + y * there)
-    bend = 2 * (offset + around - (here + there) / 2)
-    return p, ((p[0] + q[0]) / 2 + x * bend, (p[1] + q[1]) / 2 + y * bend), q
+    middle = ((p[0] + q[0]) / 2 + x * (offset + around), (p[1] + q[1]) / 2 + y * (offset + around))
+    p, q = shifted(p, source), shifted(q, target)
+    return p, (2 * middle[0] - (p[0] + q[0]) / 2, 2 * middle[1] - (p[1] + q[1]) / 2), q
 
 
-def arc(source: Box, target: Box, offset: float, around: float = 0.0, *, broken: bool = False) -> Route:
+def arc(
+    source: Box,
+    target: Box,
+    offset: float,
+    around: float = 0.0,
+    *,
+    chord: Chord | None = None,
+    broken: bool = False,
+) -> Route:
     """Lead an arrow from border to border.
 
     Parameters
@@ -197,10 +257,12 @@ def arc(source: Box, target: Box, offset: float, around: float = 0.0, *, broken:
     offset, around : float
         How far the middle leaves the straight line, px, positive to the right hand: among arrows
         between the same states, and by the :func:`detour` of all of them.
+    chord : (point, point), optional
+        From where to where; by default from middle to middle.
     broken : bool
         Whether it leads nowhere: there is a gap with a cross in the middle, and no head.
     """
-    p, c, q = _bent(source, target, offset, around)
+    p, c, q = _bent(source, target, offset, around, chord)
     start = _leaving(source, p, c, q)
     end = 1.0 - _leaving(target, q, c, p)
     if end <= start:  # states that touch or overlap, because someone dragged them there
