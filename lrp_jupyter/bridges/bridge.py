@@ -43,11 +43,8 @@ looks its members up, so that members can come and go while a program holds it.
 from __future__ import annotations
 
 import inspect
-import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from enum import StrEnum
 from typing import Any, ClassVar, Self
 
 from lrp_jupyter.bridges.members import Member, MemberError
@@ -56,6 +53,7 @@ from lrp_jupyter.bridges.nodes import Limits, Method, Nodes, Variable
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.robot import Robot, attach
 from lrp_jupyter.bridges.safety import CommandRecord, Notice, Safety
+from lrp_jupyter.bridges.status import Connection, Status
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
 __all__ = [
@@ -74,25 +72,6 @@ __all__ = [
     "Twist",
     "attach",
 ]
-
-
-class Connection(StrEnum):
-    """How a bridge stands to its robot."""
-
-    DISCONNECTED = "disconnected"
-    CONNECTING = "connecting"
-    CONNECTED = "connected"
-    WAITING = "waiting for data"
-    STALE = "stale"
-    LOST = "lost"
-
-
-@dataclass(frozen=True, slots=True)
-class Status:
-    """The state of the connection, and a sentence for the person."""
-
-    state: Connection
-    sentence: str
 
 
 class Bridge(ABC):
@@ -472,26 +451,7 @@ class Bridge(ABC):
         return self._stop_now()
 
     def _stop_now(self) -> bool:
-        self.safety.moving("move", False)
-        failures: list[str] = []
-
-        def stop() -> None:
-            try:
-                self.stop()
-            except Exception as error:
-                failures.append(f"{type(error).__name__}: {error}")
-
-        if self.stop_timeout is None:
-            stop()
-        else:
-            thread = threading.Thread(target=stop, name=f"stop {self.name}", daemon=True)
-            thread.start()
-            thread.join(self.stop_timeout)
-            if thread.is_alive():
-                failures.append(f"no answer for {self.stop_timeout:g} s")
-        if failures:
-            self.safety.notice("fault", f"the robot may not have stopped: {failures[0]}")
-        return not failures
+        return self.safety.carry_out_stop(self.stop, self.stop_timeout)
 
     def send(self, method: Method, command: Message | inspect.BoundArguments) -> object:
         """Bring a command within limits, record it and, if allowed, carry it out.
@@ -515,7 +475,11 @@ class Bridge(ABC):
             return None
         if method.velocity:
             safety.moving(method.path, _moves(arguments))
-        return method.perform(command)
+        try:
+            return method.perform(command)
+        finally:
+            if safety.held:  # stopped on another thread while this was under way: the stop is the last word
+                self._stop_now()
 
 
 def _moves(value: object) -> bool:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import threading
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -155,6 +156,35 @@ class Safety:
         """Note that the robot was told to stop: nothing more goes out in this tick."""
         self._moving_since = None
         self.held = self.ticking
+
+    def carry_out_stop(self, stop: Callable[[], None], timeout: float | None) -> bool:
+        """Call a bridge's `stop`: on a thread of its own if it may block. Never raises.
+
+        Returns
+        -------
+        bool
+            Whether it ended in time and without a fault; if not, a notice says so.
+        """
+        self._moving_since = None
+        failures: list[str] = []
+
+        def call() -> None:
+            try:
+                stop()
+            except Exception as error:
+                failures.append(f"{type(error).__name__}: {error}")
+
+        if timeout is None:
+            call()
+        else:
+            thread = threading.Thread(target=call, name="stop the robot", daemon=True)
+            thread.start()
+            thread.join(timeout)
+            if thread.is_alive():
+                failures.append(f"no answer for {timeout:g} s")
+        if failures:
+            self.notice("fault", f"the robot may not have stopped: {failures[0]}")
+        return not failures
 
     def rest(self) -> None:
         """No ticks are expected for now: the program is paused or has ended."""

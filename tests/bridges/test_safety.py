@@ -372,3 +372,30 @@ def test_every_number_in_a_velocity_counts_as_movement() -> None:
     assert not stops_after([0, 0.0])
     assert not stops_after({"elbow": ()})
     assert not stops_after("rest")
+
+
+def test_a_stop_while_a_command_is_under_way_is_the_last_word() -> None:
+    class Slow(Bridge):
+        name = "test-slow"
+        hardware = False
+
+        def __init__(self) -> None:
+            self.done: list[str] = []
+
+        def open_interface(self) -> None:
+            self.add_method("move", self.move, "drive")
+
+        def move(self, linear: float) -> None:
+            thread = threading.Thread(target=self.stop_all)
+            thread.start()
+            thread.join()
+            self.done.append("move")
+
+        def stop(self) -> None:
+            self.done.append("stop")
+
+    bridge = Slow()
+    bridge.open()
+    bridge.begin_tick(0.0, 0.1)
+    bridge.robot.move(0.2)
+    assert bridge.done == ["stop", "move", "stop"]
