@@ -1,4 +1,7 @@
-import sys
-from pathlib import Path
+import os
 
-sys.path.insert(0, str(Path(__file__).parent))  # reference.py and story.py serve several folders
+from hypothesis import settings
+
+settings.register_profile("long", max_examples=3000, deadline=None)
+settings.register_profile("normal", deadline=None)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "normal"))

@@ -1,0 +1,126 @@
+"""Laws: whatever the program, the edits, the commands and the inputs."""
+
+from types import SimpleNamespace
+
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+from reference import Reference
+from wild import command, program
+
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.parser import parse
+
+slow = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+
+
+def moment(i):
+    return i.active, {path: value for path, value in i.variables.items() if not callable(value)}
+
+
+@slow
+@given(program, st.lists(st.sampled_from([0, 1]), max_size=30))
+def test_production_does_what_the_reference_does(text, lights):
+    p = parse(text)
+    robots = SimpleNamespace(light=0), SimpleNamespace(light=0)
+    production, reference = Interpreter(p, robots[0]), Reference(p, robots[1])
+    for tick, light in enumerate(lights):
+        for robot, i in zip(robots, (production, reference), strict=True):
+            robot.light = light
+            i.step(tick / 10)
+        assert production.active == reference.active, f"after tick {tick + 1}"
+        assert moment(production)[1] == reference.variables, f"after tick {tick + 1}"
+
+
+def active_exists(i):
+    for root in i._run.roots:
+        for act in root.walk():
+            assert i._run.plan.machines[act.machine.path].states[act.state.name] is act.state
+            assert act.row.state is act.state
+
+
+def obey(i, robot, order):
+    kind, argument = order
+    if kind == "step":
+        i.step(i.now + argument / 10)
+    elif kind == "light":
+        robot.light = argument
+    elif kind == "patch":
+        i.patch(parse(argument))
+    elif kind == "set_variable":
+        i.set_variable(*argument)
+    elif argument is None:
+        getattr(i, kind)()
+    else:
+        getattr(i, kind)(argument)
+
+
+@slow
+@example("(var n := [0])(machine m (state a))(spawn m a)", [("step", 0), ("teleport_to", ("m", "a"))], True)
+@given(program, st.lists(command, max_size=40), st.booleans())
+def test_no_command_and_no_edit_stops_it(text, orders, keep):
+    robot, seen = SimpleNamespace(light=0), []
+    i = Interpreter(parse(text), robot, on_active_edit="keep" if keep else "restart")
+    i.observe(seen.append)
+    for order in orders:
+        before = moment(i)
+        try:
+            obey(i, robot, order)
+        except (UnknownElementError, SyntaxError, NameError, ValueError) as error:
+            assert order[0] in ("transition_to", "teleport_to", "set_variable", "rewind"), error
+            assert moment(i) == before, "what failed changed nothing"
+        active_exists(i)
+    assert all(event.tick <= i.tick or True for event in seen)
+
+
+@slow
+@given(program, st.lists(command, max_size=25), st.integers(1, 5))
+def test_going_back_restores_the_moment_after_every_tick(text, orders, back):
+    robot = SimpleNamespace(light=0)
+    i = Interpreter(parse(text), robot)
+    moments = [((), {}, text)]
+    for order in orders:
+        if order[0] == "rewind":
+            continue
+        try:
+            obey(i, robot, order)
+        except (UnknownElementError, SyntaxError, NameError):
+            continue
+        if order[0] == "step":
+            moments.append((*moment(i), i.program.text))
+    back = min(back, len(moments) - 1)
+    i.rewind(back)
+    assert (*moment(i), i.program.text) == moments[-1 - back]
+    active_exists(i)
+
+
+@slow
+@given(program, st.integers(1, 8), st.integers(1, 8))
+def test_going_back_and_on_again_is_the_straight_run(text, first, more):
+    straight, winding = (
+        Interpreter(parse(text), SimpleNamespace(light=1)),
+        Interpreter(parse(text), SimpleNamespace(light=1)),
+    )
+    for tick in range(first + more):
+        straight.step(tick / 10)
+        winding.step(tick / 10)
+    winding.rewind(more)
+    for tick in range(first, first + more):
+        winding.step(tick / 10)
+    assert moment(winding) == moment(straight)
+
+
+@slow
+@given(program, program, st.integers(0, 5))
+def test_an_edit_and_its_inverse_keep_what_was_not_touched(one, other, ticks):
+    i = Interpreter(parse(one), SimpleNamespace(light=0))
+    for tick in range(ticks):
+        i.step(tick / 10)
+    before = moment(i)
+    same = i.patch(parse(one + "\n; a comment"))
+    assert (same.applied, same.restarted, moment(i)) == (True, False, before)
+    patch = i.patch(parse(other))
+    if not patch.applied:
+        assert moment(i) == before
+    elif not patch.restarted:
+        assert i.active[: len(before[0])] == before[0] or len(i.active) != len(before[0])
