@@ -9,7 +9,6 @@ Paper: §3.1, §3.2.
 from __future__ import annotations
 
 import unicodedata
-from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from keyword import iskeyword
@@ -19,13 +18,10 @@ from lrp_jupyter.language import nodes
 from lrp_jupyter.language.blocks import facts_of
 from lrp_jupyter.language.forms import USAGE, Mistake, Shape, expected_text, shape_of
 from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
-from lrp_jupyter.language.repair import Bracket, repair
+from lrp_jupyter.language.matching import Matching, match
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
 
-__all__ = ["DEEPEST", "parse", "scan"]
-
-DEEPEST = 100
-"""So many forms may stand in one another."""
+__all__ = ["parse", "scan"]
 
 
 def parse(text: str, filename: str = "<lrp>") -> Program:
@@ -84,14 +80,9 @@ class _Reader:
     def read(self) -> tuple[Program | None, tuple[Finding, ...]]:
         """Return the program, or None and the findings."""
         tokens = tokenize(self.text)
-        brackets = [
-            (index, keyword_of(self.text, token) if token[0] == "OPEN" else None)
-            for index, token in enumerate(tokens)
-            if token[0] in ("OPEN", "CLOSE")
-        ]
-        extra, closing = self._match(tokens, brackets)
-        if not self.findings or self.findings[0][2] != "LRP111":
-            program = self._build(tokens, extra, closing)
+        matching = match(self.text, self.starts, tokens)
+        self.findings += matching.findings
+        program = None if matching.too_deep else self._build(tokens, matching)
         if not self.findings:
             return program, ()
         place = Program(text=self.text).place
@@ -104,61 +95,8 @@ class _Reader:
         """Note an error at a range of the text."""
         self.findings.append((start, end, code, message))
 
-    # Brackets
-
-    def _match(
-        self, tokens: list[Token], brackets: list[tuple[int, str | None]]
-    ) -> tuple[frozenset[int], dict[int, int]]:
-        """Find the ``)`` to leave out, and those to put in: their number by the token before which."""
-        around = ["program"]
-        sound = True
-        for index, keyword in brackets:
-            if keyword is not None:
-                if len(around) > DEEPEST:
-                    message = f"Forms are nested too deeply here; at most {DEEPEST} may stand in one another."
-                    self.report(*tokens[index][1:], "LRP111", message)
-                    return frozenset(), {}
-                if keyword in KEYWORDS and keyword not in LEGAL.get(around[-1], KEYWORDS - LEGAL.keys()):
-                    sound = False
-                around.append(keyword)
-            elif len(around) > 1:
-                around.pop()
-            else:
-                sound = False
-        if sound and len(around) == 1:
-            return frozenset(), {}
-        found = repair([self._bracket(tokens[index], keyword) for index, keyword in brackets])
-        for bracket in found.extra:
-            message = "This `)` closes nothing that is open; remove it."
-            self.report(*tokens[brackets[bracket][0]][1:], "LRP102", message)
-        closing: dict[int, int] = {}
-        for opening, bracket in found.unclosed:
-            index = brackets[bracket][0] if bracket < len(brackets) else len(tokens)
-            closing[index] = closing.get(index, 0) + 1
-            if tokens[index - 1][0] != "UNCLOSED":  # else the bracket was lost together with the block's
-                self._unclosed(tokens[brackets[opening][0]], brackets[opening][1], tokens[index - 1])
-        return frozenset(brackets[bracket][0] for bracket in found.extra), closing
-
-    def _unclosed(self, opening: Token, keyword: str | None, last: Token) -> None:
-        line, _ = self._place(last[2])
-        what = f"`({keyword}`" if keyword else "`(`"
-        message = f"This {what} is not closed; put its `)` at the end of line {line}."
-        self.report(opening[1], opening[2], "LRP101", message)
-
-    def _bracket(self, token: Token, keyword: str | None) -> Bracket:
-        line, column = self._place(token[1])
-        before = self.text[self.starts[line - 1] : token[1]]
-        indent = len(before) - len(before.lstrip())
-        name = "" if keyword is None else keyword if keyword in KEYWORDS else "?"
-        return Bracket(name, -1 if before.strip() else column - 1, indent)
-
-    def _place(self, offset: int) -> tuple[int, int]:
-        line = bisect_right(self.starts, offset)
-        return line, offset - self.starts[line - 1] + 1
-
-    # Forms
-
-    def _build(self, tokens: list[Token], extra: frozenset[int], closing: dict[int, int]) -> Program:
+    def _build(self, tokens: list[Token], matching: Matching) -> Program:
+        _, extra, lost, closing, _ = matching
         text = self.text
         form = _Form("program", 0, 0)
         forms: list[_Form] = []
@@ -167,7 +105,7 @@ class _Reader:
             if index in closing:
                 for _ in range(closing[index]):
                     form = self._finish(form, forms, tokens[index - 1][2])
-            if kind == "OPEN":
+            if kind == "OPEN" or index in lost:
                 forms.append(form)
                 form = _Form(keyword_of(text, token), start, end)
             elif kind == "CLOSE":

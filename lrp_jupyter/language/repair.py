@@ -3,13 +3,14 @@
 When brackets do not match, or a form stands where it cannot, some bracket is missing or too much, and
 everything behind it seems misplaced. This search finds the cheapest explanation: it reads the brackets from
 left to right and keeps, for every nesting that is still plausible, the least cost of getting there. Leaving
-out a ``)``, or putting one in, costs most; a form that stands in the wrong kind of form costs more than one
+out a bracket, or putting one in, costs most; a form that stands in the wrong kind of form costs more than one
 bracket; indentation that does not fit costs a little, and so decides between equals.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 from lrp_jupyter.language.tokens import LEGAL
@@ -22,115 +23,184 @@ _OUTDENTED = 0.4  # a form that begins no further right than the one it stands i
 _UNEVEN = 0.2  # a form that does not begin below its sibling
 _CLOSING = 0.3  # a `)` that begins a line, but not below the form it closes
 _LATER = 1e-6  # of several `)` in a row leave out the last
-_WIDTH = 16  # nestings kept
+_LOST = 1.9  # a `(` put in before a keyword that begins a line
+_CLOSED_AT_ONCE = 6
+_WIDTH = 12  # nestings kept
 _MARGIN = 4.0  # those that cost this much more than the best are given up
 
 
 class Bracket(NamedTuple):
     """A bracket of a form, for the search.
 
-    ``keyword`` is empty for a closing one and ``?`` for an unknown keyword; ``column`` is where it stands if it
-    is the first in its line, else -1; ``indent`` is that of its line.
+    Parameters
+    ----------
+    keyword : str
+        Empty for a closing one, ``?`` for an unknown keyword.
+    column : int
+        Where it stands if it is the first in its line, else -1.
+    indent : int
+        That of its line.
+    lost : bool
+        There is no ``(``, but a keyword begins the line, so that one may be missing.
     """
 
     keyword: str
     column: int
     indent: int
+    lost: bool = False
 
 
 class Repair(NamedTuple):
-    """What to do with the brackets, which are named by their index in the sequence.
+    """What to do with the brackets, which are named by their position in the sequence.
 
-    ``extra``: closing ones that are too much; ``unclosed``: pairs of an opening one and the bracket before which
-    its ``)`` is missing (the length of the sequence at the end of the text).
+    Parameters
+    ----------
+    extra : tuple of int
+        Closing ones that are too much.
+    lost : tuple of int
+        Keywords that need a ``(``.
+    unclosed : tuple of (int, int)
+        An opening one, and the one before which its ``)`` is missing (the length of the sequence at the end).
     """
 
     extra: tuple[int, ...]
+    lost: tuple[int, ...]
     unclosed: tuple[tuple[int, int], ...]
 
 
 class _Open(NamedTuple):
     keyword: str
     indent: int
-    index: int
+    position: int
     sibling: int  # column of the form that it contained last, -1 if none
 
 
 _Stack = tuple[_Open, ...]
-_Edits = tuple[int, int, "_Edits"] | None  # (opening or -1, bracket, those before)
+_Edits = (
+    tuple[str, int, int, "_Edits"] | None
+)  # kind, position, for an unclosed one before which; those so far
+_Candidate = tuple[float, _Stack, _Edits]
+_Stacks = dict[tuple[int, ...], _Candidate]
 _ROOT = _Open("program", -1, -1, -1)
 
 
 def repair(sequence: Sequence[Bracket]) -> Repair:
-    """Find the cheapest way to make brackets match and forms stand where they may."""
-    stacks: dict[tuple[int, ...], tuple[float, _Stack, _Edits]] = {(-1,): (0.0, (_ROOT,), None)}
-    for index, bracket in enumerate(sequence):
-        found: dict[tuple[int, ...], tuple[float, _Stack, _Edits]] = {}
+    """Find the cheapest way to make brackets match and forms stand where they may.
+
+    What stands between two top-level forms at the left margin and is right by itself is left alone.
+    """
+    margins = [
+        index
+        for index, (keyword, column, _, lost) in enumerate(sequence)
+        if keyword in LEGAL["program"] and not column and not lost
+    ]
+    cuts = sorted({0, *margins, len(sequence)})
+    wrong = [(start, end) for start, end in pairwise(cuts) if not _is_right(sequence[start:end])]
+    return _search(sequence, wrong[0][0], wrong[-1][1]) if wrong else Repair((), (), ())
+
+
+def _is_right(sequence: Sequence[Bracket]) -> bool:
+    around = ["program"]
+    for keyword, _, _, lost in sequence:
+        if lost:
+            continue
+        if not keyword:
+            if len(around) == 1:
+                return False
+            around.pop()
+        else:
+            if not _may_stand(keyword, around[-1]):
+                return False
+            around.append(keyword)
+    return len(around) == 1
+
+
+def _may_stand(keyword: str, around: str) -> bool:
+    return "?" in (keyword, around) or keyword in LEGAL.get(around, ())
+
+
+def _search(sequence: Sequence[Bracket], start: int, end: int) -> Repair:
+    """Search between two positions, at which the top level is assumed."""
+    stacks: _Stacks = {(-1,): (0.0, (_ROOT,), None)}
+    for index in range(start, end):
+        bracket = sequence[index]
+        found: _Stacks = dict(stacks) if bracket.lost else {}
         step = _open if bracket.keyword else _close
         for key, (cost, stack, edits) in stacks.items():
             for new_key, candidate in step(key, cost, stack, edits, index, bracket):
                 if new_key not in found or candidate[0] < found[new_key][0]:
                     found[new_key] = candidate
         if len(found) > 1:
-            limit = min(cost for cost, _, _ in found.values()) + _MARGIN
-            kept = sorted(
-                (item for item in found.items() if item[1][0] <= limit), key=lambda item: item[1][0]
-            )
+            limit = min([candidate[0] for candidate in found.values()]) + _MARGIN
+            kept = sorted((item for item in found.items() if item[1][0] <= limit), key=_cost_of)
             found = dict(kept[:_WIDTH])
         stacks = found
-    count = len(sequence)
     ends = ((cost + _BRACKET * (len(stack) - 1), stack, edits) for cost, stack, edits in stacks.values())
-    _, stack, edits = min(ends, key=lambda end: end[0])
-    unclosed = [(entry.index, count) for entry in stack[1:]]
-    extra = []
+    _, stack, edits = min(ends, key=lambda candidate: candidate[0])
+    unclosed = [(entry.position, end) for entry in stack[1:]]
+    extra, lost = [], []
     while edits:
-        opening, index, edits = edits
-        if opening < 0:
-            extra.append(index)
+        kind, position, before, edits = edits
+        if kind == "extra":
+            extra.append(position)
+        elif kind == "lost":
+            lost.append(position)
         else:
-            unclosed.append((opening, index))
-    return Repair(tuple(sorted(extra)), tuple(sorted(unclosed)))
+            unclosed.append((position, before))
+    return Repair(tuple(sorted(extra)), tuple(sorted(lost)), tuple(sorted(unclosed)))
 
 
-_Step = list[tuple[tuple[int, ...], tuple[float, _Stack, _Edits]]]
+def _cost_of(item: tuple[tuple[int, ...], _Candidate]) -> float:
+    return item[1][0]
+
+
+_Step = list[tuple[tuple[int, ...], _Candidate]]
 
 
 def _open(
     key: tuple[int, ...], cost: float, stack: _Stack, edits: _Edits, index: int, bracket: Bracket
 ) -> _Step:
-    """Let a form begin here, or after closing one or more of those around it."""
+    """Let a form begin here, or after closing some of those around it."""
+    keyword, column, indent, lost = bracket
+    if lost:
+        cost += _LOST
+        edits = ("lost", index, 0, edits)
     steps: _Step = []
-    while True:
+    for _ in range(_CLOSED_AT_ONCE):
         parent = stack[-1]
-        total = cost
-        if parent.keyword != "?" and bracket.keyword != "?":
-            total += 0 if bracket.keyword in LEGAL.get(parent.keyword, ()) else _MISPLACED
-        if bracket.column >= 0:
-            total += _OUTDENTED if bracket.column <= parent.indent else 0
-            total += _UNEVEN if parent.sibling not in (-1, bracket.column) else 0
-            parent = parent._replace(sibling=bracket.column)
-        entry = _Open(bracket.keyword, bracket.indent, index, -1)
+        total = cost if _may_stand(keyword, parent.keyword) else cost + _MISPLACED
+        if column >= 0:
+            if column <= parent.indent:
+                total += _OUTDENTED
+            if parent.sibling not in (-1, column):
+                total += _UNEVEN
+            parent = parent._replace(sibling=column)
+        entry = _Open(keyword, indent, index, -1)
         steps.append(((*key, index), (total, (*stack[:-1], parent, entry), edits)))
         if len(stack) == 1:
-            return steps
+            break
         cost += _BRACKET
-        edits = (stack[-1].index, index, edits)
+        edits = ("unclosed", stack[-1].position, index, edits)
         stack = stack[:-1]
         key = key[:-1]
+    return steps
 
 
 def _close(
     key: tuple[int, ...], cost: float, stack: _Stack, edits: _Edits, index: int, bracket: Bracket
 ) -> _Step:
     """Let a ``)`` be too much, close the innermost form, or one around it if indentation speaks for that."""
-    steps: _Step = [(key, (cost + _BRACKET - index * _LATER, stack, (-1, index, edits)))]
-    while len(stack) > 1:
-        fits = bracket.column < 0 or bracket.column == stack[-1].indent
+    column = bracket.column
+    steps: _Step = [(key, (cost + _BRACKET - index * _LATER, stack, ("extra", index, 0, edits)))]
+    for _ in range(_CLOSED_AT_ONCE):
+        if len(stack) == 1:
+            break
+        fits = column < 0 or column == stack[-1].indent
         steps.append((key[:-1], (cost if fits else cost + _CLOSING, stack[:-1], edits)))
-        if bracket.column < 0 or fits:
+        if fits:
             break
         cost += _BRACKET
-        edits = (stack[-1].index, index, edits)
+        edits = ("unclosed", stack[-1].position, index, edits)
         stack = stack[:-1]
         key = key[:-1]
     return steps

@@ -60,6 +60,8 @@ def tokenize(text: str) -> list[Token]:
 
 def keyword_of(text: str, token: Token) -> str:
     """Return what follows the ``(`` of a token; empty if it is no name."""
+    if token[0] == "NAME":  # a form whose `(` is missing
+        return text[token[1] : token[2]]
     word = text[token[1] + 1 : token[2]]
     if word in KEYWORDS:
         return word

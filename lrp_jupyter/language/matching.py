@@ -1,0 +1,106 @@
+"""Which brackets of forms belong together, and what is said of those that do not."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from typing import NamedTuple
+
+from lrp_jupyter.language.repair import Bracket, repair
+from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of
+
+__all__ = ["DEEPEST", "Matching", "match"]
+
+DEEPEST = 100
+"""So many forms may stand in one another."""
+
+Remark = tuple[int, int, str, str]
+"""A finding whose place is not looked up yet: start, end, code, message."""
+
+
+class Matching(NamedTuple):
+    """How to read the brackets of forms; they are named by the index of their token.
+
+    Parameters
+    ----------
+    findings : list of Remark
+    extra : frozenset of int
+        Closing ones to be left out.
+    lost : frozenset of int
+        Keywords to be read as if a ``(`` stood before them.
+    closing : dict of int to int
+        How many ``)`` to put in before a token.
+    too_deep : bool
+        Nothing is to be read.
+    """
+
+    findings: list[Remark]
+    extra: frozenset[int] = frozenset()
+    lost: frozenset[int] = frozenset()
+    closing: dict[int, int] = {}  # noqa: RUF012  (never changed)
+    too_deep: bool = False
+
+
+def match(text: str, starts: list[int], tokens: list[Token]) -> Matching:
+    """Match the brackets of forms, whose lines begin at `starts`; with the least change where they do not match."""
+    around = ["program"]
+    sound = True
+    for token in tokens:
+        kind = token[0]
+        if kind == "OPEN":
+            keyword = keyword_of(text, token)
+            if len(around) > DEEPEST:
+                message = f"Forms are nested too deeply here; at most {DEEPEST} may stand in one another."
+                return Matching([(token[1], token[2], "LRP111", message)], too_deep=True)
+            if keyword in KEYWORDS and keyword not in LEGAL.get(around[-1], KEYWORDS - LEGAL.keys()):
+                sound = False
+            around.append(keyword)
+        elif kind == "CLOSE":
+            if len(around) > 1:
+                around.pop()
+            else:
+                sound = False
+    return Matching([]) if sound and len(around) == 1 else _repaired(text, starts, tokens)
+
+
+def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
+    indices = []
+    sequence = []
+    for index, (kind, start, end) in enumerate(tokens):
+        if kind not in ("OPEN", "CLOSE", "NAME"):
+            continue
+        line = bisect_right(starts, start) - 1
+        before = text[starts[line] : start]
+        column = -1 if before.strip() else len(before)
+        if kind == "NAME" and (column < 0 or text[start:end] not in KEYWORDS):
+            continue
+        keyword = (
+            keyword_of(text, tokens[index]) if kind == "OPEN" else text[start:end] if kind == "NAME" else ""
+        )
+        if kind == "OPEN" and keyword not in KEYWORDS:
+            keyword = "?"
+        indices.append(index)
+        sequence.append(Bracket(keyword, column, len(before) - len(before.lstrip()), kind == "NAME"))
+    found = repair(sequence)
+    findings: list[Remark] = []
+    for position in found.extra:
+        _, start, end = tokens[indices[position]]
+        findings.append((start, end, "LRP102", "This `)` closes nothing that is open; remove it."))
+    for position in found.lost:
+        _, start, end = tokens[indices[position]]
+        findings.append((start, end, "LRP101", f"A `(` is missing before `{text[start:end]}`; put it there."))
+    closing: dict[int, int] = {}
+    indices.append(len(tokens))
+    for position, before_position in found.unclosed:
+        index = indices[before_position]
+        closing[index] = closing.get(index, 0) + 1
+        last, _, last_end = tokens[index - 1]
+        if last == "UNCLOSED":
+            continue  # the bracket was lost together with the block's
+        _, start, end = tokens[indices[position]]
+        keyword = sequence[position].keyword.strip("?")
+        what = f"`({keyword}`" if keyword else "`(`"
+        line = bisect_right(starts, last_end)
+        message = f"This {what} is not closed; put its `)` at the end of line {line}."
+        findings.append((start, end, "LRP101", message))
+    extra, lost = (frozenset(indices[position] for position in part) for part in found[:2])
+    return Matching(findings, extra, lost, closing)
