@@ -1,1 +1,110 @@
-"""Live programming of robot behaviour in a Jupyter notebook."""
+"""Live programming of robot behaviour: nested state machines that change while they run.
+
+A program is text, :func:`parse` makes a value of it, an :class:`Interpreter` runs it tick by tick
+and can be patched between two ticks. A :class:`Session` adds time, a thread and a robot; a
+:class:`Lab` is a session in a notebook cell, with an editor and a graph.
+
+>>> from lrp_jupyter import Interpreter, parse
+>>> program = parse("(machine m (state a) (state b) (ontime 100 a -> b)) (spawn m a)")
+>>> i = Interpreter(program)
+>>> for tick in range(3):
+...     i.step(tick / 10)
+>>> i.active
+(('m', 'b'),)
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from lrp_jupyter.bridges.bridge import Bridge as Bridge
+    from lrp_jupyter.bridges.sim import SimBridge as SimBridge
+    from lrp_jupyter.errors import BridgeError as BridgeError
+    from lrp_jupyter.errors import LRPError as LRPError
+    from lrp_jupyter.errors import LRPSyntaxError as LRPSyntaxError
+    from lrp_jupyter.errors import NoDataYet as NoDataYet
+    from lrp_jupyter.errors import SessionClosedError as SessionClosedError
+    from lrp_jupyter.errors import UnknownElementError as UnknownElementError
+    from lrp_jupyter.interpreter.frame import Frame as Frame
+    from lrp_jupyter.interpreter.interpreter import Interpreter as Interpreter
+    from lrp_jupyter.interpreter.issues import Issue as Issue
+    from lrp_jupyter.language.checks import check as check
+    from lrp_jupyter.language.diff import diff as diff
+    from lrp_jupyter.language.parser import parse as parse
+    from lrp_jupyter.language.printer import to_source as to_source
+    from lrp_jupyter.language.program import Machine as Machine
+    from lrp_jupyter.language.program import Program as Program
+    from lrp_jupyter.live.clock import VirtualClock as VirtualClock
+    from lrp_jupyter.live.grade import grade as grade
+    from lrp_jupyter.live.session import Session as Session
+    from lrp_jupyter.sim import World as World
+    from lrp_jupyter.views.graph import state_graph as state_graph
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "bridges.bridge": ("Bridge",),
+    "bridges.sim": ("SimBridge",),
+    "errors": (
+        "BridgeError",
+        "LRPError",
+        "LRPSyntaxError",
+        "NoDataYet",
+        "SessionClosedError",
+        "UnknownElementError",
+    ),
+    "interpreter.frame": ("Frame",),
+    "interpreter.interpreter": ("Interpreter",),
+    "interpreter.issues": ("Issue",),
+    "language.checks": ("check",),
+    "language.diff": ("diff",),
+    "language.parser": ("parse",),
+    "language.printer": ("to_source",),
+    "language.program": ("Machine", "Program"),
+    "live.clock": ("VirtualClock",),
+    "live.grade": ("grade",),
+    "live.session": ("Session",),
+    "sim": ("World",),
+    "views.graph": ("state_graph",),
+}
+_HOME = {name: home for home, names in _HOMES.items() for name in names}
+
+__all__ = [
+    "Bridge",
+    "BridgeError",
+    "Frame",
+    "Interpreter",
+    "Issue",
+    "LRPError",
+    "LRPSyntaxError",
+    "Machine",
+    "NoDataYet",
+    "Program",
+    "Session",
+    "SessionClosedError",
+    "SimBridge",
+    "UnknownElementError",
+    "VirtualClock",
+    "World",
+    "check",
+    "diff",
+    "grade",
+    "parse",
+    "state_graph",
+    "to_source",
+]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name when it is first used: `import lrp_jupyter` alone imports nothing heavy."""
+    if name not in _HOME:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])
