@@ -16,7 +16,7 @@ Paper: §3.1, figure 2 (kinds of transitions and the fictional state ``*``).
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
 from lrp_jupyter.views.graph import (
@@ -28,15 +28,14 @@ from lrp_jupyter.views.graph import (
     start_states,
     why_dangling,
 )
-from lrp_jupyter.views.places import Box, Point, arrange, free_place
+from lrp_jupyter.views.memory import RESERVED, remembered_places
+from lrp_jupyter.views.places import Box, Point
 from lrp_jupyter.views.routes import Route, arc, bends, chords, detour, loop, number, place_labels, straight
-from lrp_jupyter.views.shapes import Label, Layout, Place, Port, Start, StateShape, TransitionShape
+from lrp_jupyter.views.shapes import Label, Layout, Port, Start, StateShape, TransitionShape
 from lrp_jupyter.views.widths import shorten, text_width
 
 __all__ = ["LABEL_FONT", "RESERVED", "SMALL_FONT", "STATE_FONT", "layout"]
 
-RESERVED = 30.0
-"""How long the place of a removed state stays free, in seconds."""
 STATE_FONT, LABEL_FONT, SMALL_FONT = 13.0, 11.5, 10.5
 """Font sizes of states' names, of labels, and of nested machines' names, in px."""
 HEIGHT, NESTED_HEIGHT = 36.0, 52.0
@@ -105,7 +104,7 @@ class _Drawing:
         self.machine = machine
         self.path = path
         self.states = distinct_states(machine)
-        self.starts: Collection[str] = start_states(program).get(path, ()) if program else ()
+        self.starts: Sequence[str] = start_states(program).get(path, ()) if program else ()
         events = events_in_scope(program, path) if program else None
         outer = outer_states(program, path) if program else None
         self.edges = [
@@ -152,24 +151,26 @@ class _Drawing:
         renamed: Mapping[str, str],
         now: float,
     ) -> Layout:
-        places = self._places(previous, pinned, renamed, now)
+        inner = [edge for edge in self.edges if not edge.outward]
+        links = [(edge.source, edge.target) for edge in inner]
+        places = remembered_places(
+            self.sizes, list(self.states), links, self.starts, previous, pinned, renamed, now
+        )
         boxes = {name: Box(places[name]["x"], places[name]["y"], *size) for name, size in self.sizes.items()}
         starts = {name: _start(boxes[name]) for name in self.starts if name in boxes}
         solid = [*boxes.values(), *(Box(start["x"], start["y"], 18.0, 18.0) for start in starts.values())]
-        inner = [edge for edge in self.edges if not edge.outward]
         outer = [edge for edge in self.edges if edge.outward]
         routes = self._routes(inner, boxes)
         labels = place_labels(routes, [edge.size for edge in inner], solid)
         room = max((edge.size[0] + 28.0 for edge in outer), default=0.0)  # for the arrows to the ports
         frame = _around([*solid, *labels], routes, room, self._title_width())
-        ports, exits, exit_labels = self._exits(outer, boxes, frame, solid, [*labels], routes)
-        drawn = dict(
-            zip(
-                map(id, [*inner, *outer]),
-                zip([*routes, *exits], [*labels, *exit_labels], strict=True),
-                strict=True,
+        ports, exits, exit_labels = self._exits(outer, boxes, frame, [*solid, *labels])
+        drawn = {
+            edge: (route, label)
+            for edge, route, label in zip(
+                [*inner, *outer], [*routes, *exits], [*labels, *exit_labels], strict=True
             )
-        )
+        }
         port_boxes = [
             Box(p["label"]["x"], p["label"]["y"], p["label"]["width"], p["label"]["height"]) for p in ports
         ]
@@ -183,7 +184,7 @@ class _Drawing:
             view=view,
             frame=frame,
             states=[self._state_shape(name, boxes[name], starts.get(name)) for name in self.sizes],
-            transitions=[self._transition_shape(edge, *drawn[id(edge)]) for edge in self.edges],
+            transitions=[self._transition_shape(edge, *drawn[edge]) for edge in self.edges],
             ports=ports,
             places=places,
         )
@@ -192,97 +193,6 @@ class _Drawing:
         outer = path_text(self.path[:-1])
         name = text_width(str(self.machine.name), STATE_FONT) * 1.1  # it is bold
         return name + (text_width(f" in {outer}", SMALL_FONT) + 8.0 if outer else 0.0)
-
-    # -- places ------------------------------------------------------------------------------------
-
-    def _places(
-        self,
-        previous: Layout | None,
-        pinned: Mapping[str, Sequence[float]],
-        renamed: Mapping[str, str],
-        now: float,
-    ) -> dict[str, Place]:
-        places = self._kept(previous, renamed, now) if previous else {}
-        for name, point in pinned.items():
-            if name in self.sizes:
-                places[name] = Place(x=round(float(point[0]), 1), y=round(float(point[1]), 1), pinned=True)
-        links = [
-            (edge.source, edge.target)
-            for edge in self.edges
-            if not edge.outward and edge.source != edge.target
-        ]
-        if all(place.get("pinned") for name, place in places.items() if name in self.sizes):
-            dense = [(edge.source, edge.target) for edge in self.edges if not edge.outward]
-            for name, (x, y) in arrange(self.sizes, dense, list(self.starts)).items():
-                mine = Box(x, y, *self.sizes[name])
-                if name not in places and not any(
-                    mine.overlaps(box, 8.0, 8.0) for box in self._taken(places)
-                ):
-                    places[name] = Place(x=x, y=y)
-        self._settle(places, links)
-        ordered = [*self.sizes, *(name for name in places if name not in self.sizes)]
-        return {name: places[name] for name in ordered}
-
-    def _kept(self, previous: Layout, renamed: Mapping[str, str], now: float) -> dict[str, Place]:
-        """Places of the last layout that still count."""
-        renamed = renamed or self._retyped(previous)
-        places: dict[str, Place] = {}
-        for name, place in previous["places"].items():
-            kept = Place(x=place["x"], y=place["y"])
-            if place.get("pinned"):
-                kept["pinned"] = True
-            new = renamed.get(name, name)
-            if new not in self.sizes:
-                kept["gone"] = place.get("gone", now)
-                if now - kept["gone"] >= RESERVED:
-                    continue
-            if new not in places or name in renamed:
-                places[new] = kept
-        return places
-
-    def _retyped(self, previous: Layout) -> dict[str, str]:
-        """Find the state whose name is being typed: the only one that differs, in the same order."""
-        old = [shape["name"] for shape in previous["states"] if shape["kind"] == "state"]
-        new = list(self.states)
-        if len(old) != len(new):
-            return {}
-        changed = [(a, b) for a, b in zip(old, new, strict=True) if a != b]
-        if len(changed) != 1 or changed[0][1] in old:
-            return {}
-        return dict(changed)
-
-    def _taken(self, places: Mapping[str, Place]) -> list[Box]:
-        standard = (80.0, HEIGHT)
-        return [
-            Box(place["x"], place["y"], *self.sizes.get(name, standard)) for name, place in places.items()
-        ]
-
-    def _settle(self, places: dict[str, Place], links: Iterable[tuple[str, str]]) -> None:
-        """Give the nodes that have no place yet the free one nearest to their neighbours."""
-        links = list(links)
-        names = list(self.sizes)
-        waiting = [name for name in names if name not in places]
-        while waiting:
-            # first those that have a neighbour in place already: the others then follow them
-            name = max(waiting, key=lambda one: (_is_placed_neighbour(one, links, places), -names.index(one)))
-            waiting.remove(name)
-            near = [
-                (places[other]["x"], places[other]["y"])
-                for pair in links
-                if name in pair
-                for other in pair
-                if other != name and other in places
-            ]
-            if not near and places:
-                before = [one for one in names[: names.index(name)] if one in places and one != ANY]
-                near = [(places[one]["x"], places[one]["y"]) for one in before[-1:]]
-            lines = [
-                ((places[a]["x"], places[a]["y"]), (places[b]["x"], places[b]["y"]))
-                for a, b in dict.fromkeys(links)
-                if a in places and b in places
-            ]
-            x, y = free_place(self.sizes[name], near, self._taken(places), lines)
-            places[name] = Place(x=x, y=y)
 
     # -- arrows ------------------------------------------------------------------------------------
 
@@ -321,15 +231,13 @@ class _Drawing:
         boxes: Mapping[str, Box],
         frame: Sequence[float],
         solid: Sequence[Box],
-        labels: list[Box],
-        routes: Sequence[Route],
     ) -> tuple[list[Port], list[Route], list[Box]]:
         """Lead each ``exit`` to a port on the frame, by the shortest clear way."""
         ports: list[Port] = []
         ways: list[Route] = []
         for edge in edges:
             source = boxes[edge.source]
-            others = [box for box in [*solid, *labels] if box != source]
+            others = [box for box in solid if box != source]
             x, y, side = _port(source, frame, others, ports)
             text = shorten(edge.target, LABEL_FONT, WIDEST_LABEL)
             width = text_width(text, LABEL_FONT) + 4.0
@@ -343,7 +251,7 @@ class _Drawing:
             missing = edge.broken is not None
             ports.append(Port(x=x, y=y, name=edge.target, label=label, missing=missing))
             ways.append(straight(source, (x, y), broken=missing))
-        taken = [*solid, *labels, *(Box(port["x"], port["y"], 14.0, 14.0) for port in ports)]
+        taken = [*solid, *(Box(port["x"], port["y"], 14.0, 14.0) for port in ports)]
         return ports, ways, place_labels([*ways], [edge.size for edge in edges], taken)
 
     # -- shapes ------------------------------------------------------------------------------------
@@ -388,10 +296,6 @@ class _Drawing:
             title=f"{title}: {edge.broken}" if edge.broken else title,
             broken=edge.broken,
         )
-
-
-def _is_placed_neighbour(name: str, links: Iterable[tuple[str, str]], places: Mapping[str, Place]) -> bool:
-    return any(name in pair and (pair[0] in places or pair[1] in places) for pair in links)
 
 
 def _nested_text(state: State | None) -> str:

@@ -16,7 +16,7 @@ import igraph
 
 from lrp_jupyter.views.graph import ANY
 
-__all__ = ["Box", "arrange", "free_place", "is_dense", "layers"]
+__all__ = ["Box", "arrange", "free_place", "is_dense", "layers", "left_of"]
 
 Point = tuple[float, float]
 Link = tuple[str, str]
@@ -113,7 +113,7 @@ def arrange(sizes: Mapping[str, Size], links: Sequence[Link], starts: Sequence[s
     else:
         places = _layered(states, sizes, links, starts)
     if ANY in sizes:
-        places[ANY] = _left_of(places, sizes, links)
+        places[ANY] = left_of(places, sizes, links)
     return {name: (round(x, 1), round(y, 1)) for name, (x, y) in places.items()}
 
 
@@ -130,8 +130,8 @@ def _ellipse(states: Sequence[str], sizes: Mapping[str, Size], links: int) -> di
     }
 
 
-def _left_of(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Iterable[Link]) -> Point:
-    """Place ``*``: left of everything, as high as the middle of the states that it leads to."""
+def left_of(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Iterable[Link]) -> Point:
+    """Say where ``*`` belongs: left of everything, as high as the states that it leads to."""
     left = min(x - sizes[name][0] / 2 for name, (x, _) in places.items())
     targets = {target: places[target][1] for source, target in links if source == ANY and target in places}
     ys = list(targets.values()) or [y for _, y in places.values()]
@@ -275,7 +275,7 @@ def _badness(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Sequ
     """Length of the edges, how often they cross, and how often they run into a node."""
     ends = dict(places)
     if ANY in sizes:
-        ends[ANY] = _left_of(places, sizes, links)
+        ends[ANY] = left_of(places, sizes, links)
     pairs = [pair for pair in dict.fromkeys(tuple(sorted(link)) for link in links) if pair[0] != pair[1]]
     total = 0.0
     for k, (a, b) in enumerate(pairs):

@@ -142,7 +142,8 @@ def chords(boxes: Mapping[str, Box], pairs: Mapping[Pair, int]) -> dict[Pair, Ch
     ends: dict[tuple[str, Pair], Point] = {}
     for pair, count in pairs.items():
         start, stop = ((boxes[name].x, boxes[name].y) for name in pair)
-        if any(box.crossed_by(start, stop) for name, box in boxes.items() if name not in pair):
+        rest = (box for name, box in boxes.items() if name not in pair)
+        if any(box.crossed_by(start, stop) for box in _near(rest, start, start, stop)):
             ends[pair[0], pair], ends[pair[1], pair] = start, stop  # it will go a long way round
             continue
         for name, other in (pair, pair[::-1]):
@@ -200,7 +201,7 @@ def detour(
                 p, c, q = _bent(source, target, offset, choice, chord)
                 if near := _near(passed, p, c, q):
                     points = [_quadratic(p, c, q, (i + 0.5) / SAMPLES) for i in range(SAMPLES)]
-                    cost += 60.0 * sum(box.holds(point, CLEAR) for box in near for point in points)
+                    cost += 60.0 * sum(_inside(box, points) for box in near)
         if cost < least:
             best, least = choice, cost
         if least <= abs(choice):
@@ -220,6 +221,13 @@ def _near(boxes: Iterable[Box], p: Point, c: Point, q: Point) -> list[Box]:
         and top < box.y + box.height / 2
         and box.y - box.height / 2 < bottom
     ]
+
+
+def _inside(box: Box, points: Iterable[Point]) -> int:
+    """Count the points that come too near to a box."""
+    x, y, width, height = box
+    right, down = width / 2 + CLEAR, height / 2 + CLEAR
+    return sum(-right < px - x < right and -down < py - y < down for px, py in points)
 
 
 def _bent(

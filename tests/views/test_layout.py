@@ -269,6 +269,12 @@ def test_a_new_state_stands_near_its_neighbour():
     assert near == "s8"
 
 
+def test_the_fictional_state_comes_in_at_the_left():
+    before = lay(THREE.format(more="(on e a -> b) (on e b -> c)"))
+    after = lay(THREE.format(more="(on e a -> b) (on e b -> c) (on e *-> b)"), before)
+    assert positions(after)["*"][0] < min(x for x, _ in positions(before).values())
+
+
 def test_the_missing_end_keeps_its_place_when_its_state_appears():
     before = lay(THREE.format(more="(on e c -> d) (on e a -> b)"))
     after = lay(THREE.format(more="(on e c -> d) (on e a -> b) (state d)"), before)
