@@ -25,7 +25,16 @@ from typing import NamedTuple, NoReturn, TypeVar
 from lrp_jupyter.bridges.ev3_protocol import Reply, frame, split_replies
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["ANSWER_TIME", "Beacon", "BrickClient", "NoBrickError", "check_address", "connect", "parse_beacon"]
+__all__ = [
+    "ANSWER_TIME",
+    "Beacon",
+    "BrickClient",
+    "BusyError",
+    "NoBrickError",
+    "check_address",
+    "connect",
+    "parse_beacon",
+]
 
 ANSWER_TIME = 0.5
 """Seconds in which a brick must answer, or the connection is lost."""
@@ -42,6 +51,10 @@ _Value = TypeVar("_Value")
 
 class NoBrickError(BridgeError):
     """Something answers at an address, but not as a brick does."""
+
+
+class BusyError(BridgeError):
+    """Something takes a connection and hangs up, as a brick does that serves somebody else."""
 
 
 class BrickClient:
@@ -88,15 +101,19 @@ class BrickClient:
     def _unlock(self) -> None:
         deadline = time.monotonic() + ANSWER_TIME
         text = f"GET /target?sn={self.serial} VMTP1.0\r\nProtocol: EV3"
-        self._send_bytes(text.encode(), deadline)
-        answer = b""
+        where, answer = f"{self.address[0]}:{self.address[1]}", b""
         try:
+            self._send_bytes(text.encode(), deadline)
             while len(answer) < len(_UNLOCKED) and _UNLOCKED.startswith(answer):
                 answer += self._receive_bytes(len(_UNLOCKED) - len(answer), deadline)
         except BridgeError as error:
-            raise NoBrickError(f"{self.address[0]}:{self.address[1]} is no EV3 brick: {error}") from None
+            if not answer and time.monotonic() < deadline:
+                raise BusyError(
+                    f"{where} hangs up: is it a brick, and somebody else connected to it?"
+                ) from None
+            raise NoBrickError(f"{where} is no EV3 brick: {error}") from None
         if answer != _UNLOCKED:
-            raise NoBrickError(f"{self.address[0]}:{self.address[1]} is no EV3 brick: it says {answer!r}")
+            raise NoBrickError(f"{where} is no EV3 brick: it says {answer!r}")
 
     def command(self, code: bytes, timeout: float = ANSWER_TIME) -> None:
         """Send a byte code and do not wait for the brick to carry it out.
@@ -287,7 +304,7 @@ def connect(
         No brick was found, or what is at `host` is none (then at once).
     """
     deadline = time.monotonic() + patience
-    trouble = ""
+    trouble, busy = "", False
     with closing(_Ear(beacon_port)) as ear:
         if host is not None:
             host = check_address(host)
@@ -304,7 +321,9 @@ def connect(
                 except NoBrickError:
                     raise
                 except BridgeError as error:
-                    trouble = str(error)
+                    if isinstance(error, BusyError) and busy:
+                        raise
+                    busy, trouble = isinstance(error, BusyError), str(error)
             if cancelled() or time.monotonic() >= deadline:
                 break
             if heard := ear.hear():

@@ -57,7 +57,8 @@ class Link:
         Gives a new connection, as :func:`~lrp_jupyter.bridges.ev3_client.connect` does; takes a
         function that says whether to give up.
     report : callable
-        Told the state (``connected``, ``stale``, ``lost``) and a sentence whenever it changes.
+        Told the state (``connected``, ``stale``, ``lost``, ``disconnected``) and a sentence whenever
+        it changes.
     """
 
     def __init__(self, find: Find, report: Report) -> None:
@@ -122,7 +123,7 @@ class Link:
         client = self._client
         if client is not None:
             client.command(protocol.stop(protocol.ALL_MOTORS, brake=True), _STOP_TIME)
-        elif self.snapshot.reading is not None:
+        elif self.snapshot.reading is not None and not self._closing.is_set():
             raise BridgeError(f"{self.snapshot.trouble}. It will be stopped when it is found again")
 
     def latest(self, snapshot: Snapshot | None = None) -> Reading:
@@ -178,15 +179,15 @@ class Link:
             return 0.0
         client, known = self._client, self.snapshot.trouble
         refused = client is not None and not client.lost
-        if not refused:
-            self._let_go()
         with self._latest:
             if refused or not known:
                 self.snapshot = replace(self.snapshot, trouble=trouble)
+        if not refused:
+            self._let_go()
         if client is not None and trouble != known:
             self._report("stale" if refused else "lost", trouble)
         elif client is None and self.snapshot.reading is None:
-            self._report("connecting", trouble)
+            self._report("disconnected", f"{trouble} Still looking for it")
         return _PERIOD if client is not None else _REST
 
     def _adopt(self, client: BrickClient, again: bool = False) -> None:

@@ -199,8 +199,26 @@ def test_a_host_that_is_no_brick_is_told_within_a_second(
         connect("127.0.0.1", port=port, beacon_port=free_udp_port)
 
 
+def test_a_host_that_hangs_up_again_and_again_is_told_within_a_second(
+    free_udp_port: int, brick: Any, client: BrickClient
+) -> None:
+    client.request(*NAME)  # the brick serves somebody: it hangs up on others
+    with within_a_second("hangs up: is it a brick, and somebody else connected"):
+        connect("127.0.0.1", port=brick.port, beacon_port=free_udp_port)
+
+
+def test_a_brick_that_has_not_noticed_the_end_of_the_last_connection_is_tried_again(
+    free_udp_port: int, brick: Any, client: BrickClient
+) -> None:
+    client.request(*NAME)
+    threading.Timer(0.1, client.close).start()
+    again = connect("127.0.0.1", port=brick.port, beacon_port=free_udp_port)
+    assert again.request(*NAME).rstrip(b"\0") == b"SLOWPOKE"
+    again.close()
+
+
 def test_an_address_where_nothing_is_gives_up_in_time(free_udp_port: int) -> None:
-    with within_a_second("no EV3 brick found: no connection to 127.0.0.1:1: .*refused"):
+    with within_a_second(r"no EV3 brick found: no connection to 127.0.0.1:1: .*refused"):
         connect("127.0.0.1", port=1, beacon_port=free_udp_port, patience=0.3)
 
 

@@ -1,0 +1,671 @@
+"""The EV3 bridge on an emulated brick: what a program may do, and what happens when things go wrong."""
+
+from __future__ import annotations
+
+import math
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from operator import attrgetter
+from typing import Any
+
+import pytest
+
+from lrp_jupyter.bridges.conformance import BridgeConformance, check_bridge
+from lrp_jupyter.bridges.ev3 import EV3Bridge
+from lrp_jupyter.errors import BridgeError, NoDataYet
+
+STOP_ALL = "a3 00 0f 01"
+
+
+@pytest.fixture
+def fresh(bridge: EV3Bridge, until: Callable[..., None]) -> Callable[[], None]:
+    """Wait for a reading that was asked for after now."""
+
+    def fresh() -> None:
+        for _ in range(2):  # the first one may have been under way
+            before = bridge.link.snapshot.time
+            until(lambda: bridge.link.snapshot.time > before)  # noqa: B023
+
+    return fresh
+
+
+@pytest.fixture
+def searching(make_brick: Callable[..., Any], free_udp_port: int) -> Iterator[Callable[..., EV3Bridge]]:
+    """Make bridges that may not find their brick at once."""
+    bridges: list[EV3Bridge] = []
+
+    def make(host: str | None = None, **options: Any) -> EV3Bridge:
+        bridges.append(EV3Bridge(host, beacon_port=free_udp_port, **{"patience": 0.3, **options}))
+        return bridges[-1]
+
+    yield make
+    for bridge in bridges:
+        bridge.close()
+
+
+def sent(brick: Any) -> list[str]:
+    """The byte codes of the commands that the brick got, without their headers."""
+    return [command[7:].hex(" ") for command in brick.commands]
+
+
+# -- motors -------------------------------------------------------------------------------------------
+
+
+def test_a_motor_started_at_a_speed_turns_until_told_otherwise(
+    bridge: EV3Bridge, brick: Any, clock: Any, fresh: Callable[[], None]
+) -> None:
+    bridge.robot.motorB.start_at_speed(-30)
+    fresh()
+    clock.now += 2
+    fresh()
+    assert bridge.robot.motorB.count == -600
+    assert bridge.robot.motorB.speed == -30
+    assert bridge.robot.motorA.speed == 0
+
+
+def test_a_motor_is_stopped_with_brake_unless_it_shall_run_out(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
+) -> None:
+    bridge.robot.motorA.start_at_power(80)
+    fresh()
+    assert brick.motors[0].turning == 80
+    bridge.robot.motorA.stop()
+    fresh()
+    assert (brick.motors[0].turning, brick.motors[0].braked) == (0, True)
+    bridge.robot.motorA.stop(brake=False)
+    fresh()
+    assert not brick.motors[0].braked
+
+
+@pytest.mark.parametrize(
+    ("arguments", "degrees"),
+    [
+        ({"degrees": 90}, 90),
+        ({"degrees": -90}, -90),
+        ({"degrees": 90, "speed": -20}, -90),
+        ({"seconds": 1.5, "speed": 40}, 600),
+        ({"seconds": 0.5, "speed": -40}, -200),
+        ({"degrees": 0}, 0),
+    ],
+)
+def test_a_motor_runs_for_an_angle_or_a_time_and_stops(
+    bridge: EV3Bridge, clock: Any, fresh: Callable[[], None], arguments: dict[str, float], degrees: int
+) -> None:
+    bridge.robot.motorD.run_for(**arguments)
+    fresh()
+    clock.now += 60
+    fresh()
+    assert bridge.robot.motorD.count == degrees
+    assert bridge.robot.motorD.speed == 0
+
+
+def test_a_count_set_to_zero_is_zero_at_once_and_counts_from_there(
+    bridge: EV3Bridge, brick: Any, clock: Any, fresh: Callable[[], None]
+) -> None:
+    bridge.robot.motorC.start_at_speed(10)
+    fresh()
+    clock.now += 5
+    fresh()
+    assert bridge.robot.motorC.count == 500
+    for _ in range(20):  # each time a reading may be under way that knows the old count
+        bridge.robot.motorC.reset_count()
+        assert bridge.robot.motorC.count == 0
+    fresh()
+    clock.now += 1
+    fresh()
+    assert bridge.robot.motorC.count == 100
+
+
+def test_the_beep_sounds(bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]) -> None:
+    bridge.robot.beep(frequency=880, seconds=0.1)
+    fresh()
+    assert brick.tones == [(50, 880, 100)]
+
+
+@pytest.mark.parametrize(
+    ("member", "arguments", "sentence"),
+    [
+        ("motorA.start_at_speed", (101,), "-100 to 100, not 101"),
+        ("motorA.start_at_speed", (-100.5,), "-100 to 100"),
+        ("motorA.start_at_speed", (math.nan,), "finite number"),
+        ("motorA.start_at_speed", (math.inf,), "finite number"),
+        ("motorA.start_at_speed", ("fast",), "must be a number, not 'fast'"),
+        ("motorA.start_at_speed", (True,), "must be a number"),
+        ("motorA.start_at_speed", (None,), "must be a number"),
+        ("motorA.start_at_speed", (), "missing"),
+        ("motorA.start_at_speed", (1, 2), "too many"),
+        ("motorB.start_at_power", (200,), "-100 to 100"),
+        ("motorB.start_at_power", (math.nan,), "finite number"),
+        ("motorC.stop", ("hard",), "True or False"),
+        ("motorD.run_for", (), "an angle or a time"),
+        ("motorD.run_for", (90, 1), "an angle or a time"),
+        ("motorD.run_for", (90, None, 0), "never end"),
+        ("motorD.run_for", (math.nan,), "finite number"),
+        ("motorD.run_for", (1e10,), "further"),
+        ("motorD.run_for", (None, -1), "in the past"),
+        ("motorD.run_for", (None, 1e9), "further"),
+        ("beep", (20,), "frequency goes from 250"),
+        ("beep", (440, -1), "seconds goes from 0"),
+        ("beep", (440, 1, 101), "volume goes from 0"),
+    ],
+)
+def test_a_wrong_argument_is_refused_and_nothing_is_sent(
+    bridge: EV3Bridge,
+    brick: Any,
+    fresh: Callable[[], None],
+    member: str,
+    arguments: tuple[Any, ...],
+    sentence: str,
+) -> None:
+    with pytest.raises(BridgeError, match=sentence):
+        attrgetter(member)(bridge.robot)(*arguments)
+    fresh()
+    assert brick.commands == []
+
+
+def test_a_disarmed_bridge_moves_nothing_but_reads_and_stops(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
+) -> None:
+    bridge.disarm()
+    fresh()
+    del brick.commands[:]
+    bridge.robot.motorA.start_at_speed(50)
+    bridge.robot.beep()
+    fresh()
+    assert brick.commands == []
+    assert bridge.robot.sensor2.read() == 42
+    bridge.stop_all()
+    fresh()
+    assert sent(brick) == [STOP_ALL]
+
+
+# -- sensors ------------------------------------------------------------------------------------------
+
+
+def test_sensors_are_read_in_their_units(bridge: EV3Bridge, brick: Any) -> None:
+    robot = bridge.robot
+    assert (robot.sensor1.read(), robot.sensor1.type, robot.sensor1.mode) == (0, "touch", "touch")
+    assert (robot.sensor2.read(), robot.sensor2.type, robot.sensor2.mode) == (42, "colour", "reflected")
+    assert (robot.sensor3.read(), robot.sensor3.value) == (25.5, 25.5)
+    assert type(robot.sensor2.read()) is int
+
+
+def test_the_brick_tells_its_battery_name_and_motors(bridge: EV3Bridge) -> None:
+    assert (bridge.robot.battery, bridge.robot.name, bridge.robot.motorA.type) == (
+        87,
+        "SLOWPOKE",
+        "large motor",
+    )
+
+
+@pytest.mark.parametrize("mode", ["ambient", 1])
+def test_a_sensor_measures_what_is_wanted(bridge: EV3Bridge, until: Callable[..., None], mode: Any) -> None:
+    bridge.robot.sensor2.set_mode(mode)
+    with pytest.raises(NoDataYet):  # what it measured before is not what is wanted now
+        bridge.robot.sensor2.read()
+    until(lambda: bridge.robot.sensor2.mode == "ambient")
+    assert bridge.robot.sensor2.read() == 7
+
+
+@pytest.mark.parametrize("mode", ["ambiant", 8, -1, True, None, 1.5])
+def test_a_mode_that_does_not_exist_is_refused(bridge: EV3Bridge, mode: Any) -> None:
+    with pytest.raises(BridgeError, match=r"`sensor2` \(colour\) has no mode .*`ambient`"):
+        bridge.robot.sensor2.set_mode(mode)
+
+
+def test_a_mode_nearly_right_is_suggested(bridge: EV3Bridge) -> None:
+    with pytest.raises(BridgeError, match="Did you mean `ambient`"):
+        bridge.robot.sensor2.set_mode("ambiant")
+
+
+def test_a_sensor_without_a_value_yet_has_no_data(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
+) -> None:
+    brick.sensors[1].values = {}  # it says NaN
+    fresh()
+    with pytest.raises(NoDataYet):
+        bridge.robot.sensor2.read()
+
+
+def test_an_empty_port_is_told(bridge: EV3Bridge) -> None:
+    for ask in (bridge.robot.sensor4.read, lambda: bridge.robot.sensor4.set_mode(0)):
+        with pytest.raises(BridgeError, match="nothing is plugged in port 4"):
+            ask()
+    assert bridge.robot.sensor4.type == "nothing"
+
+
+def test_another_sensor_in_the_port_measures_in_its_own_mode(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
+) -> None:
+    bridge.robot.sensor2.set_mode("colour")
+    fresh()
+    assert bridge.robot.sensor2.read() == 5
+    brick.sensors[1].type, brick.sensors[1].values, brick.sensors[1].mode = 32, {0: -90.0}, 0
+    fresh()
+    brick.sensors[1].mode = 0
+    fresh()
+    assert (bridge.robot.sensor2.read(), bridge.robot.sensor2.mode) == (-90, "angle")
+
+
+def test_one_tick_sees_one_world(bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]) -> None:
+    bridge.begin_tick(0.0, 0.1)
+    brick.sensors[0].values[0] = 1.0
+    fresh()
+    assert bridge.robot.sensor1.read() == 0
+    assert bridge.robot.sensor1.value == 0
+    bridge.end_tick(0.0)
+    assert bridge.robot.sensor1.read() == 1
+
+
+def test_what_was_not_read_lately_tells_its_age(
+    bridge: EV3Bridge, brick: Any, until: Callable[..., None]
+) -> None:
+    brick.fault = "silent"
+    until(lambda: (bridge.describe("sensor1.value").age or 0) > 0.2)
+
+
+# -- stopping -----------------------------------------------------------------------------------------
+
+
+def test_the_runstop_stops_all_motors_in_one_packet(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
+) -> None:
+    for motor in (bridge.robot.motorA, bridge.robot.motorD):
+        motor.start_at_speed(100)
+    fresh()
+    del brick.commands[:]
+    assert bridge.stop_all() is True
+    fresh()
+    assert sent(brick) == [STOP_ALL]
+    assert [motor.turning for motor in brick.motors] == [0, 0, 0, 0]
+
+
+def test_the_runstop_works_on_any_thread_while_a_reading_hangs(bridge: EV3Bridge, brick: Any) -> None:
+    bridge.robot.motorA.start_at_speed(100)
+    brick.fault = "silent"
+    took: list[float] = []
+
+    def press() -> None:
+        begin = time.monotonic()
+        bridge.press("stop")
+        took.append(time.monotonic() - begin)
+
+    thread = threading.Thread(target=press)
+    thread.start()
+    thread.join(2)
+    assert took[0] < 0.3
+    assert sent(brick)[-1] == STOP_ALL
+
+
+def test_a_runstop_that_cannot_reach_the_brick_says_so(
+    bridge: EV3Bridge, brick: Any, until: Callable[..., None]
+) -> None:
+    brick.unplug()
+    until(lambda: bridge.status.state == "lost")
+    begin = time.monotonic()
+    assert bridge.stop_all() is False
+    assert time.monotonic() - begin < 0.5
+    assert "may not have stopped" in bridge.safety.notices[-1].text
+    assert "stopped when it is found again" in bridge.safety.notices[-1].text
+
+
+def test_a_pause_stops_and_going_on_sends_nothing(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
+) -> None:
+    bridge.robot.motorA.start_at_speed(100)
+    bridge.on_pause()
+    bridge.on_resume()
+    fresh()
+    assert sent(brick)[-1] == STOP_ALL
+    assert brick.motors[0].turning == 0
+
+
+def test_a_motor_started_once_runs_on_without_new_commands(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
+) -> None:
+    bridge.begin_tick(0.0, 0.1)
+    bridge.robot.motorA.start_at_speed(100)
+    bridge.end_tick(0.0)
+    for tick in range(1, 30):
+        bridge.begin_tick(tick / 10, 0.1)
+        bridge.end_tick(tick / 10)
+    fresh()
+    assert brick.motors[0].turning == 100
+
+
+def test_closing_stops_the_motors(bridge: EV3Bridge, brick: Any, until: Callable[..., None]) -> None:
+    bridge.robot.motorA.start_at_speed(100)
+    bridge.close()
+    until(lambda: brick.goodbyes == 1)
+    assert brick.motors[0].turning == 0
+    assert brick.resets == 0
+
+
+# -- faults: each is told within a second ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("fault", ["split", "merge"])
+def test_replies_cut_or_joined_disturb_nothing(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], fault: str
+) -> None:
+    brick.fault = fault
+    fresh()
+    brick.sensors[1].values[0] = 43.0
+    fresh()
+    assert bridge.robot.sensor2.read() == 43
+    assert bridge.status.state == "connected"
+
+
+@pytest.mark.parametrize(
+    ("fault", "sentence"),
+    [
+        ("half", "does not answer"),
+        ("silent", "does not answer"),
+        ("close", "closed the connection"),
+        ("noise", "none of its replies"),
+    ],
+)
+def test_a_brick_that_fails_is_lost_within_a_second_and_every_use_says_why(
+    bridge: EV3Bridge, brick: Any, until: Callable[..., None], fault: str, sentence: str
+) -> None:
+    brick.fault = fault
+    until(lambda: bridge.status.state == "lost")
+    for use in (
+        bridge.robot.sensor1.read,
+        lambda: bridge.robot.motorA.count,
+        lambda: bridge.robot.battery,
+        lambda: bridge.robot.motorA.start_at_speed(50),
+        bridge.robot.motorA.reset_count,
+        bridge.robot.beep,
+    ):
+        begin = time.monotonic()
+        with pytest.raises(BridgeError, match=sentence):
+            use()
+        assert time.monotonic() - begin < 0.2
+    assert sentence in bridge.status.sentence
+    assert [notice.text for notice in bridge.safety.notices if notice.kind == "fault"] == [
+        bridge.status.sentence
+    ]
+
+
+@pytest.mark.parametrize(("fault", "sentence"), [("refuse", "refused"), ("other size", "instead of")])
+def test_a_brick_that_refuses_to_be_read_stays_connected(
+    bridge: EV3Bridge, brick: Any, until: Callable[..., None], fault: str, sentence: str
+) -> None:
+    brick.fault = fault
+    until(lambda: bridge.status.state == "stale")
+    with pytest.raises(BridgeError, match=sentence):
+        bridge.robot.sensor1.read()
+    brick.fault = ""
+    until(lambda: bridge.status.state == "connected")
+    assert bridge.robot.sensor2.read() == 42
+    assert brick.connections == 1
+
+
+def test_the_loop_does_not_wait_for_a_brick_that_hangs(bridge: EV3Bridge, brick: Any) -> None:
+    brick.fault = "silent"
+    longest = 0.0
+    begin = time.monotonic()
+    tick = 0
+    while time.monotonic() - begin < 1.0:
+        started = time.monotonic()
+        bridge.begin_tick(tick / 100, 0.01)
+        for act in (bridge.robot.sensor1.read, lambda: bridge.robot.motorA.start_at_speed(50)):
+            with suppress(BridgeError):
+                act()
+        bridge.end_tick(tick / 100)
+        longest = max(longest, time.monotonic() - started)
+        tick += 1
+    assert bridge.status.state == "lost"
+    assert longest < 0.2
+
+
+def test_unplugged_while_a_motor_runs_and_plugged_in_again_the_motor_is_stopped_and_nothing_is_sent_twice(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], until: Callable[..., None]
+) -> None:
+    bridge.robot.motorA.start_at_speed(70)
+    fresh()
+    brick.unplug()
+
+    def drive_on() -> None:
+        while True:  # some of these are under way when the loss is noticed
+            bridge.robot.motorB.start_at_speed(20)
+
+    with pytest.raises(BridgeError, match="does not answer"):
+        drive_on()
+    assert brick.motors[0].turning == 70
+    del brick.commands[:]
+    brick.plug_in()
+    until(lambda: bridge.status.state == "connected", 2.0)
+    assert sent(brick) == [STOP_ALL]
+    assert [motor.turning for motor in brick.motors] == [0, 0, 0, 0]
+    assert "its motors were stopped" in bridge.status.sentence
+    bridge.robot.motorA.start_at_speed(30)
+    fresh()
+    assert [motor.turning for motor in brick.motors] == [30, 0, 0, 0]
+
+
+def test_a_hundred_losses_leave_no_thread_and_no_connection_behind(
+    bridge: EV3Bridge, brick: Any, until: Callable[..., None]
+) -> None:
+    before = threading.active_count()
+    for round_ in range(10):
+        brick.hang_up()
+        until(lambda: brick.connections == round_ + 2 and bridge.status.state == "connected")  # noqa: B023
+    assert threading.active_count() == before
+
+
+# -- finding the brick --------------------------------------------------------------------------------
+
+
+def test_without_an_address_the_panel_asks_and_the_beacon_answers(
+    searching: Callable[..., EV3Bridge],
+    make_brick: Callable[..., Any],
+    free_udp_port: int,
+    until: Callable[..., None],
+) -> None:
+    bridge = searching(patience=12)
+    begin = time.monotonic()
+    panel = bridge.open()
+    assert time.monotonic() - begin < 0.5
+    assert panel is not None
+    assert [question.key for question in panel.questions] == ["host"]
+    assert bridge.status.state == "waiting for data"
+    with pytest.raises(NoDataYet):
+        bridge.robot.sensor1.read()
+    with pytest.raises(BridgeError, match="no brick is connected"):
+        bridge.robot.motorA._bridge.link.command(b"")
+    brick = make_brick(free_udp_port)
+    until(lambda: bridge.status.state == "connected")
+    assert bridge.robot.name == brick.name
+
+
+def test_an_answered_address_is_connected_to_without_waiting(
+    searching: Callable[..., EV3Bridge], brick: Any, until: Callable[..., None]
+) -> None:
+    bridge = searching(port=brick.port, patience=12)
+    bridge.open()
+    begin = time.monotonic()
+    bridge.answer("host", "127.0.0.1")
+    assert time.monotonic() - begin < 0.5
+    until(lambda: bridge.status.state == "connected")
+    bridge.answer("host", "127.0.0.1")
+    assert brick.connections == 1
+
+
+@pytest.mark.parametrize("address", ["", "my brick", "1.2.3"])
+def test_an_answer_that_is_no_address_is_refused(searching: Callable[..., EV3Bridge], address: str) -> None:
+    bridge = searching()
+    bridge.open()
+    with pytest.raises(BridgeError, match="no address"):
+        bridge.answer("host", address)
+
+
+def test_an_unknown_question_is_refused(searching: Callable[..., EV3Bridge]) -> None:
+    with pytest.raises(BridgeError, match="asks no `colour`"):
+        searching().answer("colour", "red")
+
+
+def test_opening_at_an_address_without_a_brick_fails_and_can_be_tried_again(
+    searching: Callable[..., EV3Bridge], brick: Any
+) -> None:
+    brick.unplug()
+    bridge = searching("127.0.0.1", port=brick.port)
+    with pytest.raises(BridgeError, match=r"no EV3 brick found: .*refused"):
+        bridge.open()
+    assert bridge.status.state == "disconnected"
+    brick.plug_in()
+    bridge.open()
+    assert bridge.status.state == "connected"
+
+
+def test_a_search_that_finds_nothing_says_so_and_goes_on(
+    searching: Callable[..., EV3Bridge],
+    make_brick: Callable[..., Any],
+    free_udp_port: int,
+    until: Callable[..., None],
+) -> None:
+    bridge = searching(patience=0.1)
+    bridge.open()
+    until(lambda: bridge.status.state == "disconnected")
+    assert "no beacon" in bridge.status.sentence
+    make_brick(free_udp_port)
+    until(lambda: bridge.status.state == "connected", 2.0)
+    assert bridge.robot.battery == 87
+
+
+def test_a_lost_brick_is_not_replaced_by_another_one(
+    searching: Callable[..., EV3Bridge],
+    make_brick: Callable[..., Any],
+    free_udp_port: int,
+    until: Callable[..., None],
+) -> None:
+    first = make_brick(free_udp_port)
+    bridge = searching(patience=12)
+    bridge.open()
+    until(lambda: bridge.status.state == "connected")
+    first.unplug()
+    other = make_brick(free_udp_port)
+    other.serial = "0016539999999"
+    other.fault = "refuse"
+    until(lambda: bridge.status.state == "lost")
+    first.plug_in()
+    until(lambda: first.connections == 2, 2.0)
+    until(lambda: bridge.status.state == "connected")
+
+
+def test_closing_ends_a_search(searching: Callable[..., EV3Bridge]) -> None:
+    bridge = searching(patience=600)
+    bridge.open()
+    begin = time.monotonic()
+    bridge.close()
+    assert time.monotonic() - begin < 1
+
+
+# -- the panel ----------------------------------------------------------------------------------------
+
+
+def test_the_panel_shows_every_motor_and_sensor(bridge: EV3Bridge) -> None:
+    panel = bridge.panel()
+    motors, sensors = panel.tables
+    assert motors.keys == ("motorA", "motorB", "motorC", "motorD")
+    assert motors.rows[0] == ("motorA", "large motor", "0", "0")
+    assert sensors.rows == (
+        ("sensor1", "touch", "touch", "0", ""),
+        ("sensor2", "colour", "reflected", "42", "%"),
+        ("sensor3", "ultrasonic", "centimetres", "25.5", "cm"),
+        ("sensor4", "nothing", "", "", ""),
+    )
+    fields = {field.key: field.value for field in panel.fields}
+    assert fields["brick"] == "SLOWPOKE"
+    assert fields["battery"] == "87"
+    assert fields["address"] == "127.0.0.1"
+
+
+def test_the_panel_is_there_before_and_after_the_brick(searching: Callable[..., EV3Bridge]) -> None:
+    bridge = searching()
+    assert bridge.panel().tables[0].rows[0] == ("motorA", "", "", "")
+    bridge.open()
+    bridge.close()
+    assert bridge.panel().tables[1].rows[3] == ("sensor4", "", "", "", "")
+
+
+def test_motors_are_driven_by_hand(
+    bridge: EV3Bridge, brick: Any, clock: Any, fresh: Callable[[], None]
+) -> None:
+    bridge.press("forward", "motorA", {"speed": "30"})
+    bridge.press("backward", "motorB", {"speed": "12,5"})
+    bridge.press("forward", "motorC")
+    fresh()
+    assert [motor.turning for motor in brick.motors] == [30, -12, 50, 0]
+    clock.now += 1
+    bridge.press("halt", "motorA", {})
+    bridge.press("reset_count", "motorA")
+    bridge.press("beep")
+    fresh()
+    assert brick.motors[0].turning == 0
+    assert bridge.robot.motorA.count == 0
+    assert len(brick.tones) == 1
+
+
+def test_the_hand_cannot_move_a_disarmed_robot(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
+) -> None:
+    bridge.disarm()
+    bridge.press("forward", "motorA", {"speed": "30"})
+    fresh()
+    assert brick.motors[0].turning == 0
+    assert bridge.safety.notices[-1].kind == "disarmed"
+
+
+def test_a_sensors_mode_is_changed_by_hand(bridge: EV3Bridge, until: Callable[..., None]) -> None:
+    for mode in ("ambient", "colour", "reflected"):
+        bridge.press("next_mode", "sensor2")
+        until(lambda: bridge.robot.sensor2.mode == mode)  # noqa: B023
+
+
+@pytest.mark.parametrize(
+    ("key", "row", "values"),
+    [
+        ("fly", "motorA", {}),
+        ("forward", "motorE", {}),
+        ("forward", "sensor1", {}),
+        ("next_mode", "motorA", {}),
+        ("forward", "motorA", {"speed": "quick"}),
+        ("forward", "motorA", {"speed": "nan"}),
+        ("forward", "motorA", {"speed": "1000"}),
+        ("next_mode", "sensor4", {}),
+    ],
+)
+def test_a_button_that_cannot_be_pressed_says_why(
+    bridge: EV3Bridge, brick: Any, key: str, row: str, values: dict[str, str]
+) -> None:
+    with pytest.raises(BridgeError):
+        bridge.press(key, row, values)
+    assert brick.commands == []
+
+
+def test_buttons_of_a_closed_bridge_say_what_is_missing(searching: Callable[..., EV3Bridge]) -> None:
+    with pytest.raises(BridgeError, match="no brick is connected"):
+        searching().press("forward", "motorA", {})
+
+
+# -- what every bridge has to keep --------------------------------------------------------------------
+
+
+def test_every_check_of_the_public_conformance_tests_passes(brick: Any, free_udp_port: int) -> None:
+    report = check_bridge(
+        lambda: EV3Bridge("127.0.0.1", port=brick.port, beacon_port=free_udp_port, patience=0.5)
+    )
+    assert report.problems == (), str(report)
+
+
+class TestConformance(BridgeConformance):
+    @pytest.fixture(autouse=True)
+    def _brick(self, brick: Any, free_udp_port: int) -> None:
+        self.options: dict[str, Any] = {"port": brick.port, "beacon_port": free_udp_port, "patience": 0.5}
+
+    def make_bridge(self) -> EV3Bridge:
+        return EV3Bridge("127.0.0.1", **self.options)
