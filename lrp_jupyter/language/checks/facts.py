@@ -19,23 +19,23 @@ from lrp_jupyter.language.suites import Suite, parse_suite
 __all__ = ["Facts", "Remark", "Word", "facts_of"]
 
 _CONSTANTS: dict[type, str] = {
-    bool: "truth value",
-    int: "number",
-    float: "number",
-    str: "string",
+    bool: "a truth value",
+    int: "a number",
+    float: "a number",
+    str: "a string",
     type(None): "`None`",
 }
 _DISPLAYS: dict[type[ast.expr], str] = {
-    ast.JoinedStr: "string",
-    ast.List: "list",
-    ast.ListComp: "list",
-    ast.Tuple: "tuple",
-    ast.Set: "set",
-    ast.SetComp: "set",
-    ast.Dict: "dictionary",
-    ast.DictComp: "dictionary",
-    ast.Lambda: "function",
-    ast.GeneratorExp: "generator",
+    ast.JoinedStr: "a string",
+    ast.List: "a list",
+    ast.ListComp: "a list",
+    ast.Tuple: "a tuple",
+    ast.Set: "a set",
+    ast.SetComp: "a set",
+    ast.Dict: "a dictionary",
+    ast.DictComp: "a dictionary",
+    ast.Lambda: "a function",
+    ast.GeneratorExp: "a generator",
 }
 
 
@@ -116,11 +116,12 @@ def facts_of(text: str) -> Facts:
     block = found.scope
     free = [use for use in found.found if use.owner is block]
     unbound = [use for use in free if not use.writes and use.name not in block.bound]
-    written = [use for use in free if use.writes and use.name not in {word.name for word in augmented}]
+    declared = {(use.scope, use.name): use for use in reversed(unbound) if use.name in use.scope.outer_names}
+    written = block.bound - {word.name for word in augmented}
     return Facts(
         reads=tuple(places.word(use) for use in unbound if use.name not in use.scope.outer_names),
-        nonlocals=tuple(places.word(use) for use in unbound if use.name in use.scope.outer_names),
-        binds={use.name: places.word(use).span for use in written},
+        nonlocals=tuple(map(places.word, declared.values())),
+        binds={use.name: places.word(use).span for use in free if use.writes and use.name in written},
         augmented=augmented,
         comparisons=tuple(values.comparisons),
         uncalled=tuple(values.uncalled),
@@ -246,5 +247,5 @@ def _kind(node: ast.expr) -> str | None:
     if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
         return _kind(node.operand)
     if isinstance(node, ast.Constant):
-        return _CONSTANTS.get(type(node.value), "constant")
+        return _CONSTANTS.get(type(node.value), "a constant")
     return _DISPLAYS.get(type(node))

@@ -23,8 +23,8 @@ def check_names(report: Report, top: Scope, repeats: list[Repeat]) -> None:
         report.add(
             "LRP201",
             again.name.span,
-            f"`{again.name}` is already a {kind}{place}, in line {report.line(first.name.span)}, and only "
-            "the first counts; give this one another name, or remove it.",
+            f"`{again.name}` is already {_article(kind)}{place}, in line {report.line(first.name.span)}, and "
+            "only the first counts; give this one another name, or remove it.",
         )
     for scope in top.walk():
         for variable in scope.variables.values():
@@ -32,6 +32,10 @@ def check_names(report: Report, top: Scope, repeats: list[Repeat]) -> None:
         _colliding(report, scope)
     if not report.program.spawns and top.machines:
         _no_spawn(report)
+
+
+def _article(kind: str) -> str:
+    return f"an {kind}" if kind == "event" else f"a {kind}"
 
 
 def _hiding(report: Report, scope: Scope, variable: Variable) -> None:
@@ -46,7 +50,7 @@ def _hiding(report: Report, scope: Scope, variable: Variable) -> None:
         report.add("LRP202", name.span, message)
     elif name in BUILTINS:
         message = (
-            f"The variable `{name}` hides Python's own `{name}` from all blocks here; give it another name"
+            f"The variable `{name}` hides Python's own `{name}` from all blocks here; give it another name."
         )
         report.add("LRP204", name.span, message)
 

@@ -168,7 +168,7 @@ class _Python:
         if facts.literal and place.use in _WANTED:
             kind, wanted = facts.literal[0], _WANTED[place.use]
             if kind != wanted:
-                message = f"A {place.use} must be a {wanted}, no {kind}; write an expression that gives one."
+                message = f"A {place.use} must be {wanted}, not {kind}; write an expression that gives one."
                 self._add("LRP508", place, facts.literal[1], message)
 
     def _add(
@@ -185,7 +185,7 @@ class _Python:
         self.report.add(code, _shifted(place.block, span), message, fix)
 
 
-_WANTED = {"condition": "truth value", "delay": "number"}
+_WANTED = {"condition": "a truth value", "delay": "a number"}
 
 
 def _shifted(block: Block, span: Span) -> Span:

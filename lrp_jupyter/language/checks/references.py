@@ -97,9 +97,9 @@ class _References:
             self.links.arrows[scope] = [self._arrow(scope, around, part) for part in scope.transitions]
 
     def _spawn(self, scope: Scope, state: str, spawn: Spawn) -> None:
-        known = scope.spawnable(state)
-        name: str | None = spawn.machine
-        if name not in known:
+        machine = scope.machine(state, spawn.machine)
+        if machine is None:
+            name = spawn.machine
             problem = f"There is no machine `{name}` that could be spawned here"
             if spawn.machine in scope.path[::2]:
                 remedy = "a machine cannot spawn itself, nor one that it is part of"
@@ -108,10 +108,10 @@ class _References:
                     self._elsewhere(lambda other: other.name == spawn.machine)
                     or f"define `(machine {name} …)`"
                 )
-            name = self.report.unknown("LRP304", spawn.machine, problem, known, remedy)
-            self.links.guess |= name is None
-        if name is not None:
-            machine = known[name]
+            meant = self.report.unknown("LRP304", name, problem, scope.spawnable(state), remedy)
+            self.links.guess |= meant is None
+            machine = scope.machine(state, meant) if meant else None
+        if machine is not None:
             start = self._state("LRP305", spawn.state, machine)
             self.links.spawned.append(Spawned(scope, state, machine, start))
 

@@ -83,19 +83,26 @@ class Scope:
         """Find the event that a transition of this machine means. Paper: §3.1."""
         return next((scope.events[name] for scope in self.outwards() if name in scope.events), None)
 
-    def spawnable(self, state: str) -> dict[str, Scope]:
-        """Find the machines that `state` can spawn, by name: its own, then outward to the top level.
+    def machine(self, state: str, name: str) -> Scope | None:
+        """Find the machine that a spawn by `state` means. Paper: §3.1.
 
-        Never the machine of the state, nor one that encloses it. Paper: §3.1.
+        Its own machines come first, then those around it, up to the top level; never the machine of the
+        state itself, nor one that encloses it.
         """
-        enclosing = {scope.path for scope in self.outwards()}
-        found: dict[str, Scope] = {}
+        return next((here[name] for here in self._around(state) if self._can_spawn(here.get(name))), None)
+
+    def spawnable(self, state: str) -> set[str]:
+        """Find the names of the machines that a state can spawn."""
+        around = self._around(state)
+        return {name for here in around for name, machine in here.items() if self._can_spawn(machine)}
+
+    def _around(self, state: str) -> Iterator[dict[str, Scope]]:
         for scope in self.outwards():
-            for name, machine in scope.machines.get(state, {}).items():
-                if machine.path not in enclosing:
-                    found.setdefault(name, machine)
+            yield scope.machines.get(state, {})
             state = scope.state
-        return found
+
+    def _can_spawn(self, machine: Scope | None) -> bool:
+        return machine is not None and machine not in self.outwards()
 
     def spawns(self) -> Iterator[tuple[str, Spawn]]:
         """Yield every spawn of its states, with the state's name."""
