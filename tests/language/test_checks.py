@@ -6,7 +6,7 @@ import re
 
 import pytest
 from checking import fixed, found, message
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import programs
 
@@ -424,6 +424,7 @@ def test_a_wildcard_may_have_nothing_left_to_stand_for() -> None:
 TEXT = "\n".join(code.example + "\n" + code.repaired for code in EXAMPLES if code.code != "LRP111")
 
 
+@settings(deadline=None)
 @given(st.data())
 def test_no_text_makes_a_check_raise(data: st.DataObject) -> None:
     code = data.draw(st.sampled_from(EXAMPLES))
@@ -438,6 +439,7 @@ def test_no_text_makes_a_check_raise(data: st.DataObject) -> None:
         assert finding.end_column - 1 <= len(lines[finding.end_line - 1])
 
 
+@settings(max_examples=40, deadline=None)
 @given(programs)
 def test_no_program_makes_a_check_raise(program: Program) -> None:
     text = to_source(program)

@@ -41,7 +41,7 @@ def initialiser(block: str) -> str:
         "print([i * j for i in range(3) for j in range(i) if j])",
         "print({i for i in ''}, {i: j for i, j in []})",
         "print((i for i in range(3)), [last := i for i in range(3)], last)",
-        "def f(a, /, b=speed, *c, d: int = 1, **e) -> int:\n  nonlocal time\n  time += 1\n  return a, b\nf(1)",
+        "def f(a, /, b=speed, *c, d: int = 1, **e):\n  nonlocal time\n  time += 1\n  return a, b\nf(1)",
         "def f():\n  def g():\n    nonlocal y\n    y += 1\n  y = 0\n  g()\nf()",
         "class C(object):\n  z = 1\n  z += 1\n  def m(self): return __class__, self, speed\nC()",
         "with open('x') as file: print(file)",
