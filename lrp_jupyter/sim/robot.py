@@ -1,10 +1,11 @@
 """The things in a world as pymunk knows them: robots on two wheels, and solids, fixed or pushable.
 
-Seen from above no gravity presses things to the ground, so the floor acts through
-`velocity_func`, which pymunk calls for a body in every step. These functions are module-level
-(bound ones break copying) and cost five times the rest of a step. A body whose velocity they would
-not change, because it stands or drives straight and touches nothing, therefore sleeps: it takes its
-function off until a command or a contact wakes it. What happens is the same, bit for bit.
+Seen from above no gravity presses things to the ground. The floor brakes a pushable solid through
+two joints with bounded force, which is Coulomb's friction. It moves a robot through `_roll`, a
+`velocity_func`, which pymunk calls in every step; it is module-level, because bound ones break
+copying, and costs three times the rest of a step. A robot whose velocity it would not change, because
+it stands, turns or drives straight and touches nothing, therefore sleeps: it takes its function off
+until a command or a contact wakes it. What happens is the same, bit for bit.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ BAR = 0.004  # m: how far the bumper bar stands off the body
 BAR_HALF = math.radians(55)
 
 SOLID, BODY, BUMPER = 1, 2, 4  # categories, for contacts and rays
-_STILL, _SLIDING, _ROLLING, _PRESSING = 0, 1, 2, 3  # types of contact
+_ROLLING, _PRESSING = 1, 2  # types of contact; 0 is not watched
 
 Motion = tuple[float, float, float, float, float, float]  # x, y, angle; their velocities
 
@@ -46,13 +47,12 @@ class Body(pymunk.Body):
     touched = False  # by anything, in this step
     awake = False
     target = (0.0, 0.0)  # of wheels: m/s, rad/s
-    braking = (0.0, 0.0)  # of a pushable solid: m/s², rad/s²
 
     def wake(self) -> None:
         """Let the floor act on the body again."""
-        if not self.awake and self.body_type == pymunk.Body.DYNAMIC:
+        if not self.awake and self.wheels is not None:
             self.awake = True
-            self.velocity_func = _slide if self.wheels is None else _roll
+            self.velocity_func = _roll
 
     def sleep(self) -> None:
         """Leave the body to inertia alone."""
@@ -94,25 +94,6 @@ def _roll(body: pymunk.Body, gravity: Point, damping: float, dt: float) -> None:
         body.velocity = (vx + dx * most / slip, vy + dy * most / slip)
     most = TURNING_GRIP * dt
     body.angular_velocity = angular if abs(turn) <= most else angular - math.copysign(abs(turn) - most, turn)
-
-
-def _slide(body: pymunk.Body, gravity: Point, damping: float, dt: float) -> None:
-    """Brake a pushed solid by its friction on the floor."""
-    assert isinstance(body, Body)
-    vx, vy = body.velocity
-    spin = body.angular_velocity
-    if body.touched:
-        body.touched = False
-    elif vx == 0.0 == vy and spin == 0.0:
-        body.sleep()
-        return
-    speed = math.hypot(vx, vy)
-    brake, turning_brake = body.braking[0] * dt, body.braking[1] * dt
-    scale = 1.0 - brake / speed if speed > brake else 0.0
-    body.velocity = (vx * scale, vy * scale)
-    body.angular_velocity = (
-        math.copysign(abs(spin) - turning_brake, spin) if abs(spin) > turning_brake else 0.0
-    )
 
 
 @dataclass(slots=True)
@@ -267,9 +248,6 @@ class Thing:
         else:
             mass = area * DENSITY
             body = Body(mass, mass * reach**2 / 2)
-            # Friction acts at two thirds of the reach, on average over the area.
-            brake = self.spec.push * GRAVITY
-            body.braking = (brake, brake * 4 / (3 * reach))
         if isinstance(self.spec, Box):
             shape = pymunk.Poly.create_box(body, (width, height))
         else:
@@ -277,10 +255,18 @@ class Thing:
         body.solid = self.index
         body.move(motion)
         shape.friction = 0.3
-        shape.collision_type = _STILL if self.spec.push is None else _SLIDING
         shape.filter = pymunk.ShapeFilter(categories=SOLID)
         self.body = body
         space.add(body, shape)
+        if self.spec.push is not None:
+            force = self.spec.push * body.mass * GRAVITY
+            sliding = pymunk.PivotJoint(space.static_body, body, (0, 0), (0, 0))
+            turning = pymunk.GearJoint(space.static_body, body, 0, 1)
+            sliding.max_force = force
+            turning.max_force = force * reach * 2 / 3  # friction acts there, on average over the area
+            for joint in (sliding, turning):
+                joint.max_bias = 0.0  # to brake, not to pull back
+                space.add(joint)
 
 
 class Clock:
@@ -294,8 +280,7 @@ def fresh_space(clock: Clock) -> pymunk.Space:
     """Return an empty space that notes contacts."""
     space = pymunk.Space()
     space.collision_slop = 0.0005
-    for kind in (_SLIDING, _ROLLING):
-        space.on_collision(kind, None, pre_solve=_touch)
+    space.on_collision(_ROLLING, None, pre_solve=_touch)
     space.on_collision(_PRESSING, None, pre_solve=_press, data=clock)
     return space
 

@@ -135,9 +135,8 @@ class Simulation:
         clock = self._clock
         self._space.step(STEP)
         clock.steps += 1
-        for robot in self.robots:
-            if robot.memory.pen is not None:
-                self._write(robot)
+        for robot in self._writing:
+            self._write(robot)
         if clock.steps % TRACK_STEPS == 0:
             for robot in self.robots:
                 self.track.append((clock.steps, robot.index, *robot.body.position))
@@ -258,13 +257,13 @@ class Simulation:
             memory.latched_at = self.steps
 
     def _lower(self, pen: Pen) -> None:
-        memory = self.robots[pen.robot].memory
-        if not pen.down:
-            memory.pen = None
-            return
-        memory.pen = Paint(pen.width / 2, pen.grey, True)
-        x, y, _ = self.robots[pen.robot].pose
-        memory.pen_at = (x, y)
+        robot = self.robots[pen.robot]
+        robot.memory.pen = Paint(pen.width / 2, pen.grey, True) if pen.down else None
+        robot.memory.pen_at = robot.pose[:2]
+        self._writing = self._pens_down()
+
+    def _pens_down(self) -> list[Robot]:
+        return [robot for robot in self.robots if robot.memory.pen is not None]
 
     def _write(self, robot: Robot) -> None:
         memory = robot.memory
@@ -429,6 +428,7 @@ class Simulation:
             edge(space, self.world.size)
         for thing, motion in zip(self.solids, solids, strict=True):
             thing.embody(space, motion)
+        self._writing = self._pens_down()
         for robot, motion in zip(self.robots, robots, strict=True):
             robot.embody(space, motion)
         return space

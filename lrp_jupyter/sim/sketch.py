@@ -13,7 +13,7 @@ __all__ = ["sketch"]
 
 _ARROWS = "→↗↑↖←↙↓↘"
 _DARK = 160  # greys below this are a line
-_SAMPLES = (0.125, 0.375, 0.625, 0.875)  # of a character cell, each way: finer than a line is wide
+_GRAIN = 0.025  # m: how far apart the floor is looked at, a little less than a line is wide
 
 
 def sketch(world: Simulation | World, columns: int = 60, rows: int = 0) -> list[str]:
@@ -64,12 +64,13 @@ def _lines(simulation: Simulation, columns: int, rows: int) -> list[list[bool]]:
     if floor.raster is None or floor.raster[0] != key:
         length, depth = simulation.world.size
         cell_x, cell_y = length / columns, depth / rows
+        across, up = _samples(cell_x), _samples(cell_y)
         dark = [
             [
                 any(
-                    floor.light((column + across) * cell_x, (rows - 1 - row + up) * cell_y) < _DARK
-                    for across in _SAMPLES
-                    for up in _SAMPLES
+                    floor.light(column * cell_x + dx, (rows - 1 - row) * cell_y + dy) < _DARK
+                    for dx in across
+                    for dy in up
                 )
                 for column in range(columns)
             ]
@@ -77,6 +78,11 @@ def _lines(simulation: Simulation, columns: int, rows: int) -> list[list[bool]]:
         ]
         floor.raster = (key, dark)
     return floor.raster[1]
+
+
+def _samples(cell: float) -> list[float]:
+    count = math.ceil(cell / _GRAIN)
+    return [(index + 0.5) * cell / count for index in range(count)]
 
 
 def _reach(solid: Solid) -> float:

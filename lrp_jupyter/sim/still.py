@@ -18,7 +18,7 @@ _SMALL = (
     'paint-order="stroke"'
 )
 _STYLE = """
-.lrp-world-text{font:12px system-ui,sans-serif;fill:#444}
+.lrp-world-text{font:12px system-ui,sans-serif;fill:#5f6770}
 .lrp-world-edge{fill:none;stroke:#9aa1a9;stroke-width:1.5}
 @media (prefers-color-scheme:dark){.lrp-world-text{fill:#ddd}}
 """
@@ -81,7 +81,7 @@ def _readings(simulation: Simulation) -> str:
     if simulation.robot.spec.bumper:
         words.append("bumper pressed" if readings.bumper else "bumper free")
     if readings.distances:
-        ways = ("-" if math.isinf(way) else f"{way:.2f}" for way in readings.distances)
+        ways = ("∞" if math.isinf(way) else f"{way:.2f}" for way in readings.distances)
         words.append(f"distance {' '.join(ways)} m")
     return " · ".join(words)
 
@@ -98,9 +98,10 @@ def _caption(simulation: Simulation, tall: float) -> str:
 
 def _ruler(width: int, tall: float, scale: float) -> str:
     right, base, long = width - 10, tall - 10, scale / 2
+    middle = f'x="{_n(right - long / 2)}" y="{_n(base - 4)}" text-anchor="middle"'
     return (
         f'<path d="M{_n(right - long)} {_n(base - 4)}v4H{right}v-4" class="lrp-world-edge"/>'
-        f'<text x="{_n(right - long / 2)}" y="{_n(base - 4)}" text-anchor="middle" {_SMALL} fill="#777">0.5 m</text>'
+        f'<text {middle} {_SMALL} fill="#777">0.5 m</text>'
     )
 
 

@@ -1,0 +1,99 @@
+from xml.etree import ElementTree
+
+import pytest
+
+from lrp_jupyter.sim import BUNDLED, Simulation, World, load
+from lrp_jupyter.sim.sketch import sketch
+from lrp_jupyter.sim.still import svg
+from lrp_jupyter.sim.world import Box, Disc, Floor, PathStroke, RobotSpec
+
+SVG = "{http://www.w3.org/2000/svg}"
+
+
+@pytest.mark.parametrize("name", BUNDLED)
+def test_every_world_has_a_self_contained_picture(name):
+    picture = svg(load(name))
+    root = ElementTree.fromstring(picture)
+    assert root.tag == f"{SVG}svg"
+    assert "href" not in picture
+    assert len(picture) < 10_000
+
+
+def test_the_picture_says_what_it_shows():
+    simulation = Simulation("line")
+    simulation.step(150)
+    simulation.latch()
+    root = ElementTree.fromstring(svg(simulation))
+    assert root.get("aria-label").startswith(
+        "World line at 1.5 s: robot at 0.70, 0.50 m, heading 0°; light 0"
+    )
+    texts = ["".join(text.itertext()) for text in root.iter(f"{SVG}text")]
+    assert "line · 1.5 slight 0 · bumper free · distance ∞ m" in [text.replace("\n", "") for text in texts]
+    assert "0" in texts  # the light's value, beside its spot
+
+
+def test_a_pressed_bumper_is_lit():
+    simulation = Simulation(World((2, 1), (RobotSpec((1, 0.5, 0)),), solids=(Box((1.15, 0.5, 0.1, 0.3)),)))
+    assert 'stroke="#E31A1C" stroke-width="0.02"' not in svg(simulation)
+    simulation.drive(0.2)
+    simulation.step(30)
+    simulation.latch()
+    assert 'stroke="#E31A1C" stroke-width="0.02"' in svg(simulation)
+
+
+def test_trails_and_drawings_are_joined_paths():
+    simulation = Simulation("empty")
+    before = svg(simulation).count("<path")
+    simulation.draw(((0.1, 0.1), (0.2, 0.1), (0.2, 0.2)))
+    simulation.draw(((0.5, 0.5),))
+    simulation.pen()
+    simulation.drive(0.2)
+    simulation.step(100)
+    picture = svg(simulation)
+    assert "M0.1 0.1L0.2 0.1L0.2 0.2" in picture
+    assert picture.count("mix-blend-mode:darken") == 1
+    assert picture.count("<path") == before + 4  # two drawings, the trail, and where it has been
+
+
+def test_names_are_escaped():
+    world = World((1, 1), (RobotSpec((0.5, 0.5, 0)),), name='<a href="x">&')
+    ElementTree.fromstring(svg(world))
+
+
+def test_a_picture_can_do_without_caption():
+    assert 'lrp-world-text" x' not in svg(load("oval"), caption=False)
+
+
+def test_a_sketch_shows_line_walls_boxes_and_heading():
+    floor = Floor(strokes=(PathStroke(((0, 0.75), (2, 0.75))),))
+    solids = (Box((0.1, 0.3, 0.2, 0.2)), Disc((1.75, 0.3, 0.1), push=0.3))
+    world = World((2, 1), (RobotSpec((1.05, 0.3, 1.6)),), floor, solids)
+    assert sketch(world, 20) == [
+        "                    ",
+        "····················",
+        "                    ",
+        "##        ↑     ▒▒▒ ",
+        "                    ",
+    ]
+
+
+def test_a_pressed_bumper_is_a_star_in_the_sketch():
+    simulation = Simulation(World((2, 1), (RobotSpec((1, 0.5, 0)),), solids=(Box((1.15, 0.5, 0.1, 0.3)),)))
+    simulation.drive(0.2)
+    simulation.step(30)
+    simulation.latch()
+    assert "*" in "".join(sketch(simulation))
+
+
+def test_a_drawn_line_appears_in_the_sketch():
+    simulation = Simulation("empty")
+    assert "·" not in "".join(sketch(simulation))
+    simulation.draw(((0, 0.2), (3, 0.2)))
+    assert "·" * 60 in sketch(simulation)
+
+
+def test_a_robot_outside_an_open_world_is_not_in_the_sketch():
+    simulation = Simulation(World((1, 1), (RobotSpec((0.5, 0.5, 0)),), open=True))
+    simulation.drive(0.5)
+    simulation.step(300)
+    assert not any(row.strip() for row in sketch(simulation, 10))

@@ -1,0 +1,214 @@
+from dataclasses import replace
+from random import Random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lrp_jupyter.sim import (
+    Draw,
+    Drive,
+    Latch,
+    Pen,
+    PlaceRobot,
+    PlaceSolid,
+    Reset,
+    Simulation,
+    load,
+)
+from lrp_jupyter.sim import simulation as simulation_module
+from lrp_jupyter.sim.world import Noise
+
+
+def crowded():
+    """A narrow room full of boxes, and a noisy robot: much is touching."""
+    world = load("boxes")
+    noise = Noise(motor=0.2, light=10, distance=0.01, gyro=0.01, odom=0.05)
+    return replace(
+        world,
+        size=(1.6, 1.3),
+        robots=(replace(world.robots[0], pose=(0.5, 0.57, 0), noise=noise),),
+        solids=tuple(
+            replace(box, box=(0.75 + 0.22 * (index % 3), 0.35 + 0.22 * (index // 3), 0.2, 0.2))
+            for index, box in enumerate([world.solids[0]] * 9)
+        ),
+    )
+
+
+def everything(simulation):
+    """All that can be known of a running world."""
+    return (
+        simulation.moment,
+        [robot.body.motion() for robot in simulation.robots],
+        [robot.memory for robot in simulation.robots],
+        [thing.body.motion() for thing in simulation.solids],
+        [(step, paint, piece.ends()) for step, paint, piece in simulation.floor.marks],
+        simulation._random.getstate(),
+    )
+
+
+def seen(simulation):
+    """The same without identities."""
+    moment, robots, memories, solids, marks, random = everything(simulation)
+    return (
+        moment,
+        robots,
+        [replace(memory, pen=None) for memory in memories],
+        solids,
+        [(step, paint.grey, ends) for step, paint, ends in marks],
+        random,
+    )
+
+
+def drive_about(simulation, random, loops):
+    for _ in range(loops):
+        simulation.latch()
+        simulation.drive(random.uniform(-0.1, 0.5), random.uniform(-1, 1))
+        if random.random() < 0.05:
+            simulation.pen(random.random() < 0.7)
+        if random.random() < 0.02:
+            simulation.place((random.uniform(0.2, 1.4), random.uniform(0.2, 1.1), random.uniform(0, 6)))
+        simulation.step(10)
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_rewinding_and_going_on_is_the_straight_run_though_things_touch(seed):
+    simulation = Simulation(crowded(), seed)
+    simulation.drive(0.4)
+    simulation.step(100)  # into the boxes
+    drive_about(simulation, Random(seed), 140)
+    moment, there = simulation.moment, seen(simulation)
+    drive_about(simulation, Random(-seed), 120)  # over a checkpoint
+    straight = seen(simulation)
+    assert any(thing.pose != thing.start_motion[:3] for thing in simulation.solids)
+    simulation.rewind(moment)
+    assert seen(simulation) == there
+    drive_about(simulation, Random(-seed), 120)
+    assert seen(simulation) == straight
+
+
+def test_two_runs_with_the_same_seed_are_the_same():
+    runs = []
+    for seed in (1, 1, 2):
+        simulation = Simulation(crowded(), seed)
+        drive_about(simulation, Random(5), 150)
+        runs.append(seen(simulation))
+    assert runs[0] == runs[1] != runs[2]
+
+
+poses = st.tuples(st.floats(0, 1.6), st.floats(0, 1.3), st.floats(-3, 3))
+inputs = st.one_of(
+    st.just(Latch()),
+    st.builds(Drive, st.floats(-0.5, 0.5), st.floats(-3, 3)),
+    st.builds(Pen, st.booleans()),
+    st.builds(PlaceRobot, st.tuples(st.floats(0, 1.6), st.floats(0, 1.3), st.floats(-3, 3))),
+    st.builds(
+        PlaceSolid, st.tuples(st.floats(0, 1.6), st.floats(0, 1.3), st.floats(-3, 3)), st.integers(0, 8)
+    ),
+    st.builds(
+        Draw, st.lists(st.tuples(st.floats(0, 1.6), st.floats(0, 1.3)), min_size=1, max_size=3).map(tuple)
+    ),
+    st.builds(Reset, st.booleans()),
+)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.tuples(inputs, st.integers(0, 60)), min_size=1, max_size=25), st.data())
+def test_whatever_acts_every_moment_can_be_gone_back_to(script, data):
+    simulation = Simulation(crowded())
+    moments = [(simulation.moment, seen(simulation))]
+    for what, steps in script:
+        simulation.apply(what)
+        moments.append((simulation.moment, seen(simulation)))
+        simulation.step(steps)
+    straight = seen(simulation)
+    index = data.draw(st.integers(0, len(moments) - 1))
+    moment, there = moments[index]
+    simulation.rewind(moment)
+    assert seen(simulation) == there
+    steps = script[index - 1][1] if index else 0
+    simulation.step(steps)
+    for what, steps in script[index:]:
+        simulation.apply(what)
+        simulation.step(steps)
+    assert seen(simulation) == straight
+
+
+def test_a_step_is_the_moment_before_its_inputs():
+    simulation = Simulation("empty")
+    simulation.step(100)
+    simulation.reset()
+    simulation.drive(0.2)
+    simulation.step(50)
+    simulation.rewind(100)
+    assert simulation.moment == (100, 0)
+    assert simulation.robot.command == (0, 0)
+
+
+def test_rewinding_undoes_a_reset():
+    simulation = Simulation("empty")
+    simulation.pen(grey=0)
+    simulation.drive(0.2)
+    simulation.step(200)
+    moment, there = simulation.moment, seen(simulation)
+    simulation.reset()
+    simulation.step(100)
+    simulation.rewind(moment)
+    assert seen(simulation) == there
+    assert simulation.floor.light(1.6, 1) == 0
+
+
+def test_rewinding_takes_back_what_was_drawn():
+    simulation = Simulation("empty")
+    moment = simulation.moment
+    simulation.draw(((1, 1), (2, 1)))
+    simulation.rewind(moment)
+    assert simulation.floor.light(1.5, 1) == 255
+
+
+@pytest.mark.parametrize("step", [-1, 11])
+def test_only_what_has_been_can_be_gone_back_to(step):
+    simulation = Simulation("empty")
+    simulation.step(10)
+    with pytest.raises(ValueError, match=r"cannot rewind to step -?1+: only 0 to 10 can be reached"):
+        simulation.rewind(step)
+
+
+def test_a_moment_of_a_future_that_was_undone_is_refused():
+    simulation = Simulation("empty")
+    moment = simulation.moment
+    simulation.latch()
+    later = simulation.moment
+    simulation.rewind(moment)
+    with pytest.raises(ValueError, match="cannot rewind"):
+        simulation.rewind(later)
+
+
+def test_memory_is_bounded_by_forgetting_the_oldest(monkeypatch):
+    monkeypatch.setattr(simulation_module, "MOST_CHECKPOINTS", 3)
+    simulation = Simulation("empty")
+    simulation.step(5500)
+    assert simulation.earliest == 3000
+    simulation.rewind(3000)
+    assert simulation.time == 30
+
+
+def test_many_inputs_are_bounded_too(monkeypatch):
+    monkeypatch.setattr(simulation_module, "CHECKPOINT_INPUTS", 10)
+    monkeypatch.setattr(simulation_module, "MOST_INPUTS", 50)
+    simulation = Simulation(crowded())
+    for _ in range(30):
+        simulation.latch()
+        simulation.drive(0.3)
+        simulation.step(10)
+    moment = simulation.moment
+    for _ in range(10):
+        simulation.latch()
+        simulation.step(10)
+    straight = seen(simulation)
+    assert simulation.earliest > 0
+    simulation.rewind(moment)
+    for _ in range(10):
+        simulation.latch()
+        simulation.step(10)
+    assert seen(simulation) == straight
