@@ -66,8 +66,10 @@ def _body(tree: ast.Module) -> list[ast.stmt]:
     """Take a suite from under its header, which all of it must stand under."""
     header, *rest = tree.body
     assert isinstance(header, ast.If)
-    if rest or header.orelse:
-        raise IndentationError("unindent does not match any outer indentation level", ("", 1, 1, "", 1, 1))
+    outside = rest + header.orelse
+    if outside:
+        place = (outside[0].lineno, outside[0].col_offset + 1)
+        raise IndentationError("unindent does not match any outer indentation level", ("", *place, "", *place))
     return header.body
 
 
