@@ -323,6 +323,11 @@ def test_a_state_reached_only_from_a_lost_state_is_lost() -> None:
     assert found(text) == [("LRP401", "b"), ("LRP401", "c")]
 
 
+def test_what_a_state_still_to_be_written_leads_to_is_not_out_of_reach() -> None:
+    text = "(machine m (state a) (state c) (ontime 9 a -> bumpback) (ontime 9 bumpback -> c))(spawn m a)"
+    assert found(text) == [("LRP303", "bumpback"), ("LRP302", "bumpback")]
+
+
 def test_with_an_unknown_start_state_any_state_may_be_the_start() -> None:
     text = "(machine m (state a) (state b))(spawn m nowhere)"
     assert found(text) == [("LRP305", "nowhere")]

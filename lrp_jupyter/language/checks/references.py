@@ -39,7 +39,8 @@ class Arrow(NamedTuple):
     ----------
     transition : Transition
     sources : list of str
-        Those that it names, or that a wildcard leaves out.
+        Those that it names, or that a wildcard leaves out. Here and among the targets may be states that are
+        still to be written: what only they lead to is not out of reach for that.
     event : Event or None
     targets : list of tuple of Scope and str
         The machines and states to which it leads: several for an `exit` of a machine that is spawned
@@ -113,7 +114,8 @@ class _References:
             machine = scope.machine(state, meant) if meant else None
         if machine is not None:
             start = self._state("LRP305", spawn.state, machine)
-            self.links.spawned.append(Spawned(scope, state, machine, start))
+            known = start if start in machine.states else None
+            self.links.spawned.append(Spawned(scope, state, machine, known))
 
     def _arrow(self, scope: Scope, around: list[Scope], transition: Transition) -> Arrow:
         before = len(self.report.findings)
@@ -126,14 +128,14 @@ class _References:
                 event = self._event(scope, transition.trigger)
         lead = self._exit if transition.kind == "exit" else self._destination
         targets = lead(scope, around, transition)
-        known = [source for source in sources if source is not None]
-        return Arrow(transition, known, event, targets, len(self.report.findings) == before)
+        return Arrow(transition, sources, event, targets, len(self.report.findings) == before)
 
-    def _state(self, code: str, name: Name, machine: Scope) -> str | None:
+    def _state(self, code: str, name: Name, machine: Scope) -> str:
         if name in machine.states:
             return name
         problem = f"`{machine.name}` has no state `{name}`"
-        return self.report.unknown(code, name, problem, machine.states, f"define `(state {name})` in it")
+        remedy = f"define `(state {name})` in it"
+        return self.report.unknown(code, name, problem, machine.states, remedy) or name
 
     def _event(self, scope: Scope, name: Name) -> Event | None:
         event = scope.event(name)
@@ -167,8 +169,7 @@ class _References:
         name = transition.destination
         outside = [(outer, str(name)) for outer in around if name in outer.states]
         if name in scope.states or not outside:
-            meant = self._state("LRP303", name, scope)
-            return [(scope, meant)] if meant else []
+            return [(scope, self._state("LRP303", name, scope))]
         message = (
             f"`{name}` is a state of `{outside[0][0].name}`, outside of `{scope.name}`; "
             f"only `(exit condition source -> {name})` leads there."
@@ -198,7 +199,7 @@ class _References:
         problem = f"`exit` leads to a state of {machines}, where there is no `{name}`"
         known = [state for outer in around for state in outer.states]
         meant = self.report.unknown("LRP306", name, problem, known, f"define `(state {name})` there")
-        return [(outer, meant) for outer in around if meant in outer.states] if meant else []
+        return [(outer, meant or name) for outer in around]
 
     def _keyword(self, transition: Transition, keyword: str) -> Fix | None:
         """Return the fix that makes another kind of transition of this one."""
