@@ -219,7 +219,7 @@ class _Drawing:
             broken = edge.broken is not None
             index = between[a, b].index(edge)
             if a == b:
-                routes.append(loop(boxes[a], index, broken=broken))
+                routes.append(loop(boxes[a], index, len(between[a, a]), broken=broken))
                 continue
             bend = bends(len(between[a, b]), len(between.get((b, a), ())))[0][index]
             routes.append(arc(boxes[a], boxes[b], bend, around[a, b], chord=lines[a, b], broken=broken))

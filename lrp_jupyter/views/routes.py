@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 from itertools import pairwise
 
 from lrp_jupyter.views.places import Box, Point
@@ -45,6 +46,10 @@ class Route:
         grows downwards), -1 the left.
     mark : str
         SVG path data of the cross on a broken arrow, else empty.
+    obstacles : list of Box
+        What of it no label may cover.
+    middle : float
+        The parameter at which its label had better stand.
     """
 
     d: str
@@ -53,6 +58,7 @@ class Route:
     side: int = 1
     mark: str = ""
     obstacles: list[Box] = field(default_factory=list)
+    middle: float = 0.5
 
 
 def bends(forward: int, backward: int) -> tuple[list[float], list[float]]:
@@ -104,7 +110,7 @@ def _part(p: Point, c: Point, q: Point, start: float, end: float) -> tuple[Point
 def _leaving(box: Box, p: Point, c: Point, q: Point) -> float:
     """At which parameter an arc that starts inside a box leaves it."""
     low, high = 0.0, 0.5
-    for _ in range(18):
+    for _ in range(13):
         middle = (low + high) / 2
         if box.holds(_quadratic(p, c, q, middle)):
             low = middle
@@ -284,10 +290,9 @@ def _drawn(p: Point, c: Point, q: Point, side: int, broken: bool) -> Route:
     if broken:
         gap = min(0.25, 11.0 / length)
         first, second = _part(p, c, q, 0.0, 0.5 - gap), _part(p, c, q, 0.5 + gap, 1.0)
-        x, y = middle = _quadratic(p, c, q, 0.5)
+        middle = _quadratic(p, c, q, 0.5)
         d = "".join(_path("M", a) + _path("Q", b, e) for a, b, e in (first, second))
-        mark = "".join(_path("M", (x - 4, y - 4 * k)) + _path("L", (x + 4, y + 4 * k)) for k in (1, -1))
-        return Route(d, "", points, side, mark, [Box(*middle, 12.0, 12.0)])
+        return Route(d, "", points, side, _cross_at(middle), [Box(*middle, 12.0, 12.0)])
     base = max(0.0, 1.0 - 0.8 * TIP / length)
     a, b, e = _part(p, c, q, 0.0, base)
     return Route(_path("M", a) + _path("Q", b, e), _head(e, q), points, side)
@@ -301,20 +306,37 @@ def straight(source: Box, target: Point, *, broken: bool = False) -> Route:
     return _drawn(*_part(p, c, target, _leaving(source, p, c, target), stop), 1, broken)
 
 
-def loop(box: Box, index: int, *, broken: bool = False) -> Route:
-    """Lead an arrow from a state to itself, on top; the next one around the one before."""
-    half = 11.0 + 8.0 * index
-    rise = 34.0 + 22.0 * index
+def loop(box: Box, index: int = 0, count: int = 1, *, broken: bool = False) -> Route:
+    """Lead an arrow from a state to itself, on top; several stand side by side.
+
+    Parameters
+    ----------
+    box : Box
+    index, count : int
+        Which of how many loops of this state.
+    broken : bool
+        Whether it can never be taken: it has a cross and no head.
+    """
+    step = min(34.0, 0.9 * box.width / count)
+    x = box.x + step * (index - (count - 1) / 2)
+    half, rise = min(11.0, step * 0.34), 36.0
     top = box.y - box.height / 2
-    p, q = (box.x - half, top), (box.x + half, top)
-    c, e = (box.x - half * 1.7, top - rise), (box.x + half * 1.7, top - rise)
+    p, q = (x - half, top), (x + half, top)
+    c, e = (x - half * 1.8, top - rise), (x + half * 1.8, top - rise)
     points = [_cubic(p, c, e, q, i / SAMPLES) for i in range(SAMPLES + 1)]
+    # the label of the first one had better stand at its left, that of the last at its right
+    middle = 0.5 if count == 1 else 0.3 + 0.4 * index / (count - 1)
     if broken:
-        x, y = _cubic(p, c, e, q, 0.5)
-        mark = "".join(_path("M", (x - 4, y - 4 * k)) + _path("L", (x + 4, y + 4 * k)) for k in (1, -1))
-        return Route(_path("M", p) + _path("C", c, e, q), "", points, 1, mark, [Box(x, y, 12.0, 12.0)])
+        crossed = _cubic(p, c, e, q, 0.5)
+        d = _path("M", p) + _path("C", c, e, q)
+        return Route(d, "", points, -1, _cross_at(crossed), [Box(*crossed, 12.0, 12.0)], middle)
     base = _cubic(p, c, e, q, 1.0 - 0.25 * TIP / rise)
-    return Route(_path("M", p) + _path("C", c, e, base), _head(base, q), points, -1)
+    return Route(_path("M", p) + _path("C", c, e, base), _head(base, q), points, -1, middle=middle)
+
+
+def _cross_at(point: Point) -> str:
+    x, y = point
+    return "".join(_path("M", (x - 4, y - 4 * k)) + _path("L", (x + 4, y + 4 * k)) for k in (1, -1))
 
 
 def _cubic(p: Point, c: Point, e: Point, q: Point, t: float) -> Point:
@@ -406,7 +428,7 @@ def place_labels(
     labels = []
     for index, (route, size) in enumerate(zip(routes, sizes, strict=True)):
         best: tuple[float, Box] | None = None
-        for price, at, far, side in _SEATS:
+        for price, at, far, side in _seats(route.middle):
             if best is not None and price >= best[0]:
                 break
             box = _seat(route, size, at, far, side)
@@ -423,20 +445,20 @@ def place_labels(
     return labels
 
 
-_SEATS = sorted(
-    (30.0 * abs(at / SAMPLES - 0.5) + price, at, far, side)
-    for at in range(2, SAMPLES - 1)
-    for price, far, side in (
-        (12.0, 0.0, 0),
-        *(
-            (far + (4.0 if side < 0 else 0.0), far, side)
-            for far in (0.0, 10.0, 24.0, 44.0)
-            for side in (1, -1)
-        ),
+@lru_cache(maxsize=32)
+def _seats(middle: float) -> list[tuple[float, int, float, int]]:
+    """Where a label may stand, cheapest first: price, at which point of the way, how far off, which side.
+
+    Side 1 is the route's own, -1 the other, 0 on the line itself, which the label's halo hides.
+    """
+    beside = [
+        (far + (4.0 if side < 0 else 0.0), far, side) for far in (0.0, 10.0, 24.0, 44.0) for side in (1, -1)
+    ]
+    return sorted(
+        (30.0 * abs(at / SAMPLES - middle) + price, at, far, side)
+        for at in range(2, SAMPLES - 1)
+        for price, far, side in [(12.0, 0.0, 0), *beside]
     )
-)
-"""Where a label may stand, cheapest first: price, at which point of the way, how far from it, and on
-which side: 1 the route's own, -1 the other, 0 on the line itself, which its halo hides."""
 
 
 def _seat(route: Route, size: tuple[float, float], at: int, far: float, side: int) -> Box:

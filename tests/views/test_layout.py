@@ -156,13 +156,14 @@ def test_states_stand_in_the_middle_whatever_stands_beside_them():
     assert abs(places["a"][0] - places["c"][0]) < 200
 
 
-def test_loops_stand_on_top_each_around_the_one_before(programs):
+def test_loops_stand_on_top_side_by_side_each_with_its_label_outside(programs):
     drawing = drawings(programs["kinds"])[0]
-    top = shape_of(drawing, "drive")["y"] - shape_of(drawing, "drive")["height"] / 2
+    state = shape_of(drawing, "drive")
     loops = [arrow for arrow in drawing["transitions"] if arrow["source"] == arrow["destination"]]
-    heights = [min(numbers(arrow["d"])[1::2]) for arrow in loops]
-    assert len(loops) == 2
-    assert heights[1] < heights[0] < top
+    assert all(max(numbers(arrow["d"])[1::2]) <= state["y"] - state["height"] / 2 for arrow in loops)
+    left, right = loops
+    assert numbers(left["d"])[-2] < numbers(right["d"])[0]  # the second begins where the first has ended
+    assert left["label"]["x"] < state["x"] < right["label"]["x"]
 
 
 # -- names and reasons -------------------------------------------------------------------------------
