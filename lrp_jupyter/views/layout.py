@@ -28,9 +28,10 @@ from lrp_jupyter.views.graph import (
     start_states,
     why_dangling,
 )
+from lrp_jupyter.views.labels import place_labels
 from lrp_jupyter.views.memory import RESERVED, remembered_places
 from lrp_jupyter.views.places import Box, Point
-from lrp_jupyter.views.routes import Route, arc, bends, chords, detour, loop, number, place_labels, straight
+from lrp_jupyter.views.routes import Route, arc, bends, chords, detour, loop, number, straight
 from lrp_jupyter.views.shapes import Label, Layout, Port, Start, StateShape, TransitionShape
 from lrp_jupyter.views.widths import shorten, text_width
 
