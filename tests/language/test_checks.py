@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 
 import pytest
 from checking import fixed, found, message
@@ -10,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from programs import programs
 
+import lrp_jupyter
 from lrp_jupyter.interpreter.issues import ISSUE_CODES
 from lrp_jupyter.language.checks import CODES, Code, check
 from lrp_jupyter.language.parser import parse
@@ -36,7 +38,21 @@ def test_a_repaired_example_has_no_findings(code: Code) -> None:
 
 
 def test_every_code_has_an_example_or_belongs_to_a_running_program() -> None:
-    assert {code.code for code in CODES.values() if not code.example} == set(ISSUE_CODES.values())
+    running = {code.code for code in CODES.values() if not code.example}
+    assert running == {code for code in CODES if code.startswith("LRP6")}
+    assert running >= set(ISSUE_CODES.values())
+
+
+def test_the_table_has_every_code_that_the_package_uses_and_no_other() -> None:
+    sources = Path(lrp_jupyter.__file__).parent.rglob("*.py")
+    used = {code for path in sources for code in re.findall(r"LRP\d{3}", _code_of(path))}
+    assert used == set(CODES)
+    assert list(CODES) == sorted(CODES)
+
+
+def _code_of(path: Path) -> str:
+    text = path.read_text(encoding="utf-8")
+    return "" if path.parent.name == "checks" and path.name in ("findings.py", "examples.py") else text
 
 
 def test_a_text_that_is_no_program_has_the_parsers_findings_only() -> None:
@@ -342,6 +358,18 @@ def test_a_root_machine_that_is_not_spawned_beside_others_is_reported() -> None:
     text = "(machine m (state a))(machine idle)(spawn m a)"
     assert found(text) == [("LRP402", "idle")]
     assert "`(spawn idle state)` into the top level" in message(text)
+
+
+def test_a_machine_that_runs_already_is_not_spawned_again() -> None:
+    text = """
+(machine m
+  (state a (onentry (spawn n c) (spawn n c) (spawn root d)) (machine n (state c)))
+  (state b (onentry (spawn other e)))
+  (state c (onentry (spawn other e)))
+  (ontime 9 a -> b) (ontime 9 b -> c))
+(machine root (state d)) (machine other (state e))
+(spawn m a) (spawn root nowhere) (spawn root d)"""
+    assert found(text) == [("LRP407", "(spawn n c)"), ("LRP407", "(spawn root d)"), ("LRP305", "nowhere")]
 
 
 def test_an_event_is_used_by_the_transitions_of_inner_machines_and_by_exits() -> None:

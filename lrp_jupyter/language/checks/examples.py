@@ -293,6 +293,18 @@ a robot that waits
   (on bump *-> b))
 (spawn m a)
 """,
+    "LRP407": """
+(machine m (state a))
+(machine n (state a))
+(spawn m a)
+(spawn m a)
+(spawn n a)
+---
+(machine m (state a))
+(machine n (state a))
+(spawn m a)
+(spawn n a)
+""",
     "LRP501": """
 (machine m (state a (running [robot.move(linear=)])))
 (spawn m a)

@@ -214,6 +214,12 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "A wildcard stands for all states but its destination and those named behind `*-`; here none is "
         "left.",
     ),
+    (
+        "LRP407",
+        "warning",
+        "Spawned twice",
+        "A machine that runs is not spawned a second time. One that is spawned at top level runs for ever.",
+    ),
     ("LRP501", "error", "No Python", "Python cannot read the block."),
     (
         "LRP502",
@@ -290,6 +296,12 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "hint",
         "No data yet",
         "A reading of the robot has not arrived; an event that needs it does not occur.",
+    ),
+    (
+        "LRP690",
+        "warning",
+        "Edit waits",
+        "A block has not returned yet; the edit is kept and applied when it does.",
     ),
 )
 

@@ -22,6 +22,7 @@ __all__ = ["check_reachability"]
 def check_reachability(report: Report, top: Scope, links: Links) -> None:
     """Report states, machines, events and transitions that the program never comes to."""
     _unspawned(report, top, links)
+    _spawned_again(report, top, links)
     _unreached(report, top, links)
     _unused_events(report, top, links)
     for scope, arrows in links.arrows.items():
@@ -45,6 +46,22 @@ def _unspawned(report: Report, top: Scope, links: Links) -> None:
         place = f"the `onentry` of `{scope.state}`" if scope.state else "the top level"
         message = f"`{scope.name}` is never spawned; put `(spawn {scope.name} {start})` into {place}."
         report.add("LRP402", scope.name.span, message)
+
+
+def _spawned_again(report: Report, top: Scope, links: Links) -> None:
+    """Report spawns of machines that certainly run already."""
+    first: dict[tuple[Scope, Scope, str], Spawned] = {}
+    for spawned in links.spawned:  # those at top level come first, and their machines run for ever
+        machine, scope, state = spawned.machine, spawned.scope, spawned.state
+        before = first.get((machine, top, "")) or first.get((machine, scope, state))
+        if before:
+            line = report.line(before.spawn.span)
+            message = (
+                f"Line {line} spawns `{machine.name}` already, and it runs once only; remove one of them."
+            )
+            report.add("LRP407", spawned.spawn.span, message)
+        elif spawned.start:
+            first[machine, scope, state] = spawned
 
 
 def _unreached(report: Report, top: Scope, links: Links) -> None:

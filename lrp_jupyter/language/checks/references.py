@@ -26,6 +26,7 @@ _OPENING = re.compile(r"\(\s*(?:[;#][^\r\n]*\s+)*(\w+)")
 class Spawned(NamedTuple):
     """A spawn of a machine: by a state of `scope`, or at top level; its start state, if known."""
 
+    spawn: Spawn
     scope: Scope
     state: str
     machine: Scope
@@ -115,7 +116,7 @@ class _References:
         if machine is not None:
             start = self._state("LRP305", spawn.state, machine)
             known = start if start in machine.states else None
-            self.links.spawned.append(Spawned(scope, state, machine, known))
+            self.links.spawned.append(Spawned(spawn, scope, state, machine, known))
 
     def _arrow(self, scope: Scope, around: list[Scope], transition: Transition) -> Arrow:
         before = len(self.report.findings)
