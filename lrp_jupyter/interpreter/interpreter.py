@@ -37,7 +37,7 @@ from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.events import UNSET, Observer
 from lrp_jupyter.interpreter.forcing import find_state, force
 from lrp_jupyter.interpreter.issues import Issue, Issues
-from lrp_jupyter.interpreter.linker import BlockPlan, Plan, link
+from lrp_jupyter.interpreter.linker import BlockPlan, Plan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, Renaming, adopt, decide
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Scope, bind_block, content
@@ -116,6 +116,7 @@ class Interpreter:
         self.on_issue = on_issue
         self.paused = False
         self._run = Run(link(program), robot, {} if namespace is None else namespace, output, journal)
+        show_in_tracebacks(program)
         self._report_duplicates()
 
     # ---- what can be seen -------------------------------------------------------------------
@@ -259,6 +260,7 @@ class Interpreter:
         decision = decide(run, plan, self.on_active_edit) if run.roots else Decision()
         if decision.apply:
             run.remember()
+            show_in_tracebacks(program)
             self._carry_issues(plan, changes.removed + changes.changed)
             if decision.restart:
                 run.plan = plan
@@ -266,8 +268,6 @@ class Interpreter:
             else:
                 adopt(run, plan)
             self._report_duplicates()
-        else:
-            link(run.plan.program)  # tracebacks show the text that runs
         patch = Patch(changes, decision.apply, decision.restart, decision.reason)
         run.emit("patched", (), patch)
         self._done()
@@ -305,6 +305,7 @@ class Interpreter:
         changes = diff(run.plan.program, program)
         run.remember()
         self._carry_issues(plan, changes.removed)
+        show_in_tracebacks(program)
         adopt(run, plan, Renaming(kind, where, new_name))
         run.emit("patched", (), Patch(changes, True))
         self._done()
@@ -406,7 +407,7 @@ class Interpreter:
         run.live = {(): run.globals, **{act.machine.path: act for act in acts}}
         for scope in run.live.values():
             scope.sync()
-        link(run.plan.program)  # tracebacks show the text that runs
+        show_in_tracebacks(self.program)
         run.rebind()
 
     # ---- inside -----------------------------------------------------------------------------

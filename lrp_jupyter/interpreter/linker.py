@@ -42,6 +42,7 @@ __all__ = [
     "StatePlan",
     "VariablePlan",
     "link",
+    "show_in_tracebacks",
 ]
 
 
@@ -166,12 +167,22 @@ class Plan:
 def link(program: Program) -> Plan:
     """Resolve every name of a program and compile its blocks.
 
-    The text is registered with :mod:`linecache`, so that tracebacks and debuggers show its lines.
+    The plan is kept with the program: whoever has a text checked can link it there and then, on a
+    thread of its own, so that the loop stands still only for the swap.
     """
-    plan = _Linker(program).link()
-    lines = re.split(r"(?<=\n)|(?<=\r)(?!\n)", program.text)
+    kept: dict[str, Plan] = program.__dict__
+    if "_plan" not in kept:
+        kept["_plan"] = _Linker(program).link()
+    return kept["_plan"]
+
+
+def show_in_tracebacks(program: Program) -> None:
+    """Register the text with :mod:`linecache`: tracebacks and debuggers show the lines that run."""
+    lines = _LINES.split(program.text)
     linecache.cache[program.filename] = (len(program.text), None, lines, program.filename)
-    return plan
+
+
+_LINES = re.compile(r"(?<=\n)|(?<=\r)(?!\n)")
 
 
 class _Linker:

@@ -1,0 +1,132 @@
+"""How fast it is, as ratios within one run: ``python tests/benchmarks/speed.py``.
+
+Machines differ and are shared, so nothing here is a test of time. Every row of a table is measured
+in turns with the others, many times, and the best time of each counts. Peers that are not
+installed are left out (``pip install ".[bench]"`` brings them).
+"""
+
+from __future__ import annotations
+
+import argparse
+import statistics
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from time import perf_counter
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+import peers
+import texts
+
+from lrp_jupyter import Interpreter, check, parse
+
+Run = Callable[[int], object]
+
+
+def measure(runs: dict[str, Run], size: int, turns: int) -> dict[str, float]:
+    """Best time of each per unit, in seconds."""
+    best = dict.fromkeys(runs, float("inf"))
+    for _ in range(turns):
+        for name, run in runs.items():
+            begin = perf_counter()
+            run(size)
+            best[name] = min(best[name], perf_counter() - begin)
+    return {name: time / size for name, time in best.items()}
+
+
+def interpreter(text: str, *, journal: int = 0, observed: bool = False) -> Run:
+    i = Interpreter(parse(text), journal=journal)
+    if observed:
+        i.observe(lambda event: None)
+    step = i.step
+
+    def run(ticks: int) -> None:
+        for _ in range(ticks):
+            step(0.0)
+
+    return run
+
+
+def table(title: str, times: dict[str, float], unit: str = "µs", scale: float = 1e6) -> None:
+    base = next(iter(times.values()))
+    print(f"\n**{title}**\n\n| | {unit} | ratio |\n|---|---:|---:|")
+    for name, time in times.items():
+        print(f"| {name} | {time * scale:.2f} | {time / base:.2f} |")
+
+
+def state_changes(size: int, turns: int) -> None:
+    text = texts.table1()
+    runs = {
+        "hand-written functions": peers.hand_written(),
+        "lrp": interpreter(text),
+        "lrp, journal": interpreter(text, journal=10_000),
+        "lrp, observer": interpreter(text, observed=True),
+        **peers.libraries(),
+    }
+    table("A state change of the paper's Table 1 program", measure(runs, size, turns))
+
+
+def depth_and_width(size: int, turns: int) -> None:
+    runs = {}
+    for depth in (1, 16):
+        runs[f"hand-written, depth {depth}"] = peers.hand_written_nest(depth)
+        runs[f"lrp, depth {depth}"] = interpreter(texts.nest(depth))
+    times = measure(runs, size, turns)
+    table("A tick in which nothing fires, nested machines", times)
+    print(f"\ndepth 16: {times['lrp, depth 16'] / times['hand-written, depth 16']:.2f} x hand-written")
+    runs = {f"lrp, {n} states": interpreter(texts.ring(n)) for n in (5, 1000)}
+    table("A state change, few and many states", measure(runs, size, turns))
+
+
+def keystrokes(turns: int) -> None:
+    """Type a number into the middle of a program: text to a program that runs, checks included."""
+    print("\n**From a keystroke to the patched program**\n")
+    print("| lines | | p50 ms | p95 ms |\n|---:|---|---:|---:|")
+    for lines in (100, 1000):
+        whole, spent, stops = texts.long(lines), {"parse": [], "parse, check, patch": []}, []
+        i = Interpreter(parse(whole))
+        i.step(0.0)
+        for turn in range(turns):
+            text = whole.replace("speed := [0.1]", f"speed := [0.{turn + 2}]")
+            begin = perf_counter()
+            program = parse(text)
+            parsed = perf_counter()
+            check(program)
+            checked = perf_counter()
+            assert i.patch(program).applied
+            done = perf_counter()
+            spent["parse"].append(parsed - begin)
+            spent["parse, check, patch"].append(done - begin)
+            stops.append(done - checked)
+        for name, times in {**spent, "patch alone": stops}.items():
+            p50, p95 = statistics.median(times), statistics.quantiles(times, n=20)[-1]
+            print(f"| {lines} | {name} | {p50 * 1e3:.2f} | {p95 * 1e3:.2f} |")
+
+
+def simulator(seconds: float) -> None:
+    from lrp_jupyter import Session, VirtualClock
+    from lrp_jupyter.programs import load
+
+    with_robot = Session(load("follower"), bridge="sim", world="line", clock=VirtualClock())
+    begin = perf_counter()
+    with_robot.run(seconds=seconds)
+    spent = perf_counter() - begin
+    with_robot.close()
+    print("\n**The line follower in the simulator**\n")
+    print(f"{seconds:.0f} s of the robot's time in {spent:.2f} s: {seconds / spent:.0f} times real time")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="see that it runs; the figures mean nothing")
+    quick = parser.parse_args().quick
+    size, turns = (100, 2) if quick else (1000, 300)
+    state_changes(size, turns)
+    depth_and_width(size, turns)
+    keystrokes(20 if quick else 200)
+    simulator(5 if quick else 200)
+
+
+if __name__ == "__main__":
+    main()

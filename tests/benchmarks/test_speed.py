@@ -1,0 +1,13 @@
+"""The benchmark itself works; what it measures is nobody's assertion."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+
+def test_the_benchmark_runs_and_prints_ratios():
+    script = Path(__file__).with_name("speed.py")
+    done = subprocess.run([sys.executable, script, "--quick"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "| lrp |" in done.stdout
+    assert "times real time" in done.stdout

@@ -1,0 +1,57 @@
+"""Programs of any size."""
+
+from pathlib import Path
+
+PROGRAMS = Path(__file__).parent.parent / "programs"
+
+
+def table1() -> str:
+    """The program of the paper's Table 1."""
+    return (PROGRAMS / "table1.lrp").read_text(encoding="utf-8")
+
+
+def nest(depth: int) -> str:
+    """Machines inside each other, each with one transition that never fires and one action."""
+    inner = "(state s (running [1])) (state t) (on [False] s -> t)"
+    for _ in range(depth - 1):
+        inner = (
+            f"(state s (running [1]) (machine m {inner}) (onentry (spawn m s))) (state t) (on [False] s -> t)"
+        )
+    return f"(machine m {inner})\n(spawn m s)"
+
+
+def ring(states: int) -> str:
+    """States in a ring, each left at every tick."""
+    body = "".join(
+        f"(state s{n} (onentry [1]) (onexit [1]))\n(on [True] s{n} -> s{(n + 1) % states})\n"
+        for n in range(states)
+    )
+    return f"(machine m {body})\n(spawn m s0)"
+
+
+def long(lines: int) -> str:
+    """A program of about so many lines, as a person would lay it out."""
+    parts = ["(var speed := [0.1])", "(machine robot", "  (state rest)", ")", "(spawn robot rest)"]
+    count = 0
+    while len(parts) < lines:
+        count += 1
+        parts += [
+            f"(machine part{count}",
+            f"  ; part {count} of the program",
+            f"  (var left{count} := [{count}])",
+            f"  (event seen{count} [robot.light.data > {count} and left{count}])",
+            "  (state look",
+            f"    (onentry [left{count} = {count} + 1])",
+            "    (running [",
+            f"      turn = left{count} * speed",
+            "      robot.move(angular=turn)",
+            "    ]))",
+            "  (state go",
+            "    (running [robot.move(linear=speed)])",
+            f"    (onexit [left{count} = 0]))",
+            f"  (on seen{count} look -> go found{count})",
+            f"  (ontime {count + 100} go -> look)",
+            ")",
+            f"(spawn part{count} look)",
+        ]
+    return "\n".join(parts)
