@@ -124,6 +124,10 @@ class _Reader:
                     kind = "BLOCK"
                     message = "This `[` is not closed; put its `]` behind the Python that it opens."
                     self.report(start, start + 1, "LRP103", message)
+                elif kind == "UNOPENED":
+                    kind = "BLOCK"
+                    message = "A `[` is missing here, before the Python that ends with `]`; put it there."
+                    self.report(start, start + 1, "LRP103", message)
                 elif kind == "INTEGER":
                     part = self._integer(word, start, end)
                 form.types.append(kind)
@@ -149,10 +153,9 @@ class _Reader:
         return 0
 
     def _name(self, word: str, start: int, end: int) -> str:
-        name = unicodedata.normalize("NFKC", word)  # as Python does
-        if not name.isidentifier():
+        if not word.isidentifier():
             self.report(start, end, "LRP110", f"`{word}` is no name; use letters, digits and `_`.")
-        return name
+        return unicodedata.normalize("NFKC", word)  # as Python does
 
     def _block(self, word: str, start: int, end: int, form: _Form) -> Block:
         starts = self.starts

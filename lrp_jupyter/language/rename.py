@@ -68,8 +68,8 @@ def rename(program: Program, kind: str, path: Path, new_name: str) -> str:
     symbol = next((symbol for symbol in found if symbol.element == element), None)
     if symbol is None:
         raise _unknown(program, element)
+    _check_name(kind, new_name)
     name = normal(new_name)
-    _check_name(kind, name)
     if name == normal(program.text[slice(*symbol.definition)]):
         return program.text
     text = _changed(program.text, symbol, uses, name)
@@ -92,7 +92,7 @@ def _unknown(program: Program, element: Element) -> Exception:
 def _check_name(kind: str, name: str) -> None:
     if not name.isidentifier():
         raise ValueError(f"`{name}` is no name; use letters, digits and `_`.")
-    if kind == "variable" and (iskeyword(name) or name == "__debug__"):
+    if kind == "variable" and (iskeyword(normal(name)) or name == "__debug__"):
         raise ValueError(f"`{name}` is a word of Python; give the variable another name.")
 
 

@@ -25,15 +25,17 @@ _TOKEN = re.compile(
     r"|(?P<STAR>\*)|(?P<LBRACE>\{)|(?P<RBRACE>\})|(?P<MINUS>-)|(?P<END>\Z)|(?P<STRAY>[\s\S]))"
 )
 _FORM_LINE = re.compile(rf"[\r\n][ \t]*\((?={_SKIP}({'|'.join(sorted(KEYWORDS))})\b)")
-_SPECIAL = frozenset({"OTHER", "END"})
+_SPECIAL = frozenset({"OTHER", "END", "STRAY"})
+_HEADS = {"var": 3, "event": 2}  # so many tokens stand before the block; one in other forms
+_BLOCKS = KEYWORDS - {"machine", "state", "spawn", "eps"}
+_NEWLINE = re.compile(r"[\r\n]")
 _TAIL = re.compile(r"\](?=[\s)]*+(?:[;#].*)?(?:[\r\n]|\Z))")
 
 
 Token = tuple[str, int, int]
 """A token: its type and ``text[start:end]``.
 
-The type is a terminal of ``grammar.lark``, ``OPEN`` (a ``(`` with the keyword behind it), ``CLOSE``, ``STRAY``, or
-``UNCLOSED``: a block whose ``]`` is missing; its end is a guess.
+The type is a terminal of ``grammar.lark``, ``OPEN`` (a ``(`` with the keyword behind it), ``CLOSE``, ``STRAY``, ``UNCLOSED`` or ``UNOPENED``: a block whose ``]`` or ``[`` is missing; its end or start is a guess.
 """
 
 
@@ -50,11 +52,17 @@ def tokenize(text: str) -> list[Token]:
             append((kind, *match.span(kind)))
         if kind == "END":
             return tokens
-        start = match.start(kind)
-        end = block_end(text, start) + 1
-        if not end:
-            kind, end = "UNCLOSED", _guess_end(text, start)
-        append((kind if kind == "UNCLOSED" else "BLOCK", start, end))
+        start, end = match.span(kind)
+        if kind == "STRAY":
+            first = _guess_start(text, tokens, start) if text[start] == "]" else None
+            if first is not None:
+                kind, start = "UNOPENED", tokens[first][1]
+                del tokens[first:]
+        else:
+            kind, end = "BLOCK", block_end(text, start) + 1
+            if not end:
+                kind, end = "UNCLOSED", _guess_end(text, start)
+        append((kind, start, end))
         matches = _TOKEN.finditer(text, end)
 
 
@@ -67,6 +75,24 @@ def keyword_of(text: str, token: Token) -> str:
         return word
     match = _TOKEN.match(text, token[1])
     return (match and match["KEYWORD"]) or ""
+
+
+def _guess_start(text: str, tokens: list[Token], end: int) -> int | None:
+    """Guess with which token the block begins whose ``[`` is missing; None if nothing in the line speaks for one."""
+    closed = 0
+    for index in range(len(tokens) - 1, -1, -1):
+        token = tokens[index]
+        if _NEWLINE.search(text, token[2], end):
+            break
+        if token[0] == "CLOSE":
+            closed += 1
+        elif token[0] == "OPEN" and closed:
+            closed -= 1
+        elif token[0] == "OPEN":
+            keyword = keyword_of(text, token)
+            first = index + _HEADS.get(keyword, 1)
+            return first if keyword in _BLOCKS and first < len(tokens) else None
+    return None
 
 
 def _guess_end(text: str, start: int) -> int:

@@ -1,11 +1,19 @@
 from __future__ import annotations
 
+import contextlib
+import re
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from lrp_jupyter.errors import LRPSyntaxError
+from lrp_jupyter.language.forms import USAGE, Mistake, shape_of
+from lrp_jupyter.language.matching import DEEPEST
 from lrp_jupyter.language.parser import parse, scan
+from lrp_jupyter.language.program import Block, Finding, Program
+from lrp_jupyter.language.tokens import LEGAL
 
 LISTING = (Path(__file__).parent / "printed_listing.lrp").read_text(encoding="utf-8")
 
@@ -30,3 +38,387 @@ def test_a_text_that_is_no_program_raises_all_its_errors_at_once() -> None:
     with pytest.raises(LRPSyntaxError) as caught:
         parse("(var x [1])\n(var y := [1 +])")
     assert [finding.line for finding in caught.value.findings] == [1, 2]
+
+
+def only(text: str) -> Finding:
+    """The one error of a text."""
+    program, findings = scan(text)
+    assert program is None
+    (finding,) = findings
+    assert finding.severity == "error"
+    return finding
+
+
+FOLLOWER = """\
+(var limit := [100]) ; how dark
+(machine follower
+  # the states
+  (state moving
+    (onentry [robot.go()])
+    (running [robot.move(limit)]))
+  (state looking
+    (onentry (spawn look left) [print("]")])
+    (machine look
+      (var time := [limit])
+      (state left
+        (onexit [time = 2 * time]))
+      (ontime time left -> left)
+      (exit dark left -> moving)))
+  (event dark [robot.light < limit])
+  (on dark moving -> looking lost)
+  (on [robot.bumper] *-> moving)
+  (eps {looking moving} -> end))
+(spawn follower moving)
+"""
+
+
+# Programs
+
+
+def test_every_form_is_read() -> None:
+    program = parse(
+        """
+        (var a := [1]) (event top [a > 1])
+        (machine m
+          (var b := [a + 1]) (event e [b])
+          (state s (onentry [1] (spawn n q) [2]) (onentry [3]) (running [4] [5]) (onexit [6])
+            (machine n (state q)))
+          (on e s -> t) (on [True] * -> s back) (ontime 100 {s t}->s) (ontime b *-{s} -> t x)
+          (ontime [2 * b] s->t) (eps s -> t) (exit e s -> t out) (exit [True] s -> t))
+        (onpause [7]) (onresume [8] [9]) (onpause [10]) (spawn m s) (spawn m t)
+        """
+    )
+    assert [variable.name for variable in program.variables] == ["a"]
+    assert [event.name for event in program.events] == ["top"]
+    assert [[block.text for block in part] for part in (program.onpause, program.onresume)] == [
+        ["7", "10"],
+        ["8", "9"],
+    ]
+    assert [(spawn.machine, spawn.state) for spawn in program.spawns] == [("m", "s"), ("m", "t")]
+    (machine,) = program.machines
+    (state,) = machine.states
+    assert [part.text if isinstance(part, Block) else part.machine for part in state.onentry] == [
+        "1",
+        "n",
+        "2",
+        "3",
+    ]
+    assert [block.text for block in (*state.running, *state.onexit)] == ["4", "5", "6"]
+    assert [inner.name for inner in state.machines] == ["n"]
+    assert machine.labels == (
+        "e:s->t",
+        "back",
+        "100:{s t}->s",
+        "x",
+        "[2 * b]:s->t",
+        "eps:s->t",
+        "out",
+        "[True]:s->t",
+    )
+    assert [transition.kind for transition in machine.transitions] == [
+        *("on", "on", "ontime", "ontime", "ontime", "eps", "exit", "exit")
+    ]
+    assert [transition.wildcard for transition in machine.transitions] == [
+        *(False, True, False, True, False, False, False, False)
+    ]
+
+
+@pytest.mark.parametrize("text", ["", " \n\t", "; nothing", "# nothing\r\n", "\ufeff\u3000\xa0"])
+def test_a_text_without_forms_is_the_empty_program(text: str) -> None:
+    assert parse(text) == Program()
+
+
+@pytest.mark.parametrize("arrow", ["*->", "* ->", "*  \n->", "*;c\n->;c\n", "*-> ;c\n"])
+def test_white_space_and_comments_are_free_between_tokens(arrow: str) -> None:
+    (transition,) = parse(f"( ;c\nmachine #c\n m(on e {arrow}b))").machines[0].transitions
+    assert (transition.source_text, transition.destination) == ("*", "b")
+
+
+def test_a_source_and_its_arrow_need_no_space() -> None:
+    (transition,) = parse("(machine m (on e a->b c))").machines[0].transitions
+    assert transition.label == "c"
+
+
+def test_keywords_may_be_names() -> None:
+    program = parse("(machine machine (state state) (on on state -> end eps)) (spawn machine state)")
+    assert program.machines[0].transitions[0].identity == ("on", frozenset({"state"}), False, "end", "eps")
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_every_line_end_is_read_and_counted(end: str) -> None:
+    program = parse(f"; one{end}(var a := [1]){end}(var b := [{end}  2 # ]{end}  ])")
+    assert [(variable.initial.line, variable.initial.column) for variable in program.variables] == [
+        (2, 12),
+        (3, 12),
+    ]
+    assert program.place(program.variables[1].span.start) == (3, 1)
+
+
+def test_nouns_know_their_places() -> None:
+    text = "  (machine é (state 𝔘 (running [1]\n [2])))"
+    (machine,) = parse(text).machines
+    (state,) = machine.states
+    assert [text[slice(*span)] for span in (machine.span, machine.name.span, state.name.span)] == [
+        text.strip(),
+        "é",
+        "𝔘",
+    ]
+    assert state.name == "U"  # the same identifier, as Python sees it
+    second = state.running[1]
+    assert (text[slice(*second.span)], second.line, second.column, second.prefix) == ("[2]", 2, 3, " [")
+
+
+def test_only_layout_and_comments_differ_between_equal_programs() -> None:
+    assert parse(FOLLOWER) == parse(FOLLOWER.replace("\n", " \n;)\n ").replace("; how", ";"))
+
+
+# Forms
+
+
+@pytest.mark.parametrize(
+    ("text", "code", "at", "words"),
+    [
+        ("(var x [1])", "LRP108", "[1]", "Expected `:=` instead of `[1]`; write `(var name := [value])`."),
+        ("(var x := 1)", "LRP108", "1", "a block"),
+        ("(var := [1])", "LRP108", ":=", "its name"),
+        ("(var)", "LRP108", ")", "lacks its name"),
+        ("(machine (state a))", "LRP108", "(state a)", "its name"),
+        ("(machine m a)", "LRP108", "a", "a `state`"),
+        ("(machine m (state a b))", "LRP108", "b", "a `machine`"),
+        ("(event e)", "LRP108", ")", "lacks a block"),
+        ("(spawn m)", "LRP108", ")", "lacks the name of its start state"),
+        ("(spawn)", "LRP108", ")", "lacks the machine's name"),
+        ("(onpause)", "LRP108", ")", "lacks a block"),
+        ("(machine m (state s (onentry)))", "LRP108", ")))", "a block `[…]` or a `spawn`"),
+        ("(machine m (on))", "LRP108", "))", "an event's name or a block"),
+        ("(machine m (on e))", "LRP108", "))", "the source state, `*` or `{`"),
+        ("(machine m (on e a))", "LRP108", "))", "lacks `->`"),
+        ("(machine m (on e a ->))", "LRP108", "))", "lacks the destination state"),
+        ("(machine m (on e a -> b c d))", "LRP108", "d", "Expected `)`"),
+        ("(machine m (on e a -> b [1]))", "LRP108", "[1]", "the transition's name or `)`"),
+        ("(machine m (on e {} -> b))", "LRP108", "} ->", "a state's name"),
+        ("(machine m (on e *- -> b))", "LRP108", "->", "`{`"),
+        ("(machine m (eps -> b))", "LRP108", "->", "the source state"),
+        ("(machine m (ontime -> b))", "LRP108", "->", "a variable's name, a block `[…]` or a whole number"),
+        ("(machine m (ontime 1.5 a -> b))", "LRP108", "1.5", "`[1.5]`"),
+        ("(machine m (ontime 10ms a -> b))", "LRP108", "10ms", "no whole number"),
+        ("(machine m (ontime 12345678901234567890 a -> b))", "LRP108", "1234", "no whole number"),
+        ("(machine m (exit e * -> b))", "LRP108", "*", "the source state"),
+        ("(machine m (eps * -> b))", "LRP112", "*", "name its sources"),
+        ("(machine m (event e [x]) oops)", "LRP108", "oops", "instead of `oops`"),
+        ("hello (var x := [1])", "LRP105", "hello", "outside every form"),
+        ("(var x := [1]) a [b] -> c (var y := [1])", "LRP105", "a [b]", "outside every form"),
+        ("(stat a)", "LRP106", "stat", "`stat` is no keyword; did you mean `state`?"),
+        ("(machin a)", "LRP106", "machin", "did you mean `machine`?"),
+        ("(machine m (xyz a))", "LRP106", "xyz", "`xyz` is no keyword; write `eps`, `event`, `exit`"),
+        (
+            "(machine m (state a (xyz (var q := [1]))))",
+            "LRP106",
+            "xyz",
+            "write `machine`, `onentry`, `onexit` or",
+        ),
+        ("()", "LRP106", "(", "A keyword must follow this `(`"),
+        ("([1])", "LRP106", "(", "A keyword must follow"),
+        ("(machine m (state a (event e [x])))", "LRP107", "event", "`event` cannot stand in `state`"),
+        ("(state a)", "LRP107", "state", "cannot stand at the top level; it belongs in a `machine`."),
+        ("(machine m (onentry [a]))", "LRP107", "onentry", "it belongs in a `state`"),
+        ("(machine m (spawn m a))", "LRP107", "spawn", "at the top level or in a `onentry`"),
+        ("(var x := [ ])", "LRP109", "[ ]", "This block is empty; write the variable's value into it."),
+        ("(event x [ # ]\n])", "LRP109", "[ # ]", "the event's condition"),
+        ("(machine m (ontime [] a -> b))", "LRP109", "[]", "the delay in milliseconds"),
+        ("(machine m (on [] a -> b))", "LRP109", "[]", "the condition"),
+        ("(machine m (exit [] a -> b))", "LRP109", "[]", "the condition"),
+        ("(var class := [1])", "LRP110", "class", "a word of Python"),
+        ("(var __debug__ := [1])", "LRP110", "__debug__", "a word of Python"),
+        ("(var a² := [1])", "LRP110", "a²", "is no name"),
+        ("(var x := [1]) ]", "LRP104", "]", "This `]` closes nothing"),
+        ("(machine m\n])", "LRP104", "]", "This `]` closes nothing"),
+        ("(machine m (state s (running ])))", "LRP104", "]", "This `]` closes nothing"),
+        ("(machine m (state s (running f(a)])))", "LRP103", "f(a)]", "A `[` is missing here"),
+        ("(var x := 1])", "LRP103", "1]", "A `[` is missing here"),
+        ("(event e f()[0]])", "LRP103", "f()[0]]", "A `[` is missing here"),
+        ("(var x := [1]) %", "LRP104", "%", "`%` means nothing here"),
+        ("(var x : [1])", "LRP104", ":", "`:` means nothing here"),
+        ("(var x := [1 +])", "LRP501", "", "Python cannot read this block: invalid syntax."),
+        ("(var x := [global x])", "LRP501", "x])", "`x` is a variable of the program"),
+    ],
+)
+def test_an_error_is_told_once_at_its_place(text: str, code: str, at: str, words: str) -> None:
+    findings = [finding for finding in scan(text)[1] if (finding.code, code) != ("LRP108", "LRP104")]
+    (finding,) = findings
+    assert finding.code == code
+    assert words in finding.message
+    assert text.split("\n")[finding.line - 1][finding.column - 1 :].startswith(at)
+
+
+def test_a_global_of_a_variable_in_scope_is_an_error_wherever_it_stands() -> None:
+    text = "(machine m (var a := [1]) (state s (running [def f():\n  global a, b])))\n(var b := [2])(var c := [3])"
+    assert places(text) == [("LRP501", 2, 10), ("LRP501", 2, 13)]
+    assert places(text.replace("(var a := [1])", "").replace("b := ", "d := ")) == []
+
+
+def test_every_broken_form_is_told_and_no_other() -> None:
+    text = FOLLOWER.replace(":= [limit]", "= [limit]").replace("-> end", "end").replace("] *->", "] ->")
+    assert [(code, line) for code, line, _ in places(text)] == [
+        ("LRP104", 10),
+        ("LRP108", 10),
+        ("LRP108", 17),
+        ("LRP108", 18),
+    ]
+
+
+def test_errors_in_unknown_forms_are_told_as_well() -> None:
+    assert places("(machine m\n (staet a (running [1 +]) (machine b (var x))))") == [
+        ("LRP106", 2, 3),
+        ("LRP501", 2, 24),
+        ("LRP108", 2, 44),
+    ]
+
+
+def test_a_form_nested_too_deeply_is_told_alone() -> None:
+    deep = "(machine m (state s " * (DEEPEST // 2)
+    assert places(deep + "))" * (DEEPEST // 2)) == []
+    finding = only(deep + "(machine m" + "))" * (DEEPEST // 2))
+    assert (finding.code, finding.column) == ("LRP111", len(deep) + 1)
+
+
+# Brackets
+
+
+ALL = [
+    pytest.param(match.start(), id=f"{match[0]}{match.start()}")
+    for match in re.finditer(r"[()\[\]]", FOLLOWER)
+]
+
+
+@pytest.mark.parametrize("offset", ALL)
+def test_one_missing_bracket_is_told_in_its_line_or_at_what_it_leaves_open(offset: int) -> None:
+    if FOLLOWER[offset] == "]" and FOLLOWER[offset - 1] == '"':
+        return  # it is in a string
+    text = FOLLOWER[:offset] + FOLLOWER[offset + 1 :]
+    findings = scan(text)[1]
+    line = FOLLOWER.count("\n", 0, offset) + 1
+    assert 1 <= len(findings) <= 3
+    opened = {line}
+    if FOLLOWER[offset] == ")":
+        opened |= {FOLLOWER.count("\n", 0, start) + 1 for start in openings(offset)}
+    assert {finding.line for finding in findings} <= opened
+
+
+def openings(offset: int) -> list[int]:
+    """The brackets that are closed where this one is."""
+    end = re.compile(r"\)+").search(FOLLOWER, offset)
+    assert end
+    start = offset
+    while FOLLOWER[start - 1] == ")":
+        start -= 1
+    program = parse(FOLLOWER)
+    spans = [machine.span for _, machine in program.walk()]
+    spans += [state.span for _, machine in program.walk() for state in machine.states]
+    return [span.start for span in spans if start < span.end <= end.end()]
+
+
+@pytest.mark.parametrize("offset", ALL)
+def test_one_extra_bracket_is_told_in_its_line(offset: int) -> None:
+    bracket = FOLLOWER[offset]
+    if bracket == "]" and FOLLOWER[offset - 1] == '"':
+        return
+    if bracket in "(":
+        return
+    text = FOLLOWER[:offset] + bracket + FOLLOWER[offset:]
+    line = FOLLOWER.count("\n", 0, offset) + 1
+    findings = scan(text)[1]
+    assert findings
+    assert {finding.line for finding in findings} <= {line}
+
+
+def test_an_unclosed_form_is_told_where_it_opens() -> None:
+    finding = only(FOLLOWER.replace("robot.move(limit)]))", "robot.move(limit)])"))
+    assert (finding.code, finding.line, finding.column, finding.end_column) == ("LRP101", 4, 3, 9)
+    assert finding.message == "This `(state` is not closed; put its `)` at the end of line 6."
+
+
+def test_an_unclosed_bracket_without_a_keyword_is_told() -> None:
+    assert places("(machine m)\n(") == [("LRP101", 2, 1), ("LRP106", 2, 1)]
+
+
+def test_a_keyword_that_lost_its_bracket_is_told() -> None:
+    finding = only(FOLLOWER.replace("(event", "event"))
+    assert (finding.code, finding.line, finding.column) == ("LRP101", 15, 3)
+    assert finding.message == "A `(` is missing before `event`; put it there."
+
+
+def test_several_wrong_brackets_are_told_each_at_its_place() -> None:
+    text = (
+        FOLLOWER.replace("go()])", "go()]))").replace("limit]))", "limit])").replace("2 * time]", "2 * time")
+    )
+    assert [(code, line) for code, line, _ in places(text)] == [("LRP102", 5), ("LRP103", 12)] or [
+        (code, line) for code, line, _ in places(text)
+    ] == [("LRP103", 12)]
+
+
+def test_a_string_that_swallows_the_end_of_a_block_is_told_in_its_line() -> None:
+    assert {line for _, line, _ in places(FOLLOWER.replace('print("]")', 'print("])'))} == {8}
+    assert {line for _, line, _ in places(FOLLOWER.replace("2 * time]", "2 * time # ]"))} == {12}
+
+
+def test_a_block_that_is_not_closed_ends_before_the_next_form() -> None:
+    text = FOLLOWER.replace("[time = 2 * time]))", "[time = (2 * time")
+    assert [(code, line) for code, line, _ in places(text)] == [("LRP103", 12)]
+
+
+def test_half_a_program_has_few_errors_all_near_its_end() -> None:
+    for end in range(len(FOLLOWER)):
+        findings = scan(FOLLOWER[:end])[1]
+        assert len(findings) <= 8
+
+
+# Whatever is typed
+
+
+@given(st.text("()[]{}'\"#;:=->*\\\n\r abx1é𝔘\0\ud800\ufeff", max_size=60))
+def test_no_text_raises_anything_but_a_syntax_error(text: str) -> None:
+    with contextlib.suppress(LRPSyntaxError):
+        parse(text)
+
+
+@given(st.data())
+def test_no_change_of_a_program_raises_anything_but_a_syntax_error(data: st.DataObject) -> None:
+    text = data.draw(st.sampled_from([FOLLOWER, LISTING, "(var a := [f'{x!r:>{y}}'])\r\n(spawn a b)"]))
+    for _ in range(data.draw(st.integers(1, 5))):
+        start = data.draw(st.integers(0, len(text)))
+        end = data.draw(st.integers(start, min(start + 20, len(text))))
+        text = text[:start] + data.draw(st.text("()[]{}'\"#; \n:=ax", max_size=3)) + text[end:]
+    program, findings = scan(text)
+    assert (program is None) == bool(findings)
+    rows = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    for finding in findings:
+        assert (finding.line, finding.column) <= (finding.end_line, finding.end_column)
+        assert 1 <= finding.column <= len(rows[finding.line - 1]) + 2
+        assert finding.message.endswith((".", "?"))
+    assert list(findings) == sorted(findings, key=lambda finding: (finding.line, finding.column))
+
+
+# The grammar
+
+
+def test_the_places_of_forms_are_those_of_the_grammar() -> None:
+    for around, usage in (("program", ()), *((keyword, ()) for keyword in USAGE)):
+        assert not usage
+        head = {"machine": ("NAME",), "state": ("NAME",)}.get(around, ())
+        legal = {
+            keyword
+            for keyword in USAGE
+            if not isinstance(shape_of((around.upper(), *head, f"{keyword.upper()}_FORM")), Mistake)
+        }
+        assert legal == LEGAL.get(around, set())
+
+
+def test_every_form_can_be_written_as_its_usage_says() -> None:
+    for keyword, usage in USAGE.items():
+        form = usage.replace("…", "").replace("milliseconds", "5")
+        around = {"onentry": "(machine m (state s {}))", "running": "(machine m (state s {}))"}
+        around["onexit"] = around["running"]
+        for inner in ("state", "on", "ontime", "eps", "exit"):
+            around[inner] = "(machine m {})"
+        parse(around.get(keyword, "{}").format(form))
