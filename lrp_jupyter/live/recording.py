@@ -1,0 +1,130 @@
+"""What a graded run leaves behind: a sample for each tick, the events, the faults."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+from lrp_jupyter.interpreter.events import TraceEvent
+from lrp_jupyter.interpreter.frame import matches
+from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.language.program import Path
+
+if TYPE_CHECKING:
+    from lrp_jupyter.bridges.sim import SimBridge
+    from lrp_jupyter.interpreter.interpreter import Interpreter
+    from lrp_jupyter.sim.world import World
+
+__all__ = ["Recording", "Sample"]
+
+_STILL = 0.002  # m; what a robot that stands may drift in one period
+
+
+class Sample(NamedTuple):
+    """The robot at one tick.
+
+    Parameters
+    ----------
+    time : float
+        Seconds.
+    x, y, heading : float
+        Metres, metres, radians.
+    lights : tuple of int
+        0 black … 255 white.
+    bumper : bool
+    touched : frozenset of str
+        Names of the solids touched since the tick before; `edge` is the edge of the world.
+    solids : tuple of (x, y, angle)
+    active : tuple of paths
+    command : tuple of float
+        The speeds asked of it: m/s, rad/s.
+    """
+
+    time: float
+    x: float
+    y: float
+    heading: float
+    lights: tuple[int, ...]
+    bumper: bool
+    touched: frozenset[str]
+    solids: tuple[tuple[float, float, float], ...]
+    active: tuple[Path, ...]
+    command: tuple[float, float]
+
+    def distance(self, other: Sample) -> float:
+        """Metres between the robot here and there."""
+        return math.hypot(self.x - other.x, self.y - other.y)
+
+
+@dataclass
+class Recording:
+    """One run of a program in a world, for the criteria to look at."""
+
+    world: World
+    samples: list[Sample] = field(default_factory=list)
+    events: list[TraceEvent] = field(default_factory=list)
+    issues: tuple[Issue, ...] = ()
+    notices: tuple[str, ...] = ()
+    commands: int = 0
+
+    def sample(self, bridge: SimBridge, interpreter: Interpreter) -> None:
+        """Record the tick that is just over; on the thread that turns the loop."""
+        robot = bridge.simulation.robot
+        x, y, heading = robot.pose
+        names = {-1: "edge"} | {
+            index: getattr(solid, "name", "") or f"solid {index}"
+            for index, solid in enumerate(self.world.solids)
+        }
+        self.samples.append(
+            Sample(
+                interpreter.now,
+                x,
+                y,
+                heading,
+                robot.readings.lights,
+                bool(robot.readings.bumper),
+                frozenset(names.get(index, "robot") for index in robot.memory.touched),
+                tuple(thing.pose for thing in bridge.simulation.solids),
+                interpreter.active,
+                robot.command,
+            )
+        )
+
+    @property
+    def seconds(self) -> float:
+        """How long the run took, in its own time."""
+        return self.samples[-1].time if self.samples else 0.0
+
+    @property
+    def way(self) -> float:
+        """Metres driven."""
+        return sum(a.distance(b) for a, b in zip(self.samples, self.samples[1:], strict=False))
+
+    def still_since(self) -> float:
+        """Return the time from which on the robot stood still, and did not try to move."""
+        since = self.seconds
+        for before, after in zip(reversed(self.samples[:-1]), reversed(self.samples), strict=False):
+            moved = before.distance(after) > _STILL or abs(before.heading - after.heading) > 0.02
+            if moved or any(after.command):
+                break
+            since = before.time
+        return since
+
+    def inside(self, zone: str) -> Iterator[Sample]:
+        """Yield the samples at which the middle of the robot was in a zone."""
+        region = self.world.zones[zone]
+        return (sample for sample in self.samples if region.contains(sample.x, sample.y))
+
+    def touches(self, solid: str) -> Iterator[Sample]:
+        """Yield the samples at which a solid was touched."""
+        return (sample for sample in self.samples if solid in sample.touched)
+
+    def entries(self, state: str | Path) -> list[TraceEvent]:
+        """List the events in which a state was entered."""
+        return [event for event in self.events if event.kind == "entered" and matches(state, event.path)]
+
+    def count(self, kind: str) -> int:
+        """How many events of a kind there were."""
+        return sum(event.kind == kind for event in self.events)
