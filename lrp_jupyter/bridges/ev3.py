@@ -193,7 +193,7 @@ class EV3Bridge(Bridge):
     def _motor_table(self, reading: Reading | None) -> Table:
         rows = [("", "", "")] * 4
         if reading:
-            rows = [(type_name(m.type), str(m.count), str(m.speed)) for m in reading.motors]
+            rows = [(type_name(m.type), str(m.degrees), str(m.speed)) for m in reading.motors]
         return Table(
             "motors",
             "Motors",

@@ -42,9 +42,9 @@ ANSWER_TIME = 0.5
 _SLICE = 0.05  # seconds a socket waits before its user looks at the time and at what has happened
 _UNLOCKED = b"Accept:EV340\r\n\r\n"
 _PAUSE = 0.5  # seconds between two attempts at the same address
-_ABORT = struct.pack(
-    "hh" if sys.platform == "win32" else "ii", 1, 0
-)  # SO_LINGER: closing discards what has not been delivered
+
+# Value of SO_LINGER with which closing discards what has not been delivered
+_ABORT = struct.pack("hh" if sys.platform == "win32" else "ii", 1, 0)
 
 _Value = TypeVar("_Value")
 
@@ -230,11 +230,12 @@ class Beacon(NamedTuple):
 
 def parse_beacon(data: bytes) -> Beacon | None:
     """Read a datagram; None if it is no brick's beacon."""
-    fields = dict(re.findall(r"([\w-]+): *([^\r\n]*)", data.decode("utf-8", "replace")))
-    port = fields.get("Port", "")
-    if fields.get("Protocol", "").strip() != "EV3" or not re.fullmatch(r"\d{1,5}\s*", port):
+    fields = dict(re.findall(r"([\w-]+): *([^\r\n]*?) *[\r\n]", data.decode("utf-8", "replace")))
+    port = int(fields["Port"]) if re.fullmatch(r"[0-9]{1,5}", fields.get("Port", "")) else 0
+    serial = fields.get("Serial-Number", "")
+    if fields.get("Protocol") != "EV3" or not 0 < port < 65536 or not re.fullmatch(r"\w+", serial):
         return None
-    return Beacon(fields.get("Serial-Number", "").strip(), int(port), fields.get("Name", "").strip())
+    return Beacon(serial, port, fields.get("Name", ""))
 
 
 class _Ear:
@@ -328,7 +329,7 @@ def connect(
                 break
             if heard := ear.hear():
                 beacon, source = heard
-                if host in (None, source[0]) and serial in ("", beacon.serial):
+                if host in (None, source[0]) and (not serial or _same_serial(serial, beacon.serial)):
                     ear.answer(source)
                     address, serial, found = (source[0], beacon.port), beacon.serial, time.monotonic()
     unheard = ear.deaf or f"no beacon of it within {patience:g} s"
@@ -357,6 +358,11 @@ def check_address(host: str) -> str:
             f"{host!r} is no address of a brick: four numbers such as 192.168.1.7, "
             "which the brick shows under `Brick Info`"
         ) from None
+
+
+def _same_serial(one: str, other: str) -> bool:
+    """Compare serial numbers, which people write with colons."""
+    return one.replace(":", "").lower() == other.replace(":", "").lower()
 
 
 def _reason(error: OSError) -> str:

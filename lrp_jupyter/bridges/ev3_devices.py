@@ -44,22 +44,22 @@ class Motor:
     """A motor of the brick, `robot.motorA` to `robot.motorD`."""
 
     def __init__(self, bridge: EV3Bridge, index: int) -> None:
-        self._bridge, self._index = bridge, index
+        self._bridge, self._index, self._port = bridge, index, 1 << index
         self.name = f"motor{'ABCD'[index]}"
 
     def start_at_speed(self, speed: float) -> None:
         """Turn at a regulated speed (%), -100 to 100, until told otherwise."""
         percent = self._percent("start_at_speed", "speed", speed)
-        self._bridge.link.command(protocol.start_speed(1 << self._index, percent))
+        self._bridge.link.command(protocol.start_speed(self._port, percent))
 
     def start_at_power(self, power: float) -> None:
         """Turn with unregulated power (%), -100 to 100, until told otherwise."""
         percent = self._percent("start_at_power", "power", power)
-        self._bridge.link.command(protocol.start_power(1 << self._index, percent))
+        self._bridge.link.command(protocol.start_power(self._port, percent))
 
     def stop(self, brake: bool = True) -> None:
         """Stop, and hold the position (brake=True) or run out."""
-        self._bridge.link.command(protocol.stop(1 << self._index, self._flag("stop", brake)))
+        self._bridge.link.command(protocol.stop(self._port, self._flag("stop", brake)))
 
     def run_for(
         self,
@@ -78,18 +78,14 @@ class Motor:
         if not percent:
             raise BridgeError(f"`{self.name}.run_for`: with speed {speed!r} it would never end.")
         if degrees is not None:
-            amount = round(real_number(degrees, f"{self.name}.run_for(degrees=…)"))
-            percent, amount = math.copysign(1, amount) * percent, abs(amount)
-            encode = protocol.run_degrees
+            angle = round(real_number(degrees, f"{self.name}.run_for(degrees=…)"))
+            amount, encode = self._amount(abs(angle)), protocol.run_degrees
+            percent = percent if angle > 0 else -percent
         else:
-            amount = round(1000 * real_number(seconds, f"{self.name}.run_for(seconds=…)"))
+            amount = self._amount(round(1000 * real_number(seconds, f"{self.name}.run_for(seconds=…)")))
             encode = protocol.run_milliseconds
-            if amount < 0:
-                raise BridgeError(f"`{self.name}.run_for`: {seconds!r} seconds are in the past.")
-        if amount > _LONGEST:
-            raise BridgeError(f"`{self.name}.run_for`: that is further than the brick can count.")
-        if amount:
-            self._bridge.link.command(encode(1 << self._index, int(percent), amount, holds))
+        if amount:  # to turn by nothing is done already
+            self._bridge.link.command(encode(self._port, percent, amount, holds))
 
     def reset_count(self) -> None:
         """Make the present position 0."""
@@ -97,7 +93,7 @@ class Motor:
 
     def count(self) -> int:
         """Give the angle turned since the count was 0."""
-        return self.reading().count
+        return self.reading().degrees
 
     def speed(self) -> int:
         """Give the speed that it turns with now."""
@@ -115,7 +111,17 @@ class Motor:
         number = real_number(value, f"{self.name}.{method}({what}=…)")
         if not -100 <= number <= 100:
             raise BridgeError(f"`{self.name}.{method}`: {what} goes from -100 to 100, not {value!r}.")
+        reading = self._bridge.link.snapshot.reading
+        if reading is not None and reading.motors[self._index].type in ABSENT:
+            raise BridgeError(f"`{self.name}`: nothing is plugged in port {self.name[-1]}")
         return round(number)
+
+    def _amount(self, number: int) -> int:
+        if number < 0:
+            raise BridgeError(f"`{self.name}.run_for`: that time is in the past.")
+        if number > _LONGEST:
+            raise BridgeError(f"`{self.name}.run_for`: that is further than the brick can count.")
+        return number
 
     def _flag(self, method: str, value: object) -> bool:
         if value not in (True, False):

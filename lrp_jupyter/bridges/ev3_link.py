@@ -124,7 +124,8 @@ class Link:
         if client is not None:
             client.command(protocol.stop(protocol.ALL_MOTORS, brake=True), _STOP_TIME)
         elif self.snapshot.reading is not None and not self._closing.is_set():
-            raise BridgeError(f"{self.snapshot.trouble}. It will be stopped when it is found again")
+            why = self.snapshot.trouble or "the brick is just being found again"
+            raise BridgeError(f"{why}; it is stopped as soon as it is found")
 
     def latest(self, snapshot: Snapshot | None = None) -> Reading:
         """Give the latest reading (or that of a snapshot).
@@ -170,6 +171,9 @@ class Link:
                     self._read(self._client)
             except BridgeError as error:
                 pause = self._suffer(str(error))
+            except Exception as error:  # a fault of ours: say so, rather than go on with old readings
+                self._suffer(f"the EV3 bridge itself failed: {type(error).__name__}: {error}")
+                break
             self._closing.wait(pause)
         self._let_go()
 
@@ -229,5 +233,5 @@ def _with_zero(reading: Reading, motors: list[int]) -> Reading:
     """Replace counts that were read before they were set to zero."""
     if not motors:
         return reading
-    kept = tuple(m._replace(count=0) if i in motors else m for i, m in enumerate(reading.motors))
+    kept = tuple(m._replace(degrees=0) if i in motors else m for i, m in enumerate(reading.motors))
     return reading._replace(motors=kept)

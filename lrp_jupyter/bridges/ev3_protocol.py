@@ -137,14 +137,14 @@ def start_power(ports: int, power: int) -> bytes:
     return _then_start(_operation(0xA4, values=(0, ports, power)), ports)
 
 
-def run_degrees(ports: int, speed: int, degrees: int, brake: bool) -> bytes:
-    """Turn motors by an angle (at least 0; the direction is the speed's), then stop them."""
-    return _then_start(_operation(0xAE, values=(0, ports, speed, 0, degrees, 0, brake)), ports)
+def run_degrees(ports: int, speed: int, amount: int, brake: bool) -> bytes:
+    """Turn motors by an angle in degrees (at least 0; the direction is the speed's), then stop them."""
+    return _then_start(_operation(0xAE, values=(0, ports, speed, 0, amount, 0, brake)), ports)
 
 
-def run_milliseconds(ports: int, speed: int, milliseconds: int, brake: bool) -> bytes:
-    """Turn motors for a time, then stop them."""
-    return _then_start(_operation(0xAF, values=(0, ports, speed, 0, milliseconds, 0, brake)), ports)
+def run_milliseconds(ports: int, speed: int, amount: int, brake: bool) -> bytes:
+    """Turn motors for a time in milliseconds, then stop them."""
+    return _then_start(_operation(0xAF, values=(0, ports, speed, 0, amount, 0, brake)), ports)
 
 
 def stop(ports: int, brake: bool) -> bytes:
@@ -168,9 +168,9 @@ def brick_name() -> tuple[bytes, int]:
 
 
 class MotorReading(NamedTuple):
-    """A motor: rotation count in degrees, speed in percent, type (7 large, 8 medium)."""
+    """A motor: its rotation count in degrees, speed in percent, type (7 large, 8 medium)."""
 
-    count: int
+    degrees: int
     speed: int
     type: int
 

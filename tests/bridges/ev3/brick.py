@@ -126,13 +126,18 @@ class Brick:
         UDP port on the loopback that its beacon goes to; 0: no beacon, TCP is open at once.
     clock : callable
         The motors' time in seconds.
+    for_ev3_dc : bool
+        Where ev3-dc connects: it answers a beacon at the number of the TCP port, and does not wait
+        until the brick has heard it.
+    tcp_port : int
+        0: any free one.
     """
 
     def __init__(
         self,
         beacon_port: int = 0,
         clock: Callable[[], float] = time.monotonic,
-        same_ports: bool = False,
+        for_ev3_dc: bool = False,
         tcp_port: int = 0,
     ) -> None:
         self.serial = "0016535a1b2c"
@@ -150,7 +155,7 @@ class Brick:
         """split, half, silent, close, refuse, merge, noise, late, other size: what happens to replies."""
         self.plugged = True
         self._beacon_port = beacon_port
-        self._same_ports = same_ports  # ev3-dc answers a beacon at the TCP port's number
+        self._for_ev3_dc = for_ev3_dc
         self._closing = False
         self.port = tcp_port
         self._door = self._hang_door()  # bound, but not listening: whoever knocks is refused
@@ -218,9 +223,9 @@ class Brick:
         self.plugged = True
         if self._beacon_port:
             self._voice = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-            self._voice.bind(("127.0.0.1", self.port if self._same_ports else 0))
+            self._voice.bind(("127.0.0.1", self.port if self._for_ev3_dc else 0))
             self._next_beacon = 0.0
-        else:
+        if not self._beacon_port or self._for_ev3_dc:
             self._listen()
 
     def _stop_services(self) -> None:

@@ -285,13 +285,31 @@ def test_the_beacon_of_another_brick_is_not_answered(
     assert (brick.answers, brick.connections) == (0, 0)
 
 
+def test_a_brick_is_chosen_by_its_serial_number_as_people_write_it(
+    make_brick: Callable[..., Any], free_udp_port: int
+) -> None:
+    make_brick(free_udp_port)
+    client = connect(serial="00:16:53:5A:1B:2C", beacon_port=free_udp_port, patience=3)
+    assert client.serial == "0016535a1b2c"
+    client.close()
+
+
 def test_a_beacon_is_read() -> None:
     data = b"Serial-Number: 0016533f0c1e\r\nPort: 5555\r\nName: EV3 of Ann\r\nProtocol: EV3\r\n"
     assert parse_beacon(data) == ("0016533f0c1e", 5555, "EV3 of Ann")
 
 
 @pytest.mark.parametrize(
-    "data", [b"", b"\xff\xfe\0", b"Port: 5555\r\n", b"Serial-Number: 1\r\nPort: x\r\nProtocol: EV3\r\n"]
+    "data",
+    [
+        b"",
+        b"\xff\xfe\0",
+        b"Port: 5555\r\n",
+        b"Serial-Number: 1\r\nPort: x\r\nProtocol: EV3\r\n",
+        b"Serial-Number: 1\r\nPort: 70000\r\nProtocol: EV3\r\n",
+        b"Serial-Number: a b\r\nPort: 5555\r\nProtocol: EV3\r\n",
+        b"Serial-Number: 1\r\nPort: 5555\r\nProtocol: NXT\r\n",
+    ],
 )
 def test_another_datagram_is_no_beacon(data: bytes) -> None:
     assert parse_beacon(data) is None

@@ -88,6 +88,8 @@ def test_a_motor_is_stopped_with_brake_unless_it_shall_run_out(
         ({"seconds": 1.5, "speed": 40}, 600),
         ({"seconds": 0.5, "speed": -40}, -200),
         ({"degrees": 0}, 0),
+        ({"degrees": 0.4}, 0),
+        ({"seconds": 0}, 0),
     ],
 )
 def test_a_motor_runs_for_an_angle_or_a_time_and_stops(
@@ -163,6 +165,19 @@ def test_a_wrong_argument_is_refused_and_nothing_is_sent(
         attrgetter(member)(bridge.robot)(*arguments)
     fresh()
     assert brick.commands == []
+
+
+@pytest.mark.parametrize("command", ["start_at_speed", "start_at_power", "run_for"])
+def test_a_motor_that_is_not_plugged_in_is_told(
+    bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], command: str
+) -> None:
+    brick.motors[1].type = 126
+    fresh()
+    with pytest.raises(BridgeError, match="`motorB`: nothing is plugged in port B"):
+        getattr(bridge.robot.motorB, command)(50)
+    bridge.robot.motorB.stop()  # to stop is always allowed
+    fresh()
+    assert sent(brick) == ["a3 00 02 01"]
 
 
 def test_a_disarmed_bridge_moves_nothing_but_reads_and_stops(
@@ -282,7 +297,9 @@ def test_the_runstop_stops_all_motors_in_one_packet(
     assert [motor.turning for motor in brick.motors] == [0, 0, 0, 0]
 
 
-def test_the_runstop_works_on_any_thread_while_a_reading_hangs(bridge: EV3Bridge, brick: Any) -> None:
+def test_the_runstop_works_on_any_thread_while_a_reading_hangs(
+    bridge: EV3Bridge, brick: Any, until: Callable[..., None]
+) -> None:
     bridge.robot.motorA.start_at_speed(100)
     brick.fault = "silent"
     took: list[float] = []
@@ -296,7 +313,7 @@ def test_the_runstop_works_on_any_thread_while_a_reading_hangs(bridge: EV3Bridge
     thread.start()
     thread.join(2)
     assert took[0] < 0.3
-    assert sent(brick)[-1] == STOP_ALL
+    until(lambda: sent(brick)[-1] == STOP_ALL)
 
 
 def test_a_runstop_that_cannot_reach_the_brick_says_so(
@@ -308,7 +325,7 @@ def test_a_runstop_that_cannot_reach_the_brick_says_so(
     assert bridge.stop_all() is False
     assert time.monotonic() - begin < 0.5
     assert "may not have stopped" in bridge.safety.notices[-1].text
-    assert "stopped when it is found again" in bridge.safety.notices[-1].text
+    assert "stopped as soon as it is found" in bridge.safety.notices[-1].text
 
 
 def test_a_pause_stops_and_going_on_sends_nothing(

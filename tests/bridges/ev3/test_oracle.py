@@ -38,7 +38,7 @@ def brick(make_brick: Callable[..., Any], clock: Any, ev3_dc: ModuleType) -> Any
                 udp.bind(("127.0.0.1", port))
             except OSError:
                 continue
-        brick = make_brick(3015, clock, same_ports=True, tcp_port=port)
+        brick = make_brick(3015, clock, for_ev3_dc=True, tcp_port=port)
         brick.sensors[0].type, brick.sensors[0].values = 16, {0: 1.0, 1: 3.0}
         brick.sensors[1].type, brick.sensors[1].values = 29, {0: 42.0, 1: 7.0, 2: 5.0}
         brick.sensors[2].type, brick.sensors[2].values = 32, {0: -90.0, 3: 15.0}
@@ -60,7 +60,11 @@ def settle(theirs: Any) -> None:
     assert theirs.battery.percentage == 87
 
 
-def test_it_connects_by_the_beacon_and_reads_what_the_brick_says_of_itself(theirs: Any, brick: Any) -> None:
+def test_it_answers_the_beacon_as_we_do(theirs: Any, brick: Any, until: Callable[..., None]) -> None:
+    until(lambda: brick.answers == 1)
+
+
+def test_it_connects_and_reads_what_the_brick_says_of_itself(theirs: Any, brick: Any) -> None:
     assert theirs.host == "00:16:53:5A:1B:2C"
     assert theirs.name == brick.name
     assert theirs.battery == (7.5, pytest.approx(0.2), 87)
