@@ -289,7 +289,8 @@ def _function(text: str, prefix: int, names: frozenset[str]) -> CodeType:
         body.insert(0, ast.Nonlocal(assigned, lineno=1, col_offset=0))
     inner.body = body or inner.body
     ast.fix_missing_locations(module)
-    code = _compiled(module)
+    with no_warnings():
+        code = compile(module, "<lrp>", "exec", dont_inherit=True)
     return _inner(_inner(code))
 
 
@@ -298,14 +299,6 @@ _OUTER = "def outer():\n def block(): pass"
 
 def _inner(code: CodeType) -> CodeType:
     return next(constant for constant in code.co_consts if isinstance(constant, CodeType))
-
-
-def _compiled(module: ast.Module) -> CodeType:
-    with no_warnings():
-        try:
-            return compile(module, "<lrp>", "exec", dont_inherit=True)
-        except (RecursionError, MemoryError):
-            raise SyntaxError("too deeply nested", ("", 1, 1, "", 1, 1)) from None
 
 
 def _move(statement: ast.stmt, above: int, columns: int) -> None:

@@ -17,7 +17,7 @@ from typing import NamedTuple
 from lrp_jupyter.language.program import line_starts
 from lrp_jupyter.language.scanner import fields, line_end, string_end
 
-__all__ = ["Offsets", "Scope", "Use", "Uses", "normal", "uses"]
+__all__ = ["Offsets", "Scope", "Use", "Uses", "normal", "uses", "words"]
 
 _Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
 _Comprehension = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
@@ -138,10 +138,7 @@ class _Visitor(Offsets):
 
     def word(self, name: str, start: int) -> int:
         """Return the offset of the first word `name` of code at or behind `start`."""
-        for offset, word in words(self.source, start):
-            if word == name:
-                return offset
-        return start
+        return next((offset for offset, word in words(self.source, start) if word == name), start)
 
     def visit_all(self, nodes: Iterable[ast.AST | None], scope: Scope) -> None:
         for node in nodes:

@@ -115,9 +115,11 @@ def _check_meaning(
     counts = Counter(use.span for use in uses if use.symbol)
     if any(counts[span] > 1 for span in symbol.references):
         raise ValueError(f"{symbol.element} is not the only one that its `exit` can lead to; rename by hand.")
+    if any(other.element == (symbol.element.kind, (*symbol.element.path[:-1], name)) for other in found):
+        raise ValueError(f"`{name}` is taken: there is another {symbol.element.kind} of this name.")
     new_found, new_uses = symbols(parse(text, program.filename))
     if len(new_found) != len(found):
-        raise ValueError(f"`{name}` is taken: there is another {symbol.element.kind} of this name.")
+        raise ValueError(f"{symbol.element} is defined twice; remove the second definition first.")
     before, after = _meanings(found, uses), _meanings(new_found, new_uses)
     for use, old, new in zip(uses, before, after, strict=False):
         if old != new:

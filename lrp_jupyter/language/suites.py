@@ -11,9 +11,13 @@ from typing import NamedTuple
 
 from lrp_jupyter.language.scanner import logical_lines
 
-__all__ = ["Suite", "no_warnings", "parse_block", "parse_suite"]
+__all__ = ["DEEPEST", "Suite", "no_warnings", "parse_block", "parse_suite"]
+
+DEEPEST = 100
+"""So many nodes of a block's tree may stand in one another."""
 
 _BLANK = re.compile(r"[ \t\f]*+")
+_TOO_DEEP = ("too deeply nested", ("", 1, 1, "", 1, 1))
 _UNHEARD = re.compile(r"[\0\ud800-\udfff]")
 
 
@@ -69,7 +73,9 @@ def _body(tree: ast.Module) -> list[ast.stmt]:
     outside = rest + header.orelse
     if outside:
         place = (outside[0].lineno, outside[0].col_offset + 1)
-        raise IndentationError("unindent does not match any outer indentation level", ("", *place, "", *place))
+        raise IndentationError(
+            "unindent does not match any outer indentation level", ("", *place, "", *place)
+        )
     return header.body
 
 
@@ -108,9 +114,20 @@ def no_warnings() -> Iterator[None]:
 def _python(source: str) -> ast.Module:
     with no_warnings():
         try:
-            return ast.parse(source)
+            tree = ast.parse(source)
         except (RecursionError, MemoryError):
-            raise SyntaxError("too deeply nested", ("", 1, 1, "", 1, 1)) from None
+            raise SyntaxError(*_TOO_DEEP) from None
+    if len(source) > DEEPEST and _is_too_deep(tree):
+        raise SyntaxError(*_TOO_DEEP)
+    return tree
+
+
+def _is_too_deep(tree: ast.Module) -> bool:
+    """Tell whether those who walk the tree, function by function, would exhaust Python's stack."""
+    level: list[ast.AST] = [tree]
+    for _ in range(DEEPEST):
+        level = [child for node in level for child in ast.iter_child_nodes(node)]
+    return bool(level)
 
 
 def _in_text(error: SyntaxError, text: str, suite: Suite) -> SyntaxError:

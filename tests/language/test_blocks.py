@@ -16,7 +16,9 @@ from hypothesis import strategies as st
 
 from lrp_jupyter.language.blocks import bind, block_end, block_names, compile_block, facts_of, parse_block
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.names import words
 from lrp_jupyter.language.program import Block
+from lrp_jupyter.language.suites import DEEPEST
 
 CORPUS = json.loads((Path(__file__).parent / "blocks.json").read_text(encoding="utf-8"))["blocks"]
 
@@ -252,7 +254,8 @@ def test_the_same_block_in_another_line_is_compiled_for_that_line() -> None:
         ("x = '\0'", "\0'", "no Python can hold"),
         ("\nx = '\ud800'", "\ud800'", "no Python can hold"),
         ("x" + ".y" * 100_000, "x", "too deeply nested"),
-        ("x = " + "-" * 5_000 + "1", "x", "too deeply nested"),
+        ("x" + " + 1" * 500, "x", "too deeply nested"),
+        ("if x: pass\n" + "elif x: pass\n" * 100, "if", "too deeply nested"),
         ("(" * 300, "(", "too many nested parentheses"),
         ("from math import *", "*", "import *"),
     ],
@@ -318,6 +321,8 @@ def names(text: str) -> list[tuple[str, int, bool]]:
         "match «v»:\n  case [«x», *«y»]: pass\n  case {'k': «a», **«b»}: pass\n  case 1 as «c»: pass",
         "match «v»:\n  case {**«b»}: pass\n  case [*_]: pass\n  case {}: pass\n  case _: pass",
         "with «v» as «w»: pass",
+        "('a' # it's ]\n f'{«v»}' '{')",
+        "import os as «o», sys as «s»",
         "«f»(v=«v»).v['v']",
     ],
 )
@@ -329,6 +334,18 @@ def test_every_name_of_a_block_is_found_at_its_place(text: str) -> None:
             expected.append((part, len(plain)))
         plain += part
     assert [(name, start) for name, start, _ in names(plain)] == expected
+
+
+def test_a_block_nested_as_deeply_as_may_be_is_read_by_all() -> None:
+    block = Block("x" + " + 1" * (DEEPEST - 5))
+    assert facts_of(block.text).fault is None
+    assert block_names(block).reads == {"x"}
+    assert block.meaning
+    assert run(block.text, x=0)[0] == DEEPEST - 5
+
+
+def test_words_are_those_of_code() -> None:
+    assert list(words("a # b\n'c' d", 0)) == [(0, "a"), (10, "d")]
 
 
 def test_names_are_known_by_what_is_done_with_them() -> None:
