@@ -111,7 +111,8 @@ class Loop:
         self._printed = printed
         self.moments: deque[Moment] = deque(maxlen=remembered)
         self._steps = 0
-        self._now = 0.0
+        self.now = 0.0
+        """Seconds of the run."""
         self.due = 0.0
         self._shown = -math.inf  # wall time of the last frame
         self._measured = (perf_counter(), 0, 0.0)  # wall time, tick, time
@@ -119,11 +120,6 @@ class Loop:
         self.rate = _checked_rate(rate)
 
     # -- time ------------------------------------------------------------------------------------
-
-    @property
-    def now(self) -> float:
-        """Seconds of the run."""
-        return self._now if self._step is None else self._steps * self._step
 
     @property
     def period(self) -> float:
@@ -146,9 +142,8 @@ class Loop:
     def go_back(self, moment: Moment) -> None:
         """Let it be an earlier moment: the time, and the bridge's world."""
         self.bridge.rewind(moment.bridge)
-        if self._step is None:
-            self._now = moment.now
-        else:
+        self.now = moment.now
+        if self._step is not None:
             self._steps = round(moment.now / self._step)
         self.due = self.now
         self.clock.rebase(self.now)
@@ -160,18 +155,19 @@ class Loop:
     def advance(self, seconds: float) -> None:
         """Let time pass, without a tick; a simulated world moves, by whole steps."""
         if self._step is None:
-            self._now = round(self._now + seconds, 12)
+            self.now = round(self.now + seconds, 12)
         elif (steps := math.floor(seconds / self._step + 1e-6)) > 0:
             self.bridge.advance(steps * self._step)
             self._steps += steps
+            self.now = round(self._steps * self._step, 9)
 
     def _let_time_pass(self) -> None:
         clock = self.clock.now()
         late = clock - self.due > LAG * min(self.clock.speed, 1e9)
         if self._step is None:
-            self._now = max(clock, self._now)
+            self.now = max(clock, self.now)
             if late and not self.free:
-                self.due = self._now
+                self.due = self.now
             return
         if late:  # never a larger step, never a skipped one: the run goes slower instead
             clock = self.due
@@ -212,10 +208,10 @@ class Loop:
         if self.free:
             end = perf_counter() + _FREE
             while self.status == "running" and not self.inbox and perf_counter() < end:
-                self._now = max(self._now, self.clock.now())
+                self.now = max(self.now, self.clock.now())
                 self.tick()
             self.show_now_and_then()
-            return self._now
+            return self.now
         if self.now >= self.due - _ROUNDING:
             self.tick()
         self.show_now_and_then()

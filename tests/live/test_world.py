@@ -1,0 +1,260 @@
+"""Sessions with the simulated robot: one time for program and world."""
+
+import json
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.live.trace import Trace
+
+BOUNCE = """
+(var bumps := [0])
+(machine m
+  (state driving (running [robot.move(linear=0.4)]))
+  (state backing (onentry [bumps = bumps + 1]) (running [robot.move(linear=-0.2, angular=0.7)]))
+  (on [robot.bumper.data == 1] driving -> backing)
+  (ontime 1500 backing -> driving))
+(spawn m driving)
+(onpause [robot.stop()])
+"""
+LONG = 9.0
+
+
+def poses(session):
+    return [robot.pose for robot in session.frame.robot.robots]
+
+
+@pytest.fixture
+def trace():
+    """Write down what observers are told, and give it as text."""
+    lines = []
+
+    def follow(session):
+        session.observe(Trace(lines.append))
+        return lambda: "".join(lines)
+
+    return follow
+
+
+def test_two_runs_give_bit_identical_poses_and_traces(session, trace):
+    runs = []
+    for _ in range(2):
+        bouncing = session(BOUNCE, "sim", world="boxes", seed=7, noise={"motor": 0.1, "light": 10})
+        written = trace(bouncing)
+        bouncing.run(60)
+        runs.append((poses(bouncing), written()))
+        bouncing.close()
+    assert runs[0][0] == runs[1][0]
+    assert runs[0][1] + runs[0][1] == runs[1][1]  # both wrote into one list
+
+
+def test_another_seed_is_another_run(session):
+    runs = []
+    for seed in range(2):
+        bouncing = session(BOUNCE, "sim", world="boxes", seed=seed, noise={"motor": 0.1})
+        bouncing.run(20)
+        runs.append(poses(bouncing))
+    assert runs[0] != runs[1]
+
+
+@pytest.mark.parametrize("ticks", [1, 7, 150])
+def test_rewinding_restores_program_world_and_time_exactly(session, ticks):
+    bouncing = session(BOUNCE, "sim", world="boxes", noise={"motor": 0.05})
+    bouncing.run(30)
+    after = (poses(bouncing), bouncing.frame.variables, bouncing.frame.active, bouncing.frame.time)
+    bouncing.rewind(ticks)
+    assert bouncing.frame.time == pytest.approx(30 - ticks / 10)
+    assert bouncing.frame.robot.time == bouncing.frame.time
+    bouncing.run(ticks / 10)
+    assert (poses(bouncing), bouncing.frame.variables, bouncing.frame.active, bouncing.frame.time) == after
+
+
+def test_stepping_and_stepping_back_leaves_everything_where_it_was(session):
+    bouncing = session(BOUNCE, "sim", world="boxes")
+    bouncing.run(5)
+    before = (poses(bouncing), bouncing.frame.time, bouncing.frame.tick)
+    for _ in range(4):
+        bouncing.step()
+    bouncing.rewind(4)
+    assert (poses(bouncing), bouncing.frame.time, bouncing.frame.tick) == before
+
+
+def test_rewinding_takes_back_what_a_hand_did_to_the_world(session):
+    bouncing = session(BOUNCE, "sim", world="boxes")
+    bouncing.run(3)
+    before = poses(bouncing)
+    bouncing.bridge.place_robot((1.5, 1.5, 2.0))
+    bouncing.step()
+    assert poses(bouncing) != before
+    bouncing.rewind(1)
+    assert poses(bouncing) == before
+
+
+def test_a_period_is_a_whole_number_of_physics_steps(session):
+    running = session(BOUNCE, "sim", world="empty", rate=30)
+    running.run(3)
+    assert running.frame.tick == 100
+
+
+def test_at_rate_0_there_is_a_tick_for_every_physics_step(session):
+    running = session(BOUNCE, "sim", world="empty", rate=0)
+    running.run(2)
+    assert running.frame.tick == 200
+
+
+def test_a_step_moves_the_world_by_one_period(session):
+    running = session(BOUNCE, "sim", world="empty", rate=5)
+    running.step()
+    running.step()
+    ((x, _, _),) = poses(running)
+    assert x == pytest.approx(1.5 + 0.4 * 0.2, abs=0.015)  # the first tick only enters the state
+
+
+def test_a_restart_stops_the_robot_and_leaves_the_world_as_it_is(session):
+    running = session(BOUNCE, "sim", world="empty")
+    running.run(1)
+    before = poses(running)
+    running.edit(BOUNCE.replace("0.4", "0.3"))
+    assert running.frame.restarts == 1
+    assert poses(running) == before
+    running.step()  # only enters the state
+    ((x, _, _),) = poses(running)
+    assert running.frame.robot.robots[0].command == (0.0, 0.0)
+    assert before[0][0] <= x <= before[0][0] + 0.02
+
+
+def test_pausing_freezes_program_and_world_together(session):
+    running = session(BOUNCE, "sim", world="empty", speed=10.0)
+    running.start()
+    running.wait_for(lambda frame: frame.tick >= 5, LONG)
+    running.pause()
+    before = (poses(running), running.frame.time, running.frame.tick)
+    running.call(lambda: None)
+    assert (poses(running), running.frame.time, running.frame.tick) == before
+    assert running.frame.robot.robots[0].command == (0.0, 0.0)
+
+
+def test_the_world_moves_between_two_slow_ticks(session):
+    running = session(BOUNCE, "sim", world="empty", rate=1, speed=5.0)
+    seen = set()
+    running.start()
+    running.wait_for(lambda frame: seen.add(frame.time) or frame.tick >= 3, LONG)
+    assert len(seen) > 5
+
+
+def test_a_host_that_falls_behind_makes_the_run_slower_and_skips_nothing(session):
+    stalled = session(
+        "(machine m (state a (onentry [stall()]) (running [robot.move(linear=0.1)]))) (spawn m a)",
+        "sim",
+        world="empty",
+        namespace={"stall": lambda: clock.rebase(clock.now() + 60)},
+    )
+    clock = stalled._loop.clock
+    stalled.start()
+    frame = stalled.wait_for(lambda frame: frame.tick >= 4, LONG)
+    assert frame.time < 5
+    assert frame.tick == pytest.approx(frame.time * 10, abs=1.01)
+
+
+def test_an_armed_robot_cannot_be_taken_back_and_a_disarmed_one_can(session):
+    class Barrow(Bridge):
+        def open_interface(self):
+            self.add_method("move", lambda linear: None)
+
+        def stop(self):
+            pass
+
+    barrow = Barrow()
+    running = session("(machine m (state a (running [robot.move(1)]))) (spawn m a)", barrow)
+    running.run(1)
+    barrow.arm()
+    with pytest.raises(BridgeError, match="armed"):
+        running.rewind(3)
+    assert running.frame.tick == 10
+    barrow.disarm()
+    running.rewind(3)
+    assert running.frame.tick == 7
+    Bridge.registry.pop("barrow")
+
+
+def test_a_bridge_that_fails_is_lost_and_the_loop_goes_on(session):
+    class Wreck(Bridge):
+        hardware = False
+        stop_timeout = None
+
+        def open_interface(self):
+            self.set_status("connected")
+
+        def on_start(self):
+            raise OSError("the cable is gone")
+
+        def sense(self, now):
+            raise OSError("the cable is gone")
+
+        def stop(self):
+            pass
+
+    wreck = Wreck()
+    running = session("(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)", wreck)
+    running.run(1)
+    assert (running.frame.variables[("n",)], running.frame.issues) == ("9", ())
+    assert "the cable is gone" in running.frame.bridge
+    Bridge.registry.pop("wreck")
+
+
+def test_a_trace_is_one_object_per_event_with_what_it_concerns(session, trace):
+    running = session(
+        """
+        (var n := [0])
+        (machine m
+          (state a (onentry [n = 1]))
+          (state b (machine k (state x)) (onentry (spawn k x)) (running [1 / 0]))
+          (ontime 100 a -> b go))
+        (spawn m a)
+        """
+    )
+    written = trace(running)
+    running.run(0.3)
+    running.teleport_to("m/a")
+    running.edit(running.text.replace("1 / 0", "2"))
+    running.reset()
+    entries = [json.loads(line) for line in written().splitlines()]
+    assert [set(entry) >= {"tick", "time", "event"} for entry in entries] == [True] * len(entries)
+    found = [{key: value for key, value in entry.items() if key not in ("tick", "time")} for entry in entries]
+    for expected in (
+        {"event": "started"},
+        {"event": "spawned", "machine": "m"},
+        {"event": "entered", "state": "m/a"},
+        {"event": "changed", "variable": "n", "value": 1},
+        {"event": "left", "state": "m/a"},
+        {"event": "fired", "machine": "m", "transition": "go", "source": "a", "destination": "b"},
+        {"event": "spawned", "machine": "m/b/k"},
+        {"event": "discarded", "machine": "m/b/k"},
+        {"event": "forced", "state": "m/a", "how": "teleport"},
+        {"event": "patched", "applied": True, "restarted": False, "reason": None},
+        {"event": "restarted", "reason": "reset"},
+    ):
+        assert expected in found
+    (issue,) = [entry for entry in found if entry["event"] == "issue"]
+    assert (issue["code"], issue["element"], issue["line"]) == ("LRP601", "m/b", 5)
+
+
+def test_values_in_a_trace_are_json_and_without_addresses(session, trace):
+    class Thing:
+        pass
+
+    running = session(
+        "(var a := [Thing()]) (var b := [float('inf')]) (var c := [[1]]) (machine m (state s)) (spawn m s)",
+        namespace={"Thing": Thing},
+    )
+    written = trace(running)
+    running.step()
+    values = {
+        entry["variable"]: entry["value"]
+        for entry in map(json.loads, written().splitlines())
+        if "variable" in entry
+    }
+    assert values["b"] == "inf"
+    assert values["c"] == "[1]"
+    assert "0x" not in values["a"]
