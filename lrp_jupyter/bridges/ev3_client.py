@@ -106,12 +106,11 @@ class BrickClient:
             self._send_bytes(text.encode(), deadline)
             while len(answer) < len(_UNLOCKED) and _UNLOCKED.startswith(answer):
                 answer += self._receive_bytes(len(_UNLOCKED) - len(answer), deadline)
-        except BridgeError as error:
+        except BridgeError:
             if not answer and time.monotonic() < deadline:
-                raise BusyError(
-                    f"{where} hangs up: is it a brick, and somebody else connected to it?"
-                ) from None
-            raise NoBrickError(f"{where} is no EV3 brick: {error}") from None
+                busy = f"{where} hangs up: is it a brick, and somebody else connected to it?"
+                raise BusyError(busy) from None
+            raise NoBrickError(f"{where} is no EV3 brick: it does not answer as one") from None
         if answer != _UNLOCKED:
             raise NoBrickError(f"{where} is no EV3 brick: it says {answer!r}")
 

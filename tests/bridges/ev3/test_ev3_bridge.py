@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import socket
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -455,7 +456,7 @@ def test_unplugged_while_a_motor_runs_and_plugged_in_again_the_motor_is_stopped_
     assert brick.motors[0].turning == 70
     del brick.commands[:]
     brick.plug_in()
-    until(lambda: bridge.status.state == "connected", 2.0)
+    until(lambda: bridge.status.state == "connected", 3.0)
     assert sent(brick) == [STOP_ALL]
     assert [motor.turning for motor in brick.motors] == [0, 0, 0, 0]
     assert "its motors were stopped" in bridge.status.sentence
@@ -538,6 +539,16 @@ def test_opening_at_an_address_without_a_brick_fails_and_can_be_tried_again(
     assert bridge.status.state == "connected"
 
 
+def test_opening_at_the_address_of_something_else_fails_within_a_second(
+    searching: Callable[..., EV3Bridge],
+) -> None:
+    with socket.create_server(("127.0.0.1", 0)) as mute:
+        begin = time.monotonic()
+        with pytest.raises(BridgeError, match="is no EV3 brick: it does not answer as one"):
+            searching("127.0.0.1", port=mute.getsockname()[1], patience=12).open()
+        assert time.monotonic() - begin < 1.5
+
+
 def test_a_search_that_finds_nothing_says_so_and_goes_on(
     searching: Callable[..., EV3Bridge],
     make_brick: Callable[..., Any],
@@ -549,7 +560,7 @@ def test_a_search_that_finds_nothing_says_so_and_goes_on(
     until(lambda: bridge.status.state == "disconnected")
     assert "no beacon" in bridge.status.sentence
     make_brick(free_udp_port)
-    until(lambda: bridge.status.state == "connected", 2.0)
+    until(lambda: bridge.status.state == "connected", 3.0)
     assert bridge.robot.battery == 87
 
 
@@ -569,7 +580,7 @@ def test_a_lost_brick_is_not_replaced_by_another_one(
     other.fault = "refuse"
     until(lambda: bridge.status.state == "lost")
     first.plug_in()
-    until(lambda: first.connections == 2, 2.0)
+    until(lambda: first.connections == 2, 3.0)
     until(lambda: bridge.status.state == "connected")
 
 
