@@ -225,7 +225,7 @@ class Interpreter:
         """End a command, or a tick (`before`: the time of the one before it)."""
         run = self._run
         if run.watched:
-            run.settle()
+            run.settle(run.live.values())
             if run.journal is not None and before is not None:
                 run.journal.close(before)
         if run.stale:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import builtins
 import traceback as tracebacks
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import CellType
 from typing import Any
 
@@ -203,7 +203,8 @@ class Run:
         """Leave and discard the machines inside, the last one spawned first."""
         for child in reversed(act.children):
             leave(child)
-            self.settle_scope(child)
+            if self.watched:
+                self.settle((child,))
             del self.live[child.machine.path]
             self.emit("discarded", child.path)
         act.children = ()
@@ -353,31 +354,22 @@ class Run:
         if self.journal is not None:
             self.journal.remember(self)
 
-    def settle(self) -> None:
-        """Take note of every variable that changed."""
-        for scope in self.live.values():
-            if scope.own:
-                self._settle(scope)
-
-    def settle_scope(self, scope: Scope) -> None:
-        """Take note of the variables of a scope that is about to be discarded."""
-        if self.watched:
-            self._settle(scope)
-
-    def _settle(self, scope: Scope) -> None:
-        last = scope.last
-        for name, cell in scope.own.items():
-            try:
-                value = cell.cell_contents
-            except ValueError:
-                value = UNSET
-            old = last[name]
-            if value is not old:
-                last[name] = value
-                if self.journal is not None:
-                    self.journal.log.append((cell, old))
-                if self.observers and not _same(old, value):
-                    self.emit("changed", (*scope.path, name), value)
+    def settle(self, scopes: Iterable[Scope]) -> None:
+        """Take note of every variable that changed, for the journal and the observers."""
+        for scope in scopes:
+            last = scope.last
+            for name, cell in scope.own.items():
+                try:
+                    value = cell.cell_contents
+                except ValueError:
+                    value = UNSET
+                old = last[name]
+                if value is not old:
+                    last[name] = value
+                    if self.journal is not None:
+                        self.journal.log.append((cell, old))
+                    if self.observers and not _same(old, value):
+                        self.emit("changed", (*scope.path, name), value)
 
 
 def _same(old: object, new: object) -> bool:
