@@ -50,6 +50,8 @@ export interface Listener {
   /** A message for this view, with its buffers; poses too. */
   message(message: FromKernel, buffers: DataView[]): void;
   link(link: Link): void;
+  /** The newest text goes on its way now. */
+  sending?(): void;
 }
 
 export class Connection {
@@ -97,6 +99,7 @@ export class Connection {
     this.inFlight = ++this.seq;
     this.sentText = text;
     this.textSince = this.clock.now();
+    this.listener.sending?.();
     this.send({ type: "text", view: this.view, seq: this.seq, base: this.base, text });
     return true;
   }

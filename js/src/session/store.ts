@@ -51,13 +51,13 @@ export class Store {
 /** What a part of the lab may use: the state, and ways to have things done. */
 export interface Lab {
   readonly store: Store;
-  /** Have something done; a refusal is shown and said. Resolves to the error, or null. */
-  act(act: Act, details?: Details): Promise<string | null>;
+  /** Have something done; resolves to the refusal, which is also said (unless quiet), or null. */
+  act(act: Act, details?: Details, quiet?: boolean): Promise<string | null>;
   tell(act: Act, details?: Details): void;
   ask(question: Parameters<import("./connection").Connection["ask"]>[0]): Promise<Reply>;
   /** Show the source of an element. */
   goTo(kind: import("../protocol").ElementKind, path: string): void;
-  goToRange(range: import("../protocol").Range, revision?: number): void;
+  goToRange(range: import("../protocol").Range, ofRunning: boolean): void;
   inspect(kind: import("../protocol").ElementKind, path: string): void;
   rename(kind: import("../protocol").ElementKind, path: string): void;
   insert(text: string): void;

@@ -1,0 +1,145 @@
+/** Completion: words of the language and the program's names at once, Python and the robot from the kernel. */
+
+import {
+  autocompletion,
+  type Completion,
+  type CompletionContext,
+  type CompletionResult,
+  snippetCompletion,
+} from "@codemirror/autocomplete";
+import type { Extension } from "@codemirror/state";
+import { outlineOf } from "../language/lrp";
+import type { Lab } from "../session/store";
+import { contextAt, spawnable } from "./context";
+
+const FORMS: Record<string, [template: string, detail: string, inside: string]> = {
+  var: ["var ${name} := [${0}]", "a variable", "Program Machine"],
+  machine: ["machine ${name}\n\t${}", "states and transitions", "Program State"],
+  state: ["state ${name}${}", "a state", "Machine"],
+  event: ["event ${name} [${condition}]", "a condition with a name", "Program Machine"],
+  spawn: ["spawn ${machine} ${state}", "start a machine", "Program Action"],
+  onentry: ["onentry [${}]", "once, on entering", "State"],
+  running: ["running [${}]", "at every tick", "State"],
+  onexit: ["onexit [${}]", "once, on leaving", "State"],
+  on: ["on ${event} ${source} -> ${destination}", "when an event occurs", "Machine"],
+  ontime: ["ontime ${1000} ${source} -> ${destination}", "after milliseconds", "Machine"],
+  eps: ["eps ${source} -> ${destination}", "at once", "Machine"],
+  exit: ["exit ${event} ${source} -> ${destination}", "out of the nested machine", "Machine"],
+  onpause: ["onpause [${}]", "when paused", "Program"],
+  onresume: ["onresume [${}]", "when resumed", "Program"],
+};
+
+export function completion(lab: Lab): Extension {
+  return autocompletion({
+    override: [(context) => complete(context, lab)],
+    icons: false,
+    activateOnTyping: true,
+  });
+}
+
+async function complete(context: CompletionContext, lab: Lab): Promise<CompletionResult | null> {
+  const word = context.matchBefore(/[\w\u0080-\uffff]+$/);
+  const from = word?.from ?? context.pos;
+  const place = contextAt(context.state, context.pos);
+  if (place.wanted === "python") return python(context, lab, place.scope);
+  if (!word && !context.explicit && place.wanted !== "keyword") return null;
+  const options = ofProgram(context, lab, place);
+  return options.length ? { from, options, validFor: /^[\w\u0080-\uffff]*$/ } : null;
+}
+
+function ofProgram(context: CompletionContext, lab: Lab, place: ReturnType<typeof contextAt>): Completion[] {
+  const found = outlineOf(context.state);
+  switch (place.wanted) {
+    case "keyword":
+      return keywords(place.form);
+    case "event":
+      return found.inScope("event", place.scope).map(({ name, path }) => {
+        const value = lab.store.state.events[path];
+        return {
+          label: name,
+          type: "property",
+          detail: value === undefined || value === null ? "" : String(value),
+        };
+      });
+    case "delay":
+      return variables(lab, context, place.scope);
+    case "state":
+      return found.statesOf(place.machine).map(({ name, path }) => ({
+        label: name,
+        type: "class",
+        detail: lab.store.state.lit.has(path) ? "active" : "",
+      }));
+    case "machine":
+      return spawnable(context.state, context.pos, place.scope).map((path) => ({
+        label: path.split("/").at(-1)!,
+        type: "namespace",
+      }));
+    default:
+      return [];
+  }
+}
+
+function keywords(form: string): Completion[] {
+  return Object.entries(FORMS).flatMap(([label, [template, detail, inside]]) =>
+    inside.split(" ").includes(form) || form === "Unknown"
+      ? [snippetCompletion(template, { label, detail, type: "keyword" })]
+      : [],
+  );
+}
+
+function variables(lab: Lab, context: CompletionContext, scope: string): Completion[] {
+  return outlineOf(context.state)
+    .inScope("variable", scope)
+    .map(({ name, path }) => ({
+      label: name,
+      type: "variable",
+      detail: lab.store.state.variables.get(path)?.text.slice(0, 30) ?? "",
+      boost: 2,
+    }));
+}
+
+async function python(context: CompletionContext, lab: Lab, scope: string): Promise<CompletionResult | null> {
+  const chain = context.matchBefore(/[\w.\u0080-\uffff]+$/);
+  if (!chain && !context.explicit) return null;
+  const prefix = chain?.text ?? "";
+  if (/^\d/.test(prefix)) return null;
+  const from = context.pos - (prefix.length - (prefix.lastIndexOf(".") + 1));
+  const own = prefix.includes(".") ? members(lab, prefix) : [...variables(lab, context, scope), ROBOT];
+  const reply = await lab.ask({ type: "complete", prefix, scope });
+  const known = new Set(own.map(({ label }) => label));
+  const more = (reply.options ?? [])
+    .filter(({ label }) => !known.has(label))
+    .map(({ label, kind, detail, info }) => ({
+      label,
+      type: kind,
+      detail,
+      ...(info ? { info } : {}),
+    }));
+  const options = [...own, ...more];
+  return options.length ? { from, options, validFor: /^[\w\u0080-\uffff]*$/ } : null;
+}
+
+const ROBOT: Completion = { label: "robot", type: "variable", detail: "the robot", boost: 1 };
+
+/** Members of `robot` at the next dot, with the values they have now. */
+function members(lab: Lab, prefix: string): Completion[] {
+  if (!prefix.startsWith("robot.")) return [];
+  const { bridge, members: values } = lab.store.state;
+  const path = prefix.slice("robot.".length);
+  const parent = path.slice(0, path.lastIndexOf(".") + 1);
+  const options = new Map<string, Completion>();
+  for (const member of bridge.members) {
+    if (!member.name.startsWith(parent)) continue;
+    const label = member.name.slice(parent.length).split(".")[0]!;
+    const whole = parent + label === member.name;
+    if (options.has(label) && !whole) continue;
+    const detail = whole ? [values[member.name], member.unit].filter(Boolean).join(" ") : "";
+    options.set(label, {
+      label,
+      type: member.kind,
+      detail,
+      ...(whole && member.doc ? { info: member.doc } : {}),
+    });
+  }
+  return [...options.values()];
+}

@@ -1,0 +1,208 @@
+/** The editor: a CodeMirror of LRP which sends what is typed, and into which the kernel never types. */
+
+import { closeBrackets, closeBracketsKeymap, completionKeymap } from "@codemirror/autocomplete";
+import { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirror/commands";
+import { bracketMatching, foldGutter, foldKeymap, indentOnInput, indentUnit } from "@codemirror/language";
+import { lintGutter, lintKeymap } from "@codemirror/lint";
+import { closeSearchPanel, findNext, findPrevious, openSearchPanel, search } from "@codemirror/search";
+import { EditorState, type Extension, Prec } from "@codemirror/state";
+import {
+  drawSelection,
+  EditorView,
+  highlightActiveLine,
+  highlightActiveLineGutter,
+  highlightSpecialChars,
+  type KeyBinding,
+  keymap,
+  lineNumbers,
+  placeholder,
+} from "@codemirror/view";
+import { lrp, outlineOf } from "../language/lrp";
+import type { ElementKind, Range } from "../protocol";
+import type { Connection } from "../session/connection";
+import type { Lab } from "../session/store";
+import { lineSeparator } from "../text/places";
+import { adopt, adopted } from "./adopt";
+import { completion } from "./complete";
+import { showDiagnostics } from "./diagnostics";
+import { hover } from "./hover";
+import { live, liveChanged } from "./live";
+import { goToDefinition, navigation, rename } from "./navigate";
+import { Tracked } from "./tracked";
+
+const searchKeys: KeyBinding[] = [
+  { key: "Mod-f", run: openSearchPanel, scope: "editor search-panel" },
+  { key: "F3", run: findNext, shift: findPrevious, scope: "editor search-panel", preventDefault: true },
+  { key: "Mod-g", run: findNext, shift: findPrevious, scope: "editor search-panel", preventDefault: true },
+  { key: "Escape", run: closeSearchPanel, scope: "editor search-panel" },
+];
+
+export class Editor {
+  readonly view: EditorView;
+  /** The text on its way, the last one that was answered, and the one that runs. */
+  private readonly onItsWay = new Tracked();
+  private readonly answered = new Tracked();
+  private readonly running = new Tracked();
+  private began = false;
+  private values = true;
+
+  constructor(
+    private readonly lab: Lab,
+    private readonly connection: Connection,
+  ) {
+    this.view = new EditorView({ state: EditorState.create({ extensions: this.extensions() }) });
+    const { store } = lab;
+    store.watch(["findings", "issues", "revision"], () => {
+      if (this.began) showDiagnostics(this.view, store.state, this.answered, this.running);
+    });
+    store.watch(["lit", "active", "fired", "variables", "events", "program"], () => this.redraw());
+  }
+
+  private extensions(): Extension {
+    const { lab } = this;
+    const nothing = () => true; // these would run the notebook's cell
+    return [
+      lineNumbers(),
+      lintGutter(),
+      foldGutter(),
+      highlightSpecialChars(),
+      history(),
+      drawSelection(),
+      indentUnit.of("  "),
+      indentOnInput(),
+      bracketMatching(),
+      closeBrackets(),
+      highlightActiveLine(),
+      highlightActiveLineGutter(),
+      search({ top: true }),
+      lrp(),
+      completion(lab),
+      hover(lab),
+      navigation(lab),
+      live(lab.store.state, () => this.values),
+      placeholder("(machine follower …) (spawn follower moving)"),
+      Prec.high(
+        keymap.of([
+          { key: "Mod-Enter", run: () => this.applyHeld() },
+          { key: "Shift-Enter", run: nothing },
+          { key: "Mod-Shift-Enter", run: nothing },
+        ]),
+      ),
+      keymap.of([
+        ...closeBracketsKeymap,
+        ...defaultKeymap,
+        ...searchKeys,
+        ...historyKeymap,
+        ...foldKeymap,
+        ...completionKeymap,
+        ...lintKeymap,
+        indentWithTab,
+      ]),
+      EditorView.contentAttributes.of({ "aria-label": "LRP program; Escape, then Tab leaves the editor" }),
+      EditorView.domEventHandlers({ mousedown: (event, view) => this.followLink(event, view) }),
+      EditorView.updateListener.of((update) => {
+        if (!update.docChanged) return;
+        for (const text of [this.onItsWay, this.answered, this.running]) text.add(update.changes);
+        if (!update.transactions.some((transaction) => transaction.annotation(adopted))) this.send();
+      }),
+    ];
+  }
+
+  private followLink(event: MouseEvent, view: EditorView): boolean {
+    const offset =
+      event.ctrlKey || event.metaKey ? view.posAtCoords({ x: event.clientX, y: event.clientY }) : null;
+    if (offset === null) return false;
+    void goToDefinition(view, this.lab, offset);
+    return true;
+  }
+
+  private applyHeld(): boolean {
+    if (this.lab.store.state.pending) void this.lab.act("apply");
+    return true;
+  }
+
+  get text(): string {
+    return this.view.state.sliceDoc();
+  }
+
+  /** The text of a session that this view did not know; `running` is the program's. */
+  begin(text: string, running: string): void {
+    const separator = lineSeparator(text);
+    if (!this.began || (this.text !== text && !this.connection.inFlight)) {
+      const selection = this.view.state.selection.main.head;
+      const extensions: Extension[] = [this.extensions()];
+      if (separator) extensions.push(EditorState.lineSeparator.of(separator));
+      if (!this.began) this.view.setState(EditorState.create({ doc: text, extensions }));
+      else adopt(this.view, text);
+      this.began = true;
+      const head = Math.min(selection, this.view.state.doc.length);
+      this.view.dispatch({ selection: { anchor: head } });
+    }
+    this.answered.begin(this.view.state.toText(text));
+    this.onItsWay.take(this.answered);
+    this.running.begin(this.view.state.toText(running));
+    if (this.text === running) this.running.begin(this.view.state.doc);
+  }
+
+  /** A text came from elsewhere: another view, a rename, a cell. What is typed here is newer and stays. */
+  take(text: string): void {
+    if (!this.connection.inFlight) {
+      adopt(this.view, text);
+      this.onItsWay.begin(this.view.state.doc);
+    }
+  }
+
+  /** The text on its way was answered (`mine`), or the one just taken; it runs now if `applied`. */
+  wasAnswered(applied: boolean): void {
+    this.answered.take(this.onItsWay);
+    if (applied) this.running.take(this.onItsWay);
+  }
+
+  /** Note which text goes on its way; called before each sending. */
+  departs(): void {
+    this.onItsWay.begin(this.view.state.doc);
+  }
+
+  private send(): void {
+    this.connection.text(this.text);
+  }
+
+  showValues(on: boolean): void {
+    this.values = on;
+    this.redraw();
+  }
+
+  private redraw(): void {
+    this.view.dispatch({ effects: liveChanged.of(null) });
+  }
+
+  goTo(kind: ElementKind, path: string): void {
+    const item = outlineOf(this.view.state).find(kind, path);
+    if (item) this.select(item.nameFrom, item.nameTo);
+  }
+
+  goToRange(range: Range, ofRunning: boolean): void {
+    const span = (ofRunning ? this.running : this.answered).span(range);
+    if (span) this.select(span.from, span.to);
+  }
+
+  rename(kind: ElementKind, path: string): void {
+    const item = outlineOf(this.view.state).find(kind, path);
+    if (!item) return;
+    this.select(item.nameFrom, item.nameTo);
+    void rename(this.view, this.lab, item.nameFrom);
+  }
+
+  insert(text: string): void {
+    this.view.dispatch(this.view.state.replaceSelection(text), { scrollIntoView: true });
+    this.view.focus();
+  }
+
+  private select(from: number, to: number): void {
+    this.view.dispatch({
+      selection: { anchor: from, head: to },
+      effects: EditorView.scrollIntoView(from, { y: "center" }),
+      userEvent: "select",
+    });
+  }
+}

@@ -1,0 +1,83 @@
+/** The card under the pointer: what a name is, the value it has now, and what is said about it. */
+
+import type { Extension } from "@codemirror/state";
+import { hoverTooltip } from "@codemirror/view";
+import { outlineOf } from "../language/lrp";
+import type { HoverView } from "../protocol";
+import type { Lab } from "../session/store";
+import { h } from "../ui/dom";
+import { prose } from "../ui/prose";
+import { chainAt, contextAt } from "./context";
+
+export function hover(lab: Lab): Extension {
+  return hoverTooltip(
+    async (view, offset) => {
+      const chain = chainAt(view.state, offset);
+      if (!chain) return null;
+      const place = contextAt(view.state, offset);
+      const card =
+        place.wanted === "python"
+          ? await ofPython(lab, chain.text, place.scope)
+          : ofProgram(lab, view.state, chain);
+      if (!card) return null;
+      return { pos: chain.from, end: chain.to, above: true, create: () => ({ dom: cardOf(card) }) };
+    },
+    { hoverTime: 350 },
+  );
+}
+
+function ofProgram(
+  lab: Lab,
+  state: Parameters<typeof outlineOf>[0],
+  chain: { text: string; from: number },
+): HoverView | null {
+  const found = outlineOf(state);
+  const { lit, events, variables, entered, fired } = lab.store.state;
+  const scope = found.around(chain.from, "machine")?.path ?? "";
+  const item =
+    found.items.find(({ nameFrom, name }) => nameFrom === chain.from && name === chain.text) ??
+    found.statesOf(scope).find(({ name }) => name === chain.text) ??
+    found.inScope("event", scope).find(({ name }) => name === chain.text) ??
+    found.inScope("variable", scope).find(({ name }) => name === chain.text);
+  if (!item) return null;
+  const card = { title: `${item.kind} ${item.name}`, type: "", value: "", doc: "" };
+  if (item.kind === "state") {
+    const visits = entered[item.path]?.count ?? 0;
+    return {
+      ...card,
+      value: lit.has(item.path) ? "active" : "",
+      doc: `entered ${visits} ${visits === 1 ? "time" : "times"}`,
+    };
+  }
+  if (item.kind === "transition") return { ...card, doc: `fired ${fired[item.path]?.count ?? 0} times` };
+  if (item.kind === "event")
+    return { ...card, value: events[item.path] === undefined ? "" : String(events[item.path]) };
+  if (item.kind === "variable") return { ...card, value: variables.get(item.path)?.text ?? "not alive now" };
+  return card;
+}
+
+async function ofPython(lab: Lab, chain: string, scope: string): Promise<HoverView | null> {
+  const { bridge, members } = lab.store.state;
+  const member = chain.startsWith("robot.") && bridge.members.find(({ name }) => `robot.${name}` === chain);
+  if (member) {
+    const value = [members[member.name], member.unit].filter(Boolean).join(" ");
+    return { title: chain, type: member.type, value, doc: member.doc };
+  }
+  const reply = await lab.ask({ type: "hover", chain, scope });
+  return reply.hover ?? null;
+}
+
+function cardOf({ title, type, value, doc }: HoverView): HTMLElement {
+  return h(
+    "div",
+    { class: "lrp-card" },
+    h(
+      "div",
+      { class: "lrp-card-title" },
+      h("code", {}, title),
+      type && h("span", { class: "lrp-faint" }, ` ${type}`),
+    ),
+    value && h("div", { class: "lrp-card-value" }, value),
+    doc && h("div", { class: "lrp-card-doc" }, ...prose(doc)),
+  );
+}

@@ -1,0 +1,95 @@
+/** Go to definition and rename, both answered by the kernel, which alone knows Python's scopes. */
+
+import { type Extension, StateEffect, StateField } from "@codemirror/state";
+import { type Command, type EditorView, keymap, showTooltip, type Tooltip } from "@codemirror/view";
+import type { ReferencesView } from "../protocol";
+import type { Lab } from "../session/store";
+import { placeOf, spanOf } from "../text/places";
+import { h } from "../ui/dom";
+
+async function references(view: EditorView, lab: Lab, offset: number): Promise<ReferencesView | null> {
+  const reply = await lab.ask({ type: "references", ...placeOf(view.state.doc, offset) });
+  if (reply.error) lab.say(reply.error);
+  return reply.references ?? null;
+}
+
+export async function goToDefinition(view: EditorView, lab: Lab, offset: number): Promise<void> {
+  const { doc } = view.state;
+  const found = await references(view, lab, offset);
+  if (!found?.definition || view.state.doc !== doc) return;
+  const { from, to } = spanOf(doc, found.definition);
+  view.dispatch({ selection: { anchor: from, head: to }, scrollIntoView: true, userEvent: "select" });
+}
+
+const asking = StateEffect.define<Tooltip | null>();
+
+const renameField = StateField.define<Tooltip | null>({
+  create: () => null,
+  update(value, transaction) {
+    for (const effect of transaction.effects) if (effect.is(asking)) return effect.value;
+    return transaction.docChanged ? null : value;
+  },
+  provide: (field) => showTooltip.from(field),
+});
+
+/** Ask for a new name where the old one stands. */
+export async function rename(view: EditorView, lab: Lab, offset: number): Promise<void> {
+  const found = await references(view, lab, offset);
+  if (!found) {
+    lab.say("There is no name here that can be renamed.");
+    return;
+  }
+  const close = () => {
+    view.dispatch({ effects: asking.of(null) });
+    view.focus();
+  };
+  const create = () => {
+    const error = h("span", { class: "lrp-error", role: "alert" });
+    const input = h("input", {
+      class: "lrp-input",
+      value: found.name,
+      spellcheck: "false",
+      "aria-label": `New name of ${found.kind} ${found.name}`,
+      onkeydown: async (event: KeyboardEvent) => {
+        event.stopPropagation();
+        if (event.key === "Escape") close();
+        if (event.key !== "Enter") return;
+        event.preventDefault();
+        const refusal = await lab.act("rename", {
+          kind: found.kind,
+          path: found.path,
+          name: input.value.trim(),
+        });
+        if (refusal) error.textContent = refusal;
+        else close();
+      },
+    });
+    const places = `${found.references.length} ${found.references.length === 1 ? "place" : "places"}`;
+    const dom = h("div", { class: "lrp-rename" }, input, h("span", { class: "lrp-faint" }, places), error);
+    return {
+      dom,
+      mount: () => {
+        input.focus();
+        input.select();
+      },
+    };
+  };
+  view.dispatch({ effects: asking.of({ pos: offset, above: true, create }) });
+}
+
+export function navigation(lab: Lab): Extension {
+  return [
+    renameField,
+    keymap.of([
+      { key: "F12", run: atCursor(lab, goToDefinition) },
+      { key: "F2", run: atCursor(lab, rename) },
+    ]),
+  ];
+}
+
+function atCursor(lab: Lab, action: typeof rename): Command {
+  return (view) => {
+    void action(view, lab, view.state.selection.main.head);
+    return true;
+  };
+}

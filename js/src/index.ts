@@ -1,0 +1,16 @@
+/** The widget: one class for every part of the lab; its `view` trait says which one. */
+
+import { openLab } from "./lab";
+import type { Part } from "./protocol";
+import type { Model } from "./session/connection";
+
+interface Context {
+  model: Model & { get(name: string): unknown };
+  el: HTMLElement;
+}
+
+function render({ model, el }: Context): () => void {
+  return openLab(model, (model.get("view") as Part) || "lab", el);
+}
+
+export default { render };

@@ -1,0 +1,195 @@
+/** One view of a session: the whole lab, or the one part that the `view` trait names. */
+
+import { Editor } from "./editor/editor";
+import { graphView } from "./graph/view";
+import { announcer } from "./parts/announcer";
+import { controls } from "./parts/controls";
+import { editorPanel } from "./parts/editor";
+import { type Inspector, inspector } from "./parts/inspector";
+import { issuesView } from "./parts/issues";
+import type { Choices } from "./parts/menu";
+import { notes } from "./parts/notes";
+import { saveForm } from "./parts/save";
+import { together } from "./parts/together";
+import { treeView } from "./parts/tree";
+import { variablesView } from "./parts/variables";
+import type { Answer, FromKernel, Part, Reply } from "./protocol";
+import { Connection, type Model } from "./session/connection";
+import { apply } from "./session/state";
+import { type Lab, Store } from "./session/store";
+import { h, setAttribute } from "./ui/dom";
+import { splitter } from "./ui/splitter";
+import { watchTheme } from "./ui/theme";
+import { type WorldPart, worldView } from "./world/view";
+
+const SAY_FOR = 6000; // ms that a refusal stays
+
+export function openLab(model: Model, part: Part, host: HTMLElement): () => void {
+  const store = new Store();
+  const root = h("div", {
+    class: "lrp-lab",
+    "data-lrp": part === "lab" ? "lab" : null,
+    "data-part": part,
+    "data-lm-suppress-shortcuts": "true",
+  });
+  host.append(root);
+  const toast = h("div", { class: "lrp-toast", role: "alert", hidden: true });
+  let toastTimer: ReturnType<typeof setTimeout> | undefined;
+  let editor: Editor | null = null;
+  let world: WorldPart | null = null;
+  let inspecting: Inspector | null = null;
+
+  const lab: Lab = {
+    store,
+    root,
+    async act(act, details = {}, quiet = false) {
+      const { error } = await connection.command(act, details);
+      if (error && !quiet) lab.say(error);
+      return error;
+    },
+    tell: (act, details) => connection.tell(act, details),
+    ask: (question): Promise<Reply> => connection.ask(question),
+    goTo(kind, path) {
+      if (editor) editor.goTo(kind, path);
+      else elsewhere.send({ goTo: { kind, path } });
+    },
+    goToRange(range, ofRunning) {
+      if (editor) editor.goToRange(range, ofRunning);
+      else elsewhere.send({ range, ofRunning });
+    },
+    rename: (kind, path) => editor?.rename(kind, path),
+    insert: (text) => editor?.insert(text),
+    inspect: (kind, path) => inspecting?.open(kind, path),
+    say(sentence) {
+      toast.textContent = sentence;
+      toast.hidden = false;
+      clearTimeout(toastTimer);
+      toastTimer = setTimeout(() => {
+        toast.hidden = true;
+      }, SAY_FOR);
+    },
+  };
+
+  const connection = new Connection(model, part, {
+    message: (message, buffers) => receive(message, buffers),
+    link: (link) => store.set("link", link),
+    sending: () => editor?.departs(),
+  });
+  const elsewhere = together(store, (message) => {
+    if (message.goTo) editor?.goTo(message.goTo.kind, message.goTo.path);
+    if (message.range) editor?.goToRange(message.range, message.ofRunning ?? false);
+  });
+
+  function receive(message: FromKernel, buffers: DataView[]): void {
+    if (message.type === "reply") return;
+    const changed = apply(store.state, message);
+    if (message.type === "snapshot") editor?.begin(message.text, message.running);
+    if (message.type === "answer") answered(message);
+    world?.message(message, buffers);
+    store.touch(changed);
+  }
+
+  function answered({ text, applied }: Answer): void {
+    if (text !== null) editor?.take(text);
+    editor?.wasAnswered(applied);
+  }
+
+  const wanted = (name: Part) => part === "lab" || part === name;
+  if (wanted("editor")) editor = new Editor(lab, connection);
+  if (wanted("world")) world = worldView(lab);
+  inspecting = inspector(lab);
+  const panels = {
+    editor: editor && editorPanel(lab, editor),
+    tree: wanted("tree") ? treeView(lab) : null,
+    graph: wanted("graph") ? graphView(lab) : null,
+    world: world?.element ?? null,
+    variables: wanted("variables") ? variablesView(lab) : null,
+    issues: wanted("issues") ? issuesView(lab) : null,
+  };
+  const save = saveForm(lab);
+  const choices: Choices = {
+    panels: Object.entries(panels).flatMap(([name, element]) =>
+      element
+        ? [
+            {
+              name,
+              title: `Show ${name}`,
+              shown: () => !element.hidden,
+              show: (on: boolean) => showPanel(root, name, element, on),
+            },
+          ]
+        : [],
+    ),
+    values: values(editor),
+    save: save.open,
+  };
+  root.append(notes(lab, () => editor?.text ?? ""));
+  if (part === "lab" || part === "controls") root.prepend(controls(lab, choices), save.element);
+  root.append(part === "lab" ? columns(root, panels) : (Object.values(panels).find(Boolean) ?? h("div")));
+  root.append(inspecting.element, toast, announcer(lab));
+
+  store.watch(["tick", "revision", "status", "link"], () => {
+    const { tick, revision, status, link } = store.state;
+    setAttribute(root, "data-lrp-tick", tick);
+    setAttribute(root, "data-lrp-revision", revision);
+    setAttribute(root, "data-lrp-status", status);
+    setAttribute(root, "data-link", link);
+  });
+  const unwatchTheme = watchTheme(root);
+  return () => {
+    unwatchTheme();
+    elsewhere.close();
+    connection.close();
+    store.close();
+    editor?.view.destroy();
+    root.remove();
+  };
+}
+
+function values(editor: Editor | null): Choices["values"] {
+  let on = true;
+  return {
+    shown: () => on,
+    show: (wanted) => {
+      on = wanted;
+      editor?.showValues(on);
+    },
+  };
+}
+
+function showPanel(root: HTMLElement, name: string, element: HTMLElement, on: boolean): void {
+  element.hidden = !on;
+  root.toggleAttribute(`data-without-${name}`, !on);
+}
+
+type Panels = Record<"editor" | "tree" | "graph" | "world" | "variables" | "issues", HTMLElement | null>;
+
+/** The three columns; in a narrow place the stylesheet stacks them. */
+function columns(root: HTMLElement, panels: Panels): HTMLElement {
+  const { editor, tree, graph, world, variables, issues } = panels;
+  const left = h("div", { class: "lrp-column lrp-column-left" }, editor);
+  const middle = h("div", { class: "lrp-column lrp-column-middle" }, tree, graph);
+  const lower = h("div", { class: "lrp-lower" }, variables, issues);
+  const right = h("div", { class: "lrp-column lrp-column-right" }, world);
+  right.append(
+    splitter({
+      name: "--lrp-share-world",
+      label: "Height of the world",
+      direction: "rows",
+      value: 52,
+      min: 15,
+      max: 80,
+      whole: right,
+    }),
+    lower,
+  );
+  const body = h("div", { class: "lrp-columns" }, left);
+  const bar = { direction: "columns", whole: root, min: 15, max: 65 } as const;
+  body.append(
+    splitter({ ...bar, name: "--lrp-share-left", label: "Width of the editor", value: 37 }),
+    middle,
+    splitter({ ...bar, name: "--lrp-share-right", label: "Width of the world", value: 28, reversed: true }),
+    right,
+  );
+  return body;
+}

@@ -1,0 +1,196 @@
+/** The controls: run, pause, step, reset, stop; rate and speed; the bridge; what the kernel says. */
+
+import type { Topic } from "../session/state";
+import type { Lab } from "../session/store";
+import { button, setSwitch, toggle } from "../ui/button";
+import { h, setAttribute, setText } from "../ui/dom";
+import { icon } from "../ui/icons";
+import { openMenu } from "../ui/menu";
+import { type Choices, labMenu } from "./menu";
+import { positionOf, rateAt, rateText, SLIDER } from "./rate";
+
+const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
+
+export function controls(lab: Lab, choices: Choices): HTMLElement {
+  const { store } = lab;
+  const go = (act: "step" | "step_back" | "reset" | "stop") => () => void lab.act(act);
+  const run = button({
+    icon: "run",
+    label: "Run",
+    title: "Run or pause the program",
+    action: "run",
+    onclick: () =>
+      void lab.act(store.state.status === "running" || store.state.status === "hung" ? "pause" : "run"),
+  });
+  const step = button({ icon: "step", title: "Step: exactly one tick", action: "step", onclick: go("step") });
+  const back = button({
+    icon: "step_back",
+    title: "Step back by one tick",
+    action: "step-back",
+    onclick: go("step_back"),
+  });
+  const reset = button({
+    icon: "reset",
+    label: "Reset",
+    title: "Reset the program: start it from scratch; the world stays",
+    action: "reset",
+    onclick: go("reset"),
+  });
+  const stop = button({
+    icon: "stop",
+    label: "Stop robot",
+    title: "Stop all motors, then pause",
+    action: "stop",
+    onclick: go("stop"),
+  });
+  stop.classList.add("lrp-stop");
+  const more = button({
+    icon: "more",
+    title: "More",
+    action: "menu",
+    "aria-haspopup": "menu",
+    onclick: () => {
+      const frame = more.getBoundingClientRect();
+      openMenu(lab.root, { x: frame.left, y: frame.bottom + 4 }, labMenu(lab, choices), "Lab");
+    },
+  });
+  const hold = toggle(
+    "Hold edits",
+    "Edits wait until they are applied",
+    "hold",
+    (on) => void lab.act("hold", { on }),
+  );
+  store.watch(["settings"], () => setSwitch(hold, store.state.settings.hold));
+  const running: Topic[] = ["status"];
+  store.watch(running, () => {
+    const { status } = store.state;
+    const on = status === "running" || status === "hung";
+    const name = on ? "pause" : "run";
+    setAttribute(run, "data-lrp-action", name);
+    setAttribute(run, "aria-label", on ? "Pause" : "Run");
+    run.replaceChildren(icon(name), h("span", { class: "lrp-button-label" }, on ? "Pause" : "Run"));
+    run.classList.toggle("lrp-primary", !on);
+    back.disabled = on;
+    step.disabled = on;
+  });
+  return h(
+    "div",
+    { class: "lrp-controls", "data-lrp": "controls", role: "toolbar", "aria-label": "Controls" },
+    nameplate(lab),
+    h("div", { class: "lrp-group" }, run, back, step, reset),
+    stop,
+    rateSlider(lab),
+    speedSelect(lab),
+    h("div", { class: "lrp-grow" }),
+    statusLine(lab),
+    bridgeChip(lab),
+    hold,
+    more,
+  );
+}
+
+function nameplate(lab: Lab): HTMLElement {
+  const name = h("strong", { class: "lrp-name" });
+  lab.store.watch(["name", "snapshot"], () => setText(name, lab.store.state.name));
+  return name;
+}
+
+function rateSlider(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const shown = h("output", { class: "lrp-number" });
+  const slider = h("input", {
+    type: "range",
+    class: "lrp-slider",
+    ...SLIDER,
+    "aria-label": "Rate",
+    "data-lrp-action": "rate",
+    title: "Ticks per second; at the right end as many as possible",
+    oninput: () => lab.tell("rate", { value: rateAt(Number(slider.value)) }),
+  });
+  store.watch(["rate"], () => {
+    const { wanted, achieved } = store.state.rate;
+    if (document.activeElement !== slider || rateAt(Number(slider.value)) !== wanted)
+      slider.value = String(positionOf(wanted));
+    slider.setAttribute("aria-valuetext", rateText(wanted));
+    const off = achieved > 0 && (wanted === 0 || Math.abs(achieved - wanted) > 0.05 * wanted);
+    setText(
+      shown,
+      off
+        ? `${rateText(wanted)} (${achieved < 10 ? achieved.toFixed(1) : Math.round(achieved)})`
+        : rateText(wanted),
+    );
+  });
+  return h("label", { class: "lrp-control" }, h("span", {}, "Rate"), slider, shown);
+}
+
+function speedSelect(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const select = h(
+    "select",
+    {
+      class: "lrp-select",
+      "aria-label": "Speed of the simulation",
+      "data-lrp-action": "speed",
+      onchange: () => lab.tell("speed", { value: Number(select.value) }),
+    },
+    ...SPEEDS.map((speed) => h("option", { value: speed }, speed ? `×${speed}` : "max")),
+  );
+  const label = h("label", { class: "lrp-control" }, h("span", {}, "Speed"), select);
+  store.watch(["speed", "bridge"], () => {
+    select.value = String(store.state.speed.wanted);
+    label.hidden = store.state.bridge.hardware;
+  });
+  return label;
+}
+
+function statusLine(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const dot = h("span", { class: "lrp-dot", "aria-hidden": "true" });
+  const words = h("span", {});
+  const line = h("span", { class: "lrp-status" }, dot, words);
+  store.watch(["status", "tick", "time", "link", "reason"], () => {
+    const { status, tick, time, link, reason } = store.state;
+    const word =
+      link === "busy"
+        ? "kernel busy"
+        : link === "lost"
+          ? "no answer"
+          : link === "dead"
+            ? "no kernel"
+            : status;
+    setAttribute(dot, "data-status", link === "live" || link === "connecting" ? status : link);
+    setText(words, `${word} · tick ${tick.toLocaleString("en")} · ${time.toFixed(1)} s`);
+    setAttribute(line, "title", reason);
+  });
+  return line;
+}
+
+function bridgeChip(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const dot = h("span", { class: "lrp-dot", "aria-hidden": "true" });
+  const select = h("select", {
+    class: "lrp-select",
+    "aria-label": "Bridge to the robot",
+    "data-lrp-action": "bridge",
+    onchange: () => void lab.act("bridge", { name: select.value }),
+  });
+  const armed = toggle(
+    "Armed",
+    "Disarmed, commands are shown and not sent",
+    "armed",
+    (on) => void lab.act("armed", { on }),
+  );
+  const chip = h("span", { class: "lrp-bridge" }, dot, select, armed);
+  store.watch(["bridge", "choices", "snapshot"], () => {
+    const { bridge, choices } = store.state;
+    const names = choices.bridges.includes(bridge.name) ? choices.bridges : [bridge.name, ...choices.bridges];
+    select.replaceChildren(
+      ...names.map((name) => h("option", { value: name, selected: name === bridge.name }, name)),
+    );
+    setAttribute(dot, "data-status", bridge.status);
+    setAttribute(chip, "title", `${bridge.status}${bridge.sentence ? `: ${bridge.sentence}` : ""}`);
+    setSwitch(armed, bridge.armed);
+    armed.hidden = !bridge.hardware;
+  });
+  return chip;
+}

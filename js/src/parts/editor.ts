@@ -1,0 +1,61 @@
+/** The editor's panel: the text, how the kernel took it, and what to begin with when it is empty. */
+
+import type { Editor } from "../editor/editor";
+import type { Lab } from "../session/store";
+import { button, panel } from "../ui/button";
+import { h, setAttribute } from "../ui/dom";
+import { prose } from "../ui/prose";
+
+export function editorPanel(lab: Lab, editor: Editor): HTMLElement {
+  const host = h("div", { class: "lrp-editor" }, editor.view.dom);
+  return panel("editor", "Program", [verdict(lab)], host, beginnings(lab, editor)).element;
+}
+
+/** One line: does this text run, and if not, why. */
+function verdict(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const line = h("span", { class: "lrp-verdict", role: "status" });
+  store.watch(["findings", "accepted", "patch", "pending", "snapshot"], () => {
+    const { findings, accepted, patch, pending } = store.state;
+    const errors = findings.filter(({ severity }) => severity === "error").length;
+    let state = "runs";
+    let words = "runs";
+    if (!accepted) {
+      state = "broken";
+      words = `${errors === 1 ? "1 error" : `${errors} errors`}: the last good program runs on`;
+    } else if (pending) {
+      state = "held";
+      words = "held";
+    } else if (patch) {
+      state = "waits";
+      words = patch;
+    }
+    setAttribute(line, "data-state", state);
+    setAttribute(line, "title", words);
+    line.replaceChildren(...prose(words));
+  });
+  return line;
+}
+
+/** An empty text: offer the bundled programs. */
+function beginnings(lab: Lab, editor: Editor): HTMLElement {
+  const { store } = lab;
+  const list = h("div", { class: "lrp-row" });
+  const offer = h("div", { class: "lrp-beginnings" }, h("p", {}, "Begin with"), list);
+  const look = () => {
+    offer.hidden = editor.text.trim() !== "" || store.state.choices.programs.length === 0;
+  };
+  store.watch(["choices", "snapshot"], () => {
+    const buttons = store.state.choices.programs.map((name) =>
+      button({
+        label: name,
+        title: `Open ${name}`,
+        action: `begin-${name}`,
+        onclick: () => void lab.act("load", { name }),
+      }),
+    );
+    list.replaceChildren(...buttons);
+  });
+  store.watch(["choices", "snapshot", "findings", "revision", "program"], look);
+  return offer;
+}

@@ -1,0 +1,128 @@
+/** Looking into an element or a value: structure, source, members; live while it is open. Paper: §6.5. */
+
+import type { ElementKind, Facet, InspectView } from "../protocol";
+import type { Lab } from "../session/store";
+import { button } from "../ui/button";
+import { h, setText } from "../ui/dom";
+
+const ANEW = 500; // ms between two looks while the program runs
+
+export interface Inspector {
+  element: HTMLElement;
+  open(kind: ElementKind, path: string): void;
+}
+
+export function inspector(lab: Lab): Inspector {
+  let subject: { kind: ElementKind; path: string; into: string[] } | null = null;
+  let looked = 0;
+  let asking = false;
+  let before: HTMLElement | null = null;
+  const title = h("h3", { class: "lrp-title" });
+  const way = h("nav", { class: "lrp-way", "aria-label": "Way into the value" });
+  const body = h("div", { class: "lrp-inspect-body" });
+  const close = () => {
+    subject = null;
+    element.hidden = true;
+    before?.focus({ preventScroll: true });
+  };
+  const element = h(
+    "section",
+    {
+      class: "lrp-inspector",
+      role: "dialog",
+      "aria-label": "Inspector",
+      hidden: true,
+      tabindex: "-1",
+      onkeydown: (event: KeyboardEvent) => {
+        if (event.key !== "Escape") return;
+        event.stopPropagation();
+        close();
+      },
+    },
+    h(
+      "header",
+      { class: "lrp-head" },
+      title,
+      h(
+        "div",
+        { class: "lrp-tools" },
+        button({ icon: "close", title: "Close", action: "close-inspector", onclick: close }),
+      ),
+    ),
+    way,
+    body,
+  );
+  const enter = (into: string[]) => {
+    if (!subject) return;
+    subject = { ...subject, into };
+    void look();
+  };
+  const look = async () => {
+    if (!subject || asking) return;
+    const asked = subject;
+    asking = true;
+    looked = performance.now();
+    const reply = await lab.ask({ type: "inspect", ...asked });
+    asking = false;
+    if (subject !== asked) return void (subject && look());
+    setText(title, asked.path ? `${asked.kind} ${asked.path}` : asked.kind);
+    showWay(way, asked.into, enter);
+    if (reply.inspect) show(body, reply.inspect, (step) => enter([...asked.into, step]));
+    else body.replaceChildren(h("p", { class: "lrp-error" }, reply.error ?? "Nothing is known about it."));
+  };
+  lab.store.watch(["tick", "program"], () => {
+    if (subject && performance.now() - looked > ANEW) void look();
+  });
+  return {
+    element,
+    open(kind, path) {
+      before = document.activeElement as HTMLElement | null;
+      subject = { kind, path, into: [] };
+      element.hidden = false;
+      element.focus({ preventScroll: true });
+      void look();
+    },
+  };
+}
+
+function showWay(way: HTMLElement, into: string[], enter: (into: string[]) => void): void {
+  const steps = ["value", ...into];
+  way.hidden = into.length === 0;
+  if (way.dataset.at === steps.join("\0")) return;
+  way.dataset.at = steps.join("\0");
+  way.replaceChildren(
+    ...steps.map((step, depth) =>
+      h("button", { type: "button", class: "lrp-link", onclick: () => enter(into.slice(0, depth)) }, step),
+    ),
+  );
+}
+
+function show(body: HTMLElement, view: InspectView, enter: (step: string) => void): void {
+  const now = JSON.stringify(view);
+  if (body.dataset.now === now) return;
+  body.dataset.now = now;
+  const row = ({ step, label, type, text, deep }: Facet) =>
+    h(
+      "tr",
+      {},
+      h(
+        "th",
+        { scope: "row" },
+        deep ? h("button", { type: "button", class: "lrp-link", onclick: () => enter(step) }, label) : label,
+      ),
+      h("td", {}, h("code", {}, text), type && h("span", { class: "lrp-faint" }, ` ${type}`)),
+    );
+  body.replaceChildren(
+    h(
+      "p",
+      {},
+      h("code", {}, view.text || view.title),
+      view.type && h("span", { class: "lrp-faint" }, ` ${view.type}`),
+    ),
+    ...(view.facets.length
+      ? [h("table", { class: "lrp-table" }, h("tbody", {}, ...view.facets.map(row)))]
+      : []),
+    ...(view.more ? [h("p", { class: "lrp-faint" }, `and ${view.more} more`)] : []),
+    ...(view.source ? [h("pre", { class: "lrp-source", tabindex: "0" }, view.source)] : []),
+  );
+}

@@ -1,0 +1,127 @@
+/** Findings of the checks and issues of the run in one list, each once, counted, with its place. Paper: §6.2. */
+
+import type { FindingView, IssueView, Range, Severity } from "../protocol";
+import type { Lab } from "../session/store";
+import { button, panel, setSwitch, toggle } from "../ui/button";
+import { h, reconcile, setAttribute, setText } from "../ui/dom";
+import { prose } from "../ui/prose";
+
+interface Entry {
+  key: string;
+  code: string;
+  severity: Severity;
+  message: string;
+  range: Range | null;
+  issue: IssueView | null;
+}
+
+export function issuesView(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const pause = toggle(
+    "Pause on issue",
+    "Pause at each new issue, its traceback at hand",
+    "pause-on-issue",
+    (on) => void lab.act("pause_on_issue", { on }),
+  );
+  const clear = button({
+    label: "Clear",
+    title: "Clear the run-time issues",
+    action: "clear",
+    onclick: () => void lab.act("clear_issues"),
+  });
+  const list = h("ul", { class: "lrp-issues" });
+  const { element, heading } = panel("issues", "Issues", [pause, clear], list, printed(lab));
+  store.watch(["settings"], () => setSwitch(pause, store.state.settings.pause_on_issue));
+  store.watch(["findings", "issues"], () => {
+    const { findings, issues } = store.state;
+    const entries = [...findings.map(ofFinding), ...[...issues.values()].map(ofIssue)];
+    reconcile(
+      list,
+      entries,
+      ({ key }) => key,
+      (entry) => make(lab, entry),
+      update,
+    );
+    const open = entries.filter(({ issue }) => !issue?.resolved).length;
+    setText(heading, open ? `Issues (${open})` : "Issues");
+    setAttribute(list, "data-empty", entries.length ? null : "No issues.");
+    clear.disabled = issues.size === 0;
+  });
+  return element;
+}
+
+function ofFinding(finding: FindingView, index: number): Entry {
+  const { code, severity, message, range } = finding;
+  return { key: `${code} ${message} ${index}`, code, severity, message, range, issue: null };
+}
+
+function ofIssue(issue: IssueView): Entry {
+  const { id, code, severity, message, range } = issue;
+  return { key: `issue ${id}`, code, severity, message, range, issue };
+}
+
+function make(lab: Lab, entry: Entry): HTMLElement {
+  const item = h("li", { class: "lrp-issue", "data-lrp-issue": entry.code });
+  const go = h(
+    "button",
+    {
+      type: "button",
+      class: "lrp-issue-go",
+      onclick: () => {
+        const { range, issue } = current.get(item) ?? entry;
+        if (range) lab.goToRange(range, issue !== null);
+        else if (issue) lab.say(issue.message);
+      },
+    },
+    h("span", { class: "lrp-dot", "aria-hidden": "true" }),
+    h("span", { class: "lrp-issue-text" }),
+    h("span", { class: "lrp-issue-note" }),
+  );
+  item.append(go);
+  if (entry.issue?.traceback)
+    item.append(h("details", {}, h("summary", {}, "Traceback"), h("pre", { tabindex: "0" })));
+  return item;
+}
+
+/** What each element of the list shows now. */
+const current = new WeakMap<Element, Entry>();
+
+function update(item: Element, entry: Entry): void {
+  const before = current.get(item);
+  current.set(item, entry);
+  const { issue, severity, range, code, message } = entry;
+  setAttribute(item, "data-severity", severity);
+  setAttribute(item, "data-resolved", issue?.resolved ?? false);
+  const text = item.querySelector(".lrp-issue-text")!;
+  if (before?.message !== message)
+    text.replaceChildren(h("span", { class: "lrp-hidden" }, `${severity}: `), ...prose(message));
+  setText(item.querySelector(".lrp-issue-note")!, note(issue, range, code));
+  const trace = item.querySelector("pre");
+  if (trace && issue) setText(trace, issue.traceback);
+}
+
+function note(issue: IssueView | null, range: Range | null, code: string): string {
+  const parts = [range ? `line ${range.line}` : "", code];
+  if (issue) {
+    const { first_tick: first, last_tick: last, count } = issue;
+    parts.push(
+      count > 1 ? `${count}×, ticks ${first}–${last}` : `tick ${first}`,
+      issue.resolved ? "resolved" : "",
+    );
+  }
+  return parts.filter(Boolean).join(" · ");
+}
+
+/** What blocks print: into the lab, never into a stranger's cell. */
+function printed(lab: Lab): HTMLElement {
+  const lines = h("pre", { class: "lrp-output", tabindex: "0", "aria-label": "Printed by the program" });
+  const details = h("details", { class: "lrp-details", open: true }, h("summary", {}, "Output"), lines);
+  lab.store.watch(["printed", "snapshot"], () => {
+    const { printed: all } = lab.store.state;
+    details.hidden = all.length === 0;
+    const atEnd = lines.scrollTop + lines.clientHeight >= lines.scrollHeight - 4;
+    setText(lines, all.join("\n"));
+    if (atEnd) lines.scrollTop = lines.scrollHeight;
+  });
+  return details;
+}

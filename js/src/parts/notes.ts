@@ -1,0 +1,130 @@
+/** What needs to be said across the lab: no kernel, held edits, two texts, a block that hangs. */
+
+import type { Difference } from "../protocol";
+import type { Lab } from "../session/store";
+import { button } from "../ui/button";
+import { h } from "../ui/dom";
+import { prose } from "../ui/prose";
+
+export function notes(lab: Lab, text: () => string): HTMLElement {
+  return h(
+    "div",
+    { class: "lrp-notes" },
+    linkNote(lab, text),
+    hungNote(lab),
+    heldNote(lab),
+    conflictNote(lab),
+  );
+}
+
+function linkNote(lab: Lab, text: () => string): HTMLElement {
+  const { store } = lab;
+  const words = h("p", {});
+  const copy = button({
+    label: "Copy text",
+    title: "Copy the program's text",
+    action: "copy",
+    onclick: () => void navigator.clipboard?.writeText(text()),
+  });
+  const note = h("div", { class: "lrp-note lrp-note-warning", role: "status" }, words, copy);
+  store.watch(["link", "status", "reason"], () => {
+    const { link, status, reason } = store.state;
+    const broken = status === "broken" || status === "closed";
+    note.hidden = !(link === "lost" || link === "dead" || link === "busy" || broken);
+    copy.hidden = link !== "dead";
+    const sentence = {
+      busy: "Kernel busy: what you do is carried out as soon as it can listen.",
+      lost: "No word from the kernel for 3 seconds. What you see is old; what you type is kept.",
+      dead: "The kernel was restarted or shut down. Run the cell again to go on; the text here is kept.",
+    }[link as string];
+    words.replaceChildren(
+      ...prose(sentence ?? (reason || "The session is closed. Run the cell again to go on.")),
+    );
+  });
+  return note;
+}
+
+function hungNote(lab: Lab): HTMLElement {
+  const words = h("p", {});
+  const note = h("div", { class: "lrp-note lrp-note-warning", role: "status" }, words);
+  lab.store.watch(["hung"], () => {
+    const { hung } = lab.store.state;
+    note.hidden = !hung;
+    if (hung)
+      words.replaceChildren(
+        ...prose(`\`${hung.where}\` has run for ${hung.seconds.toFixed(0)} s and does not return.`),
+      );
+  });
+  return note;
+}
+
+function heldNote(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const list = h("ul", { class: "lrp-difference" });
+  const note = h(
+    "div",
+    { class: "lrp-note", role: "status" },
+    h("strong", {}, "Held edits"),
+    list,
+    button({
+      label: "Apply",
+      title: "Apply the held edits (Ctrl+Enter)",
+      action: "apply",
+      class: "lrp-button lrp-primary",
+      onclick: () => void lab.act("apply"),
+    }),
+    button({
+      label: "Revert",
+      title: "Go back to the text that runs",
+      action: "revert",
+      onclick: () => void lab.act("revert"),
+    }),
+  );
+  store.watch(["pending", "settings"], () => {
+    const { pending } = store.state;
+    note.hidden = !pending;
+    if (pending) list.replaceChildren(...lines(pending));
+  });
+  return note;
+}
+
+function lines(difference: Difference): HTMLElement[] {
+  const signs = { added: "+", removed: "−", changed: "~", moved: "↕" } as const;
+  const items = (Object.keys(signs) as (keyof Difference)[]).flatMap((kind) =>
+    difference[kind].map((element) =>
+      h("li", { "data-kind": kind }, h("span", { "aria-label": kind }, signs[kind]), " ", ...prose(element)),
+    ),
+  );
+  return items.length ? items : [h("li", {}, "nothing that changes the program")];
+}
+
+function conflictNote(lab: Lab): HTMLElement {
+  const words = h("p", {});
+  const text = h("pre", { class: "lrp-source", tabindex: "0" });
+  const note = h(
+    "div",
+    { class: "lrp-note lrp-note-warning", role: "alertdialog", "aria-label": "Two texts" },
+    words,
+    button({
+      label: "Take the cell's",
+      title: "The cell's text becomes the program",
+      action: "take",
+      onclick: () => void lab.act("take"),
+    }),
+    button({
+      label: "Keep this one",
+      title: "The lab's text stays",
+      action: "keep-text",
+      onclick: () => void lab.act("keep"),
+    }),
+    h("details", { class: "lrp-details" }, h("summary", {}, "The cell's text"), text),
+  );
+  lab.store.watch(["conflict", "snapshot"], () => {
+    const { conflict } = lab.store.state;
+    note.hidden = !conflict;
+    if (!conflict) return;
+    words.replaceChildren(...prose(conflict.sentence));
+    text.textContent = conflict.text;
+  });
+  return note;
+}

@@ -1,0 +1,40 @@
+/**
+ * Single parts of one session in one page look at the same machine, and a click in one finds the source
+ * in another. Modules are not shared between widgets, so they talk through the document.
+ */
+
+import type { ElementKind, Range } from "../protocol";
+import type { Store } from "../session/store";
+
+interface Message {
+  goTo?: { kind: ElementKind; path: string };
+  range?: Range;
+  ofRunning?: boolean;
+  machine?: string;
+}
+
+const EVENT = "lrp-together";
+
+export function together(
+  store: Store,
+  receive: (message: Message) => void,
+): { send(message: Message): void; close(): void } {
+  const listen = (event: Event) => {
+    const { from, name, message } = (event as CustomEvent).detail;
+    if (from === store || name !== store.state.name) return;
+    if (message.machine !== undefined) store.set("machine", message.machine);
+    else receive(message);
+  };
+  const send = (message: Message) => {
+    const { name } = store.state;
+    if (name) document.dispatchEvent(new CustomEvent(EVENT, { detail: { from: store, name, message } }));
+  };
+  document.addEventListener(EVENT, listen);
+  let machine = "";
+  store.watch(["machine"], () => {
+    const before = machine;
+    machine = store.state.machine;
+    if (before && machine && before !== machine) send({ machine });
+  });
+  return { send, close: () => document.removeEventListener(EVENT, listen) };
+}

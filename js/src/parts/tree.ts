@@ -1,0 +1,85 @@
+/** All machines, nested as in the program; each says which of its states is active. */
+
+import type { MachineItem } from "../protocol";
+import type { Lab } from "../session/store";
+import { panel, setSwitch, toggle } from "../ui/button";
+import { h, reconcile, setAttribute, setText } from "../ui/dom";
+
+export function treeView(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const list = h("div", { class: "lrp-tree", role: "tree", "aria-label": "Machines" });
+  const follow = toggle(
+    "Follow",
+    "Always look at the machine of the innermost active state",
+    "follow",
+    (on) => store.set("follow", on),
+  );
+  const { element } = panel("tree", "Machines", [follow], list);
+  const look = (path: string) => {
+    if (store.state.follow && path !== store.state.machine) store.set("follow", false);
+    store.set("machine", path);
+    lab.tell("select", { path });
+  };
+  const make = ({ path }: MachineItem) =>
+    h(
+      "div",
+      {
+        class: "lrp-tree-item",
+        role: "treeitem",
+        "data-lrp-machine": path,
+        onclick: () => look(path),
+        ondblclick: () => lab.goTo("machine", path),
+      },
+      h("span", { class: "lrp-dot", "aria-hidden": "true" }),
+      h("span", { class: "lrp-tree-around" }),
+      h("span", { class: "lrp-tree-name" }),
+      h("span", { class: "lrp-tree-state" }),
+    );
+  const update = (item: Element, machine: MachineItem) => {
+    const { lit, machine: selected } = store.state;
+    const depth = machine.path.split("/").length;
+    const active = machine.states.find(({ path }) => lit.has(path))?.path;
+    const [, around, name, state] = item.children;
+    setText(around!, machine.parent ? `${last(machine.parent)} / ` : "");
+    setText(name!, last(machine.path));
+    setText(state!, active ? last(active) : "");
+    setAttribute(item, "style", `--lrp-depth: ${(depth - 1) / 2}`);
+    setAttribute(item, "aria-level", (depth + 1) / 2);
+    setAttribute(item, "aria-selected", String(machine.path === selected));
+    setAttribute(item, "tabindex", machine.path === selected ? "0" : "-1");
+    setAttribute(
+      item,
+      "aria-label",
+      active ? `${last(machine.path)}, in ${last(active)}` : last(machine.path),
+    );
+    setAttribute(item, "data-active", Boolean(active));
+  };
+  store.watch(["program", "lit", "machine", "snapshot"], () => {
+    reconcile(list, store.state.program.machines, ({ path }) => path, make, update);
+  });
+  store.watch(["follow"], () => setSwitch(follow, store.state.follow));
+  list.addEventListener("keydown", (event) => {
+    const items = [...list.querySelectorAll<HTMLElement>("[role=treeitem]")];
+    const index = items.indexOf(event.target as HTMLElement);
+    const moves: Record<string, number> = {
+      ArrowDown: index + 1,
+      ArrowUp: index - 1,
+      Home: 0,
+      End: items.length - 1,
+    };
+    const next = items[moves[event.key] ?? -1];
+    const path = (event.target as HTMLElement).dataset.lrpMachine;
+    if (event.key === "Enter" && path) lab.goTo("machine", path);
+    else if (next) {
+      look(next.dataset.lrpMachine!);
+      next.focus();
+    } else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  return element;
+}
+
+function last(path: string): string {
+  return path.slice(path.lastIndexOf("/") + 1);
+}

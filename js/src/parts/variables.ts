@@ -1,0 +1,163 @@
+/** The variables in scope of the machine looked at, live, grouped by machine, changed in place. Paper: §6.5. */
+
+import { AFTERGLOW } from "../graph/marks";
+import type { Lab } from "../session/store";
+import { button, panel } from "../ui/button";
+import { h, reconcile, setAttribute, setText } from "../ui/dom";
+import { Spark } from "./spark";
+
+interface Group {
+  machine: string;
+  variables: string[];
+}
+
+export function variablesView(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const list = h("div", { class: "lrp-variables" });
+  const { element } = panel("variables", "Variables", [], list);
+  const rows = new Map<string, Row>();
+  const makeGroup = (group: Group) =>
+    h(
+      "section",
+      { class: "lrp-variables-group", "aria-label": group.machine || "global" },
+      h("h4", {}, group.machine ? last(group.machine) : "global"),
+      h("ul", {}),
+    );
+  const updateGroup = (section: Element, group: Group) =>
+    reconcile(
+      section.lastElementChild!,
+      group.variables,
+      (path) => path,
+      (path) => {
+        const row = new Row(lab, path);
+        rows.set(path, row);
+        return row.element;
+      },
+      (_, path) => rows.get(path)?.update(),
+    );
+  store.watch(["variables", "program", "machine", "snapshot"], () => {
+    const groups = groupsInScope(store.state.program, store.state.machine);
+    reconcile(list, groups, ({ machine }) => machine, makeGroup, updateGroup);
+    setAttribute(list, "data-empty", groups.length === 0 ? "No variables in scope." : null);
+  });
+  return element;
+}
+
+/** Groups from the machine looked at outward, the globals last. */
+export function groupsInScope(
+  program: { variables: string[]; machines: { path: string; variables: string[] }[] },
+  machine: string,
+): Group[] {
+  const inside = program.machines
+    .filter(({ path }) => `${machine}/`.startsWith(`${path}/`))
+    .map(({ path, variables }) => ({ machine: path, variables }))
+    .reverse();
+  return [...inside, { machine: "", variables: program.variables }].filter(
+    ({ variables }) => variables.length,
+  );
+}
+
+function last(path: string): string {
+  return path.slice(path.lastIndexOf("/") + 1);
+}
+
+class Row {
+  readonly element: HTMLElement;
+  private readonly value: HTMLButtonElement;
+  private readonly spark = new Spark();
+  private text: string | undefined;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(
+    private readonly lab: Lab,
+    private readonly path: string,
+  ) {
+    const name = last(path);
+    this.value = h("button", {
+      type: "button",
+      class: "lrp-value",
+      title: "Change",
+      onclick: () => this.edit(),
+    });
+    const look = button({
+      icon: "search",
+      title: `Inspect ${name}`,
+      action: "inspect",
+      onclick: () => lab.inspect("variable", path),
+    });
+    const source = h(
+      "button",
+      {
+        type: "button",
+        class: "lrp-variable-name",
+        title: "Go to source",
+        onclick: () => lab.goTo("variable", path),
+      },
+      name,
+    );
+    this.element = h(
+      "li",
+      { class: "lrp-variable", "data-lrp-variable": path },
+      source,
+      this.spark.element,
+      this.value,
+      look,
+    );
+  }
+
+  update(): void {
+    const value = this.lab.store.state.variables.get(this.path);
+    const text = value?.text;
+    if (text !== undefined && this.text !== undefined && text !== this.text) this.glow();
+    if (value || this.text !== undefined) this.spark.add(value?.number ?? null);
+    this.text = text;
+    setText(this.value, text ?? "—");
+    setAttribute(this.value, "aria-label", `${last(this.path)} is ${text ?? "not alive"}, change`);
+    this.value.disabled = text === undefined;
+  }
+
+  private glow(): void {
+    this.element.setAttribute("data-glow", "");
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.element.removeAttribute("data-glow"), AFTERGLOW);
+  }
+
+  private edit(): void {
+    const error = h("div", { class: "lrp-error", role: "alert" });
+    const name = last(this.path);
+    const input = h("input", {
+      class: "lrp-input",
+      value: this.text ?? "",
+      spellcheck: "false",
+      "aria-label": `New value of ${name}, a Python expression`,
+      onkeydown: async (event: KeyboardEvent) => {
+        event.stopPropagation();
+        if (event.key === "Escape") close();
+        if (event.key !== "Enter") return;
+        event.preventDefault();
+        const refusal = await this.lab.act(
+          "set_variable",
+          { path: this.path, expression: input.value },
+          true,
+        );
+        setAttribute(input, "aria-invalid", refusal ? "true" : null);
+        setText(error, refusal ?? "");
+        if (!refusal) close();
+      },
+      onblur: () => {
+        if (!error.textContent) close();
+      },
+    });
+    const close = () => {
+      if (!input.isConnected) return;
+      const focused = document.activeElement === input;
+      error.remove();
+      input.replaceWith(this.value);
+      if (focused) this.value.focus();
+    };
+    this.value.replaceWith(input);
+    this.element.append(error);
+    input.focus();
+    input.select();
+  }
+}

@@ -1,0 +1,41 @@
+/** What `robot` offers, with units and the values of now; a click writes it into the program. */
+
+import type { MemberView } from "../protocol";
+import type { Lab } from "../session/store";
+import { h, reconcile, setAttribute, setText } from "../ui/dom";
+
+export function membersCard(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const list = h("ul", { class: "lrp-members" });
+  const card = h(
+    "details",
+    { class: "lrp-details", open: true },
+    h("summary", {}, h("code", {}, "robot"), " — click to write"),
+    list,
+  );
+  const make = (member: MemberView) =>
+    h(
+      "li",
+      {},
+      h(
+        "button",
+        { type: "button", class: "lrp-member", onclick: () => lab.insert(member.insert) },
+        h("code", {}),
+        h("span", { class: "lrp-member-value" }),
+      ),
+    );
+  const update = (element: Element, member: MemberView) => {
+    const row = element.firstElementChild!;
+    const [name, value] = row.children;
+    setText(name!, member.name);
+    const now = store.state.members[member.name] ?? "";
+    setText(value!, [now, now && member.unit].filter(Boolean).join(" "));
+    setAttribute(row, "title", `${member.insert}\n${member.doc}`);
+  };
+  store.watch(["bridge", "members", "snapshot"], () => {
+    const { members } = store.state.bridge;
+    card.hidden = !members.length;
+    reconcile(list, members, (member) => member.name, make, update);
+  });
+  return card;
+}

@@ -1,0 +1,232 @@
+/** Painting a world: the floor and what stands fast once, robots and what moves for every picture. */
+
+import type { Point, Pose, RobotShape, Solid, Stroke, WorldView } from "../protocol";
+import type { RobotPose, Snapshot } from "./poses";
+
+type Canvas = CanvasRenderingContext2D;
+
+/** Colours, from the stylesheet; greys of the floor are real, only dimmed in the dark. */
+export interface Palette {
+  outside: string;
+  edge: string;
+  solid: string;
+  pushable: string;
+  solidEdge: string;
+  zone: string;
+  robot: string;
+  robotEdge: string;
+  mark: string;
+  bump: string;
+  ray: string;
+  text: string;
+  dim: boolean;
+  font: string;
+}
+
+export function shade(grey: number, palette: Palette): string {
+  const value = Math.round(palette.dim ? 22 + grey * 0.78 : grey);
+  return `rgb(${value} ${value} ${value})`;
+}
+
+/** The floor with everything drawn on it. The context is in metres, y up. */
+export function paintFloor(c: Canvas, world: WorldView, ink: readonly Stroke[], palette: Palette): void {
+  const [width, height] = world.size;
+  c.fillStyle = shade(world.floor.grey, palette);
+  c.fillRect(0, 0, width, height);
+  c.save();
+  c.beginPath();
+  c.rect(0, 0, width, height);
+  c.clip();
+  for (const stroke of world.floor.strokes) paintStroke(c, stroke, palette);
+  for (const stroke of ink) paintStroke(c, stroke, palette);
+  c.restore();
+  c.strokeStyle = palette.edge;
+  c.lineWidth = 0.008;
+  c.strokeRect(0, 0, width, height);
+  for (const [name, zone] of Object.entries(world.zones)) paintZone(c, name, zone, palette);
+}
+
+export function paintStroke(c: Canvas, stroke: Stroke, palette: Palette): void {
+  c.lineCap = "round";
+  c.lineJoin = "round";
+  c.lineWidth = stroke.width;
+  c.strokeStyle = shade(stroke.grey, palette);
+  c.globalCompositeOperation = stroke.ink ? "darken" : "source-over";
+  c.beginPath();
+  if (stroke.path) {
+    const [first, ...rest] = stroke.path;
+    if (first) c.moveTo(...first);
+    if (first && !rest.length) c.lineTo(...first);
+    for (const point of rest) c.lineTo(...point);
+  } else if (stroke.circle) c.arc(...stroke.circle, 0, 2 * Math.PI);
+  else if (stroke.arc) {
+    const [x = 0, y = 0, radius = 0, first = 0, last = 0] = stroke.arc;
+    c.arc(x, y, radius, first, last, last < first);
+  }
+  c.stroke();
+  c.globalCompositeOperation = "source-over";
+}
+
+function paintZone(c: Canvas, name: string, zone: WorldView["zones"][string], palette: Palette): void {
+  c.strokeStyle = palette.zone;
+  c.lineWidth = 0.008;
+  c.setLineDash([0.03, 0.02]);
+  c.beginPath();
+  if (zone.circle) c.arc(...zone.circle, 0, 2 * Math.PI);
+  else if (zone.box) {
+    const [x = 0, y = 0, width = 0, height = 0] = zone.box;
+    c.rect(x - width / 2, y - height / 2, width, height);
+  }
+  c.stroke();
+  c.setLineDash([]);
+  const [x = 0, y = 0] = zone.circle ?? zone.box ?? [];
+  write(c, name, x, y, 0.06, palette.zone, "center", palette.font);
+}
+
+/** Text stands upright although y points up. */
+function write(
+  c: Canvas,
+  text: string,
+  x: number,
+  y: number,
+  size: number,
+  color: string,
+  align: CanvasTextAlign,
+  font: string,
+): void {
+  c.save();
+  c.translate(x, y);
+  c.scale(size / 12, -size / 12);
+  c.font = `500 12px ${font}`;
+  c.textAlign = align;
+  c.textBaseline = "middle";
+  c.fillStyle = color;
+  c.fillText(text, 0, 0);
+  c.restore();
+}
+
+export function paintSolid(c: Canvas, solid: Solid, pose: Pose, palette: Palette): void {
+  c.save();
+  c.translate(pose[0], pose[1]);
+  c.rotate(pose[2]);
+  c.beginPath();
+  if (solid.circle) c.arc(0, 0, solid.circle[2], 0, 2 * Math.PI);
+  else if (solid.box) {
+    const [, , width = 0, height = 0] = solid.box;
+    c.rect(-width / 2, -height / 2, width, height);
+  }
+  const fast = solid.push === undefined || solid.push === null;
+  c.fillStyle = fast ? palette.solid : palette.pushable;
+  c.strokeStyle = palette.solidEdge;
+  c.lineWidth = 0.006;
+  c.fill();
+  c.stroke();
+  c.restore();
+}
+
+/** Everything that moves. */
+export function paintMovers(c: Canvas, world: WorldView, now: Snapshot, palette: Palette): void {
+  world.solids.forEach((solid, i) => {
+    const pose = now.solids[i];
+    if (pose) paintSolid(c, solid, pose, palette);
+  });
+  world.robots.forEach((shape, i) => {
+    const robot = now.robots[i];
+    if (robot) paintRobot(c, shape, robot, palette);
+  });
+}
+
+function paintRobot(c: Canvas, shape: RobotShape, robot: RobotPose, palette: Palette): void {
+  const [x, y, theta] = robot.pose;
+  const r = shape.radius;
+  c.save();
+  c.translate(x, y);
+  c.rotate(theta);
+  shape.distance.forEach(([angle, reach], i) => paintRay(c, r, angle, reach, robot.distances[i], palette));
+  c.fillStyle = palette.robotEdge; // wheels
+  c.fillRect(-0.32 * r, 0.82 * r, 0.64 * r, 0.26 * r);
+  c.fillRect(-0.32 * r, -1.08 * r, 0.64 * r, 0.26 * r);
+  c.beginPath();
+  c.arc(0, 0, r, 0, 2 * Math.PI);
+  c.fillStyle = palette.robot;
+  c.strokeStyle = palette.robotEdge;
+  c.lineWidth = 0.09 * r;
+  c.fill();
+  c.stroke();
+  c.beginPath(); // where it looks
+  c.moveTo(0.62 * r, 0);
+  c.lineTo(0.12 * r, 0.34 * r);
+  c.lineTo(0.12 * r, -0.34 * r);
+  c.closePath();
+  c.fillStyle = palette.mark;
+  c.fill();
+  if (shape.bumper) {
+    c.beginPath();
+    c.arc(0, 0, 1.1 * r, -0.9, 0.9);
+    c.lineWidth = robot.bumper ? 0.24 * r : 0.14 * r;
+    c.lineCap = "round";
+    c.strokeStyle = robot.bumper ? palette.bump : palette.robotEdge;
+    c.stroke();
+  }
+  shape.light.forEach((place, i) => paintLight(c, r, place, robot.lights[i], palette));
+  c.restore();
+  shape.light.forEach((place, i) => {
+    const value = robot.lights[i];
+    if (value === undefined || !Number.isFinite(value)) return;
+    const [lx, ly] = turned(place, theta);
+    const [ox, oy] = turned([1.75 * r, 0], theta);
+    write(
+      c,
+      String(Math.round(value)),
+      x + lx + ox,
+      y + ly + oy,
+      0.7 * r,
+      palette.text,
+      "center",
+      palette.font,
+    );
+  });
+}
+
+function turned([x, y]: Point, theta: number): Point {
+  return [x * Math.cos(theta) - y * Math.sin(theta), x * Math.sin(theta) + y * Math.cos(theta)];
+}
+
+function paintRay(
+  c: Canvas,
+  r: number,
+  angle: number,
+  reach: number,
+  distance: number | undefined,
+  palette: Palette,
+): void {
+  const seen = distance !== undefined && Number.isFinite(distance);
+  const length = seen ? distance : reach;
+  const [x, y] = [Math.cos(angle), Math.sin(angle)];
+  c.strokeStyle = palette.ray;
+  c.globalAlpha = seen ? 0.9 : 0.35;
+  c.lineWidth = 0.005;
+  c.setLineDash([0.02, 0.02]);
+  c.beginPath();
+  c.moveTo(x * r, y * r);
+  c.lineTo(x * (r + length), y * (r + length));
+  c.stroke();
+  c.setLineDash([]);
+  if (seen) {
+    c.beginPath();
+    c.arc(x * (r + length), y * (r + length), 0.012, 0, 2 * Math.PI);
+    c.fillStyle = palette.ray;
+    c.fill();
+  }
+  c.globalAlpha = 1;
+}
+
+function paintLight(c: Canvas, r: number, [x, y]: Point, value: number | undefined, palette: Palette): void {
+  c.beginPath();
+  c.arc(x, y, 0.16 * r, 0, 2 * Math.PI);
+  c.fillStyle = value === undefined || !Number.isFinite(value) ? "transparent" : shade(value, palette);
+  c.strokeStyle = palette.bump;
+  c.lineWidth = 0.06 * r;
+  c.fill();
+  c.stroke();
+}

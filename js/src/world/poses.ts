@@ -1,0 +1,86 @@
+/** The buffer of a `Poses` message, written by `pack_poses` in `lrp_jupyter/widgets/protocol.py`. */
+
+import type { Pose, WorldView } from "../protocol";
+
+export interface RobotPose {
+  pose: Pose;
+  bumper: boolean;
+  pen: boolean;
+  speed: number;
+  lights: number[];
+  distances: number[];
+}
+
+export interface Snapshot {
+  time: number;
+  robots: RobotPose[];
+  /** Of every solid of the world, those that stand fast included. */
+  solids: Pose[];
+}
+
+/** How many bytes the poses of a world take. */
+export function poseBytes(world: WorldView): number {
+  let floats = 0;
+  for (const { light, distance } of world.robots) floats += 5 + light.length + distance.length;
+  for (const { push } of world.solids) floats += push === undefined || push === null ? 0 : 3;
+  return 8 + 4 * floats;
+}
+
+/** Read a buffer; null if it is of another world (a frame may overtake the world's description). */
+export function readPoses(world: WorldView, buffer: DataView): Snapshot | null {
+  if (buffer.byteLength !== poseBytes(world)) return null;
+  let at = 8;
+  const next = () => {
+    at += 4;
+    return buffer.getFloat32(at - 4, true);
+  };
+  const pose = (): Pose => [next(), next(), next()];
+  const robots = world.robots.map(({ light, distance }) => {
+    const place = pose();
+    const flags = next();
+    const speed = next();
+    const [lights, distances] = [light.map(next), distance.map(next)];
+    return { pose: place, bumper: (flags & 1) !== 0, pen: (flags & 2) !== 0, speed, lights, distances };
+  });
+  const standing = standingPoses(world);
+  const solids = world.solids.map(({ push }, i) =>
+    push === undefined || push === null ? standing[i]! : pose(),
+  );
+  return { time: buffer.getFloat64(0, true), robots, solids };
+}
+
+function standingPoses(world: WorldView): Pose[] {
+  return world.solids.map(({ box, circle, angle = 0 }) => {
+    const [x = 0, y = 0] = box ?? circle ?? [];
+    return [x, y, angle];
+  });
+}
+
+/** A world as its description says, before the first poses come. */
+export function firstPoses(world: WorldView): Snapshot {
+  const robots = world.robots.map(({ pose, light, distance }) => ({
+    pose,
+    bumper: false,
+    pen: false,
+    speed: 0,
+    lights: light.map(() => Number.NaN),
+    distances: distance.map(() => Number.POSITIVE_INFINITY),
+  }));
+  return { time: 0, robots, solids: standingPoses(world) };
+}
+
+const JUMP = 0.25; // metres between two frames: put there, not driven
+
+/** Between two snapshots, `share` of the way from the first to the second. */
+export function between(a: Snapshot, b: Snapshot, share: number): Snapshot {
+  const mix = (from: Pose | undefined, to: Pose): Pose => {
+    if (!from || Math.hypot(to[0] - from[0], to[1] - from[1]) > JUMP) return to;
+    const turn = Math.atan2(Math.sin(to[2] - from[2]), Math.cos(to[2] - from[2]));
+    return [from[0] + (to[0] - from[0]) * share, from[1] + (to[1] - from[1]) * share, from[2] + turn * share];
+  };
+  return {
+    time: b.time,
+    robots: b.robots.map((robot, i) => ({ ...robot, pose: mix(a.robots[i]?.pose, robot.pose) })),
+    solids: b.solids.map((pose, i) => mix(a.solids[i], pose)),
+  };
+}
