@@ -1,14 +1,14 @@
 """Blocks: Python between square brackets, from text to a function bound to the program's variables.
 
-A block is any Python, in any layout: it may begin in the middle of a line and go on in others. It is never
-dedented as text, which would change its strings. Instead its lines are kept as they are, something is put
-before the first one (an indentation, and a header above it if the others are indented too) that makes the whole
-a suite of Python, and afterwards the positions in the tree are moved to where the code really stands, so that
-a traceback shows the line and the column of the program's text.
+A block is any Python, in any layout: it may begin in the middle of a line and go on in others. It is
+never dedented as text, which would change its strings. Instead its lines are kept as they are, something
+is put before the first one (an indentation, and a header above it if the others are indented too) that
+makes the whole a suite of Python, and afterwards the positions in the tree are moved to where the code
+really stands, so that a traceback shows the line and the column of the program's text.
 
-To reach the program's variables the block becomes the inner one of two functions. The outer one, never called,
-has the variables for its parameters; so the compiler makes them free variables of the inner one, and
-:func:`bind` gives it one cell for each. That is as fast as local variables, and nothing is written
+To reach the program's variables the block becomes the inner one of two functions. The outer one, never
+called, has the variables for its parameters; so the compiler makes them free variables of the inner one,
+and :func:`bind` gives it one cell for each. That is as fast as local variables, and nothing is written
 into any namespace. Paper: §5.2, where classes are generated instead.
 """
 
@@ -31,6 +31,7 @@ __all__ = ["BlockFacts", "bind", "block_end", "compile_block", "facts_of", "pars
 _WORD = re.compile(r"(?:\w|[^\x00-\x7f\s])+")
 _LINE_END = re.compile(r"\r\n|\r|\n")
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
+_DEFINITIONS = (*_FUNCTIONS, ast.ClassDef)
 
 
 class Fault(NamedTuple):
@@ -98,7 +99,7 @@ class Place(NamedTuple):
 
 
 class BlockNames(NamedTuple):
-    """The names of a block that are not its inner functions' own: variables of the program, if there are such.
+    """The names of a block that are not its inner functions' own: they may be variables of the program.
 
     Parameters
     ----------
@@ -147,7 +148,7 @@ def _names(text: str) -> BlockNames:
 
 
 def _check(text: str, names: frozenset[str]) -> None:
-    """Compile a block for its errors; those of the compiler count columns in bytes, the parser's in characters."""
+    """Compile a block for its errors, whose columns the compiler counts in bytes, unlike the parser."""
     try:
         _function(text, 0, names)
     except SyntaxError as error:
@@ -211,7 +212,7 @@ def compile_block(block: Block, names: Collection[str], filename: str) -> CodeTy
     Raises
     ------
     SyntaxError
-        Only for what the parser cannot know, as a `nonlocal` whose variable is gone; `lineno` is the program's.
+        Only for what the parser cannot know: a `nonlocal` whose variable is gone. `lineno` is the program's.
     """
     prefix = len(block.prefix.encode("utf-8", "replace"))
     seen = frozenset(_words(block.text).intersection(names))
@@ -303,6 +304,7 @@ def _inner(code: CodeType) -> CodeType:
 
 def _move(statement: ast.stmt, above: int, columns: int) -> None:
     """Move a statement's nodes to where they stand: their lines up, those of the first line to the side."""
+    node: Any
     for node in ast.walk(statement):
         if "lineno" not in node._attributes:
             continue
@@ -326,7 +328,5 @@ class _Plain(ast.NodeTransformer):
         new = ast.Assign([node.target], node.value) if node.value else ast.Pass()
         return ast.copy_location(new, node)
 
-    def skip(self, node: ast.AST) -> ast.AST:
-        return node
-
-    visit_FunctionDef = visit_AsyncFunctionDef = visit_ClassDef = visit_Lambda = skip
+    def visit(self, node: ast.AST) -> Any:
+        return node if isinstance(node, _DEFINITIONS) else super().visit(node)

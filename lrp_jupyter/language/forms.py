@@ -7,7 +7,7 @@ from functools import lru_cache
 from importlib.resources import files
 from typing import Any, NamedTuple
 
-from lark import Lark, Token, Tree, UnexpectedToken
+from lark import Lark, Token, UnexpectedToken
 from lark.lexer import Lexer
 
 from lrp_jupyter.language.tokens import LEGAL
@@ -43,9 +43,9 @@ class Shape(NamedTuple):
 
 
 class Mistake(NamedTuple):
-    """The token (by its index) at which a form breaks off, and the tokens that could stand there."""
+    """The token (by its position) at which a form breaks off, and the tokens that could stand there."""
 
-    index: int
+    position: int
     expected: frozenset[str]
 
 
@@ -55,7 +55,7 @@ class _Tokens(Lexer):
     def __init__(self, lexer_conf: Any) -> None:
         pass
 
-    def lex(self, data: Any) -> Iterator[Token]:
+    def lex(self, data: Any, _: Any = None) -> Iterator[Token]:
         """Yield a token for every type."""
         for index, kind in enumerate(data):
             yield Token(kind, index)
@@ -101,30 +101,24 @@ def _short(types: tuple[str, ...]) -> tuple[str, ...]:
 def _shape(types: tuple[str, ...]) -> Shape | Mistake | None:
     try:
         if types[0] == "PROGRAM":
-            _LARK.parse(types[1:], start="program")  # type: ignore[arg-type]
+            _LARK.parse(types[1:], start="program")
             return None
-        tree: Tree[Token] = _LARK.parse(types, start="form")  # type: ignore[arg-type,assignment]
+        tree: Any = _LARK.parse(types, start="form")
     except UnexpectedToken as error:
-        at_end = error.token.type == "$END"
-        index = len(types) if at_end else int(error.token.value) + (types[0] == "PROGRAM")  # type: ignore[call-overload]
-        return Mistake(index, frozenset(error.accepts or error.expected))
+        token: Any = error.token
+        position = len(types) if token.type == "$END" else token.value + (types[0] == "PROGRAM")
+        return Mistake(position, frozenset(error.accepts or error.expected))
     if tree.data not in ("on", "ontime", "eps", "exit"):
         return None
     *head, destination, name = tree.children[1:]
-    source: Tree[Token] = head[-1]  # type: ignore[assignment]
-    trigger: Tree[Token] | None = head[0] if len(head) > 1 else None  # type: ignore[assignment]
-    names = source.scan_values(lambda token: token.type == "NAME")
+    source = head[-1]
     return Shape(
-        trigger=None if trigger is None else _index(trigger.children[0]),
-        source=str(source.data),
-        sources=tuple(_index(token) for token in names),
-        destination=_index(destination),
-        name=None if name is None else _index(name),
+        trigger=head[0].children[0].value if len(head) > 1 else None,
+        source=source.data,
+        sources=tuple(token.value for token in source.scan_values(lambda token: token.type == "NAME")),
+        destination=destination.value,
+        name=None if name is None else name.value,
     )
-
-
-def _index(token: Any) -> int:
-    return int(token.value)
 
 
 _WORDS = {

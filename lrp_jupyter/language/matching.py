@@ -41,7 +41,7 @@ class Matching(NamedTuple):
 
 
 def match(text: str, starts: list[int], tokens: list[Token]) -> Matching:
-    """Match the brackets of forms, whose lines begin at `starts`; with the least change where they do not match."""
+    """Match the brackets of a text whose lines begin at `starts`, with the least change where they do not."""
     around = ["program"]
     sound = True
     for token in tokens:

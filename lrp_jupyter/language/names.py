@@ -9,10 +9,10 @@ from __future__ import annotations
 import ast
 import re
 import unicodedata
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from operator import attrgetter
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lrp_jupyter.language.program import line_starts
 from lrp_jupyter.language.scanner import fields, line_end, string_end
@@ -147,25 +147,25 @@ class _Visitor(Offsets):
 
     def visit(self, node: ast.AST, scope: Scope) -> None:
         """Note the names of a node and of everything in it."""
-        method = getattr(self, f"on_{type(node).__name__}", None)
+        method = _METHODS.get(type(node).__name__)
         if method is not None:
-            method(node, scope)
+            method(self, node, scope)
         else:
             self.visit_all(ast.iter_child_nodes(node), scope)
 
     # Names
 
-    def on_Name(self, node: ast.Name, scope: Scope) -> None:
+    def on_name(self, node: ast.Name, scope: Scope) -> None:
         self.note(node.id, self.start_of(node), not isinstance(node.ctx, ast.Load), scope)
 
-    def on_Global(self, node: ast.Global, scope: Scope) -> None:
+    def on_global(self, node: ast.Global, scope: Scope) -> None:
         scope.global_names.update(node.names)
         start = self.start_of(node)
         for name in node.names:
             start = self.word(name, start + 1)
             self.global_places.append((name, start))
 
-    def on_Nonlocal(self, node: ast.Nonlocal, scope: Scope) -> None:
+    def on_nonlocal(self, node: ast.Nonlocal, scope: Scope) -> None:
         scope.outer_names.update(node.names)
         start = self.start_of(node)
         for name in node.names:
@@ -183,14 +183,14 @@ class _Visitor(Offsets):
         """Return the offset of `name` behind the word `keyword`."""
         return self.word(name, self.word(keyword, start) + len(keyword))
 
-    def on_ExceptHandler(self, node: ast.ExceptHandler, scope: Scope) -> None:
+    def on_handler(self, node: ast.ExceptHandler, scope: Scope) -> None:
         self.visit_all([node.type], scope)
         if node.name:
             start = self.end_of(node.type) if node.type else self.start_of(node)
             self.note(node.name, self.word_after("as", node.name, start), True, scope)
         self.visit_all(node.body, scope)
 
-    def on_MatchAs(self, node: ast.MatchAs, scope: Scope) -> None:
+    def on_capture(self, node: ast.MatchAs, scope: Scope) -> None:
         self.visit_all([node.pattern], scope)
         if node.name:
             start = self.start_of(node)
@@ -198,11 +198,11 @@ class _Visitor(Offsets):
                 start = self.word("as", self.end_of(node.pattern)) + 2
             self.note(node.name, self.word(node.name, start), True, scope)
 
-    def on_MatchStar(self, node: ast.MatchStar, scope: Scope) -> None:
+    def on_star(self, node: ast.MatchStar, scope: Scope) -> None:
         if node.name:
             self.note(node.name, self.word(node.name, self.start_of(node)), True, scope)
 
-    def on_MatchMapping(self, node: ast.MatchMapping, scope: Scope) -> None:
+    def on_mapping(self, node: ast.MatchMapping, scope: Scope) -> None:
         self.visit_all([*node.keys, *node.patterns], scope)
         if node.rest:
             start = self.end_of(node.patterns[-1]) if node.patterns else self.start_of(node)
@@ -210,14 +210,12 @@ class _Visitor(Offsets):
 
     # Scopes
 
-    def on_FunctionDef(self, node: ast.FunctionDef | ast.AsyncFunctionDef, scope: Scope) -> None:
+    def on_function(self, node: ast.FunctionDef | ast.AsyncFunctionDef, scope: Scope) -> None:
         self.visit_all(node.decorator_list, scope)
         self.note(node.name, self.word_after("def", node.name, self.start_of(node)), True, scope)
         self.function(node, scope, node.body, [node.returns])
 
-    on_AsyncFunctionDef = on_FunctionDef
-
-    def on_Lambda(self, node: ast.Lambda, scope: Scope) -> None:
+    def on_lambda(self, node: ast.Lambda, scope: Scope) -> None:
         self.function(node, scope, [node.body], [])
 
     def function(
@@ -235,14 +233,14 @@ class _Visitor(Offsets):
         self.visit_all([*arguments.defaults, *arguments.kw_defaults], scope)
         self.visit_all(body, inner)
 
-    def on_ClassDef(self, node: ast.ClassDef, scope: Scope) -> None:
+    def on_class(self, node: ast.ClassDef, scope: Scope) -> None:
         self.visit_all(node.decorator_list, scope)
         self.note(node.name, self.word_after("class", node.name, self.start_of(node)), True, scope)
         around = _type_scope(node, scope)
         self.visit_all([*node.bases, *node.keywords, *getattr(node, "type_params", ())], around)
         self.visit_all(node.body, Scope(around, is_class=True))
 
-    def on_ListComp(self, node: _Comprehension, scope: Scope) -> None:
+    def on_comprehension(self, node: _Comprehension, scope: Scope) -> None:
         inner = Scope(scope, is_comprehension=True)
         first, *others = node.generators
         self.visit(first.iter, scope)
@@ -251,23 +249,42 @@ class _Visitor(Offsets):
             [child for child in ast.iter_child_nodes(node) if not isinstance(child, ast.comprehension)], inner
         )
 
-    on_SetComp = on_DictComp = on_GeneratorExp = on_ListComp
-
-    def on_NamedExpr(self, node: ast.NamedExpr, scope: Scope) -> None:
+    def on_walrus(self, node: ast.NamedExpr, scope: Scope) -> None:
         self.visit(node.value, scope)
         while scope.is_comprehension and scope.outer:
             scope = scope.outer
         self.visit(node.target, scope)
 
-    def on_JoinedStr(self, node: ast.JoinedStr, scope: Scope) -> None:
-        """Read the expressions of an f-string anew: before Python 3.12 the tree does not say where they are."""
+    def on_formatted(self, node: ast.JoinedStr, scope: Scope) -> None:
+        """Read the expressions of an f-string anew: before Python 3.12 the tree has no places for them."""
         for start, end in fields(self.source, self.start_of(node), self.end_of(node)):
             expression = _CONVERSION.sub("", self.source[start:end])
             source = f"({expression}\n)"
             inner = _Visitor(source, self.shift + start - 1, self.found)
             inner.visit(ast.parse(source), scope)
 
-    on_TemplateStr = on_JoinedStr
+
+_METHODS: dict[str, Callable[[_Visitor, Any, Scope], None]] = {
+    "Name": _Visitor.on_name,
+    "Global": _Visitor.on_global,
+    "Nonlocal": _Visitor.on_nonlocal,
+    "alias": _Visitor.on_alias,
+    "ExceptHandler": _Visitor.on_handler,
+    "MatchAs": _Visitor.on_capture,
+    "MatchStar": _Visitor.on_star,
+    "MatchMapping": _Visitor.on_mapping,
+    "FunctionDef": _Visitor.on_function,
+    "AsyncFunctionDef": _Visitor.on_function,
+    "Lambda": _Visitor.on_lambda,
+    "ClassDef": _Visitor.on_class,
+    "ListComp": _Visitor.on_comprehension,
+    "SetComp": _Visitor.on_comprehension,
+    "DictComp": _Visitor.on_comprehension,
+    "GeneratorExp": _Visitor.on_comprehension,
+    "NamedExpr": _Visitor.on_walrus,
+    "JoinedStr": _Visitor.on_formatted,
+    "TemplateStr": _Visitor.on_formatted,
+}
 
 
 def _type_scope(node: ast.AST, scope: Scope) -> Scope:

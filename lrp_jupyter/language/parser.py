@@ -11,14 +11,15 @@ from __future__ import annotations
 import unicodedata
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
+from itertools import groupby
 from keyword import iskeyword
 
 from lrp_jupyter.errors import LRPSyntaxError
 from lrp_jupyter.language import nodes
 from lrp_jupyter.language.blocks import facts_of
 from lrp_jupyter.language.forms import USAGE, Mistake, Shape, expected_text, shape_of
-from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
 from lrp_jupyter.language.matching import Matching, match
+from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
 
 __all__ = ["parse", "scan"]
@@ -235,26 +236,36 @@ class _Reader:
         self.report(end - len(form.keyword), end, "LRP106", f"`{form.keyword}` is no keyword; {hint}")
 
     def _shape(self, form: _Form, end: int) -> Shape | Mistake | None:
-        """Hold a form against the grammar; what may not stand in it at all is reported and left out."""
-        while True:
+        """Hold a form against the grammar."""
+        shape = shape_of(tuple(form.types))
+        if isinstance(shape, Mistake):
+            self._leave_out(form)
             shape = shape_of(tuple(form.types))
-            if not isinstance(shape, Mistake):
-                return shape
-            index = shape.index
-            if index < len(form.types):
-                keyword = form.types[index].removesuffix("_FORM").lower()
-                if keyword in KEYWORDS and keyword not in LEGAL.get(form.keyword, ()):
-                    self._misplaced(keyword, form.places[index][0], form.keyword)
-                    self._leave_out(form, index, index + 1)
-                    continue
-                if form.keyword == "program":
-                    self._outside(form, index)
-                    continue
+        if isinstance(shape, Mistake):
             self._mistaken(form, shape, end)
-            return shape
+        return shape
 
-    def _leave_out(self, form: _Form, start: int, stop: int) -> None:
-        del form.types[start:stop], form.parts[start:stop], form.places[start:stop]
+    def _leave_out(self, form: _Form) -> None:
+        """Report and leave out what may not stand in a form at all, so that the rest can be judged."""
+        legal = LEGAL.get(form.keyword, frozenset())
+        kept = []
+        for row in zip(form.types, form.parts, form.places, strict=True):
+            keyword = row[0].removesuffix("_FORM").lower()
+            if keyword in legal or not row[0].endswith("_FORM"):
+                kept.append(row)
+            else:
+                self._misplaced(keyword, row[2][0], form.keyword)
+        if form.keyword == "program":
+            for is_form, run in groupby(kept[1:], key=lambda row: row[0].endswith("_FORM")):
+                if not is_form:
+                    places = [place for _, _, place in run]
+                    self._outside(places[0][0], places[-1][1])
+            kept[1:] = [row for row in kept[1:] if row[0].endswith("_FORM")]
+        form.types, form.parts, form.places = (list(column) for column in zip(*kept, strict=True))
+
+    def _outside(self, start: int, end: int) -> None:
+        message = "This stands outside every form; put it into one, or behind `;` as a comment."
+        self.report(start, end, "LRP105", message)
 
     def _misplaced(self, keyword: str, start: int, around: str) -> None:
         homes = [home for home, legal in LEGAL.items() if keyword in legal]
@@ -263,15 +274,6 @@ class _Reader:
         start = self.text.index(keyword, start)
         message = f"`{keyword}` cannot stand {where}; it belongs {right}."
         self.report(start, start + len(keyword), "LRP107", message)
-
-    def _outside(self, form: _Form, index: int) -> None:
-        """Report what stands outside every form, once for a run of it."""
-        stop = index
-        while stop < len(form.types) and not form.types[stop].endswith("_FORM"):
-            stop += 1
-        message = "This stands outside every form; put it into one, or behind `;` as a comment."
-        self.report(form.places[index][0], form.places[stop - 1][1], "LRP105", message)
-        self._leave_out(form, index, stop)
 
     def _mistaken(self, form: _Form, mistake: Mistake, end: int) -> None:
         index, expected = mistake

@@ -265,9 +265,9 @@ def _format_end(text: str, position: int, quotes: str, depth: int, found: _Found
 
 
 def _literal(quotes: str, raw: bool) -> re.Pattern[str]:
-    """Match the text of an f-string up to a field, its closing quotes, or where it breaks off.
+    r"""Match the text of an f-string up to a field, its closing quotes, or where it breaks off.
 
-    A backslash does not escape a brace; ``\\N{…}`` is a name, not a field.
+    A backslash does not escape a brace; ``\N{…}`` is a name, not a field.
     """
     quote = quotes[0]
     multiline = len(quotes) == 3

@@ -29,8 +29,8 @@ __all__ = ["Symbol", "Use", "symbols"]
 class Use(NamedTuple):
     """One place of the text where a name refers to something.
 
-    ``symbol`` is None where that is no part of the program: a local name of a block, a builtin, or nothing at all.
-    ``imported`` is the module's name where the name is bound by ``import``, else empty.
+    ``symbol`` is None where that is no part of the program: a local name of a block, a builtin, or nothing at
+    all. ``imported`` is the module's name where the name is bound by ``import``, else empty.
     """
 
     name: str
@@ -87,7 +87,7 @@ class _Resolver:
 
     def define(self, scope: Scope) -> None:
         for kind, names in (("variable", scope.variables), ("event", scope.events), ("state", scope.states)):
-            for noun in names.values():  # type: ignore[attr-defined]
+            for noun in names.values():
                 self.symbol(kind, (*scope.path, str(noun.name)), noun.name)
         if scope.name is not None:
             self.symbol("machine", scope.path, scope.name)

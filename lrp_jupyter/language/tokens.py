@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+
 from lrp_jupyter.language.scanner import block_end, brackets, line_end
 
 __all__ = ["KEYWORDS", "LEGAL", "Token", "keyword_of", "tokenize"]
@@ -35,7 +36,8 @@ _TAIL = re.compile(r"\](?=[\s)]*+(?:[;#].*)?(?:[\r\n]|\Z))")
 Token = tuple[str, int, int]
 """A token: its type and ``text[start:end]``.
 
-The type is a terminal of ``grammar.lark``, ``OPEN`` (a ``(`` with the keyword behind it), ``CLOSE``, ``STRAY``, ``UNCLOSED`` or ``UNOPENED``: a block whose ``]`` or ``[`` is missing; its end or start is a guess.
+The type is a terminal of ``grammar.lark``, ``OPEN`` (a ``(`` with the keyword behind it), ``CLOSE``,
+``STRAY``, ``UNCLOSED`` or ``UNOPENED``: a block whose ``]`` or ``[`` is missing; its end or start is a guess.
 """
 
 
@@ -78,7 +80,7 @@ def keyword_of(text: str, token: Token) -> str:
 
 
 def _guess_start(text: str, tokens: list[Token], end: int) -> int | None:
-    """Guess with which token the block begins whose ``[`` is missing; None if nothing in the line speaks for one."""
+    """Guess with which token the block begins whose ``[`` is missing; None if nothing speaks for one."""
     closed = 0
     for index in range(len(tokens) - 1, -1, -1):
         token = tokens[index]

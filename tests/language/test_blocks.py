@@ -15,8 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.language.blocks import bind, block_end, block_names, compile_block, facts_of, parse_block
-from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.names import words
+from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Block
 from lrp_jupyter.language.suites import DEEPEST
 

@@ -155,13 +155,13 @@ def test_every_line_end_is_read_and_counted(end: str) -> None:
 
 
 def test_nouns_know_their_places() -> None:
-    text = "  (machine é (state 𝔘 (running [1]\n [2])))"
+    text = "  (machine é (state \U0001d518 (running [1]\n [2])))"
     (machine,) = parse(text).machines
     (state,) = machine.states
     assert [text[slice(*span)] for span in (machine.span, machine.name.span, state.name.span)] == [
         text.strip(),
         "é",
-        "𝔘",
+        "\U0001d518",
     ]
     assert state.name == "U"  # the same identifier, as Python sees it
     second = state.running[1]
@@ -252,7 +252,8 @@ def test_an_error_is_told_once_at_its_place(text: str, code: str, at: str, words
 
 
 def test_a_global_of_a_variable_in_scope_is_an_error_wherever_it_stands() -> None:
-    text = "(machine m (var a := [1]) (state s (running [def f():\n  global a, b])))\n(var b := [2])(var c := [3])"
+    text = "(machine m (var a := [1]) (state s (running [def f():\n  global a, b])))\n"
+    text += "(var b := [2])(var c := [3])"
     assert places(text) == [("LRP501", 2, 10), ("LRP501", 2, 13)]
     assert places(text.replace("(var a := [1])", "").replace("b := ", "d := ")) == []
 
@@ -350,11 +351,15 @@ def test_a_keyword_that_lost_its_bracket_is_told() -> None:
 
 def test_several_wrong_brackets_are_told_each_at_its_place() -> None:
     text = (
-        FOLLOWER.replace("go()])", "go()]))").replace("limit]))", "limit])").replace("2 * time]", "2 * time")
+        FOLLOWER.replace("go()])", "go()]))")
+        .replace("2 * time]", "2 * time")
+        .replace("[limit])\n", "[limit]\n")
     )
-    assert [(code, line) for code, line, _ in places(text)] == [("LRP102", 5), ("LRP103", 12)] or [
-        (code, line) for code, line, _ in places(text)
-    ] == [("LRP103", 12)]
+    assert [(code, line) for code, line, _ in places(text)] == [
+        ("LRP102", 5),
+        ("LRP101", 10),
+        ("LRP103", 12),
+    ]
 
 
 def test_a_string_that_swallows_the_end_of_a_block_is_told_in_its_line() -> None:
@@ -376,7 +381,7 @@ def test_half_a_program_has_few_errors_all_near_its_end() -> None:
 # Whatever is typed
 
 
-@given(st.text("()[]{}'\"#;:=->*\\\n\r abx1é𝔘\0\ud800\ufeff", max_size=60))
+@given(st.text("()[]{}'\"#;:=->*\\\n\r abx1é\U0001d518\0\ud800\ufeff", max_size=60))
 def test_no_text_raises_anything_but_a_syntax_error(text: str) -> None:
     with contextlib.suppress(LRPSyntaxError):
         parse(text)

@@ -57,11 +57,10 @@ CASES = [
         "variable",
         "old",
         "(var «old» := [1]) (var b := [«old»]) (event old [f'{«old»}' + 'old' # old\n])"
-        "(machine m (ontime «old» old -> old) (state s (onentry [«old» = old.old] (spawn old old)))"
-        "  (state t (running [def f(old): return old\ndef g():\n  nonlocal «old»; «old» = 1\n[old for old in «old»]])))"
-        "(machine n (var old := [«old»]) (ontime old a -> b) (state s (onexit [old = 1]))) (onpause [«old»])".replace(
-            "«old» = old.old", "«old» = «old».old"
-        ),
+        "(machine m (ontime «old» old -> old) (state s (onentry [«old» = «old».old] (spawn old old)))"
+        "  (state t (running [def f(old): return old\ndef g():\n  nonlocal «old»; «old» = 1\n"
+        "[old for old in «old»]])))"
+        "(machine n (var old := [«old»]) (ontime old a -> b) (state s (onexit [old = 1]))) (onpause [«old»])",
     ),
     (
         "variable",
@@ -72,7 +71,8 @@ CASES = [
     (
         "state",
         "m/old",
-        "(machine m (state «old») (state s (onentry (spawn n a)) (machine n (state old) (exit e old -> «old»)))"
+        "(machine m (state «old») (state s (onentry (spawn n a))"
+        " (machine n (state old) (exit e old -> «old»)))"
         "(state t (onentry (spawn nothing old))))",
     ),
     (
@@ -186,6 +186,16 @@ def test_names_of_states_may_be_words_of_python() -> None:
     assert renamed("(machine m (state a))", "state", "m/a", "class") == "(machine m (state class))"
 
 
+def attempt(text: str, kind: str, path: tuple[str, ...]) -> str | None:
+    """Rename, unless a name is defined twice or two machines are left by the same `exit`."""
+    try:
+        return rename(parse(text), kind, path, "fresh")
+    except ValueError as error:
+        if re.search("is defined twice|not the only one", str(error)):
+            return None
+        raise
+
+
 @given(programs, st.data())
 def test_a_renamed_program_differs_in_that_name_only_and_can_be_renamed_back(
     program: Program, data: st.DataObject
@@ -196,10 +206,8 @@ def test_a_renamed_program_differs_in_that_name_only_and_can_be_renamed_back(
         return
     symbol = data.draw(st.sampled_from(found))
     kind, path = symbol.element
-    try:
-        new = rename(parse(text), kind, path, "fresh")
-    except ValueError as error:
-        assert re.search("is defined twice|not the only one", str(error))
+    new = attempt(text, kind, path)
+    if new is None:
         return
     assert new.replace("fresh", "") != new
     old = str(text[slice(*symbol.definition)])
