@@ -56,14 +56,13 @@ class _Form:
     The first token is the keyword; a form inside is one token, too.
     """
 
-    __slots__ = ("declared", "empty", "keyword", "parts", "places", "start", "types")
+    __slots__ = ("declared", "empty", "keyword", "parts", "tokens", "types")
 
-    def __init__(self, keyword: str, start: int, end: int) -> None:
+    def __init__(self, keyword: str, token: Token) -> None:
         self.keyword = keyword
-        self.start = start
         self.types = [keyword.upper()]
         self.parts: list[nodes.Part] = [None]
-        self.places = [(start, end)]
+        self.tokens = [token]
         self.empty = False  # whether a block in it is
         self.declared: list[tuple[str, Span]] = []  # what blocks inside declare `global`
 
@@ -99,41 +98,37 @@ class _Reader:
     def _build(self, tokens: list[Token], matching: Matching) -> Program:
         _, extra, lost, closing, _ = matching
         text = self.text
-        form = _Form("program", 0, 0)
+        form = _Form("program", ("", 0, 0))
         forms: list[_Form] = []
         for index, token in enumerate(tokens):
             kind, start, end = token
-            if index in closing:
+            if closing and index in closing:
                 for _ in range(closing[index]):
                     form = self._finish(form, forms, tokens[index - 1][2])
-            if kind == "OPEN" or index in lost:
+            if kind == "OPEN" or (lost and index in lost):
                 forms.append(form)
-                form = _Form(keyword_of(text, token), start, end)
-            elif kind == "CLOSE":
+                form = _Form(keyword_of(text, token), token)
+                continue
+            if kind == "CLOSE":
                 if index not in extra:
                     form = self._finish(form, forms, end)
-            elif kind == "STRAY":
-                self._stray(start, end)
-            else:
-                word = text[start:end]
-                part: nodes.Part = None
-                if kind == "NAME":
-                    part = Name(word if word.isascii() else self._name(word, start, end), Span(start, end))
-                elif kind == "BLOCK":
-                    part = self._block(word, start, end, form)
-                elif kind == "UNCLOSED":
-                    kind = "BLOCK"
-                    message = "This `[` is not closed; put its `]` behind the Python that it opens."
-                    self.report(start, start + 1, "LRP103", message)
-                elif kind == "UNOPENED":
-                    kind = "BLOCK"
-                    message = "A `[` is missing here, before the Python that ends with `]`; put it there."
-                    self.report(start, start + 1, "LRP103", message)
-                elif kind == "INTEGER":
-                    part = self._integer(word, start, end)
-                form.types.append(kind)
-                form.parts.append(part)
-                form.places.append((start, end))
+                continue
+            word = text[start:end]
+            part: nodes.Part = None
+            if kind == "NAME":
+                part = Name(word if word.isascii() else self._name(word, start, end), Span(start, end))
+            elif kind == "BLOCK":
+                part = self._block(word, start, end, form)
+            elif kind == "INTEGER":
+                part = self._integer(word, start, end)
+            elif kind in _BROKEN:
+                self._broken(kind, word, start, end)
+                if kind == "STRAY":
+                    continue
+                kind = "BLOCK"
+            form.types.append(kind)
+            form.parts.append(part)
+            form.tokens.append(token)
         for _ in range(closing.get(len(tokens), 0)):
             form = self._finish(form, forms, tokens[-1][2])
         self._shape(form, len(text))
@@ -141,10 +136,16 @@ class _Reader:
         self._declared(form, program.variables)
         return program
 
-    def _stray(self, start: int, end: int) -> None:
-        char = self.text[start:end]
-        what = "This `]` closes nothing that is open" if char == "]" else f"`{char}` means nothing here"
-        self.report(start, end, "LRP104", f"{what}; remove it.")
+    def _broken(self, kind: str, word: str, start: int, end: int) -> None:
+        if kind == "UNCLOSED":
+            message = "This `[` is not closed; put its `]` behind the Python that it opens."
+            self.report(start, start + 1, "LRP103", message)
+        elif kind == "UNOPENED":
+            message = "A `[` is missing here, before the Python that ends with `]`; put it there."
+            self.report(start, start + 1, "LRP103", message)
+        else:
+            what = "This `]` closes nothing that is open" if word == "]" else f"`{word}` means nothing here"
+            self.report(start, end, "LRP104", f"{what}; remove it.")
 
     def _integer(self, word: str, start: int, end: int) -> int:
         if word.isascii() and word.isdecimal() and len(word) < 16:
@@ -181,15 +182,19 @@ class _Reader:
     def _finish(self, form: _Form, forms: list[_Form], end: int) -> _Form:
         """Close a form, hand what it means to the one around it, and go on with that."""
         outer = forms.pop()
-        if form.keyword in KEYWORDS:
+        keyword = form.keyword
+        if keyword in KEYWORDS:
             shape = self._shape(form, end)
             part = None
+            start = form.tokens[0][1]
             if not isinstance(shape, Mistake):
-                part = nodes.node(form.keyword, form.types, form.parts, shape, Span(form.start, end))
-                self._judge(form, shape, part)
-            outer.types.append(f"{form.types[0]}_FORM")
+                part = nodes.node(keyword, form.types, form.parts, shape, Span(start, end))
+                if form.empty or form.declared or keyword in _JUDGED:
+                    self._judge(form, shape, part)
+            kind = _FORM_TYPES[keyword]
+            outer.types.append(kind)
             outer.parts.append(part)
-            outer.places.append((form.start, end))
+            outer.tokens.append((kind, start, end))
         else:
             self._unknown(form, outer.keyword)
         if form.declared:
@@ -202,15 +207,15 @@ class _Reader:
         if keyword == "var" and isinstance(part, Variable):
             if iskeyword(part.name) or part.name == "__debug__":
                 message = f"`{part.name}` is a word of Python; give the variable another name."
-                self.report(*form.places[1], "LRP110", message)
+                self.report(*form.tokens[1][1:], "LRP110", message)
         elif shape is not None and shape.source == "every" and keyword == "eps":
             message = (
                 "`eps` cannot leave every state, or it would fire at every tick; "
                 "name its sources, as in `(eps {a b} -> c)`."
             )
-            self.report(*form.places[form.types.index("STAR")], "LRP112", message)
+            self.report(*form.tokens[form.types.index("STAR")][1:], "LRP112", message)
         if form.empty and keyword in _FILLED:
-            start, end = form.places[form.types.index("BLOCK")]
+            _, start, end = form.tokens[form.types.index("BLOCK")]
             self.report(start, end, "LRP109", f"This block is empty; write {_FILLED[keyword]} into it.")
         if form.declared and isinstance(part, Machine):
             self._declared(form, part.variables)
@@ -227,7 +232,7 @@ class _Reader:
 
     def _unknown(self, form: _Form, around: str) -> None:
         legal = sorted(LEGAL.get(around, KEYWORDS))
-        start, end = form.places[0]
+        _, start, end = form.tokens[0]
         if not form.keyword:
             self.report(start, start + 1, "LRP106", f"A keyword must follow this `(`: {_either(legal)}.")
             return
@@ -249,19 +254,19 @@ class _Reader:
         """Report and leave out what may not stand in a form at all, so that the rest can be judged."""
         legal = LEGAL.get(form.keyword, frozenset())
         kept = []
-        for row in zip(form.types, form.parts, form.places, strict=True):
+        for row in zip(form.types, form.parts, form.tokens, strict=True):
             keyword = row[0].removesuffix("_FORM").lower()
             if keyword in legal or not row[0].endswith("_FORM"):
                 kept.append(row)
             else:
-                self._misplaced(keyword, row[2][0], form.keyword)
+                self._misplaced(keyword, row[2][1], form.keyword)
         if form.keyword == "program":
             for is_form, run in groupby(kept[1:], key=lambda row: row[0].endswith("_FORM")):
                 if not is_form:
-                    places = [place for _, _, place in run]
-                    self._outside(places[0][0], places[-1][1])
+                    tokens = [token for _, _, token in run]
+                    self._outside(tokens[0][1], tokens[-1][2])
             kept[1:] = [row for row in kept[1:] if row[0].endswith("_FORM")]
-        form.types, form.parts, form.places = (list(column) for column in zip(*kept, strict=True))
+        form.types, form.parts, form.tokens = (list(column) for column in zip(*kept, strict=True))
 
     def _outside(self, start: int, end: int) -> None:
         message = "This stands outside every form; put it into one, or behind `;` as a comment."
@@ -283,12 +288,15 @@ class _Reader:
             message = f"`{form.keyword}` lacks {what} here; {usage}."
             self.report(end - 1, end, "LRP108", message)
             return
-        start, stop = form.places[index]
+        _, start, stop = form.tokens[index]
         found = " ".join(self.text[start : min(stop, start + 40)].split())
         found = found if len(found) < 30 else found[:27] + "…"
         self.report(start, stop, "LRP108", f"Expected {what} instead of `{found}`; {usage}.")
 
 
+_BROKEN = frozenset({"STRAY", "UNCLOSED", "UNOPENED"})
+_FORM_TYPES = {keyword: f"{keyword.upper()}_FORM" for keyword in KEYWORDS}
+_JUDGED = frozenset({"var", "eps"})
 _FILLED = {
     "var": "the variable's value",
     "event": "the event's condition",

@@ -15,6 +15,7 @@ from collections.abc import Iterator
 __all__ = ["block_end", "brackets", "fields", "line_end", "logical_lines", "string_end", "strings"]
 
 _BLOCK = re.compile(r"[\[\]#'\"]")
+_QUOTE = re.compile(r"[#'\"]")
 _CODE = re.compile(r"[\[\](){}#'\"]")
 _FIELD = re.compile(r"[\[\](){}:#'\"]")
 _NEWLINE = re.compile(r"[\r\n]")
@@ -91,11 +92,11 @@ def strings(text: str) -> list[tuple[int, int]]:
     """Find the strings of code, from the opening quotes to behind the closing ones."""
     found = []
     position = 0
-    while match := _BLOCK.search(text, position):
+    while match := _QUOTE.search(text, position):
         position = match.end()
         if match[0] == "#":
             position = line_end(text, position)
-        elif match[0] in "'\"":
+        else:
             position, _ = string_end(text, match.start(), 0)
             found.append((match.start(), position))
     return found
@@ -184,11 +185,11 @@ def fields(text: str, start: int, stop: int) -> list[tuple[int, int]]:
     """
     found: list[tuple[int, int]] = []
     position = start
-    while match := _BLOCK.search(text, position, stop):
+    while match := _QUOTE.search(text, position, stop):
         position = match.end()
         if match[0] == "#":
             position = line_end(text, position)
-        elif match[0] in "'\"":
+        else:
             position = max(_string_end(text, match.start(), start, 0, found), position)
     return found
 

@@ -26,7 +26,7 @@ _TOKEN = re.compile(
     r"|(?P<STAR>\*)|(?P<LBRACE>\{)|(?P<RBRACE>\})|(?P<MINUS>-)|(?P<END>\Z)|(?P<STRAY>[\s\S]))"
 )
 _FORM_LINE = re.compile(rf"[\r\n][ \t]*\((?={_SKIP}({'|'.join(sorted(KEYWORDS))})\b)")
-_SPECIAL = frozenset({"OTHER", "END", "STRAY"})
+_SPECIAL = frozenset({"OTHER", "STRAY"})
 _HEADS = {"var": 3, "event": 2}  # so many tokens stand before the block; one in other forms
 _BLOCKS = KEYWORDS - {"machine", "state", "spawn", "eps"}
 _NEWLINE = re.compile(r"[\r\n]")
@@ -45,14 +45,16 @@ def tokenize(text: str) -> list[Token]:
     """Cut a text into tokens; white space and comments are left out."""
     tokens: list[Token] = []
     append = tokens.append
-    matches = _TOKEN.finditer(text)
+    end = 0
     while True:
-        for match in matches:
+        for match in _TOKEN.finditer(text, end):
             kind: str = match.lastgroup  # type: ignore[assignment]
             if kind in _SPECIAL:
                 break
             append((kind, *match.span(kind)))
-        if kind == "END":
+        else:
+            while tokens and tokens[-1][0] == "END":
+                del tokens[-1]
             return tokens
         start, end = match.span(kind)
         if kind == "STRAY":
@@ -65,7 +67,6 @@ def tokenize(text: str) -> list[Token]:
             if not end:
                 kind, end = "UNCLOSED", _guess_end(text, start)
         append((kind, start, end))
-        matches = _TOKEN.finditer(text, end)
 
 
 def keyword_of(text: str, token: Token) -> str:

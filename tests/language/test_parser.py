@@ -343,6 +343,11 @@ def test_an_unclosed_bracket_without_a_keyword_is_told() -> None:
     assert places("(machine m)\n(") == [("LRP101", 2, 1), ("LRP106", 2, 1)]
 
 
+def test_a_bracket_at_the_margin_of_a_deep_text_is_not_searched_for_long() -> None:
+    deep = "(machine m\n (state s\n" * 4
+    assert {code for code, _, _ in places(f"{deep}  )\n(event")} <= {"LRP101", "LRP108"}
+
+
 def test_a_keyword_that_lost_its_bracket_is_told() -> None:
     finding = only(FOLLOWER.replace("(event", "event"))
     assert (finding.code, finding.line, finding.column) == ("LRP101", 15, 3)

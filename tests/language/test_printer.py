@@ -5,7 +5,7 @@ from programs import programs
 
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
-from lrp_jupyter.language.program import Program
+from lrp_jupyter.language.program import Block, Program
 
 
 @given(programs)
@@ -17,3 +17,33 @@ def test_a_printed_program_reads_as_the_same_program(program: Program) -> None:
 def test_printing_a_printed_program_changes_nothing(program: Program) -> None:
     source = to_source(program)
     assert to_source(parse(source)) == source
+
+
+def test_a_block_that_is_no_python_is_printed_to_the_letter() -> None:
+    assert to_source(Program(onpause=(Block("1 +\n  2 +"),))) == "(onpause [1 +\n  2 +])\n"
+
+
+def test_a_block_is_laid_out_below_its_first_line() -> None:
+    text = "(machine m (state s (running [  a = 1\n # so\n b = '''\n x'''  ] [\nfor i in a:\n  print(i)\n])))"
+    assert (
+        to_source(parse(text))
+        == """\
+(machine m
+  (state s
+    (running [a = 1
+              # so
+              b = '''
+ x''']
+      [
+       for i in a:
+         print(i)])))
+"""
+    )
+
+
+def test_items_that_fit_stand_in_one_line() -> None:
+    text = "(machine m (state s (onentry (spawn n a) [b] (spawn o c))))"
+    assert "    (onentry (spawn n a) [b] (spawn o c))" in to_source(parse(text))
+    long = parse(text.replace("b", "b" * 80))
+    assert parse(to_source(long)) == long
+    assert max(map(len, to_source(long).splitlines())) < 100
