@@ -240,6 +240,9 @@ class Interpreter:
             for observer in tuple(run.observers):
                 for event in events:
                     observer(event)
+        if run.interrupted is not None:
+            interrupted, run.interrupted = run.interrupted, None
+            raise interrupted
 
     # ---- changes ----------------------------------------------------------------------------
 
@@ -478,10 +481,7 @@ def find_variable(run: Run, path: Path | str) -> tuple[Scope, str]:
         If no such variable lives now.
     """
     *where, name = _path(path) or ("",)
-    for scope in run.live.values():
-        if scope.path == tuple(where) and name in scope.own:
+    for key, scope in run.live.items():
+        if tuple(where) in (scope.path, key) and name in scope.own:  # as spawned, or as defined
             return scope, name
-    defined = run.live.get(tuple(where))
-    if defined is not None and name in defined.own:
-        return defined, name
     raise UnknownElementError(f"no variable `{path_text(_path(path))}` lives now")

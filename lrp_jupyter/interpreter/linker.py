@@ -225,7 +225,7 @@ class _Linker:
     def _first(self, element: Element, offset: int, known: Mapping[str, object]) -> bool:
         """Whether this definition counts: the first one of a name does."""
         if element.path[-1] in known:
-            self.duplicates.append(Site(element, 0, offset))
+            self.duplicates.append(Site(element, -1, offset))  # none of its blocks: no run resolves it
             return False
         self.plan.places[element] = offset
         return True

@@ -46,6 +46,7 @@ class Run:
         self.journal = Journal(journal) if journal > 0 else None
         self.observers: list[Observer] = []
         self.events: list[TraceEvent] = []
+        self.interrupted: KeyboardInterrupt | None = None
         self.new_issue = False
         self.stale = False
         self.watched = self.attention = self.journal is not None
@@ -283,8 +284,10 @@ class Run:
 
     def fault(self, site: Site, error: BaseException) -> None:
         """Turn an exception into an issue. Paper: §6.2."""
-        if isinstance(error, KeyboardInterrupt):
-            raise error
+        if isinstance(error, KeyboardInterrupt):  # raised when the tick is complete, so that it is whole
+            self.interrupted = error
+            self.attention = True
+            return
         if isinstance(error, Fault):
             self.report(site, error.kind, str(error))
             return
@@ -294,7 +297,7 @@ class Run:
             return
         self.last_exception = error
         kind: IssueKind = "exception"
-        message = f"{type(error).__name__}: {error}" if str(error) else type(error).__name__
+        message = "".join(tracebacks.format_exception_only(error)).strip().splitlines()[-1]
         if isinstance(error, NameError) and not isinstance(error, UnboundLocalError):
             kind, message = "unknown variable", _name_error(error)
         self.report(site, kind, message, error)
@@ -373,7 +376,7 @@ class Run:
 
 
 def _same(old: object, new: object) -> bool:
-    return type(old) is type(new) and isinstance(new, (int, float, str, bytes, complex)) and old == new
+    return type(old) is type(new) and type(new) in (int, float, str, bytes, complex) and old == new
 
 
 def _short(value: object) -> str:

@@ -124,7 +124,7 @@ class Edge:
         )
         self.path = (*act.path, plan.label)
         self.data = (state.name, destination)
-        self.site = plan.site
+        self.site = plan.site._replace(ordinal=1)  # 0 is its condition or delay
         self.tested = plan.test.block.site if isinstance(plan.test, EventPlan) else plan.site
 
 

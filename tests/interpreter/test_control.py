@@ -3,7 +3,7 @@
 import pytest
 from story import robot
 
-from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.errors import NoDataYet, UnknownElementError
 from lrp_jupyter.interpreter.events import EVENT_KINDS
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
@@ -224,10 +224,12 @@ def test_time_never_goes_back():
         i.step(float("nan"))
 
 
-def test_keyboard_interrupt_passes():
-    i = started("(machine m (state a (running [raise KeyboardInterrupt])))(spawn m a)")
+def test_keyboard_interrupt_passes_when_the_tick_is_whole():
+    i = started("(var n := [0])(machine m (state a (running [raise KeyboardInterrupt] [n += 1])))(spawn m a)")
     with pytest.raises(KeyboardInterrupt):
         i.step(0.1)
+    assert i.variables["n"] == 1
+    assert not i.issues
 
 
 def test_nothing_is_written_into_the_namespace():
@@ -353,3 +355,241 @@ def test_after_going_back_the_program_runs_on_as_before():
     assert active(i) == ["m/a", "other/o"]
     i.transition_to("m/b")
     assert log(i) == "AaBXS"
+
+
+def test_variables_are_a_mapping_by_path_or_by_text():
+    i = started(
+        "(var n := [0])(var none := [1 / 0])(machine m (state a (onentry (spawn h p))))"
+        "(machine h (var k := [1]) (state p))(spawn m a)"
+    )
+    assert dict(i.variables) == {("n",): 0, ("m", "a", "h", "k"): 1}
+    assert (len(i.variables), repr(i.variables)) == (2, "{'n': 0, 'm/a/h/k': 1}")
+    assert i.variables["h/k"] == 1, "by its path of definition as well"
+    for path in ("none", ("none",), "nothing", "m/n"):
+        with pytest.raises(KeyError, match="none|nothing|m/n"):
+            i.variables[path]
+
+
+def test_issues_are_a_sequence():
+    i = started("(machine m (state a (running [1 / 0])) (on nope a -> a))(spawn m a)", 3)
+    first, second = i.issues
+    assert i.issues[0] == first
+    assert i.issues[-1:] == (second,)
+    assert (first.code, second.code, first.element.path) == ("LRP603", "LRP601", ("m", "nope:a->a"))
+    assert str(second) == "1:31: LRP601 ZeroDivisionError: division by zero (2 times)"
+    assert repr(i.issues).startswith("Issues([Issue(")
+    i.issues.clear()
+    assert not i.issues
+    i.step(0.3)
+    assert [issue.count for issue in i.issues] == [1, 1]
+
+
+def test_what_cannot_be_shown_is_an_issue_all_the_same():
+    text = """(machine m (state a (running [
+      class Odd(Exception):
+          def __str__(self): raise ValueError
+      raise Odd]))
+      (event strange [
+        class Odd:
+          def __repr__(self): raise ValueError
+        Odd()])
+      (event long ["x" * 1000])
+      (on strange a -> a) (on long a -> a))(spawn m a)"""
+    strange, long, odd = (issue.message for issue in started(text, 2).issues)
+    assert "not a Odd that cannot be shown" in strange
+    assert "not 'xxxx" in long
+    assert len(long) < 130
+    assert odd.endswith("Odd: <exception str() failed>")
+
+
+def test_an_exception_that_never_enters_the_block_stands_at_the_element():
+    i = started("(machine m\n  (state a\n    (running [len()])))(spawn m a)", 2)
+    (issue,) = i.issues
+    assert (issue.line, issue.column) == (3, 15)
+
+
+def test_a_nonlocal_whose_variable_is_gone_is_an_issue_when_it_runs():
+    i = started("(machine m (state a (running [\n def f():\n  nonlocal gone\n f()])))(spawn m a)", 2)
+    (issue,) = i.issues
+    assert (issue.code, issue.resolved) == ("LRP606", False)
+    assert "gone" in issue.message
+    i = started("(machine m (state a)(ontime [\n def f():\n  nonlocal gone\n f()] a -> a))(spawn m a)", 2)
+    assert [issue.code for issue in i.issues] == ["LRP606"]
+
+
+def test_a_reading_that_has_not_arrived_is_no_fault_of_a_condition():
+    class Robot:
+        @property
+        def light(self):
+            raise NoDataYet("no data yet on /light")
+
+    text = "(machine m (state a (running [robot.light])) (on [robot.light > 3] a -> a) (ontime [robot.light] a -> a))"
+    i = Interpreter(parse(text + "(spawn m a)"), Robot())
+    for tick in range(3):
+        i.step(tick / 10)
+    assert [(issue.code, issue.element.kind) for issue in i.issues] == [("LRP610", "running")]
+
+
+def test_one_observer_may_leave_while_others_stay():
+    i = started(ticks=0)
+    first, second = [], []
+    stop = i.observe(first.append)
+    i.observe(second.append)
+    stop()
+    i.step(0.0)
+    assert not first
+    assert second
+
+
+def test_an_edit_moves_an_issue_with_its_text():
+    text = "(machine m (state a (running [1 / 0])))(spawn m a)"
+    i = started(text, 2)
+    i.patch(parse("\n\n   " + text))
+    (issue,) = i.issues
+    assert (issue.line, issue.column, issue.resolved) == (3, 34, False)
+
+
+def test_a_definition_given_twice_is_an_issue_until_it_is_gone():
+    twice = "(var n := [1])(var n := [2])(machine m (state a) (state a (onentry [n = 5])))(spawn m a)"
+    i = started(twice, 2)
+    assert [(issue.code, issue.element.kind) for issue in i.issues] == [
+        ("LRP609", "variable"),
+        ("LRP609", "state"),
+    ]
+    assert i.variables["n"] == 1
+    i.patch(parse(twice + "; still"))
+    assert [issue.count for issue in i.issues] == [1, 1]
+    i.patch(parse("(var n := [1])(machine m (state a))(spawn m a)"))
+    assert all(issue.resolved for issue in i.issues)
+
+
+@pytest.mark.parametrize(
+    ("kind", "path", "new", "active_after"),
+    [
+        ("state", "m/b", "bee", ["m/bee/n/x", "m/bee/k/s", "other/o"]),
+        ("machine", "m/b/n", "nn", ["m/b/nn/x", "m/b/k/s", "other/o"]),
+        ("machine", "m", "mm", ["mm/b/n/x", "mm/b/k/s", "other/o"]),
+        ("state", "m/a", "start", ["m/b/n/x", "m/b/k/s", "other/o"]),
+        ("variable", "log", "diary", ["m/b/n/x", "m/b/k/s", "other/o"]),
+        ("variable", "m/b/n/depth", "d", ["m/b/n/x", "m/b/k/s", "other/o"]),
+    ],
+)
+def test_an_explicit_rename_carries_everything_over(kind, path, new, active_after):
+    i = started()
+    i.transition_to("m/b", now=0.05)
+    text, before = i.program.text, sorted(map(str, i.variables.values()))
+    renamed = i.rename(kind, path, new)
+    assert renamed == i.program.text != text
+    assert active(i) == active_after
+    assert sorted(map(str, i.variables.values())) == before
+    i.step(0.1)
+    assert active(i) == active_after
+    assert not i.issues
+    back = (*path.split("/")[:-1], new)
+    assert i.rename(kind, back, path.split("/")[-1]) == text
+    assert not i.patch(parse(text + " ")).restarted
+    assert active(i) == ["m/b/n/x", "m/b/k/s", "other/o"]
+    i.rewind(1)
+    assert i.program.text == text
+
+
+def test_a_rename_that_cannot_be_changes_nothing():
+    i = started()
+    text = i.program.text
+    with pytest.raises(ValueError, match="taken|already"):
+        i.rename("state", "m/b", "a")
+    with pytest.raises(UnknownElementError):
+        i.rename("state", "m/zzz", "a")
+    assert i.program.text == text
+
+
+def test_a_spawn_that_works_again_resolves_its_issue():
+    text = """(machine first (state a (onentry (spawn helper h))) (state b) (ontime 200 a -> b) (ontime 300 b -> a))
+    (machine second (state a (onentry (spawn helper h))) (ontime 300 a -> a))
+    (machine helper (state h))
+    (spawn first a)(spawn second a)"""
+    i = started(text)
+    assert [(issue.code, issue.resolved) for issue in i.issues] == [("LRP608", False)]
+    for tick in range(1, 4):
+        i.step(tick / 10)
+    assert active(i) == ["first/b", "second/a/helper/h"]
+    assert [(issue.code, issue.resolved) for issue in i.issues] == [("LRP608", True)]
+
+
+def test_an_exit_that_leads_somewhere_again_resolves_its_issue():
+    text = """(machine first (state a (onentry (spawn helper h))) (state b) (ontime 300 a -> b))
+    (machine second (state a) (state c (onentry (spawn helper h))) (state home) (ontime 500 a -> c))
+    (machine helper (state h) (exit [True] h -> home))
+    (spawn first a)(spawn second a)"""
+    i = started(text, 3)
+    assert [(issue.code, issue.resolved) for issue in i.issues] == [("LRP604", False)]
+    assert "machine `first` has no state `home`" in i.issues[0].message
+    for tick in range(3, 8):
+        i.step(tick / 10)
+    assert active(i) == ["first/b", "second/home"]
+    assert [(issue.code, issue.resolved) for issue in i.issues] == [("LRP604", True)]
+
+
+def test_an_exit_in_a_root_machine_leads_nowhere():
+    i = started("(machine m (state a) (exit [True] a -> a))(spawn m a)", 2)
+    assert "is not nested in a state" in i.issues[0].message
+    assert active(i) == ["m/a"]
+
+
+def test_the_journal_tells_how_far_back_it_reaches():
+    i = started(ticks=4, journal=3)
+    assert i.journal == 3
+    assert started(journal=0).journal == 0
+
+
+def test_an_unset_variable_shows_itself():
+    i = started("(var n := [1])(machine m (state a (running [del n])))(spawn m a)")
+    seen = []
+    i.observe(seen.append)
+    i.step(0.1)
+    assert repr(seen[-1].data) == "<unset>"
+    i.rewind(1)
+    assert i.variables["n"] == 1
+
+
+def test_reading_a_variable_whose_initialiser_failed_says_so():
+    i = started("(var n := [1 / 0])(machine m (state a (running [n])))(spawn m a)", 2)
+    assert i.issues[1].message == "`n` has no value"
+
+
+def test_a_condition_that_holds_does_not_hide_a_missing_destination():
+    i = started("(machine m (state a) (on [True] a -> nowhere))(spawn m a)")
+    seen = []
+    i.observe(seen.append)
+    for tick in range(1, 4):
+        i.step(tick / 10)
+    assert [event.kind for event in seen] == ["issue"]
+    assert [(issue.count, issue.resolved) for issue in i.issues] == [(3, False)]
+
+
+def test_a_fault_in_a_function_of_the_namespace_stands_where_the_block_calls_it():
+    def fail():
+        raise OSError("no robot")
+
+    i = started("(machine m\n (state a (running [1;\n fail()])))(spawn m a)", 2, namespace={"fail": fail})
+    (issue,) = i.issues
+    assert (issue.line, issue.column, issue.message) == (3, 2, "OSError: no robot")
+
+
+def test_forcing_through_states_whose_actions_fail_goes_on():
+    text = (
+        "(machine m (state z) (state a (onentry [1 / 0]) (machine n (state x) (state y))))(spawn m nowhere)"
+    )
+    i = started(text)
+    i.transition_to("m/a/n/y")
+    assert active(i) == ["m/a/n/y"]
+    assert [(issue.code, issue.resolved) for issue in i.issues] == [("LRP604", False), ("LRP601", False)]
+
+
+def test_two_interpreters_share_the_plan_of_one_program():
+    program = parse(NESTED)
+    one, two = Interpreter(program), Interpreter(program)
+    one.step(0.0)
+    assert two.active == ()
+    two.step(5.0)
+    assert one.active == two.active

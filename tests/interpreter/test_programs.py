@@ -30,6 +30,12 @@ def test_a_program_does_what_it_says(story):
     assert {(issue.code, issue.line) for issue in i.issues} == story.issues
 
 
+def test_a_program_does_the_same_when_nobody_watches(story):
+    bot = robot()
+    i = Interpreter(parse(story.text), bot, journal=0)
+    run_until(i.step, story, bot, lambda: (words(i.active), i.variables))
+
+
 def test_the_reference_does_what_it_says(story):
     bot = robot()
     i = Reference(parse(story.text), bot)
