@@ -1,0 +1,71 @@
+"""The bundled programs: to run, to read, to change.
+
+Each is a file ``NAME.lrp`` beside this one. The comments at its head say in the first line what it
+does, then in which world it is at home (``; world: line``; ``none``: it needs no robot), and what
+to watch.
+"""
+
+from __future__ import annotations
+
+import re
+from difflib import get_close_matches
+from importlib.resources import files
+from typing import NamedTuple
+
+from lrp_jupyter.errors import LRPError
+
+__all__ = ["Heading", "heading", "load", "names"]
+
+_COMMENT = re.compile(r"\s*[;#]+ ?(.*)")
+_WORLD = re.compile(r"world: *(\S+)\s*$", re.IGNORECASE)
+
+
+class Heading(NamedTuple):
+    """What the comments at the head of a program say.
+
+    Parameters
+    ----------
+    description : str
+        The first line; empty when the text begins with a form.
+    world : str or None
+        Name or file of the world; ``"none"``: no robot. None: it does not say.
+    """
+
+    description: str = ""
+    world: str | None = None
+
+
+def names() -> tuple[str, ...]:
+    """Names of the bundled programs, in alphabetical order."""
+    found = (entry.name for entry in files(__name__).iterdir())
+    return tuple(sorted(name.removesuffix(".lrp") for name in found if name.endswith(".lrp")))
+
+
+def load(name: str) -> str:
+    """Return the text of a bundled program.
+
+    Raises
+    ------
+    LRPError
+        There is none of that name; the message names the nearest.
+    """
+    known = names()
+    if name not in known:
+        close = get_close_matches(name, known, n=1)
+        hint = f" Did you mean `{close[0]}`?" if close else ""
+        raise LRPError(f"there is no bundled program `{name}`.{hint} There are: {', '.join(known)}")
+    return files(__name__).joinpath(f"{name}.lrp").read_text(encoding="utf-8")
+
+
+def heading(text: str) -> Heading:
+    """Read the comments at the head of any program."""
+    comments = []
+    for line in text.lstrip("\ufeff").splitlines():
+        comment = _COMMENT.match(line)
+        if comment is None and line.strip():
+            break
+        if comment is not None:
+            comments.append(comment[1].strip())
+    worlds = (found[1] for line in comments if (found := _WORLD.match(line)))
+    described = (line for line in comments if line and not _WORLD.match(line))
+    return Heading(next(described, ""), next(worlds, None))
