@@ -40,10 +40,10 @@ class LRPSyntaxError(LRPError):
         super().__init__("\n".join(str(finding) for finding in findings))
 
 
-class UnknownElementError(LRPError, LookupError):
+class UnknownElementError(LRPError, KeyError):
     """A path names no element of the program (or none that lives now)."""
 
-    def __str__(self) -> str:  # LookupError's subclasses quote their argument; a sentence needs none
+    def __str__(self) -> str:  # a KeyError shows the repr of its argument; a sentence needs no quotes
         return str(self.args[0]) if self.args else ""
 
 
