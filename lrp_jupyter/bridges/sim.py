@@ -166,7 +166,7 @@ class SimBridge(Bridge):
             message=Twist,
             limits={"linear": spec.limits[0], "angular": spec.limits[1]},
         )
-        self.add_method("stop", lambda: self.simulation.drive(), "stand still")
+        self.add_method("stop", lambda: self.simulation.drive(), "stand still", velocity=True)
         self.add_method("pen", self._pen, "lower the pen (True) or lift it (False): it leaves a trail")
         self.simulation.latch()  # so that there is something to see before the first tick
         return None

@@ -300,3 +300,14 @@ def test_pause_freezes_and_stops(sim: SimBridge) -> None:
     sim.on_resume()
     sim.advance(PERIOD)
     assert sim.picture.robots[0].command == (0.0, 0.0)
+
+
+def test_a_program_that_stops_its_robot_hears_nothing_of_the_command_watchdog(sim: SimBridge) -> None:
+    drive(sim, ticks=3)
+    sim.begin_tick(3 * PERIOD, PERIOD)
+    sim.robot.stop()
+    sim.end_tick(3 * PERIOD)
+    for tick in range(4, 20):
+        sim.begin_tick(tick * PERIOD, PERIOD)
+        sim.end_tick(tick * PERIOD)
+    assert sim.safety.notices == ()
