@@ -13,6 +13,9 @@ __all__ = ["DEEPEST", "Matching", "match"]
 DEEPEST = 100
 """So many forms may stand in one another."""
 
+_BRACKETS = frozenset({"OPEN", "CLOSE"})
+_LEGAL = {keyword: LEGAL.get(keyword, frozenset()) for keyword in KEYWORDS} | LEGAL
+
 Remark = tuple[int, int, str, str]
 """A finding whose place is not looked up yet: start, end, code, message."""
 
@@ -44,21 +47,19 @@ def match(text: str, starts: list[int], tokens: list[Token]) -> Matching:
     """Match the brackets of a text whose lines begin at `starts`, with the least change where they do not."""
     around = ["program"]
     sound = True
-    for token in tokens:
-        kind = token[0]
-        if kind == "OPEN":
+    for token in [token for token in tokens if token[0] in _BRACKETS]:
+        if token[0] == "OPEN":
             keyword = keyword_of(text, token)
             if len(around) > DEEPEST:
                 message = f"Forms are nested too deeply here; at most {DEEPEST} may stand in one another."
                 return Matching([(token[1], token[2], "LRP111", message)], too_deep=True)
-            if keyword in KEYWORDS and keyword not in LEGAL.get(around[-1], KEYWORDS - LEGAL.keys()):
+            if keyword not in _LEGAL.get(around[-1], KEYWORDS) and keyword in KEYWORDS:
                 sound = False
             around.append(keyword)
-        elif kind == "CLOSE":
-            if len(around) > 1:
-                around.pop()
-            else:
-                sound = False
+        elif len(around) > 1:
+            around.pop()
+        else:
+            sound = False
     return Matching([]) if sound and len(around) == 1 else _repaired(text, starts, tokens)
 
 

@@ -100,18 +100,22 @@ class _Reader:
         text = self.text
         form = _Form("program", ("", 0, 0))
         forms: list[_Form] = []
+        types, parts, kept = form.types, form.parts, form.tokens
         for index, token in enumerate(tokens):
             kind, start, end = token
             if closing and index in closing:
                 for _ in range(closing[index]):
                     form = self._finish(form, forms, tokens[index - 1][2])
+                types, parts, kept = form.types, form.parts, form.tokens
             if kind == "OPEN" or (lost and index in lost):
                 forms.append(form)
                 form = _Form(keyword_of(text, token), token)
+                types, parts, kept = form.types, form.parts, form.tokens
                 continue
             if kind == "CLOSE":
                 if index not in extra:
                     form = self._finish(form, forms, end)
+                    types, parts, kept = form.types, form.parts, form.tokens
                 continue
             word = text[start:end]
             part: nodes.Part = None
@@ -126,9 +130,9 @@ class _Reader:
                 if kind == "STRAY":
                     continue
                 kind = "BLOCK"
-            form.types.append(kind)
-            form.parts.append(part)
-            form.tokens.append(token)
+            types.append(kind)
+            parts.append(part)
+            kept.append(token)
         for _ in range(closing.get(len(tokens), 0)):
             form = self._finish(form, forms, tokens[-1][2])
         self._shape(form, len(text))

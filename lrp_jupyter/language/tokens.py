@@ -19,7 +19,9 @@ LEGAL: dict[str, frozenset[str]] = {
 KEYWORDS = frozenset().union(*LEGAL.values())
 
 _SKIP = r"[\s\ufeff]*+(?:[;#][^\r\n]*+[\s\ufeff]*+)*+"
-_NAME = r"(?:[^\W\d]|[^\x00-\x7f\s\ufeff])(?:\w|[^\x00-\x7f\s\ufeff])*+"
+_NAME = (  # letters, digits and `_` of ASCII, and whatever is beyond it; one set of characters is what is fast
+    r"[^\x00-\x40\x5b-\x5e\x60\x7b-\x7f\s\ufeff][^\x00-\x2f\x3a-\x40\x5b-\x5e\x60\x7b-\x7f\s\ufeff]*+"
+)
 _TOKEN = re.compile(
     rf"{_SKIP}(?:(?P<OPEN>\({_SKIP}(?P<KEYWORD>{_NAME})?+)|(?P<CLOSE>\))|(?P<NAME>{_NAME})"
     r"|(?P<BLOCK>\[[^\[\]'\"#]*+\])|(?P<OTHER>\[)|(?P<ARROW>->)|(?P<ASSIGN>:=)|(?P<INTEGER>[0-9][\w.]*+)"

@@ -80,6 +80,7 @@ def test_the_end_of_a_block_is_a_closing_bracket_or_none(text: str) -> None:
 def test_f_strings_nested_deeper_than_python_allows_do_not_exhaust_the_stack() -> None:
     assert block_end("[" + "f'{" * 1_000, 0) == -1
     assert block_end("[f'" + "{a:" * 1_000 + "]", 0) == -1
+    assert block_end("[f'{a:{b\n]", 0) == len("[f'{a:{b\n")
 
 
 # Layout
