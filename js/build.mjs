@@ -8,7 +8,14 @@ import { ownNames } from "./mangle.mjs";
 const OUT = "../lrp_jupyter/static";
 const LIMIT = 500_000;
 
-execFileSync("npx", ["--no-install", "lezer-generator", "--typeScript", "src/language/lrp.grammar", "-o", "src/language/parser.ts"]);
+execFileSync("npx", [
+  "--no-install",
+  "lezer-generator",
+  "--typeScript",
+  "src/language/lrp.grammar",
+  "-o",
+  "src/language/parser.ts",
+]);
 
 const options = {
   entryPoints: [
@@ -28,7 +35,12 @@ if (process.argv.includes("--watch")) {
 } else {
   const { outputFiles } = await build({ ...options, write: false });
   const names = ownNames(outputFiles.find(({ path }) => path.endsWith(".js")).text);
-  await build({ ...options, minify: true, mangleProps: new RegExp(`^(?:${names.join("|")})$`), logLevel: "info" });
+  await build({
+    ...options,
+    minify: true,
+    mangleProps: new RegExp(`^(?:${names.join("|")})$`),
+    logLevel: "info",
+  });
   const bundle = readFileSync(`${OUT}/lab.js`, "utf8");
   if (statSync(`${OUT}/lab.js`).size > LIMIT) throw new Error(`lab.js is larger than ${LIMIT} bytes`);
   if (/https?:\/\/(cdn|unpkg|esm)\b/.test(bundle)) throw new Error("lab.js loads from elsewhere");

@@ -22,7 +22,8 @@ function words(text) {
 export function ownNames(bundle) {
   const foreign = new Set(["default", "render", "constructor"]);
   for (const file of readdirSync(TYPES)) {
-    if (/^lib\..*\.d\.ts$/.test(file)) for (const word of words(readFileSync(`${TYPES}/${file}`, "utf8"))) foreign.add(word);
+    if (/^lib\..*\.d\.ts$/.test(file))
+      for (const word of words(readFileSync(`${TYPES}/${file}`, "utf8"))) foreign.add(word);
   }
   for (const file of WIRE) for (const word of words(readFileSync(file, "utf8"))) foreign.add(word);
   for (const [, , text] of bundle.matchAll(/(["'`])((?:(?!\1)[^\\\n]|\\.)*)\1/g)) {
@@ -30,7 +31,9 @@ export function ownNames(bundle) {
   }
   for (const [, word] of bundle.matchAll(/dataset\.(\w+)/g)) foreign.add(word);
   const own = new Set();
-  for (const match of bundle.matchAll(/(?:\.|^\s+(?:static |get |set |async )*|[{,]\s*)([A-Za-z_$][\w$]*)\s*(?:=[^=>]|[(:])/gm)) {
+  for (const match of bundle.matchAll(
+    /(?:\.|^\s+(?:static |get |set |async )*|[{,]\s*)([A-Za-z_$][\w$]*)\s*(?:=[^=>]|[(:])/gm,
+  )) {
     const name = match[1];
     if (name.length >= SHORTEST && !foreign.has(name)) own.add(name);
   }

@@ -32,6 +32,7 @@ export function openLab(model: Model, part: Part, host: HTMLElement): () => void
     "data-part": part,
     "data-lm-suppress-shortcuts": "true",
   });
+  host.classList.add("lrp-host");
   host.append(root);
   const toast = h("div", { class: "lrp-toast", role: "alert", hidden: true });
   let toastTimer: ReturnType<typeof setTimeout> | undefined;

@@ -188,31 +188,30 @@ export interface Stroke {
   path?: Point[];
   circle?: Pose;
   arc?: number[];
-  width: number;
-  grey: number;
+  width?: number;
+  grey?: number;
   ink?: boolean;
 }
 
 export interface Floor {
-  grey: number;
-  strokes: Stroke[];
+  grey?: number;
+  strokes?: Stroke[];
 }
 
 export interface Solid {
   box?: number[];
   circle?: Pose;
-  polygon?: Point[];
-  segment?: number[];
   angle?: number;
+  name?: string;
   push?: number | null;
 }
 
 export interface RobotShape {
   pose: Pose;
-  radius: number;
-  light: Point[];
-  bumper: boolean;
-  distance: Point[];
+  radius?: number;
+  light?: Point[];
+  bumper?: boolean;
+  distance?: Point[];
 }
 
 export interface Zone {

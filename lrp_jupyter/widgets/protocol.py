@@ -273,16 +273,16 @@ class Stroke(TypedDict):
     path: NotRequired[list[Point]]
     circle: NotRequired[Pose]
     arc: NotRequired[list[float]]
-    width: float
-    grey: int
+    width: NotRequired[float]
+    grey: NotRequired[float]
     ink: NotRequired[bool]
 
 
 class Floor(TypedDict):
     """What the light sensor sees."""
 
-    grey: int
-    strokes: list[Stroke]
+    grey: NotRequired[float]
+    strokes: NotRequired[list[Stroke]]
 
 
 class Solid(TypedDict):
@@ -290,9 +290,8 @@ class Solid(TypedDict):
 
     box: NotRequired[list[float]]
     circle: NotRequired[Pose]
-    polygon: NotRequired[list[Point]]
-    segment: NotRequired[list[float]]
     angle: NotRequired[float]
+    name: NotRequired[str]
     push: NotRequired[float | None]
 
 
@@ -300,10 +299,10 @@ class RobotShape(TypedDict):
     """A robot: pose (x, y, theta), radius, places of light sensors, (angle, reach) of distance sensors."""
 
     pose: Pose
-    radius: float
-    light: list[Point]
-    bumper: bool
-    distance: list[Point]
+    radius: NotRequired[float]
+    light: NotRequired[list[Point]]
+    bumper: NotRequired[bool]
+    distance: NotRequired[list[Point]]
 
 
 class Zone(TypedDict):
@@ -314,7 +313,7 @@ class Zone(TypedDict):
 
 
 class WorldView(TypedDict):
-    """The world's JSON, sent when it changes other than by movement and ink."""
+    """The world as `World.to_dict` writes it (what is usual left out); `world/complete.ts` fills it in."""
 
     version: int
     name: NotRequired[str]

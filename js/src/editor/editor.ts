@@ -2,7 +2,14 @@
 
 import { closeBrackets, closeBracketsKeymap, completionKeymap } from "@codemirror/autocomplete";
 import { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirror/commands";
-import { bracketMatching, foldGutter, foldKeymap, indentOnInput, indentUnit } from "@codemirror/language";
+import {
+  bracketMatching,
+  foldGutter,
+  foldKeymap,
+  forceParsing,
+  indentOnInput,
+  indentUnit,
+} from "@codemirror/language";
 import { lintGutter, lintKeymap } from "@codemirror/lint";
 import { closeSearchPanel, findNext, findPrevious, openSearchPanel, search } from "@codemirror/search";
 import { EditorState, type Extension, Prec } from "@codemirror/state";
@@ -29,6 +36,8 @@ import { hover } from "./hover";
 import { live, liveChanged } from "./live";
 import { goToDefinition, navigation, rename } from "./navigate";
 import { Tracked } from "./tracked";
+
+const PARSE_FOR = 200; // ms: a new text is shown in its colours at once
 
 const searchKeys: KeyBinding[] = [
   { key: "Mod-f", run: openSearchPanel, scope: "editor search-panel" },
@@ -138,6 +147,7 @@ export class Editor {
       const head = Math.min(selection, this.view.state.doc.length);
       this.view.dispatch({ selection: { anchor: head } });
     }
+    forceParsing(this.view, this.view.state.doc.length, PARSE_FOR);
     this.answered.begin(this.view.state.toText(text));
     this.onItsWay.take(this.answered);
     this.running.begin(this.view.state.toText(running));

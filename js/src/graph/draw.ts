@@ -8,6 +8,7 @@ import type { GraphLayout, Label, Port, StateShape, TransitionShape } from "./la
 
 const STATE_FONT = 13;
 const LABEL_FONT = 11.5;
+const NESTED_LETTER = 5.8; // px, about
 const LIFT = 0.35; // of the font size: from the middle of a letter to its base line
 
 export interface Layers {
@@ -141,9 +142,10 @@ function stateBody(shape: StateShape): SVGElement[] {
   if (shape.nested) {
     const inner = { x: left + 3.5, y: top + 3.5, width: width - 7, height: height - 7, rx: 6 };
     parts.push(s("rect", { class: "lrp-inner", ...inner }), text("lrp-name", 0, -2.5, shape.label));
-    parts.push(
-      s("g", { class: "lrp-nested", "data-nested": true }, nestedIcon(), text("", 9, 14, shape.nested)),
-    );
+    const half = shape.nested.length * NESTED_LETTER * 0.5;
+    const symbol = nestedIcon();
+    symbol.setAttribute("transform", `translate(${-half - 4} 10)`);
+    parts.push(s("g", { class: "lrp-nested" }, symbol, text("", 7, 14, shape.nested)));
   } else parts.push(text("lrp-name", 0, STATE_FONT * LIFT, shape.label));
   if (shape.start) {
     const { x, y, radius, d, head } = shape.start;

@@ -1,7 +1,10 @@
 /** Painting a world: the floor and what stands fast once, robots and what moves for every picture. */
 
-import type { Point, Pose, RobotShape, Solid, Stroke, WorldView } from "../protocol";
+import type { Point, Pose, Solid } from "../protocol";
+import type { FullRobot, FullStroke, FullWorld } from "./complete";
 import type { RobotPose, Snapshot } from "./poses";
+
+const SMALLEST_TEXT = 11; // px
 
 type Canvas = CanvasRenderingContext2D;
 
@@ -29,7 +32,7 @@ export function shade(grey: number, palette: Palette): string {
 }
 
 /** The floor with everything drawn on it. The context is in metres, y up. */
-export function paintFloor(c: Canvas, world: WorldView, ink: readonly Stroke[], palette: Palette): void {
+export function paintFloor(c: Canvas, world: FullWorld, ink: readonly FullStroke[], palette: Palette): void {
   const [width, height] = world.size;
   c.fillStyle = shade(world.floor.grey, palette);
   c.fillRect(0, 0, width, height);
@@ -46,7 +49,7 @@ export function paintFloor(c: Canvas, world: WorldView, ink: readonly Stroke[], 
   for (const [name, zone] of Object.entries(world.zones)) paintZone(c, name, zone, palette);
 }
 
-export function paintStroke(c: Canvas, stroke: Stroke, palette: Palette): void {
+export function paintStroke(c: Canvas, stroke: FullStroke, palette: Palette): void {
   c.lineCap = "round";
   c.lineJoin = "round";
   c.lineWidth = stroke.width;
@@ -67,7 +70,7 @@ export function paintStroke(c: Canvas, stroke: Stroke, palette: Palette): void {
   c.globalCompositeOperation = "source-over";
 }
 
-function paintZone(c: Canvas, name: string, zone: WorldView["zones"][string], palette: Palette): void {
+function paintZone(c: Canvas, name: string, zone: FullWorld["zones"][string], palette: Palette): void {
   c.strokeStyle = palette.zone;
   c.lineWidth = 0.008;
   c.setLineDash([0.03, 0.02]);
@@ -79,8 +82,8 @@ function paintZone(c: Canvas, name: string, zone: WorldView["zones"][string], pa
   }
   c.stroke();
   c.setLineDash([]);
-  const [x = 0, y = 0] = zone.circle ?? zone.box ?? [];
-  write(c, name, x, y, 0.06, palette.zone, "center", palette.font);
+  const [x = 0, y = 0, width = 0, height = 2 * width] = zone.circle ?? zone.box ?? [];
+  write(c, name, x, y + height / 2 + 0.05, 0.06, palette.zone, "center", palette.font);
 }
 
 /** Text stands upright although y points up. */
@@ -124,19 +127,25 @@ export function paintSolid(c: Canvas, solid: Solid, pose: Pose, palette: Palette
   c.restore();
 }
 
-/** Everything that moves. */
-export function paintMovers(c: Canvas, world: WorldView, now: Snapshot, palette: Palette): void {
+/** Everything that moves; `pixels` is how many make a metre, so that texts stay legible. */
+export function paintMovers(
+  c: Canvas,
+  world: FullWorld,
+  now: Snapshot,
+  palette: Palette,
+  pixels: number,
+): void {
   world.solids.forEach((solid, i) => {
     const pose = now.solids[i];
     if (pose) paintSolid(c, solid, pose, palette);
   });
   world.robots.forEach((shape, i) => {
     const robot = now.robots[i];
-    if (robot) paintRobot(c, shape, robot, palette);
+    if (robot) paintRobot(c, shape, robot, palette, pixels);
   });
 }
 
-function paintRobot(c: Canvas, shape: RobotShape, robot: RobotPose, palette: Palette): void {
+function paintRobot(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Palette, pixels: number): void {
   const [x, y, theta] = robot.pose;
   const r = shape.radius;
   c.save();
@@ -174,17 +183,10 @@ function paintRobot(c: Canvas, shape: RobotShape, robot: RobotPose, palette: Pal
     const value = robot.lights[i];
     if (value === undefined || !Number.isFinite(value)) return;
     const [lx, ly] = turned(place, theta);
-    const [ox, oy] = turned([1.75 * r, 0], theta);
-    write(
-      c,
-      String(Math.round(value)),
-      x + lx + ox,
-      y + ly + oy,
-      0.7 * r,
-      palette.text,
-      "center",
-      palette.font,
-    );
+    const size = Math.max(0.6 * r, SMALLEST_TEXT / pixels);
+    const [ox, oy] = turned([r + 0.8 * size, 0], theta);
+    const text = String(Math.round(value));
+    write(c, text, x + lx + ox, y + ly + oy, size, palette.text, "center", palette.font);
   });
 }
 

@@ -1,6 +1,7 @@
 /** The buffer of a `Poses` message, written by `pack_poses` in `lrp_jupyter/widgets/protocol.py`. */
 
-import type { Pose, WorldView } from "../protocol";
+import type { Pose } from "../protocol";
+import type { FullWorld } from "./complete";
 
 export interface RobotPose {
   pose: Pose;
@@ -19,7 +20,7 @@ export interface Snapshot {
 }
 
 /** How many bytes the poses of a world take. */
-export function poseBytes(world: WorldView): number {
+export function poseBytes(world: FullWorld): number {
   let floats = 0;
   for (const { light, distance } of world.robots) floats += 5 + light.length + distance.length;
   for (const { push } of world.solids) floats += push === undefined || push === null ? 0 : 3;
@@ -27,7 +28,7 @@ export function poseBytes(world: WorldView): number {
 }
 
 /** Read a buffer; null if it is of another world (a frame may overtake the world's description). */
-export function readPoses(world: WorldView, buffer: DataView): Snapshot | null {
+export function readPoses(world: FullWorld, buffer: DataView): Snapshot | null {
   if (buffer.byteLength !== poseBytes(world)) return null;
   let at = 8;
   const next = () => {
@@ -49,7 +50,7 @@ export function readPoses(world: WorldView, buffer: DataView): Snapshot | null {
   return { time: buffer.getFloat64(0, true), robots, solids };
 }
 
-function standingPoses(world: WorldView): Pose[] {
+function standingPoses(world: FullWorld): Pose[] {
   return world.solids.map(({ box, circle, angle = 0 }) => {
     const [x = 0, y = 0] = box ?? circle ?? [];
     return [x, y, angle];
@@ -57,7 +58,7 @@ function standingPoses(world: WorldView): Pose[] {
 }
 
 /** A world as its description says, before the first poses come. */
-export function firstPoses(world: WorldView): Snapshot {
+export function firstPoses(world: FullWorld): Snapshot {
   const robots = world.robots.map(({ pose, light, distance }) => ({
     pose,
     bumper: false,

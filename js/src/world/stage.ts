@@ -2,6 +2,7 @@
 
 import { Camera } from "../graph/camera";
 import type { Point, Stroke, WorldView } from "../protocol";
+import { complete, completeStroke, type FullStroke, type FullWorld } from "./complete";
 import { type Palette, paintFloor, paintMovers, paintStroke } from "./paint";
 import { between, firstPoses, type Snapshot } from "./poses";
 
@@ -10,11 +11,11 @@ const SPAN = 60; // ms over which a new pose is approached at most
 export class Stage {
   readonly canvas = document.createElement("canvas");
   readonly camera = new Camera();
-  world: WorldView | null = null;
+  world: FullWorld | null = null;
   palette: Palette;
   /** What is being drawn and not yet known to the world. */
-  sketch: Stroke | null = null;
-  private ink: Stroke[] = [];
+  sketch: FullStroke | null = null;
+  private ink: FullStroke[] = [];
   private readonly floor = document.createElement("canvas");
   private floorStale = true;
   private before: Snapshot | null = null;
@@ -27,7 +28,8 @@ export class Stage {
     this.palette = readPalette();
   }
 
-  show(world: WorldView | null): void {
+  show(view: WorldView | null): void {
+    const world = view && complete(view);
     const other = !this.world || !world || String(this.world.size) !== String(world.size);
     this.world = world;
     this.ink = [];
@@ -43,14 +45,15 @@ export class Stage {
   /** Ink: keep the first strokes, then come these. */
   draw(first: number, strokes: Stroke[]): void {
     const only = first === this.ink.length && !this.floorStale; // the usual case: something is added
-    this.ink = [...this.ink.slice(0, first), ...strokes];
+    const fresh = strokes.map(completeStroke);
+    this.ink = [...this.ink.slice(0, first), ...fresh];
     const c = only ? this.floor.getContext("2d") : null;
     if (!c) {
       this.repaint();
       return;
     }
     this.transform(c);
-    for (const stroke of strokes) paintStroke(c, stroke, this.palette);
+    for (const stroke of fresh) paintStroke(c, stroke, this.palette);
     this.wake();
   }
 
@@ -151,7 +154,7 @@ export class Stage {
     if (!this.world || !current) return;
     this.transform(c);
     if (this.sketch) paintStroke(c, this.sketch, this.palette);
-    paintMovers(c, this.world, current, this.palette);
+    paintMovers(c, this.world, current, this.palette, this.pixelsPerMetre);
     if (now - this.arrived < this.span) this.wake();
   }
 

@@ -1,7 +1,8 @@
 /** What the person does to the world with the pointer and the keys: dragging, turning, drawing, erasing. */
 
-import type { Point, Pose, WorldView } from "../protocol";
+import type { Point, Pose } from "../protocol";
 import type { Lab } from "../session/store";
+import type { FullWorld } from "./complete";
 import type { Snapshot } from "./poses";
 import type { Stage } from "./stage";
 
@@ -19,7 +20,7 @@ export interface Target {
 }
 
 /** What stands at a point: robots before solids, the last drawn first. */
-export function targetAt(world: WorldView, now: Snapshot, [x, y]: Point): Target | null {
+export function targetAt(world: FullWorld, now: Snapshot, [x, y]: Point): Target | null {
   for (let index = now.robots.length - 1; index >= 0; index--) {
     const pose = now.robots[index]!.pose;
     const radius = world.robots[index]?.radius ?? 0;

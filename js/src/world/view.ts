@@ -81,14 +81,14 @@ export function worldView(lab: Lab): WorldPart {
         },
       }),
       button({
-        label: "Reset pose",
-        title: "Put the robot back where it began",
+        icon: "reset",
+        title: "Reset pose: put the robot back where it began",
         action: "reset-pose",
         onclick: () => void lab.act("reset_pose", { index: 0 }),
       }),
       button({
-        label: "Reset world",
-        title: "The world as it was: robot, things, trails, drawings",
+        icon: "world",
+        title: "Reset world: robot, things, trails and drawings as at the beginning",
         action: "reset-world",
         onclick: () => void lab.act("reset_world"),
       }),
@@ -114,12 +114,12 @@ export function worldView(lab: Lab): WorldPart {
     );
     worlds.hidden = !store.state.world || all.length < 2;
   });
-  store.watch(["speed"], () => showTime());
   const showTime = () => {
     const { achieved } = store.state.speed;
     const now = stage.latest?.time ?? 0;
     setText(time, `${now.toFixed(1)} s${achieved ? `  ×${achieved.toPrecision(2)}` : ""}`);
   };
+  store.watch(["speed"], showTime);
   new ResizeObserver(() => stage.resize()).observe(canvas);
   new MutationObserver(() => stage.retheme()).observe(lab.root, {
     attributes: true,

@@ -1,0 +1,224 @@
+/**
+ * A kernel that is none: it plays a recording, and answers what the page asks as far as a page can be
+ * looked at with it. `?theme=dark&view=graph&case=issues` choose what is shown; `window.sent` is what came.
+ */
+
+import lab from "../../../lrp_jupyter/static/lab.js";
+
+const options = new URLSearchParams(location.search);
+document.body.className = options.get("theme") ?? "light";
+const recording = await (await fetch("./recording.json")).json();
+const listeners = new Set();
+window.sent = [];
+let view = "";
+let revision = 1;
+let number = 1;
+let credit = 3;
+let playing = options.get("case") !== "paused";
+let at = 0;
+const state = { settings: { hold: false, on_active_edit: "restart", pause_on_issue: false } };
+
+const deliver = (message, buffers = []) => {
+  for (const listener of listeners) listener({ view, ...message }, buffers);
+};
+const bytes = (text) => new DataView(Uint8Array.from(atob(text), (char) => char.charCodeAt(0)).buffer);
+const frame = (fields = {}) => deliver({ type: "frame", frame: ++number, ...fields });
+const range = (line, column, end_column) => ({ line, column, end_line: line, end_column });
+
+const cases = {
+  issues: {
+    issues: [
+      {
+        id: 1,
+        code: "LRP601",
+        severity: "error",
+        kind: "exception",
+        element: "state `follower/moving`",
+        message: "`moving.running` raised `ZeroDivisionError: division by zero`.",
+        revision: 1,
+        range: range(27, 15, 40),
+        traceback:
+          'Traceback (most recent call last):\n  File "<lrp follower>", line 27, in moving.running\n    robot.move(linear=1/0)\nZeroDivisionError: division by zero',
+        first_tick: 12,
+        last_tick: 95,
+        count: 83,
+        resolved: false,
+      },
+      {
+        id: 2,
+        code: "LRP604",
+        severity: "warning",
+        kind: "unknown state",
+        element: "transition `follower:tlost`",
+        message: "There is no state `lost`: the transition `tlost` is not taken.",
+        revision: 1,
+        range: range(28, 3, 20),
+        traceback: "",
+        first_tick: 3,
+        last_tick: 3,
+        count: 1,
+        resolved: true,
+      },
+    ],
+    restart: { count: 1, tick: 118, reason: "`moving` is active and its `running` changed" },
+    printed: { first: 0, lines: ["light 212", "light 180", "on the line"] },
+  },
+  busy: {},
+  hold: { settings: { ...state.settings, hold: true } },
+};
+
+function answer(message) {
+  const lines = message.text.split("\n");
+  const open = (message.text.match(/\(/g) ?? []).length !== (message.text.match(/\)/g) ?? []).length;
+  const typo = lines.findIndex((line) => line.includes("lightlin "));
+  const findings = [];
+  if (open)
+    findings.push({
+      code: "LRP101",
+      severity: "error",
+      message: "This `(` is not closed.",
+      range: range(lines.length, 1, 2),
+      fix: null,
+    });
+  if (typo >= 0) {
+    const column = lines[typo].indexOf("lightlin") + 1;
+    const place = range(typo + 1, column, column + 8);
+    findings.push({
+      code: "LRP501",
+      severity: "error",
+      message: "`lightlin` is defined nowhere; did you mean `lightlim`?",
+      range: place,
+      fix: { title: "Write `lightlim`", edits: [{ range: place, text: "lightlim" }] },
+    });
+  }
+  deliver({
+    type: "answer",
+    seq: message.seq,
+    revision: ++revision,
+    text: null,
+    findings,
+    accepted: !open,
+    applied: !open,
+    reason: "",
+    program: null,
+    layouts: null,
+    pending: state.settings.hold
+      ? { added: ["state `follower/lost`"], removed: [], changed: ["event `follower/bumping`"], moved: [] }
+      : null,
+  });
+}
+
+function command(message) {
+  let error = null;
+  if (message.do === "pause" || message.do === "stop") {
+    playing = false;
+    frame({ status: "paused" });
+  } else if (message.do === "run") {
+    playing = true;
+    frame({ status: "running" });
+  } else if (message.do === "step") play();
+  else if (message.do === "hold") {
+    state.settings = { ...state.settings, hold: message.on };
+    frame({ settings: state.settings });
+  } else if (message.do === "on_active_edit") {
+    state.settings = { ...state.settings, on_active_edit: message.name };
+    frame({ settings: state.settings });
+  } else if (message.do === "set_variable") {
+    const value = Number(message.expression);
+    if (Number.isNaN(value)) error = `NameError: name '${message.expression}' is not defined`;
+    else frame({ variables: { [message.path]: { text: message.expression, number: value } } });
+  } else if (message.do === "pin") {
+    const layouts = structuredClone(recording.snapshot.layouts);
+    const shape = layouts[message.path].states.find(({ name }) => name === message.name);
+    if (shape) [shape.x, shape.y] = message.pose;
+    frame({ layouts: { [message.path]: layouts[message.path] } });
+  }
+  if (message.id) setTimeout(() => deliver({ type: "reply", id: message.id, error }), 5);
+}
+
+function request(message) {
+  const replies = {
+    complete: {
+      options: [
+        { label: "math", kind: "module", detail: "module", info: "" },
+        { label: "random", kind: "module", detail: "", info: "" },
+      ],
+    },
+    hover: { hover: { title: message.chain, type: "builtin", value: "", doc: "From the notebook." } },
+    references: {
+      references: {
+        kind: "state",
+        path: "follower/moving",
+        name: "moving",
+        definition: range(26, 10, 16),
+        references: [range(26, 10, 16), range(28, 17, 23)],
+      },
+    },
+    inspect: {
+      inspect: {
+        title: message.path,
+        type: "State",
+        text: message.path,
+        source: "(state moving\n  (running [robot.move(linear=forward)]))",
+        facets: [
+          { step: "onentry", label: "onentry", type: "tuple", text: "()", deep: false },
+          { step: "running", label: "running", type: "tuple", text: "(Block(…),)", deep: true },
+          { step: "visits", label: "entered", type: "int", text: "14", deep: false },
+        ],
+        more: 0,
+      },
+    },
+  };
+  setTimeout(() => deliver({ type: "reply", id: message.id, error: null, ...replies[message.type] }), 5);
+}
+
+function play() {
+  const next = recording.frames[at++ % recording.frames.length];
+  if (credit < 1) return;
+  credit -= 2;
+  frame({ ...next.frame, frame: ++number, view });
+  deliver({ type: "poses", frame: ++number }, [bytes(next.poses)]);
+}
+
+const model = {
+  get: (name) => ({ view: options.get("view") ?? "lab" })[name],
+  on: (_, callback) => listeners.add(callback),
+  off: (_, callback) => listeners.delete(callback),
+  send(message) {
+    window.sent.push(message);
+    view ||= message.view;
+    if (options.get("case") === "lost") {
+      if (window.sent.length > 1) return;
+    }
+    if (message.type === "hello") {
+      const snapshot = structuredClone(recording.snapshot);
+      snapshot.frame.view = view;
+      Object.assign(snapshot.frame, cases[options.get("case")] ?? {});
+      if (snapshot.frame.restart) snapshot.frame.restart = { count: 0, tick: 0, reason: "" };
+      if (options.get("case") === "empty")
+        Object.assign(snapshot, {
+          text: "",
+          running: "",
+          program: { variables: [], events: [], machines: [] },
+          layouts: {},
+        });
+      setTimeout(() => {
+        deliver(snapshot);
+        const more = cases[options.get("case")];
+        if (more?.restart) setTimeout(() => frame({ restart: more.restart }), 200);
+      }, 10);
+    } else if (message.type === "credit") credit++;
+    else if (options.get("case") === "busy") return;
+    else if (message.type === "text") setTimeout(() => answer(message), 20);
+    else if (message.type === "command") command(message);
+    else if (message.id) request(message);
+  },
+};
+
+window.close = lab.render({ model, el: document.getElementById("host") });
+if (options.get("case") !== "lost") {
+  setInterval(() => {
+    if (playing && view) play();
+    else if (view) frame();
+  }, 100);
+}
