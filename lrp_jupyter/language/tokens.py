@@ -19,7 +19,7 @@ LEGAL: dict[str, frozenset[str]] = {
 KEYWORDS = frozenset().union(*LEGAL.values())
 
 _SKIP = r"[\s\ufeff]*+(?:[;#][^\r\n]*+[\s\ufeff]*+)*+"
-_NAME = (  # letters, digits and `_` of ASCII, and whatever is beyond it; one set of characters is what is fast
+_NAME = (  # ASCII letters, digits and `_`, and all that is beyond ASCII; one set of characters is fast
     r"[^\x00-\x40\x5b-\x5e\x60\x7b-\x7f\s\ufeff][^\x00-\x2f\x3a-\x40\x5b-\x5e\x60\x7b-\x7f\s\ufeff]*+"
 )
 _TOKEN = re.compile(
