@@ -26,7 +26,17 @@ from lrp_jupyter.language.program import Block, line_starts
 from lrp_jupyter.language.scanner import block_end
 from lrp_jupyter.language.suites import Suite, no_warnings, parse_block, parse_suite
 
-__all__ = ["BlockFacts", "bind", "block_end", "compile_block", "facts_of", "parse_block"]
+__all__ = [
+    "BlockFacts",
+    "BlockNames",
+    "Place",
+    "bind",
+    "block_end",
+    "block_names",
+    "compile_block",
+    "facts_of",
+    "parse_block",
+]
 
 _WORD = re.compile(r"(?:\w|[^\x00-\x7f\s])+")
 _LINE_END = re.compile(r"\r\n|\r|\n")
