@@ -316,6 +316,18 @@ class Running:
         self._check_open()
         return self._turns.submit(command)
 
+    def ask(self, command: do.Command) -> Future[Any]:
+        """Have a command carried out without waiting for it: here, if nothing else turns the loop."""
+        self._check_open()
+        if self._turns.waits_elsewhere:
+            return self._turns.submit(command)
+        answer: Future[Any] = Future()
+        try:
+            answer.set_result(self._turns.do(command))
+        except Exception as error:
+            answer.set_exception(error)
+        return answer
+
     def _do(self, command: do.Command) -> Any:
         self._check_open()
         return self._turns.do(command)

@@ -37,7 +37,7 @@ Paper: §5.1 (the loop and its rate), §6 (live programming), §6.3 (pause), §6
 from __future__ import annotations
 
 from collections.abc import Callable
-from concurrent.futures import CancelledError
+from concurrent.futures import CancelledError, Future
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -128,19 +128,40 @@ class Session(Running):
         tuple of Finding
             What the checks have to say. If the text is no program, the last program runs on.
         """
-        self._check_open()
-        self._text = text
-        program, findings = scan(text, f"<lrp {self.name}>")
+        program = self._read(text)
         if program is not None:
-            findings = check(program, self.namespace)
             try:
                 self._do(do.Edit(program))
             except CancelledError:  # a newer edit came before this one was looked at
                 pass
             except LRPError as error:  # the text is kept, and applied when the block returns
-                findings = (*findings, Finding("LRP690", "warning", str(error), 1, 1, 1, 1))
-        self.findings = findings
-        return findings
+                late = Finding("LRP690", "warning", str(error), 1, 1, 1, 1)
+                self.findings = (*self.findings, late)
+        return self.findings
+
+    def offer(self, text: str) -> tuple[Program | None, Future[Any]]:
+        """Go on with another text as :meth:`edit` does, without waiting until it is applied.
+
+        Returns
+        -------
+        Program or None
+            None if the text is no program; :attr:`findings` says why.
+        Future
+            Gives the :class:`~lrp_jupyter.interpreter.patching.Patch`, or None where there is no program.
+        """
+        program = self._read(text)
+        if program is not None:
+            return program, self.ask(do.Edit(program))
+        nothing: Future[Any] = Future()
+        nothing.set_result(None)
+        return None, nothing
+
+    def _read(self, text: str) -> Program | None:
+        self._check_open()
+        program, findings = scan(text, f"<lrp {self.name}>")
+        self._text = text
+        self.findings = findings if program is None else check(program, self.namespace)
+        return program
 
     def save(self, path: str | FilePath) -> None:
         """Write the text to a file, line ends as they are."""

@@ -415,3 +415,15 @@ def test_a_virtual_clock_serves_a_session(session):
     blinking = session(BLINK, clock=clock)
     blinking.run(1)
     assert clock.now() == 1
+
+
+def test_a_text_can_be_offered_without_waiting_and_tells_what_became_of_it(session):
+    s = session("(machine m (state a)) (spawn m a)")
+    s.step()
+    program, answer = s.offer("(machine m (state a) (state b)) (spawn m a)")
+    assert answer.result(0).applied
+    assert s.program is program
+    program, answer = s.offer("(machine m")
+    assert program is None
+    assert answer.result(0) is None
+    assert [finding.severity for finding in s.findings] == ["error"]
