@@ -4,7 +4,8 @@
  * A third of a bundled CodeMirror are names of properties, which no minifier touches, because a name may
  * be meant for the browser, come over the wire, or be put together at run time. Left alone are therefore:
  * every word of the browser's and the language's own types, every name that stands anywhere in a string,
- * every word of the wire's types and of `dataset`, and every name that is only read and never defined.
+ * every word of the wire's types and of `dataset`, every name that is only read and never defined, and
+ * every name without a capital, which may be an attribute or an event.
  */
 
 import { readdirSync, readFileSync } from "node:fs";
@@ -35,7 +36,7 @@ export function ownNames(bundle) {
     /(?:\.|^\s+(?:static |get |set |async )*|[{,]\s*)([A-Za-z_$][\w$]*)\s*(?:=[^=>]|[(:])/gm,
   )) {
     const name = match[1];
-    if (name.length >= SHORTEST && !foreign.has(name)) own.add(name);
+    if (name.length >= SHORTEST && /[A-Z]/.test(name) && !foreign.has(name)) own.add(name);
   }
   return [...own].sort();
 }

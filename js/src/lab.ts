@@ -177,7 +177,7 @@ function columns(root: HTMLElement, panels: Panels): HTMLElement {
       name: "--lrp-share-world",
       label: "Height of the world",
       direction: "rows",
-      value: 52,
+      value: 46,
       min: 15,
       max: 80,
       whole: right,

@@ -1,25 +1,16 @@
 /** The editor: a CodeMirror of LRP which sends what is typed, and into which the kernel never types. */
 
-import { closeBrackets, closeBracketsKeymap, completionKeymap } from "@codemirror/autocomplete";
-import { defaultKeymap, history, historyKeymap, indentWithTab } from "@codemirror/commands";
-import {
-  bracketMatching,
-  foldGutter,
-  foldKeymap,
-  forceParsing,
-  indentOnInput,
-  indentUnit,
-} from "@codemirror/language";
-import { lintGutter, lintKeymap } from "@codemirror/lint";
-import { closeSearchPanel, findNext, findPrevious, openSearchPanel, search } from "@codemirror/search";
+import { closeBrackets } from "@codemirror/autocomplete";
+import { history } from "@codemirror/commands";
+import { bracketMatching, foldGutter, forceParsing, indentOnInput, indentUnit } from "@codemirror/language";
+import { lintGutter } from "@codemirror/lint";
+import { search } from "@codemirror/search";
 import { EditorState, type Extension, Prec } from "@codemirror/state";
 import {
   drawSelection,
   EditorView,
   highlightActiveLine,
   highlightActiveLineGutter,
-  highlightSpecialChars,
-  type KeyBinding,
   keymap,
   lineNumbers,
   placeholder,
@@ -33,18 +24,12 @@ import { adopt, adopted } from "./adopt";
 import { completion } from "./complete";
 import { showDiagnostics } from "./diagnostics";
 import { hover } from "./hover";
+import { keys } from "./keys";
 import { live, liveChanged } from "./live";
 import { goToDefinition, navigation, rename } from "./navigate";
 import { Tracked } from "./tracked";
 
 const PARSE_FOR = 200; // ms: a new text is shown in its colours at once
-
-const searchKeys: KeyBinding[] = [
-  { key: "Mod-f", run: openSearchPanel, scope: "editor search-panel" },
-  { key: "F3", run: findNext, shift: findPrevious, scope: "editor search-panel", preventDefault: true },
-  { key: "Mod-g", run: findNext, shift: findPrevious, scope: "editor search-panel", preventDefault: true },
-  { key: "Escape", run: closeSearchPanel, scope: "editor search-panel" },
-];
 
 export class Editor {
   readonly view: EditorView;
@@ -74,7 +59,6 @@ export class Editor {
       lineNumbers(),
       lintGutter(),
       foldGutter(),
-      highlightSpecialChars(),
       history(),
       drawSelection(),
       indentUnit.of("  "),
@@ -97,16 +81,7 @@ export class Editor {
           { key: "Mod-Shift-Enter", run: nothing },
         ]),
       ),
-      keymap.of([
-        ...closeBracketsKeymap,
-        ...defaultKeymap,
-        ...searchKeys,
-        ...historyKeymap,
-        ...foldKeymap,
-        ...completionKeymap,
-        ...lintKeymap,
-        indentWithTab,
-      ]),
+      keymap.of(keys),
       EditorView.contentAttributes.of({ "aria-label": "LRP program; Escape, then Tab leaves the editor" }),
       EditorView.domEventHandlers({ mousedown: (event, view) => this.followLink(event, view) }),
       EditorView.updateListener.of((update) => {

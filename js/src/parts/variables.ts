@@ -148,8 +148,10 @@ class Row {
         if (!error.textContent) close();
       },
     });
+    let open = true;
     const close = () => {
-      if (!input.isConnected) return;
+      if (!open) return;
+      open = false; // taking the field away blurs it, which closes it
       const focused = document.activeElement === input;
       error.remove();
       input.replaceWith(this.value);

@@ -22,6 +22,7 @@ export interface Palette {
   bump: string;
   ray: string;
   text: string;
+  halo: string;
   dim: boolean;
   font: string;
 }
@@ -96,6 +97,7 @@ function write(
   color: string,
   align: CanvasTextAlign,
   font: string,
+  halo = "",
 ): void {
   c.save();
   c.translate(x, y);
@@ -103,6 +105,12 @@ function write(
   c.font = `500 12px ${font}`;
   c.textAlign = align;
   c.textBaseline = "middle";
+  if (halo) {
+    c.lineWidth = 3;
+    c.lineJoin = "round";
+    c.strokeStyle = halo;
+    c.strokeText(text, 0, 0);
+  }
   c.fillStyle = color;
   c.fillText(text, 0, 0);
   c.restore();
@@ -135,6 +143,15 @@ export function paintMovers(
   palette: Palette,
   pixels: number,
 ): void {
+  c.save();
+  c.beginPath(); // rays end where the world does
+  c.rect(0, 0, ...world.size);
+  c.clip();
+  world.robots.forEach((shape, i) => {
+    const robot = now.robots[i];
+    if (robot) paintRays(c, shape, robot, palette);
+  });
+  c.restore();
   world.solids.forEach((solid, i) => {
     const pose = now.solids[i];
     if (pose) paintSolid(c, solid, pose, palette);
@@ -151,7 +168,6 @@ function paintRobot(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Pale
   c.save();
   c.translate(x, y);
   c.rotate(theta);
-  shape.distance.forEach(([angle, reach], i) => paintRay(c, r, angle, reach, robot.distances[i], palette));
   c.fillStyle = palette.robotEdge; // wheels
   c.fillRect(-0.32 * r, 0.82 * r, 0.64 * r, 0.26 * r);
   c.fillRect(-0.32 * r, -1.08 * r, 0.64 * r, 0.26 * r);
@@ -186,8 +202,19 @@ function paintRobot(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Pale
     const size = Math.max(0.6 * r, SMALLEST_TEXT / pixels);
     const [ox, oy] = turned([r + 0.8 * size, 0], theta);
     const text = String(Math.round(value));
-    write(c, text, x + lx + ox, y + ly + oy, size, palette.text, "center", palette.font);
+    write(c, text, x + lx + ox, y + ly + oy, size, palette.text, "center", palette.font, palette.halo);
   });
+}
+
+function paintRays(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Palette): void {
+  const [x, y, theta] = robot.pose;
+  c.save();
+  c.translate(x, y);
+  c.rotate(theta);
+  shape.distance.forEach(([angle, reach], i) =>
+    paintRay(c, shape.radius, angle, reach, robot.distances[i], palette),
+  );
+  c.restore();
 }
 
 function turned([x, y]: Point, theta: number): Point {

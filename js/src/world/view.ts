@@ -156,6 +156,7 @@ function palette(root: HTMLElement): Palette {
     bump: color("bump"),
     ray: color("ray"),
     text: color("text"),
+    halo: color("halo"),
     dim: root.dataset.theme === "dark",
     font: style.fontFamily || "sans-serif",
   };
