@@ -42,6 +42,7 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any, Literal
 
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.program import Finding, Path, Program
@@ -161,6 +162,8 @@ class Session(Running):
         program, findings = scan(text, f"<lrp {self.name}>")
         self._text = text
         self.findings = findings if program is None else check(program, self.namespace)
+        if program is not None:
+            link(program)  # here and now, so that the loop stands still only for the swap of plans
         return program
 
     def save(self, path: str | FilePath) -> None:
