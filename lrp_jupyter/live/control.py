@@ -45,6 +45,8 @@ def carry_out(loop: Loop, command: do.Command) -> Any:
         case do.SetRate(rate):
             loop.set_rate(rate)
         case do.SetSpeed(speed):
+            if loop.bridge.hardware and speed != 1:
+                raise ValueError(f"`{loop.bridge.name}` is a real robot: its time passes at speed 1")
             loop.clock.speed = speed
         case do.SetPolicy(name, value):
             setattr(interpreter, name, value)

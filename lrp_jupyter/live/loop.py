@@ -28,6 +28,7 @@ import threading
 import traceback
 from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Future
 from time import perf_counter
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -46,6 +47,9 @@ __all__ = ["STEP", "Interrupted", "Loop", "Moment"]
 
 STEP = 0.01
 """Seconds from tick to tick at rate 0 where time is virtual."""
+
+SLOWEST = 0.01
+"""Ticks per second, at least: a step waits for its period."""
 
 _FREE = 0.0005  # wall seconds that a free-running loop keeps the interpreter lock
 _FRAMES = 60.0  # frames per wall second, at most
@@ -210,6 +214,8 @@ class Loop:
             while self.status == "running" and not self.inbox and perf_counter() < end:
                 self.now = max(self.now, self.clock.now())
                 self.tick()
+                if self.clock.speed == math.inf:  # no time passes by itself
+                    self.clock.rebase(self.now + STEP)
             self.show_now_and_then()
             return self.now
         if self.now >= self.due - _ROUNDING:
@@ -245,6 +251,8 @@ class Loop:
         """
         was_running = self.status == "running"
         self.carry_out(do.Resume())
+        if self._step is not None and seconds < math.inf:  # a world knows whole steps only
+            seconds = math.ceil(seconds / self._step - _ROUNDING) * self._step
         end = self.now + seconds
         try:
             while self.status == "running" and self.now < end - _ROUNDING:
@@ -306,21 +314,32 @@ class Loop:
     # -- commands --------------------------------------------------------------------------------
 
     def carry_out_waiting(self) -> None:
-        """Carry out the commands that wait, each as a whole."""
-        done = False
-        while (entry := self.inbox.take()) is not None:
+        """Carry out the commands that wait now, each as a whole; then show, then answer."""
+        answers: list[tuple[Future[Any], Any, Exception | None]] = []
+        fault = None
+        for _ in range(len(self.inbox)):
+            entry = self.inbox.take()
+            if entry is None:  # a newer edit has taken its place
+                break
             command, answer = entry
             if not answer.set_running_or_notify_cancel():
                 continue
             try:
-                answer.set_result(self.carry_out(command))
+                answers.append((answer, self.carry_out(command), None))
             except Exception as error:
-                answer.set_exception(error)
+                answers.append((answer, None, error))
                 if not _is_misuse(error, command):
-                    raise
-            done = True
-        if done:
+                    fault = error
+                    break
+        if answers:
             self.show()
+        for answer, result, refusal in answers:  # who waited finds the new frame
+            if refusal is None:
+                answer.set_result(result)
+            else:
+                answer.set_exception(refusal)
+        if fault is not None:
+            raise fault
 
     def carry_out(self, command: do.Command) -> Any:
         """Carry out one command; between two ticks. Misuse raises."""
@@ -348,11 +367,11 @@ class Loop:
 
 
 def _checked_rate(rate: float) -> float:
-    if not 0 <= rate < math.inf:
-        raise ValueError(
-            f"a rate is a number of ticks per second, or 0 for as many as possible, not {rate!r}"
-        )
-    return float(rate)
+    if rate == 0 or SLOWEST <= rate < math.inf:
+        return float(rate)
+    raise ValueError(
+        f"a rate is {SLOWEST:g} ticks per second or more, or 0 for as many as possible, not {rate!r}"
+    )
 
 
 def _is_misuse(error: Exception, command: do.Command) -> bool:

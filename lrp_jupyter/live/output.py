@@ -56,4 +56,4 @@ class Output:
 
     def __str__(self) -> str:
         with self._lock:
-            return "\n".join((*self._lines, self._open)) if self._open else "\n".join((*self._lines, ""))[:]
+            return "".join(f"{line}\n" for line in self._lines) + self._open

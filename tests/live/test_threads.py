@@ -8,6 +8,7 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.live import turns
+from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.commands import Pause, Step
 
 COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
@@ -113,6 +114,17 @@ def test_at_ten_times_the_speed_time_passes_ten_times_as_fast(session):
     counting.start()
     frame = counting.wait_for(lambda frame: frame.time >= 2, LONG)
     assert frame.time <= 10 * (time.monotonic() - begun) + 0.01
+
+
+@pytest.mark.parametrize("rate", [0, 10])
+@pytest.mark.parametrize("bridge", ["none", "sim"])
+def test_on_a_virtual_clock_a_thread_runs_without_waiting(session, rate, bridge):
+    blinking = session(BLINK, bridge, VirtualClock(), rate)
+    begun = time.monotonic()
+    blinking.start()
+    frame = blinking.wait_for(lambda frame: frame.time > 60, LONG)
+    assert frame.time > time.monotonic() - begun
+    assert frame.count_of("b") > 100
 
 
 def test_paused_time_does_not_pass_and_a_step_is_one_tick(session):

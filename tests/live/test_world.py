@@ -103,6 +103,13 @@ def test_at_rate_0_there_is_a_tick_for_every_physics_step(session):
     assert running.frame.tick == 200
 
 
+def test_a_run_shorter_than_a_physics_step_is_one(session):
+    running = session(BOUNCE, "sim", world="empty")
+    running.run(0.001)
+    running.run(0.013)
+    assert running.frame.time == 0.03
+
+
 def test_a_step_moves_the_world_by_one_period(session):
     running = session(BOUNCE, "sim", world="empty", rate=5)
     running.step()
@@ -169,6 +176,8 @@ def test_an_armed_robot_cannot_be_taken_back_and_a_disarmed_one_can(session):
     running = session("(machine m (state a (running [robot.move(1)]))) (spawn m a)", barrow)
     running.run(1)
     barrow.arm()
+    with pytest.raises(ValueError, match="speed 1"):
+        running.speed = 10
     with pytest.raises(BridgeError, match="armed"):
         running.rewind(3)
     assert running.frame.tick == 10
