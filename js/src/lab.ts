@@ -90,7 +90,8 @@ export function openLab(model: Model, part: Part, host: HTMLElement): () => void
     store.touch(changed);
   }
 
-  function answered({ text, applied }: Answer): void {
+  function answered({ seq, text, applied }: Answer): void {
+    if (seq === 0 && connection.inFlight) return; // another's text; the one typed here is newer and comes next
     if (text !== null) editor?.take(text);
     editor?.wasAnswered(applied);
   }
@@ -135,6 +136,12 @@ export function openLab(model: Model, part: Part, host: HTMLElement): () => void
     setAttribute(root, "data-lrp-revision", revision);
     setAttribute(root, "data-lrp-status", status);
     setAttribute(root, "data-link", link);
+  });
+  let looked = "";
+  store.watch(["machine"], () => {
+    const { machine } = store.state;
+    if (machine && machine !== looked) connection.tell("select", { path: machine });
+    looked = machine;
   });
   const unwatchTheme = watchTheme(root);
   return () => {

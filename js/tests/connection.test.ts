@@ -10,6 +10,7 @@ class Wire {
   time = 0;
   broken = false;
   private callback: (message: FromKernel, buffers: DataView[]) => void = () => {};
+  commChanged = () => {};
   private ticks: (() => void)[] = [];
   connection: Connection;
 
@@ -28,8 +29,9 @@ class Wire {
         if (this.broken) throw new Error("Cannot send");
         this.sent.push(message as FromPage);
       },
-      on: (_: string, callback: (...args: never[]) => void) => {
-        this.callback = callback as never;
+      on: (event: string, callback: (...args: never[]) => void) => {
+        if (event === "msg:custom") this.callback = callback as never;
+        else this.commChanged = callback as () => void;
       },
       off: () => {},
     };
@@ -142,6 +144,22 @@ describe("the link", () => {
     expect(wire.sent.filter((message) => message.type === "hello")).toHaveLength(2);
     wire.hear({ type: "frame", frame: 2 });
     expect(wire.links.at(-1)).toBe("live");
+  });
+
+  it("is dead when the comm was said to go and nothing was heard after that", () => {
+    wire.time = 10;
+    wire.hear(snapshot(""));
+    wire.commChanged();
+    wire.wait(1600);
+    expect(wire.links.at(-1)).toBe("dead");
+  });
+
+  it("lives on when the comm was said to come", () => {
+    wire.commChanged();
+    wire.wait(200);
+    wire.hear(snapshot(""));
+    wire.wait(1600);
+    expect(wire.links).toEqual(["live"]);
   });
 
   it("is dead when the comm is closed", () => {

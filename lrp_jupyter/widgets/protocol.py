@@ -610,7 +610,10 @@ class Answer(TypedDict):
 
 
 class Snapshot(TypedDict):
-    """Everything, for a view that has just come. `running` is the text that runs, `text` the editor's."""
+    """Everything, for a view that has just come.
+
+    `running` is the text that runs, `text` the editor's. Its frame is paid for like any other.
+    """
 
     type: Literal["snapshot"]
     view: str

@@ -1,6 +1,6 @@
 /** Findings of the checks and issues of the run, underlined at their places: one truth, the kernel's. */
 
-import { type Diagnostic, setDiagnostics } from "@codemirror/lint";
+import { type Diagnostic, diagnosticCount, setDiagnostics } from "@codemirror/lint";
 import type { EditorView } from "@codemirror/view";
 import type { FindingView, IssueView, Range, Severity } from "../protocol";
 import type { LabState } from "../session/state";
@@ -15,6 +15,7 @@ const SEVERITY: Record<Severity, Diagnostic["severity"]> = {
 };
 
 export function showDiagnostics(view: EditorView, lab: LabState, sent: Tracked, running: Tracked): void {
+  if (!lab.findings.length && !lab.issues.size && !diagnosticCount(view.state)) return;
   const diagnostics: Diagnostic[] = [];
   for (const finding of lab.findings) {
     const found = ofFinding(view, finding, sent);
@@ -42,10 +43,9 @@ function ofFinding(view: EditorView, finding: FindingView, sent: Tracked): Diagn
   return {
     ...span,
     severity: SEVERITY[finding.severity],
-    source: finding.code,
     message: finding.message,
     renderMessage: () => message(finding.code, finding.message),
-    actions: fix ? [{ name: fix.title, apply }] : [],
+    actions: fix ? [{ name: fix.title.replaceAll("`", ""), apply }] : [],
   };
 }
 
@@ -55,7 +55,6 @@ function ofIssue(view: EditorView, issue: IssueView, running: Tracked): Diagnost
   return {
     ...span,
     severity: SEVERITY[issue.severity],
-    source: issue.code,
     message: issue.message,
     renderMessage: () => message(issue.code, issue.message, `${issue.count}×`),
   };

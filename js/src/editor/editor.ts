@@ -22,6 +22,7 @@ import type { Lab } from "../session/store";
 import { lineSeparator } from "../text/places";
 import { adopt, adopted } from "./adopt";
 import { completion } from "./complete";
+import { rememberCursor, rememberedCursor } from "./cursor";
 import { showDiagnostics } from "./diagnostics";
 import { hover } from "./hover";
 import { keys } from "./keys";
@@ -68,6 +69,7 @@ export class Editor {
       highlightActiveLine(),
       highlightActiveLineGutter(),
       search({ top: true }),
+      EditorView.lineWrapping,
       lrp(),
       completion(lab),
       hover(lab),
@@ -85,6 +87,7 @@ export class Editor {
       EditorView.contentAttributes.of({ "aria-label": "LRP program; Escape, then Tab leaves the editor" }),
       EditorView.domEventHandlers({ mousedown: (event, view) => this.followLink(event, view) }),
       EditorView.updateListener.of((update) => {
+        if (update.selectionSet) rememberCursor(lab.store.state.name, update.state.selection.main.head);
         if (!update.docChanged) return;
         for (const text of [this.onItsWay, this.answered, this.running]) text.add(update.changes);
         if (!update.transactions.some((transaction) => transaction.annotation(adopted))) this.send();
@@ -113,14 +116,15 @@ export class Editor {
   begin(text: string, running: string): void {
     const separator = lineSeparator(text);
     if (!this.began || (this.text !== text && !this.connection.inFlight)) {
-      const selection = this.view.state.selection.main.head;
+      const name = this.lab.store.state.name;
+      const selection = this.began ? this.view.state.selection.main.head : rememberedCursor(name);
       const extensions: Extension[] = [this.extensions()];
       if (separator) extensions.push(EditorState.lineSeparator.of(separator));
       if (!this.began) this.view.setState(EditorState.create({ doc: text, extensions }));
       else adopt(this.view, text);
       this.began = true;
       const head = Math.min(selection, this.view.state.doc.length);
-      this.view.dispatch({ selection: { anchor: head } });
+      this.view.dispatch({ selection: { anchor: head }, scrollIntoView: true });
     }
     forceParsing(this.view, this.view.state.doc.length, PARSE_FOR);
     this.answered.begin(this.view.state.toText(text));

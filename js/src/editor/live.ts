@@ -3,6 +3,7 @@
  * variables and events faintly at the ends of their lines.
  */
 
+import { syntaxTree } from "@codemirror/language";
 import { type EditorState, type Range, StateEffect } from "@codemirror/state";
 import {
   Decoration,
@@ -60,7 +61,8 @@ export function live(state: LabState, values: () => boolean) {
 
       update(update: ViewUpdate): void {
         const told = update.transactions.some((tr) => tr.effects.some((effect) => effect.is(liveChanged)));
-        if (told || update.docChanged) this.decorations = decorate(update.state, state, values());
+        const parsed = syntaxTree(update.startState) !== syntaxTree(update.state);
+        if (told || parsed || update.docChanged) this.decorations = decorate(update.state, state, values());
       }
     },
     { decorations: (plugin) => plugin.decorations },

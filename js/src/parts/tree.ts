@@ -18,7 +18,6 @@ export function treeView(lab: Lab): HTMLElement {
   const look = (path: string) => {
     if (store.state.follow && path !== store.state.machine) store.set("follow", false);
     store.set("machine", path);
-    lab.tell("select", { path });
   };
   const make = ({ path }: MachineItem) =>
     h(

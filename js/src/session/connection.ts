@@ -41,6 +41,7 @@ export const realClock: Clock = {
 /** Without an answer for so long the kernel is busy; without a word for so long it is lost (ms). */
 export const BUSY_AFTER = 300;
 export const LOST_AFTER = 3000;
+const GONE_AFTER = 1500;
 
 type Ask = Omit<Complete, "view" | "id"> | Omit<Hover, "view" | "id"> | Omit<References, "view" | "id">;
 type Question = Ask | Omit<Inspect, "view" | "id">;
@@ -64,6 +65,8 @@ export class Connection {
   private waitingText: string | null = null;
   private sentText: string | null = null;
   private link: Link = "connecting";
+  /** When the comm was said to come or go: if nothing is heard after that, the kernel is gone. */
+  private doubted = Number.POSITIVE_INFINITY;
   private heard: number;
   private asked: number;
   private readonly waiting = new Map<number, { since: number; resolve: (reply: Reply) => void }>();
@@ -80,6 +83,7 @@ export class Connection {
     this.view = view;
     this.heard = this.asked = clock.now();
     model.on("msg:custom", this.receive);
+    model.on("comm_live_update", this.doubt);
     this.stop = clock.every(100, () => this.look());
     this.hello();
   }
@@ -122,6 +126,7 @@ export class Connection {
     this.stop();
     this.send({ type: "bye", view: this.view });
     this.model.off("msg:custom", this.receive);
+    this.model.off("comm_live_update", this.doubt);
     for (const [id] of this.waiting) this.settle({ type: "reply", view: this.view, id, error: "closed" });
   }
 
@@ -144,6 +149,7 @@ export class Connection {
   private readonly receive = (message: FromKernel, buffers: DataView[] = []): void => {
     if (!message || message.view !== this.view) return;
     this.heard = this.clock.now();
+    this.doubted = Number.POSITIVE_INFINITY;
     if (message.type === "frame" || message.type === "poses") {
       this.send({ type: "credit", view: this.view, frame: message.frame });
     }
@@ -157,6 +163,10 @@ export class Connection {
     this.listener.message(message, buffers);
     if (message.type === "answer" && message.seq) this.next();
     if (message.type === "snapshot") this.restart(message.text);
+  };
+
+  private readonly doubt = (): void => {
+    this.doubted = this.clock.now();
   };
 
   private settle(reply: Reply): void {
@@ -186,6 +196,10 @@ export class Connection {
   private look(): void {
     if (this.link === "dead") return;
     const now = this.clock.now();
+    if (now - Math.max(this.doubted, this.heard) >= GONE_AFTER) {
+      this.become("dead");
+      return;
+    }
     if (now - this.heard >= LOST_AFTER) {
       if (this.link !== "connecting") this.become("lost");
       if (now - this.asked >= LOST_AFTER) this.hello();

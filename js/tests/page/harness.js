@@ -182,7 +182,7 @@ function play() {
 
 const model = {
   get: (name) => ({ view: options.get("view") ?? "lab" })[name],
-  on: (_, callback) => listeners.add(callback),
+  on: (event, callback) => event === "msg:custom" && listeners.add(callback),
   off: (_, callback) => listeners.delete(callback),
   send(message) {
     window.sent.push(message);

@@ -1,0 +1,265 @@
+"""The texts of a session: what was typed, what of it runs, what is held back, and where it is kept.
+
+The kernel never types into an editor: it gives each text a revision and says what became of it. Every text
+that is a program is saved at once, so that no work is lost.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from concurrent.futures import CancelledError, Future
+from dataclasses import dataclass
+from pathlib import Path as FilePath
+from threading import RLock
+from typing import Any
+
+from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.parser import scan
+from lrp_jupyter.language.program import Finding, Path, Program
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.views.shapes import Layout
+from lrp_jupyter.widgets.drawings import Drawings
+from lrp_jupyter.widgets.pictures import difference_view, finding_view, program_view
+from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, ProgramView
+
+__all__ = ["Texts", "Written"]
+
+_KEPT = 50  # texts whose revision is known
+_SHOWING = 0.1  # s in which an applied program appears in a frame
+
+
+@dataclass(eq=False)
+class Written:
+    """A text that came, and what is known of it; the fields of an `Answer`."""
+
+    view: str
+    seq: int
+    revision: int
+    text: str
+    noun: Program | None
+    findings: list[FindingView]
+    answer: Future[Any]
+    deadline: float
+    is_news: bool = True
+    """Whether views that did not type it are to be given the text."""
+    applied: bool = False
+    reason: str = ""
+    program: ProgramView | None = None
+    layouts: dict[str, Layout] | None = None
+    pending: Difference | None = None
+    done: float | None = None
+
+    @property
+    def accepted(self) -> bool:
+        """Whether it is a program."""
+        return self.noun is not None
+
+
+class Texts:
+    """See the head of this module.
+
+    Parameters
+    ----------
+    folder : path, optional
+        Where accepted texts are saved as ``NAME.lrp``; None: nowhere.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str] | None = None) -> None:
+        self.hold = False
+        self.conflict: ConflictView | None = None
+        self.drawings = Drawings()
+        self.waiting: deque[Written] = deque()
+        self.text = ""
+        self.revision = 0
+        self.findings: tuple[Finding, ...] = ()
+        self.noun: Program | None = None
+        self.folder = None if folder is None else FilePath(folder)
+        self._lock = RLock()
+        self._session: Session
+        self._shown = Program()
+        self._shown_view = program_view(self._shown)
+        self._revisions: dict[str, int] = {}
+        self._renamed: tuple[Path, str] | None = None
+        self._saved: str | None = None
+        self._unsaved: str | None = None
+
+    def follow(self, session: Session) -> None:
+        """Belong to this session from now on; its text is the text."""
+        with self._lock:
+            self._session = session
+            self.waiting.clear()
+            self._number(session.text)
+            self._show(session.program)
+            self._judge(session.text)
+
+    # -- in ----------------------------------------------------------------------------------------
+
+    def write(self, text: str, view: str, seq: int, deadline: float) -> Written:
+        """Take a text and offer it to the session, unless edits are held."""
+        with self._lock:
+            if self.hold:
+                self._number(text)
+                self._judge(text)
+                answer: Future[Any] = Future()
+                answer.set_result(None)
+            else:
+                noun, answer = self._session.offer(text)
+                self._number(text)
+                self.noun, self.findings = noun, self._session.findings
+            return self._written(view, seq, answer, deadline)
+
+    def apply(self, deadline: float) -> Written:
+        """Let the held text run."""
+        with self._lock:
+            held, self.hold = self.hold, False
+            try:
+                written = self.write(self.text, "", 0, deadline)
+            finally:
+                self.hold = held
+            written.is_news = False
+            return written
+
+    def rename(self, kind: str, path: Path, name: str) -> None:
+        """Rename an element, its references with it; what is drawn keeps its place. Waits.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such element.
+        ValueError
+            The name cannot be had, or the text is not the program that runs.
+        """
+        with self._lock:
+            if self.text != self._session.program.text:
+                raise ValueError("The text is not the program that runs: nothing can be renamed in it now.")
+            self._renamed = (path, name) if kind in ("state", "machine") else None
+        self._session.rename(kind, path, name)
+
+    def _written(self, view: str, seq: int, answer: Future[Any], deadline: float) -> Written:
+        findings = [finding_view(finding, self.text) for finding in self.findings]
+        written = Written(view, seq, self.revision, self.text, self.noun, findings, answer, deadline)
+        if self.noun is not None:
+            self._unsaved = self.text
+        self.waiting.append(written)
+        return written
+
+    def _number(self, text: str) -> None:
+        self.revision += 1
+        self.text = text
+        self._revisions.pop(text, None)
+        self._revisions[text] = self.revision
+        if len(self._revisions) > _KEPT:
+            del self._revisions[next(iter(self._revisions))]
+
+    def _judge(self, text: str) -> None:
+        """Read a text that is not offered to the session."""
+        self.noun, self.findings = scan(text, f"<lrp {self._session.name}>")
+        if self.noun is not None:
+            self.findings = check(self.noun, self._session.namespace)
+
+    # -- out: the publisher's thread ---------------------------------------------------------------
+
+    @property
+    def running_revision(self) -> int:
+        """Revision of the text that runs."""
+        return self._revisions.get(self._session.program.text, 0)
+
+    def settle(self, now: float) -> list[Written]:
+        """Give the texts whose fate is known, or long in coming; and what changed without a text."""
+        with self._lock:
+            ready = []
+            while self.waiting and self._is_settled(self.waiting[0], now):
+                ready.append(self.waiting.popleft())
+            program = self._session.program
+            if not self.waiting and (program is not self._shown or self._came_from_elsewhere(program)):
+                if not ready:
+                    ready.append(self._news(program))
+                ready[-1].program, ready[-1].layouts = self._show(program)
+            for written in ready:
+                if self.hold and written.noun is not None and written.text != program.text:
+                    written.pending = difference_view(program, written.noun)
+            return ready
+
+    def _is_settled(self, written: Written, now: float) -> bool:
+        """Whether the session has taken a text, and shows it if it runs."""
+        answer = written.answer
+        if not answer.done():
+            if now < written.deadline:
+                return False
+            frame = self._session.frame
+            written.reason = frame.reason or f"it is applied as soon as the session is free ({frame.status})"
+            return True
+        try:
+            patch = answer.result()
+        except CancelledError:
+            written.reason = "a newer text came"
+            return True
+        except Exception as error:
+            written.reason = str(error)
+            return True
+        if patch is None:
+            written.applied = written.noun is not None and written.text == self._session.program.text
+            return True
+        written.applied, written.reason = patch.applied, patch.reason or ""
+        written.done = now if written.done is None else written.done
+        shown = self._session.program is written.noun or len(self.waiting) > 1
+        return not patch.applied or shown or now - written.done > _SHOWING
+
+    def _came_from_elsewhere(self, program: Program) -> bool:
+        """Whether the session has a text that no view brought: another cell's edit, a rename, a rewind."""
+        return not self.hold and self._session.text != self.text
+
+    def _news(self, program: Program) -> Written:
+        is_news = self._came_from_elsewhere(program)
+        if is_news:
+            self._number(self._session.text)
+            self._judge(self.text)
+        nothing: Future[Any] = Future()
+        nothing.set_result(None)
+        written = self._written("", 0, nothing, 0.0)
+        self.waiting.remove(written)
+        written.is_news, written.applied = is_news, self.text == program.text
+        return written
+
+    def _show(self, program: Program) -> tuple[ProgramView | None, dict[str, Layout] | None]:
+        """Follow the program that runs; give what of its picture changed."""
+        renamed, self._renamed = self._renamed, None
+        layouts = self.drawings.update(program, renamed)
+        view = program_view(program)
+        changed = view != self._shown_view
+        self._shown, self._shown_view = program, view
+        return view if changed else None, layouts or None
+
+    def everything(self) -> dict[str, Any]:
+        """The fields of a `Snapshot` that are about texts and the program."""
+        with self._lock:
+            running = self._session.program
+            waits = self.hold and self.noun is not None and self.text != running.text
+            return {
+                "text": self.text,
+                "revision": self.revision,
+                "running": running.text,
+                "findings": [finding_view(finding, self.text) for finding in self.findings],
+                "program": self._shown_view,
+                "layouts": self.drawings.layouts,
+                "pending": difference_view(running, self.noun) if waits and self.noun is not None else None,
+            }
+
+    # -- the file ----------------------------------------------------------------------------------
+
+    @property
+    def file(self) -> FilePath | None:
+        """Where accepted texts are saved."""
+        return None if self.folder is None else self.folder / f"{self._session.name}.lrp"
+
+    def save(self) -> None:
+        """Save the newest accepted text, if it is not saved yet."""
+        text, file = self._unsaved, self.file
+        if text is None or file is None or text == self._saved:
+            return
+        file.parent.mkdir(parents=True, exist_ok=True)
+        fresh = file.with_suffix(".lrp~")
+        fresh.write_bytes(text.encode())
+        fresh.replace(file)  # the old one is there until the new one is whole
+        self._saved = text
