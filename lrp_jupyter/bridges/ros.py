@@ -1,0 +1,457 @@
+"""The bridge to ROS: topics become variables and methods of `robot`.
+
+A person connects them once, in the panel, from Python or in a set-up file; a program uses them and
+never knows of topics::
+
+    ros = RosBridge(host="turtle.local")
+    ros.subscribe("odom", "/odom")
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+
+    (running [robot.move(linear_x=0.2)])
+    (event there [robot.odom.x > 1])
+
+Two back ends do the talking: rosbridge (the default; ROS 1 and 2, nothing of ROS needed here) and
+rospy (ROS 1, where Python can import it).
+
+Paper: §7.1.
+Deviation: §7.1 asks for the class of a PhaROS package when the interpreter starts; here the address
+of the robot takes that place, asked once.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Mapping
+from functools import partial
+from typing import Any, Literal
+
+from lrp_jupyter.bridges.bridge import Bridge, Connection
+from lrp_jupyter.bridges.members import did_you_mean
+from lrp_jupyter.bridges.message import Message
+from lrp_jupyter.bridges.nodes import Limits
+from lrp_jupyter.bridges.panel import Panel
+from lrp_jupyter.bridges.ros_channel import Channel
+from lrp_jupyter.bridges.ros_link import Link, Transport
+from lrp_jupyter.bridges.ros_panel import Draft, draw
+from lrp_jupyter.bridges.ros_rosbridge import RosbridgeTransport
+from lrp_jupyter.bridges.ros_rospy import RospyTransport
+from lrp_jupyter.bridges.ros_setup import (
+    Wire,
+    check_type,
+    load_setup,
+    save_setup,
+    setup_as_dict,
+    setup_from_dict,
+)
+from lrp_jupyter.bridges.ros_types import Reading, RosMessage
+from lrp_jupyter.errors import BridgeError, NoDataYet
+
+__all__ = ["RosBridge"]
+
+_BACKENDS = {"rosbridge": 9090, "rospy": 11311}  # with their ports
+_SETTLE = 1.0  # seconds that a person waits for a new connection to be made
+_SETTLE_ALL = 2.0  # … and that opening waits for those of the set-up
+
+
+class RosBridge(Bridge):
+    """A ROS robot.
+
+    Parameters
+    ----------
+    backend : {"rosbridge", "rospy"}
+    host : str, optional
+        Of the rosbridge server or the ROS master, ``host`` or ``host:port``. Unless given:
+        this machine or, with rospy, what ``ROS_MASTER_URI`` says.
+    port : int, optional
+        9090 for rosbridge, 11311 for rospy.
+    setup : path or mapping, optional
+        What is connected to what; see `lrp_jupyter.bridges.ros_setup`. A file is kept: what is
+        changed later is written to it.
+    patience : float
+        Seconds that opening may take.
+
+    Raises
+    ------
+    BridgeError
+        An option or the set-up has a mistake; the sentence says which.
+    """
+
+    name = "ros"
+
+    def __init__(
+        self,
+        backend: Literal["rosbridge", "rospy"] | str = "rosbridge",
+        host: str | None = None,
+        port: int | str | None = None,
+        setup: str | os.PathLike[str] | Mapping[str, object] | None = None,
+        patience: float | str = 8.0,
+    ) -> None:
+        super().__init__()
+        if backend not in _BACKENDS:
+            names = " and ".join(f"`{name}`" for name in _BACKENDS)
+            raise BridgeError(
+                f"There is no back end `{backend}`, only {names}.{did_you_mean(backend, _BACKENDS)}"
+            )
+        self.backend = backend
+        self._address = _address(host, port, _BACKENDS[backend])
+        self._patience = float(patience)
+        self._draft = Draft()
+        self._changing = threading.RLock()  # a person, the link and the loop may add members
+        self._channels: dict[str, Channel] = {}
+        self._link: Link | None = None
+        self._setup_path = ""
+        if setup is not None:
+            self._take_setup(setup)
+
+    # -- what is connected to what ----------------------------------------------------------------
+
+    def subscribe(self, variable: str, topic: str, type: str = "") -> None:  # noqa: A002
+        """Make the last message of a topic available as ``robot.<variable>``.
+
+        Once: the same again does nothing; another topic takes the place of the first.
+
+        Parameters
+        ----------
+        variable, topic : str
+        type : str, optional
+            That of the live topic unless given.
+
+        Raises
+        ------
+        BridgeError
+            A name is illegal, the type unknown, or the topic carries another one.
+        """
+        self._connect(Wire(variable, "subscription", topic, type))
+
+    def publish(self, variable: str, topic: str, type: str = "", limits: Limits | None = None) -> None:  # noqa: A002
+        """Make a topic available as ``robot.<variable>(…)``.
+
+        Parameters
+        ----------
+        variable, topic : str
+        type : str, optional
+            That of the live topic unless given.
+        limits : mapping of str to float or (float, float), optional
+            ``{"linear": 0.5}``: numbers beyond are brought back to -0.5 ... 0.5, and that is shown.
+
+        Raises
+        ------
+        BridgeError
+            As for `subscribe`.
+        """
+        self._connect(Wire(variable, "publisher", topic, type, dict(limits or {})))
+
+    def remove(self, variable: str) -> None:
+        """End a subscription or publisher, and take the variable away.
+
+        Raises
+        ------
+        BridgeError
+            There is none of that name.
+        """
+        with self._changing:
+            if variable not in self._channels:
+                raise BridgeError(
+                    f"`{variable}` is connected to no topic.{did_you_mean(variable, self._channels)}"
+                )
+            self._let_go(self._channels.pop(variable))
+            self._store()
+
+    @property
+    def setup(self) -> dict[str, Any]:
+        """The set-up as JSON, to be stored with a notebook, say."""
+        return setup_as_dict(channel.wire for channel in self._channels.values())
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the set-up to a file, and from now on every change of it.
+
+        Raises
+        ------
+        BridgeError
+            The file cannot be written.
+        """
+        save_setup(path, [channel.wire for channel in self._channels.values()])
+        self._setup_path = os.fspath(path)
+
+    def _store(self) -> None:
+        if self._setup_path:
+            self.save(self._setup_path)
+
+    def _take_setup(self, setup: str | os.PathLike[str] | Mapping[str, object]) -> None:
+        is_mapping = isinstance(setup, Mapping)
+        wires = setup_from_dict(setup) if isinstance(setup, Mapping) else load_setup(setup)
+        with self._changing:
+            for channel in self._channels.values():
+                self._let_go(channel)
+            self._channels.clear()
+            self._setup_path = "" if is_mapping else os.fspath(setup)  # type: ignore[arg-type]
+            for wire in wires:
+                self._put(wire)
+
+    def _connect(self, wire: Wire) -> None:
+        """Connect, and wait a moment for what the robot says to it."""
+        before, channel = self._put(wire)
+        link = self._link
+        if link is not None and link.connected and self.latch == 0:
+            channel.settled.wait(_SETTLE)
+            if channel.problem and channel.handle is None and link.connected:
+                with self._changing:
+                    self._let_go(channel)
+                    self._channels.pop(wire.variable, None)
+                    if before is not None:
+                        self._put(before)
+                raise BridgeError(channel.problem)
+        self._store()
+
+    def _put(self, wire: Wire) -> tuple[Wire | None, Channel]:
+        """Note a connection that shall be; give what was there before."""
+        with self._changing:
+            old = self._channels.get(wire.variable)
+            if old is not None and old.wire == wire and not old.problem:
+                return old.wire, old
+            channel = Channel(wire)
+            if self.is_open or self._link is not None:
+                self._add_member(channel)  # first: it may find that the name cannot be
+            if old is not None:
+                self._let_go(old, channel)
+            self._channels[wire.variable] = channel
+            if self._link is not None:
+                self._link.add(channel)
+            return old.wire if old is not None else None, channel
+
+    def _let_go(self, channel: Channel, successor: Channel | None = None) -> None:
+        if self._link is None:
+            return
+        self._link.drop(channel)
+        if successor is None and channel.wire.variable in self.nodes.table:
+            self.remove_member(channel.wire.variable)
+
+    # -- the robot --------------------------------------------------------------------------------
+
+    def _add_member(self, channel: Channel) -> None:
+        wire = channel.wire
+        try:
+            if wire.direction == "subscription":
+                self.add_variable(
+                    wire.variable,
+                    partial(self._read, channel),
+                    f"the last message on {wire.topic}",
+                    type=channel.form.kind if channel.form is not None else channel.type,
+                    age=channel.age,
+                )
+            else:
+                self.add_method(
+                    wire.variable,
+                    partial(self._send, channel) if channel.message else partial(_refuse, channel),
+                    f"publish a {channel.type or 'message'} on {wire.topic}",
+                    message=channel.message,
+                    velocity=channel.is_velocity,
+                    limits=wire.limits if channel.message else None,
+                )
+        except ValueError as error:
+            raise BridgeError(str(error)) from error
+
+    def _learned(self, channel: Channel) -> None:
+        """Offer a channel whose type has become known. On the link's thread."""
+        with self._changing:
+            if self._channels.get(channel.wire.variable) is channel:
+                self._add_member(channel)
+
+    def _read(self, channel: Channel) -> Reading:
+        arrival = channel.latched if self.latch else channel.latest
+        if arrival is not None:
+            return arrival.value
+        if channel.problem:
+            raise BridgeError(f"`robot.{channel.wire.variable}`: {channel.problem}")
+        raise NoDataYet(f"`robot.{channel.wire.variable}` has no data yet.")
+
+    def _send(self, channel: Channel, message: Message) -> None:
+        link = self._link
+        if link is None:
+            raise BridgeError("The bridge `ros` is closed.")
+        values = message.as_dict()
+        channel.has_moved |= channel.is_velocity and _any_number(values)
+        link.send(channel, values)
+        channel.note()
+        assert isinstance(message, RosMessage)
+        channel.last_sent = message
+
+    def stop(self) -> None:
+        """Publish a velocity of zero wherever velocities go."""
+        link, failures = self._link, []
+        for channel in tuple(self._channels.values()) if link is not None else ():
+            if link is None or channel.message is None or not channel.is_velocity:
+                continue
+            try:
+                link.send(channel, channel.message().as_dict(), urgent=True)
+            except BridgeError as error:
+                if channel.has_moved:
+                    failures.append(str(error))
+        if failures:
+            raise BridgeError(f"{failures[0]} It is stopped as soon as it is found.")
+
+    def sense(self, now: float) -> None:
+        """Latch the last messages: a tick sees one world."""
+        for channel in tuple(self._channels.values()):
+            channel.latched = channel.latest
+
+    # -- the connection ---------------------------------------------------------------------------
+
+    def open_interface(self) -> Panel:
+        """Connect, and connect what the set-up says.
+
+        Raises
+        ------
+        BridgeError
+            There is no robot, or something is not installed.
+        """
+        self._start(searching=False)
+        for channel in tuple(self._channels.values()):
+            channel.settled.wait(_SETTLE_ALL)
+        self.set_status(*self._told)
+        return self.panel()
+
+    def close_interface(self) -> None:
+        """End all connections; the set-up stays."""
+        link, self._link = self._link, None
+        if link is not None:
+            link.close()
+
+    def _start(self, searching: bool) -> None:
+        """Make a link, with new channels for all that is set up."""
+        link = Link(self._make_transport(), self._report, self._learned)
+        self._told = (Connection.CONNECTING, f"connecting to {link.transport.place}")
+        with self._changing:
+            self._link = link
+            wires = [channel.wire for channel in self._channels.values()]
+            self._channels = {wire.variable: Channel(wire) for wire in wires}
+            for channel in self._channels.values():
+                self._add_member(channel)
+                link.add(channel)
+        try:
+            if searching:
+                link.search()
+            else:
+                link.open(self._patience)
+        except BridgeError:
+            self._link = None
+            self.nodes.clear()
+            raise
+
+    def _make_transport(self) -> Transport:
+        host, port = self._address
+        if self.backend == "rospy":
+            return RospyTransport(f"http://{host}:{port}" if host else "")
+        return RosbridgeTransport(f"ws://{host or '127.0.0.1'}:{port}", self._warn)
+
+    _told: tuple[Connection, str] = (Connection.DISCONNECTED, "not open")
+
+    def _warn(self, sentence: str) -> None:
+        self.safety.notice("fault", sentence)
+
+    def _report(self, state: Connection, sentence: str) -> None:
+        """Show how the connection is; a robot that does not answer is stopped. On the link's thread."""
+        before, self._told = self._told[0], (state, sentence)
+        self.set_status(state, sentence)
+        link = self._link
+        if link is None or state not in (Connection.LOST, Connection.STALE):
+            return
+        if state is Connection.LOST or link.transport.trouble():
+            self.safety.notice("fault", sentence)
+            if before is not Connection.LOST:
+                self.stop_all()
+
+    # -- the panel --------------------------------------------------------------------------------
+
+    def panel(self) -> Panel:
+        """Give the table of what is connected, the fields for a new one, and the live topics."""
+        link = self._link
+        host, port = self._address
+        return draw(
+            sentence=self.status.sentence,
+            backend=self.backend,
+            address=f"{host}:{port}" if host else "",
+            setup=self._setup_path,
+            draft=self._draft,
+            channels=tuple(self._channels.values()),
+            topics=link.topics if link is not None else {},
+        )
+
+    def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
+        """Press a button: ``subscribe`` and ``publish`` take what stands in the fields, without waiting.
+
+        Raises
+        ------
+        BridgeError
+            A name is illegal, or there is no such button or row.
+        """
+        given = values or {}
+        if key in ("subscribe", "publish"):
+            direction: Literal["subscription", "publisher"] = "subscription"
+            if key == "publish":
+                direction = "publisher"
+            topics = self._link.topics if self._link is not None else {}
+            type_ = check_type(given.get("type", ""), topics.values())
+            self._put(Wire(given.get("variable", "").strip(), direction, given.get("topic", ""), type_))
+            self._draft = Draft()
+            self._store()
+        elif key == "pick":
+            type_ = self._link.topics.get(row, "") if self._link is not None else ""
+            named = given.get("variable", "").strip() or row.rpartition("/")[2]
+            self._draft = Draft(named, row, type_)
+        elif key == "remove":
+            self.remove(row)
+        elif key == "save":
+            path = given.get("setup", "").strip() or self._setup_path
+            if not path:
+                raise BridgeError("Name the file in which the set-up shall be kept.")
+            self.save(path)
+        else:
+            super().press(key, row, values)
+
+    def answer(self, key: str, value: str) -> None:
+        """Take the robot's address, or the file with the set-up; an open bridge connects anew.
+
+        Raises
+        ------
+        BridgeError
+            It is no address, or no set-up.
+        """
+        if key == "setup":
+            self._take_setup(value)
+        elif key == "host":
+            address = _address(value, None, _BACKENDS[self.backend])
+            if address == self._address:
+                return
+            self._address = address
+            link = self._link
+            if self.is_open and link is not None:
+                self.stop_all()
+                link.close()
+                self.set_status(Connection.CONNECTING, f"connecting to {value}")
+                self._start(searching=True)
+        else:
+            super().answer(key, value)
+
+
+def _refuse(channel: Channel, *_arguments: object, **_fields: object) -> None:
+    why = channel.problem or channel.waiting or "its type is not known yet"
+    raise BridgeError(f"`robot.{channel.wire.variable}` was not sent: {why}")
+
+
+def _any_number(value: object) -> bool:
+    if isinstance(value, Mapping):
+        return any(map(_any_number, value.values()))
+    return isinstance(value, (int, float)) and value != 0
+
+
+def _address(host: str | None, port: int | str | None, default: int) -> tuple[str, int]:
+    """Take an address apart: ``turtle.local``, ``10.0.0.5:9090``, ``ws://turtle.local:9090/``."""
+    text = (host or "").strip()
+    bare = text.rpartition("//")[2].rstrip("/")
+    name, colon, digits = bare.rpartition(":") if bare.count(":") == 1 else (bare, "", "")
+    number = str(port) if port is not None else digits if colon else str(default)
+    if not number.isdigit() or not 0 < int(number) < 65536 or (text and not name) or set(name) & set(" /?#"):
+        raise BridgeError(f"`{text}`{f', port {port}' if port else ''} is no address: `host` or `host:port`.")
+    return name, int(number)

@@ -1,0 +1,189 @@
+"""What a ROS message type consists of, whoever tells it: rosapi, rospy, or the few known from the start.
+
+ROS 1 writes ``geometry_msgs/Twist``, ROS 2 ``geometry_msgs/msg/Twist``: here it is the short form
+throughout. Definitions as rosapi of ROS 2 gives them follow its sources and were not run against a
+live one.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from lrp_jupyter.errors import BridgeError
+
+__all__ = [
+    "FLOATS",
+    "INTEGERS",
+    "KNOWN",
+    "PRIMITIVES",
+    "STRINGS",
+    "Definition",
+    "FieldType",
+    "canonical",
+    "from_rosapi",
+    "parse_field",
+]
+
+INTEGERS = {
+    **{f"int{bits}": (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1) for bits in (8, 16, 32, 64)},
+    **{f"uint{bits}": (0, 2**bits - 1) for bits in (8, 16, 32, 64)},
+    "byte": (-128, 255),  # signed in ROS 1, an octet in ROS 2
+    "char": (0, 255),
+}
+"""Integer types with their smallest and largest number."""
+
+FLOATS = {"float32": 3.4028235e38, "float64": float("inf")}
+"""Types of real numbers with the largest one."""
+
+STRINGS = ("string", "wstring")
+PRIMITIVES = frozenset([*INTEGERS, *FLOATS, *STRINGS, "bool"])
+
+_OTHER_NAMES = {"double": "float64", "float": "float32", "boolean": "bool", "octet": "byte"}  # of ROS 2
+_SHAPE = re.compile(r"(?:sequence<)?\s*([\w/]+)\s*(?:<=?\d+>)?(?:,[^>]*>|>)?\s*(\[[^\]]*\])?$")
+
+
+@dataclass(frozen=True, slots=True)
+class FieldType:
+    """The type of a field: a primitive or a message, one or many.
+
+    Attributes
+    ----------
+    base : str
+    length : int
+        -1: one; 0: any number of them; else that many.
+    """
+
+    base: str
+    length: int = -1
+
+    def __str__(self) -> str:
+        return self.base if self.length < 0 else f"{self.base}[{self.length or ''}]"
+
+
+@dataclass(frozen=True, slots=True)
+class Definition:
+    """The fields of a message type, in their order."""
+
+    type: str
+    fields: Mapping[str, FieldType]
+
+
+def canonical(type_: str) -> str:
+    """Give the short form of the name of a type: ``pkg/msg/Type`` is ``pkg/Type``."""
+    parts = type_.strip().split("/")
+    if len(parts) == 3 and parts[1] == "msg":
+        parts = [parts[0], parts[2]]
+    name = "/".join(parts)
+    return _OTHER_NAMES.get(name, name)
+
+
+def parse_field(text: str, length: int = -1) -> FieldType:
+    """Read the type of a field: ``float64[36]``, ``geometry_msgs/Point[]``, ``sequence<double>``.
+
+    Parameters
+    ----------
+    text : str
+    length : int
+        Where it is told apart from the type, as rosapi does.
+
+    Raises
+    ------
+    BridgeError
+        It cannot be understood.
+    """
+    found = _SHAPE.match(text.partition(", ")[0].strip() if "sequence" not in text else text.strip())
+    if found is None:
+        raise BridgeError(f"the type of a field cannot be understood: {text!r}")
+    base, array = found.groups()
+    if text.strip().startswith("sequence<"):
+        length = 0
+    elif array is not None:
+        digits = array[1:-1]
+        length = int(digits) if digits.isdigit() else 0  # `[<=10]` is a bounded sequence
+    return FieldType(canonical(base), length)
+
+
+def from_rosapi(typedefs: Iterable[Mapping[str, Any]]) -> dict[str, Definition]:
+    """Read what ``/rosapi/message_details`` answers: a type and all those in it.
+
+    Raises
+    ------
+    BridgeError
+        It is no such answer.
+    """
+    found = {}
+    try:
+        for typedef in typedefs:
+            names = [str(name).removeprefix("_") for name in typedef["fieldnames"]]  # ROS 2 shows its slots
+            shapes = zip(names, typedef["fieldtypes"], typedef["fieldarraylen"], strict=True)
+            fields = {name: parse_field(text, int(length)) for name, text, length in shapes}
+            name = canonical(typedef["type"])
+            found[name] = Definition(name, fields)
+    except (KeyError, TypeError, ValueError) as error:
+        raise BridgeError(f"the server's description of a type cannot be understood: {error!r}") from error
+    return found
+
+
+def _from_text(text: str) -> dict[str, Definition]:
+    """Read ``package/Type: type name, type name`` lines."""
+    found = {}
+    for line in filter(None, map(str.strip, text.splitlines())):
+        type_, _, fields = line.partition(":")
+        pairs = [field.split() for field in fields.split(",") if field.strip()]
+        found[type_] = Definition(type_, {name: parse_field(kind) for kind, name in pairs})
+    return found
+
+
+# A server without rosapi describes no types; these are the same everywhere. Of a header it has what
+# ROS 1 and ROS 2 have in common (their time stamps differ): a server fills in what is not sent.
+KNOWN: Mapping[str, Definition] = _from_text(
+    "\n".join(
+        f"std_msgs/{name}: {kind} data"
+        for name, kind in {
+            "Bool": "bool",
+            "Byte": "byte",
+            "Char": "char",
+            "String": "string",
+            **{kind.replace("int", "Int").replace("uI", "UI"): kind for kind in INTEGERS if "int" in kind},
+            **{kind.capitalize(): kind for kind in FLOATS},
+        }.items()
+    )
+    + """
+    std_msgs/Empty:
+    std_msgs/Header: string frame_id
+    std_msgs/ColorRGBA: float32 r, float32 g, float32 b, float32 a
+    geometry_msgs/Vector3: float64 x, float64 y, float64 z
+    geometry_msgs/Point: float64 x, float64 y, float64 z
+    geometry_msgs/Quaternion: float64 x, float64 y, float64 z, float64 w
+    geometry_msgs/Pose: geometry_msgs/Point position, geometry_msgs/Quaternion orientation
+    geometry_msgs/Pose2D: float64 x, float64 y, float64 theta
+    geometry_msgs/PoseStamped: std_msgs/Header header, geometry_msgs/Pose pose
+    geometry_msgs/PoseWithCovariance: geometry_msgs/Pose pose, float64[36] covariance
+    geometry_msgs/Twist: geometry_msgs/Vector3 linear, geometry_msgs/Vector3 angular
+    geometry_msgs/TwistStamped: std_msgs/Header header, geometry_msgs/Twist twist
+    geometry_msgs/TwistWithCovariance: geometry_msgs/Twist twist, float64[36] covariance
+    """
+    + "nav_msgs/Odometry: std_msgs/Header header, string child_frame_id,"
+    " geometry_msgs/PoseWithCovariance pose, geometry_msgs/TwistWithCovariance twist"
+    + """
+    sensor_msgs/Illuminance: std_msgs/Header header, float64 illuminance, float64 variance
+    """
+    + "sensor_msgs/Range: std_msgs/Header header, uint8 radiation_type, float32 field_of_view,"
+    " float32 min_range, float32 max_range, float32 range\n"
+    "sensor_msgs/LaserScan: std_msgs/Header header, float32 angle_min, float32 angle_max,"
+    " float32 angle_increment, float32 time_increment, float32 scan_time, float32 range_min,"
+    " float32 range_max, float32[] ranges, float32[] intensities\n"
+    "sensor_msgs/Imu: std_msgs/Header header, geometry_msgs/Quaternion orientation,"
+    " float64[9] orientation_covariance, geometry_msgs/Vector3 angular_velocity,"
+    " float64[9] angular_velocity_covariance, geometry_msgs/Vector3 linear_acceleration,"
+    " float64[9] linear_acceleration_covariance"
+)
+"""Definitions that need no server."""
+KNOWN = {
+    **KNOWN,
+    "time": Definition("time", {"secs": FieldType("uint32"), "nsecs": FieldType("uint32")}),
+    "duration": Definition("duration", {"secs": FieldType("int32"), "nsecs": FieldType("int32")}),
+}

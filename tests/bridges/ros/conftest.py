@@ -1,0 +1,326 @@
+"""A real ROS 1 on loopback, a rosbridge server on top of it, and a server of topics in memory.
+
+Debian's packages are used as they are: `rosmaster`, `rostopic` and `topic_tools` as programs of the
+system, and the Python modules through a folder of links to just these (the whole of dist-packages
+on the path would break other packages).
+"""
+
+from __future__ import annotations
+
+import gc
+import importlib.util
+import os
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros_definitions import KNOWN
+
+HERE = Path(__file__).parent
+DEBIAN = Path("/usr/lib/python3/dist-packages")
+MODULES = (
+    *("rospy", "rosgraph", "rosgraph_msgs", "roslib", "rospkg", "roscpp", "genpy", "genmsg"),
+    *("catkin", "catkin_pkg", "pyparsing", "dateutil", "docutils", "six.py", "defusedxml"),
+    *("std_msgs", "geometry_msgs", "nav_msgs", "sensor_msgs", "actionlib_msgs"),
+)
+PROGRAMS = ("/usr/bin/rosmaster", "/usr/bin/rostopic", "/usr/lib/topic_tools/relay")
+
+
+def _load(name: str) -> ModuleType:
+    """Import a file that stands beside this one and in no package."""
+    if name not in sys.modules:
+        spec = importlib.util.spec_from_file_location(name, HERE / f"{name}.py")
+        assert spec is not None
+        assert spec.loader is not None
+        sys.modules[name] = module = importlib.util.module_from_spec(spec)
+        spec.loader.exec_module(module)
+    return sys.modules[name]
+
+
+def wait_until(holds: Callable[[], object], seconds: float = 5.0, what: str = "") -> None:
+    """Wait for what another process or thread does; fail after so many seconds."""
+    end, tick = time.monotonic() + seconds, threading.Event()
+    while not holds():
+        assert time.monotonic() < end, what or "it did not happen"
+        tick.wait(0.02)
+
+
+@pytest.fixture(scope="session")
+def until() -> Callable[..., None]:
+    return wait_until
+
+
+# -- topics in memory -----------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="session")
+def rosbridge() -> ModuleType:
+    return _load("rosbridge_server")
+
+
+@pytest.fixture
+def graph(rosbridge: ModuleType) -> Any:
+    graph = rosbridge.MemoryGraph(dict(KNOWN))
+    graph.types |= {
+        "/odom": "nav_msgs/Odometry",
+        "/light": "std_msgs/UInt8",
+        "/cmd_vel": "geometry_msgs/Twist",
+    }
+    graph.others |= set(graph.types)
+    return graph
+
+
+@pytest.fixture
+def serve(rosbridge: ModuleType, graph: Any) -> Iterator[Callable[..., Any]]:
+    """Start a server for the topics in memory."""
+    servers = []
+
+    def start(port: int = 0, rosapi: bool = True) -> Any:
+        servers.append(rosbridge.RosbridgeServer(graph, port, rosapi))
+        return servers[-1]
+
+    yield start
+    for server in servers:
+        server.close()
+
+
+@pytest.fixture
+def server(serve: Callable[..., Any]) -> Any:
+    return serve()
+
+
+@pytest.fixture
+def make(server: Any) -> Iterator[Callable[..., RosBridge]]:
+    """Make bridges to the topics in memory; they are closed in the end."""
+    bridges = []
+
+    def build(**options: Any) -> RosBridge:
+        bridges.append(RosBridge(**{"host": "127.0.0.1", "port": server.port, **options}))
+        return bridges[-1]
+
+    yield build
+    for bridge in bridges:
+        bridge.close()
+
+
+@pytest.fixture
+def ros(make: Callable[..., RosBridge]) -> RosBridge:
+    """A bridge to the topics in memory, open and armed."""
+    bridge = make()
+    bridge.open()
+    bridge.arm()
+    return bridge
+
+
+@pytest.fixture(autouse=True)
+def _nothing_is_left_behind() -> Iterator[None]:
+    before = set(threading.enumerate())
+    yield
+    left = [thread for thread in threading.enumerate() if thread not in before and _is_ours(thread)]
+    for thread in left:
+        thread.join(5)
+    assert not [thread for thread in left if thread.is_alive()]
+
+
+def _is_ours(thread: threading.Thread) -> bool:
+    """Rospy's one node, with its threads, belongs to the process."""
+    return thread.name.startswith(("ROS", "rosbridge", "lrp", "stop the robot"))
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Let rospy be: it was written for an older Python, and leaves sockets to the garbage collector."""
+    for item in items:
+        if item.get_closest_marker("ros") is not None:
+            for ignored in (
+                "ignore::DeprecationWarning:(rospy|rosgraph|roslib|genpy|catkin)",
+                "ignore::ResourceWarning",
+                "ignore::pytest.PytestUnraisableExceptionWarning",
+            ):
+                item.add_marker(pytest.mark.filterwarnings(ignored))
+
+
+# -- a real ROS 1 ---------------------------------------------------------------------------------
+
+
+class Processes:
+    """Programs that were started, each in a group of its own; all are ended in the end."""
+
+    def __init__(self, environment: dict[str, str], folder: Path) -> None:
+        self.environment, self.folder = environment, folder
+        self._running: list[subprocess.Popen[str]] = []
+
+    def start(self, *command: str, ready: bool = False) -> subprocess.Popen[str]:
+        with (self.folder / f"{len(self._running)}.log").open("w") as log:
+            process = subprocess.Popen(
+                command,
+                env=self.environment,
+                cwd=self.folder,
+                stdin=subprocess.PIPE,
+                stdout=subprocess.PIPE,
+                stderr=log,
+                text=True,
+                start_new_session=True,
+            )
+        self._running.append(process)
+        if ready:
+            assert process.stdout is not None
+            assert process.stdout.readline().strip() == "ready", self.log(process)
+        return process
+
+    def log(self, process: subprocess.Popen[str]) -> str:
+        return (self.folder / f"{self._running.index(process)}.log").read_text()
+
+    def end(self, process: subprocess.Popen[str]) -> None:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
+        process.wait(10)
+        for stream in (process.stdin, process.stdout):
+            if stream is not None:
+                stream.close()
+
+    def end_all(self) -> None:
+        for process in reversed(self._running):
+            self.end(process)
+        self._running.clear()
+
+
+class Ros(Processes):
+    """A master, which can be killed and started again, and the programs around it."""
+
+    def __init__(self, environment: dict[str, str], folder: Path, master_port: int) -> None:
+        super().__init__(environment, folder)
+        self.master_port = master_port
+        self._master: subprocess.Popen[str] | None = None
+        self._server: subprocess.Popen[str] | None = None
+        self.rosbridge_port = 0
+
+    def start_master(self) -> None:
+        self._master = self.start("/usr/bin/rosmaster", "--core", "-p", str(self.master_port))
+        wait_until(lambda: _answers(self.master_port), 20, "the master did not start")
+
+    def kill_master(self) -> None:
+        assert self._master is not None
+        self.end(self._master)
+
+    def start_rosbridge(self) -> int:
+        self.rosbridge_port = self.rosbridge_port or _free_port()
+        script = str(HERE / "rosbridge_server.py")
+        self._server = self.start(sys.executable, script, str(self.rosbridge_port), ready=True)
+        return self.rosbridge_port
+
+    def kill_rosbridge(self) -> None:
+        assert self._server is not None
+        self.end(self._server)
+
+    def start_robot(self, speed: float = 1.0, world: str = "line") -> None:
+        self.start(sys.executable, str(HERE / "robot_node.py"), str(speed), world, ready=True)
+
+    def call(self, *command: str) -> str:
+        done = subprocess.run(
+            command, env=self.environment, cwd=self.folder, capture_output=True, text=True, timeout=20
+        )
+        return done.stdout
+
+    def subscribers(self, topic: str) -> list[str]:
+        import rosgraph
+
+        _publishers, subscribers, _services = rosgraph.Master("/tests").getSystemState()
+        return [node for name, nodes in subscribers if name == topic for node in nodes]
+
+
+def _answers(port: int) -> bool:
+    with socket.socket() as probe:
+        return probe.connect_ex(("127.0.0.1", port)) == 0
+
+
+def _free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
+
+
+@pytest.fixture(scope="session")
+def ros_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[str, str], Path, int]]:
+    """Make ROS importable, and give its environment: one port for all masters, as rospy has one."""
+    missing = [str(path) for path in map(Path, PROGRAMS) if not path.exists()]
+    missing += [name for name in MODULES if not (DEBIAN / name).exists() and name in ("rospy", "nav_msgs")]
+    if sys.version_info[:2] != (3, 11):
+        missing.append("Debian's Python 3.11")
+    if missing:
+        reason = f"ROS is not installed: {', '.join(missing)}"
+        if os.environ.get("CI", "").lower() == "true":
+            pytest.fail(reason)
+        pytest.skip(reason)
+    folder = tmp_path_factory.mktemp("ros")
+    modules = folder / "modules"
+    modules.mkdir()
+    for name in MODULES:
+        if (DEBIAN / name).exists() and importlib.util.find_spec(name.removesuffix(".py")) is None:
+            (modules / name).symlink_to(DEBIAN / name)
+    port = _free_port()
+    settings = {
+        "ROS_MASTER_URI": f"http://127.0.0.1:{port}",
+        "ROS_HOSTNAME": "127.0.0.1",
+        "ROS_HOME": str(folder),
+        "ROS_LOG_DIR": str(folder / "log"),
+    }
+    with pytest.MonkeyPatch.context() as patch:
+        for name, value in settings.items():
+            patch.setenv(name, value)
+        patch.syspath_prepend(str(modules))
+        yield {**os.environ, "PYTHONPATH": str(modules)}, folder, port
+        rospy = sys.modules.get("rospy")
+        if rospy is not None:
+            rospy.signal_shutdown("the tests are over")
+    shutil.rmtree(folder, ignore_errors=True)
+
+
+@pytest.fixture
+def real(ros_home: tuple[dict[str, str], Path, int], tmp_path: Path) -> Iterator[Ros]:
+    """A real master, and what is started around it."""
+    environment, _folder, port = ros_home
+    # The system's programs find their modules themselves.
+    ros = Ros(environment, tmp_path, port)
+    ros.start_master()
+    yield ros
+    ros.end_all()
+    with warnings.catch_warnings():  # what rospy leaves behind is no other test's affair
+        warnings.simplefilter("ignore")
+        gc.collect()
+
+
+@pytest.fixture(params=["rosbridge", "rospy"])
+def backend(request: pytest.FixtureRequest) -> str:
+    return str(request.param)
+
+
+@pytest.fixture
+def connect(real: Ros, backend: str) -> Iterator[Callable[..., RosBridge]]:
+    """Open and arm a bridge to the real ROS."""
+    bridges = []
+
+    def build(**options: Any) -> RosBridge:
+        if backend == "rosbridge" and not real.rosbridge_port:
+            real.start_rosbridge()
+        port = real.rosbridge_port if backend == "rosbridge" else real.master_port
+        bridge = RosBridge(backend=backend, host="127.0.0.1", port=port, **options)
+        bridges.append(bridge)
+        bridge.open()
+        bridge.arm()
+        return bridge
+
+    yield build
+    for bridge in bridges:
+        bridge.close()

@@ -1,0 +1,59 @@
+"""A ROS robot for the tests: the simulator behind topics, `python robot_node.py SPEED WORLD`.
+
+It takes `/cmd_vel` (Twist) and gives `/odom` (Odometry), `/light` (UInt8, 0 black ... 255 white) and
+`/bumper` (UInt8, 1 pressed).
+"""
+
+from __future__ import annotations
+
+import math
+import sys
+import threading
+import time
+from typing import Any
+
+import rospy
+from geometry_msgs.msg import Twist
+from nav_msgs.msg import Odometry
+from std_msgs.msg import UInt8
+
+from lrp_jupyter.sim.simulation import STEP, Simulation
+
+_EVERY = 4  # physics steps between two messages
+
+
+def main(speed: float, world: str) -> None:
+    simulation = Simulation(world)
+    wanted = [(0.0, 0.0)]
+
+    def drive(message: Any) -> None:
+        wanted[0] = (message.linear.x, message.angular.z)
+
+    rospy.init_node("robot", disable_signals=True, disable_rosout=True, disable_rostime=True)
+    rospy.Subscriber("/cmd_vel", Twist, drive, queue_size=1, tcp_nodelay=True)
+    topics = {
+        name: rospy.Publisher(f"/{name}", kind, queue_size=1, tcp_nodelay=True)
+        for name, kind in (("odom", Odometry), ("light", UInt8), ("bumper", UInt8))
+    }
+    gone = threading.Event()
+    threading.Thread(target=lambda: (sys.stdin.read(), gone.set()), daemon=True).start()
+    sys.stdout.write("ready\n")
+    sys.stdout.flush()
+    began = time.monotonic()
+    while not gone.is_set():
+        simulation.drive(*wanted[0])
+        simulation.step(_EVERY)
+        readings = simulation.latch()
+        x, y, theta = readings.odom
+        odom = Odometry()
+        odom.header.frame_id = "odom"
+        odom.pose.pose.position.x, odom.pose.pose.position.y = x, y
+        odom.pose.pose.orientation.z, odom.pose.pose.orientation.w = math.sin(theta / 2), math.cos(theta / 2)
+        topics["odom"].publish(odom)
+        topics["light"].publish(UInt8(readings.lights[0]))
+        topics["bumper"].publish(UInt8(readings.bumper))
+        gone.wait(max(0.0, began + simulation.steps * STEP / speed - time.monotonic()))
+
+
+if __name__ == "__main__":
+    main(float(sys.argv[1]), sys.argv[2])
