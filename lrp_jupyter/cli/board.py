@@ -1,0 +1,211 @@
+"""The live display: one calm board in the terminal, redrawn in place; what is said scrolls above it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import zip_longest
+from textwrap import wrap
+
+from rich.cells import cell_len
+from rich.console import Console, Group, RenderableType
+from rich.live import Live
+from rich.text import Text
+
+from lrp_jupyter.cli.excerpt import excerpt
+from lrp_jupyter.cli.map import framed
+from lrp_jupyter.interpreter.frame import Frame
+from lrp_jupyter.language.program import Path
+
+__all__ = ["Board", "Look", "board_text"]
+
+_STATUS = {"running": ("▶", "bold green"), "paused": ("⏸", "bold yellow"), "hung": ("✋", "bold red")}
+_ISSUES = 4  # shown at the same time, at most
+_LEFT = 32  # characters of the left column
+BESIDE = 76
+"""Columns from which on the map stands beside the states, instead of below."""
+_BEGIN, _END = "\x1b[?2026h", "\x1b[?2026l"  # synchronized output: unknown modes are ignored
+
+
+@dataclass(frozen=True)
+class Look:
+    """Everything that the board shows at one moment.
+
+    Parameters
+    ----------
+    frame : Frame
+    name, where : str
+        Of the program, and its robot.
+    map : sequence of str
+        Rows of the sketch of the world; empty where there is none.
+    readings : sequence of (str, str)
+        Members of the robot that the program reads, and their values.
+    since : mapping of path to float
+        When the active states were entered.
+    last : sequence of str
+        The last transitions, the newest first.
+    changed : collection of path
+        Variables that have changed lately.
+    keys : bool
+        Whether keys are read.
+    """
+
+    frame: Frame
+    name: str = ""
+    where: str = ""
+    map: Sequence[str] = ()
+    readings: Sequence[tuple[str, str]] = ()
+    since: Mapping[Path, float] = field(default_factory=dict)
+    last: Sequence[str] = ()
+    changed: frozenset[Path] = frozenset()
+    keys: bool = False
+
+
+class Board:
+    """Shows looks in a terminal. A context: the cursor is back afterwards.
+
+    Parameters
+    ----------
+    console : Console
+    """
+
+    def __init__(self, console: Console) -> None:
+        self.console = console
+        self._live = Live(console=console, auto_refresh=False, vertical_overflow="crop")
+        self._rows: dict[str, int] = {}  # the most that each part has needed: it never shrinks, nothing jumps
+
+    def __enter__(self) -> Board:
+        self._live.start()
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._live.stop()
+
+    @property
+    def room(self) -> tuple[int, int]:
+        """Columns and rows that the map may have."""
+        width, height = self.console.size
+        if width >= BESIDE:
+            return min(width - _LEFT - 4, 72), max(4, height - 9)
+        return width - 3, max(0, height - 21)
+
+    def say(self, what: RenderableType) -> None:
+        """Write something that stays, above the board."""
+        self.console.print(what)
+
+    def show(self, look: Look) -> None:
+        """Draw the board anew."""
+        width, height = self.console.size
+        rows = board_text(look, width, self._rows)[: height - 1]
+        self.console.file.write(_BEGIN)
+        self._live.update(Group(*rows), refresh=True)
+        self.console.file.write(_END)
+        self.console.file.flush()
+
+
+def board_text(look: Look, width: int, rows: dict[str, int] | None = None) -> list[Text]:
+    """Write a board, line by line.
+
+    Parameters
+    ----------
+    look : Look
+    width : int
+        Columns of the terminal.
+    rows : dict, optional
+        How many lines each part has had at most; kept up to date.
+    """
+    rows = {} if rows is None else rows
+    parts = [
+        _padded("states", rows, [*_states(look)]),
+        _padded("variables", rows, [*_variables(look)]),
+        _padded("readings", rows, [_pair(*reading) for reading in look.readings]),
+        _padded("last", rows, [Text(line, "dim") for line in look.last]),
+    ]
+    left = [line for part in parts if part for line in (*part, Text())][:-1]
+    right = framed(look.map) if look.map else []
+    if width >= BESIDE:
+        body = [_beside(a, b) for a, b in zip_longest(left, right, fillvalue=Text())]
+    else:
+        body = [*left, *right]
+    lines = [Text(), _header(look), Text(), *body, *_issues(look.frame, width)]
+    if look.keys:
+        lines += [Text(), Text("space: pause, go on   s: one step   r: restart   q: end", "dim")]
+    for line in lines:
+        line.no_wrap = True
+        line.truncate(width - 1, overflow="ellipsis")
+    return lines
+
+
+def _padded(part: str, rows: dict[str, int], lines: list[Text]) -> list[Text]:
+    rows[part] = most = max(rows.get(part, 0), len(lines))
+    return lines + [Text() for _ in range(most - len(lines))]
+
+
+def _beside(left: Text, right: Text) -> Text:
+    left.truncate(_LEFT, overflow="ellipsis", pad=True)
+    return Text.assemble(left, "  ", right)
+
+
+def _header(look: Look) -> Text:
+    frame = look.frame
+    sign, style = _STATUS.get(frame.status, ("■", "bold"))
+    parts = [f"{frame.time:.1f} s", f"tick {frame.tick}", f"{frame.rate:g} Hz" if frame.rate else "free"]
+    if frame.achieved_speed and not 0.9 < frame.achieved_speed < 1.1:
+        parts.append(f"{frame.achieved_speed:.3g}x real time")
+    if frame.restarts:
+        parts.append(f"{frame.restarts} restart" + ("s" if frame.restarts > 1 else ""))
+    line = Text.assemble(
+        (f"{sign} {look.name}", style), "  ", "  ".join(parts), "  ", (look.where, "dim"), overflow="ellipsis"
+    )
+    if frame.status != "running":
+        words = f"{frame.status}: {frame.reason}" if frame.reason else frame.status
+        line.append(f"  {words}", style)
+    return line
+
+
+def _states(look: Look) -> Iterator[Text]:
+    """One line for each active machine: its name, its active state, since when."""
+    frame = look.frame
+    shown: set[Path] = set()
+    rows: list[tuple[int, str, str, str]] = []
+    for path in frame.active:
+        for end in range(2, len(path) + 1, 2):
+            here = path[:end]
+            if here not in shown:
+                shown.add(here)
+                since = look.since.get(here)
+                time = "" if since is None else f"{max(0.0, frame.time - since):.1f} s"
+                rows.append((end // 2 - 1, path[end - 2], path[end - 1], time))
+    widest = max((2 * depth + cell_len(machine) for depth, machine, _, _ in rows), default=0)
+    for depth, machine, state, time in rows:
+        head = f"{'  ' * depth}{machine}".ljust(widest)
+        room = max(1, _LEFT - cell_len(head) - cell_len(state) - cell_len(time) - 2)
+        yield Text.assemble(
+            (head, "dim"), "  ", (state, "bold green"), " " * room if time else "", (time, "dim")
+        )
+    if not rows:
+        yield Text("nothing is active", "dim")
+
+
+def _variables(look: Look) -> Iterator[Text]:
+    for path, value in look.frame.variables.items():
+        style = "bold" if path in look.changed else ""
+        yield _pair("/".join(path if len(path) == 1 else path[-2:]), value, style)
+
+
+def _pair(name: str, value: str, style: str = "") -> Text:
+    return Text.assemble((name.ljust(14), "dim"), " ", (value, style))
+
+
+def _issues(frame: Frame, width: int) -> Iterator[Text]:
+    open_ones = sorted(
+        (issue for issue in frame.issues if not issue.resolved), key=lambda each: -each.first_tick
+    )
+    if open_ones:
+        yield Text()
+    for issue in open_ones[:_ISSUES]:
+        yield from (Text(row, "red") for row in wrap(str(issue), width - 2, max_lines=2, placeholder=" …"))
+        if issue is open_ones[0]:
+            yield from map(Text, excerpt(frame.program.text, issue.line, issue.column))
+    if len(open_ones) > _ISSUES:
+        yield Text(f"and {len(open_ones) - _ISSUES} more", "red")

@@ -1,0 +1,83 @@
+"""A finding as a person reads it: place, sentence, the line of the source with carets, the remedy."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from rich.cells import cell_len
+from rich.console import Console
+from rich.text import Text
+
+from lrp_jupyter.language.program import Finding, line_starts
+
+__all__ = ["COLOURS", "excerpt", "finding_text", "plain_console", "summary"]
+
+COLOURS = {"error": "bold red", "warning": "bold yellow", "hint": "bold cyan"}
+_TAB = 4
+
+
+def plain_console(stderr: bool = False) -> Console:
+    """Make a console that writes what it is given: no markup, no wrapping."""
+    return Console(stderr=stderr, markup=False, emoji=False, highlight=False, soft_wrap=True)
+
+
+def excerpt(text: str, line: int, column: int, end_line: int = 0, end_column: int = 0) -> list[str]:
+    """Return a line of a text, and below it carets from one column to another.
+
+    Parameters
+    ----------
+    line, column, end_line, end_column : int
+        From 1, in characters. A range over several lines is marked to the end of the first one;
+        without an end the word at the place is marked.
+    """
+    starts = line_starts(text)
+    if not 1 <= line <= len(starts):
+        return []
+    end = starts[line] if line < len(starts) else len(text)
+    source = text[starts[line - 1] : end].rstrip("\r\n")
+    first = min(max(column - 1, 0), len(source))
+    if end_line == line:
+        last = end_column - 1
+    elif end_line > line:
+        last = len(source)
+    else:
+        last = first
+        while last < len(source) and (source[last].isalnum() or source[last] == "_"):
+            last += 1
+    before, marked = (_shown(part) for part in (source[:first], source[first : max(last, first)]))
+    margin = max(4, len(str(line)))
+    carets = " " * cell_len(before) + "^" * max(1, cell_len(marked.rstrip()))
+    return [f" {line:>{margin}} | {_shown(source)}".rstrip(), f" {'':>{margin}} | {carets}"]
+
+
+def _shown(text: str) -> str:
+    return "".join(" " * _TAB if c == "\t" else c if c.isprintable() else "�" for c in text)
+
+
+def finding_text(name: str, text: str, finding: Finding) -> Text:
+    """Write a finding with its place in the source."""
+    out = Text()
+    out.append(f"{name}:{finding.line}:{finding.column}: ", "bold")
+    out.append(f"{finding.severity} {finding.code}", COLOURS[finding.severity])
+    out.append(f": {finding.message}\n")
+    for row in excerpt(text, finding.line, finding.column, finding.end_line, finding.end_column):
+        head, bar, code = row.partition(" | ")
+        out.append(head + bar, "dim")
+        out.append(code + "\n", COLOURS[finding.severity] if code.strip().strip("^") == "" else "")
+    if finding.fix is not None:
+        out.append(f"      = fix: {finding.fix.title}\n", "green")
+    return out
+
+
+def summary(findings: Iterable[Finding]) -> str:
+    """Count: ``2 errors, 1 warning``."""
+    counted = {"error": 0, "warning": 0, "hint": 0}
+    for finding in findings:
+        counted[finding.severity] += 1
+    return ", ".join(_counts(counted)) or "no findings"
+
+
+def _counts(counted: dict[str, int]) -> Iterator[str]:
+    for word, count in counted.items():
+        if count:
+            yield f"{count} {word}" + ("" if count == 1 else "s")

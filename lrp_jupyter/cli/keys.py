@@ -1,0 +1,56 @@
+"""Single keys from a terminal, without waiting; nothing where there is no terminal."""
+
+from __future__ import annotations
+
+import os
+import select
+import sys
+from types import TracebackType
+from typing import Any, Self
+
+try:
+    import termios
+    import tty
+except ImportError:  # pragma: no cover  (Windows: the run is ended by Ctrl-C)
+    termios = None  # type: ignore[assignment]
+
+__all__ = ["Keys"]
+
+
+class Keys:
+    """The keyboard, read key by key while the context lasts; Ctrl-C stays what it is."""
+
+    def __init__(self) -> None:
+        self._descriptor: int | None = None
+        self._before: list[Any] = []
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is a keyboard, and this process has it."""
+        return self._descriptor is not None
+
+    def __enter__(self) -> Self:
+        if termios is not None and sys.stdin is not None and sys.stdin.isatty():
+            descriptor = sys.stdin.fileno()
+            if os.tcgetpgrp(descriptor) == os.getpgrp():  # in the background it would be stopped
+                self._before = termios.tcgetattr(descriptor)
+                tty.setcbreak(descriptor)
+                self._descriptor = descriptor
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._descriptor is not None:
+            termios.tcsetattr(self._descriptor, termios.TCSADRAIN, self._before)
+            self._descriptor = None
+
+    def pressed(self) -> str:
+        """Return the keys pressed since the last call."""
+        descriptor, keys = self._descriptor, ""
+        while descriptor is not None and select.select([descriptor], [], [], 0)[0]:
+            data = os.read(descriptor, 100)
+            if not data:
+                break
+            keys += data.decode(errors="ignore")
+        return keys

@@ -1,0 +1,99 @@
+"""``lrp programs | worlds | bridges``: what there is to choose from."""
+
+from __future__ import annotations
+
+import inspect
+import sys
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from lrp_jupyter import programs
+from lrp_jupyter.cli.excerpt import plain_console
+from lrp_jupyter.errors import BridgeError, LRPError
+
+__all__ = ["list_bridges", "list_challenges", "list_programs", "list_worlds"]
+
+
+def _table(*columns: str) -> Table:
+    table = Table(box=None, pad_edge=False, header_style="dim", padding=(0, 3, 0, 0))
+    for column in columns:
+        table.add_column(column, no_wrap=column is not columns[-1])
+    return table
+
+
+def _show(table: Table) -> None:
+    console = Console(highlight=False, markup=False, emoji=False)
+    if not console.is_terminal:
+        console.width = 200  # one line each: for other programs
+    console.print(table)
+
+
+def list_programs(show: str | None) -> None:
+    """Print the bundled programs, or the text of one."""
+    if show is not None:
+        sys.stdout.write(programs.load(show))
+        return
+    table = _table("program", "world", "what it does")
+    for name in programs.names():
+        heading = programs.heading(programs.load(name))
+        table.add_row(Text(name, "bold"), heading.world or "", Text(heading.description))
+    _show(table)
+
+
+def list_worlds(show: str | None, as_json: bool) -> None:
+    """Print the bundled worlds, or a map or the JSON of one world."""
+    from lrp_jupyter.sim.world import WorldError
+    from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS, load
+
+    if show is None:
+        table = _table("world", "metres", "what it is")
+        for name in BUNDLED:
+            width, depth = load(name).size
+            table.add_row(Text(name, "bold"), f"{width:.3g} x {depth:.3g}", Text(DESCRIPTIONS[name]))
+        _show(table)
+        return
+    try:
+        world = load(show)
+    except WorldError as error:
+        raise LRPError(str(error)) from error
+    console = plain_console()
+    if as_json:
+        sys.stdout.write(world.to_json(indent=2) + "\n")
+        return
+    from lrp_jupyter.cli.map import framed
+    from lrp_jupyter.sim.sketch import sketch
+
+    console.print(DESCRIPTIONS.get(show, world.name or show))
+    for line in framed(sketch(world, 70)):
+        console.print(line)
+    console.print("# solid   ▒ can be pushed   · line   → robot", style="dim")
+    if world.zones:
+        console.print(f"zones: {', '.join(world.zones)}", style="dim")
+
+
+def list_bridges() -> None:
+    """Print the bridges that can be chosen."""
+    from lrp_jupyter.bridges.discovery import find_bridges
+
+    table = _table("bridge", "from", "what it is")
+    for name, offer in find_bridges().items():
+        try:
+            bridge = offer.load()
+            words = (inspect.getdoc(bridge) or "").partition("\n")[0]
+            words += " Hardware: moves something real." if bridge.hardware else ""
+        except BridgeError as error:
+            words = str(error)
+        table.add_row(Text(name, "bold"), offer.origin, Text(words))
+    _show(table)
+
+
+def list_challenges() -> None:
+    """Print the challenges that a program can be graded by."""
+    from lrp_jupyter.live.grade import challenges
+
+    table = _table("challenge", "what the robot shall do")
+    for each in challenges():
+        table.add_row(Text(each.name, "bold"), Text(each.task))
+    _show(table)

@@ -1,0 +1,182 @@
+"""How the time of a run passes: beside a clock, or as fast as it can.
+
+Both run on a thread of their own, so that the main thread can look, draw and be interrupted.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import replace
+from time import perf_counter
+from typing import Protocol
+
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.interpreter.frame import Frame
+from lrp_jupyter.live.session import Session
+
+__all__ = ["Clocked", "Pace", "Racing"]
+
+_PATIENCE = 1.0  # wall seconds for a block to return
+_SLICE = 1.0  # seconds of the run between two looks at what is wanted
+_ROUNDING = 1e-6  # s
+
+
+class Pace(Protocol):
+    """What a run needs of its time."""
+
+    def start(self) -> None:
+        """Begin."""
+
+    def is_over(self) -> bool:
+        """Whether the time has run out, or the run has ended by itself."""
+
+    def is_paused(self) -> bool:
+        """Whether the run stands still."""
+
+    def pause(self) -> None:
+        """Stand still."""
+
+    def resume(self) -> None:
+        """Go on."""
+
+    def seen(self, frame: Frame) -> Frame:
+        """Return what a person may see of the session's frame."""
+
+    def end(self) -> None:
+        """Stop the robot and the thread."""
+
+
+class Clocked:
+    """In wall time, at the session's speed.
+
+    Parameters
+    ----------
+    session : Session
+    seconds : float
+        After which the run is over, in its own time; may be infinite.
+    over : callable
+        Whether it is over for another reason.
+    """
+
+    def __init__(self, session: Session, seconds: float, over: Callable[[], bool]) -> None:
+        self._session = session
+        self._seconds = seconds
+        self._over = over
+
+    def start(self) -> None:
+        """Begin."""
+        self._session.start()
+
+    def is_over(self) -> bool:
+        """See :class:`Pace`."""
+        frame = self._session.frame
+        over = frame.time >= self._seconds - _ROUNDING or self._over()
+        return over or frame.status in ("broken", "closed", "stopped")
+
+    def is_paused(self) -> bool:
+        """See :class:`Pace`."""
+        return self._session.status == "paused"
+
+    def pause(self) -> None:
+        """See :class:`Pace`."""
+        self._session.pause()
+
+    def resume(self) -> None:
+        """See :class:`Pace`."""
+        self._session.resume()
+
+    def seen(self, frame: Frame) -> Frame:
+        """See :class:`Pace`."""
+        return frame
+
+    def end(self) -> None:
+        """See :class:`Pace`."""
+        self._session.stop()
+
+
+class Racing:
+    """Without waiting, in slices of virtual time: it ends at the very step.
+
+    Parameters
+    ----------
+    session : Session
+    seconds : float
+        After which the run is over; may be infinite.
+    until : str, optional
+        A state that ends the run.
+    finished : callable
+        Called, on the racing thread, when the run is over.
+    """
+
+    def __init__(
+        self, session: Session, seconds: float, until: str | None, finished: Callable[[], object]
+    ) -> None:
+        self._session = session
+        self._seconds = seconds
+        self._until = until
+        self._finished = finished
+        self._done = threading.Event()
+        self._began = 0.0  # wall time
+        self._going = threading.Event()
+        self._stopping = False
+        self._thread = threading.Thread(target=self._run, name="race", daemon=True)
+
+    def start(self) -> None:
+        """Begin."""
+        self._began = perf_counter()
+        self._going.set()
+        self._thread.start()
+
+    def _run(self) -> None:
+        session = self._session
+        try:
+            while not self._stopping:
+                self._going.wait()
+                before = session.frame.time
+                span = min(self._seconds - before, _SLICE)
+                if self._stopping or span <= _ROUNDING or session.fault:
+                    break
+                reached = session.run(span, until=self._until)
+                if reached and self._until is not None:
+                    break
+                if session.frame.time < before + span - _ROUNDING:  # it paused: at an issue
+                    self._going.clear()
+        except LRPError:  # closed under way
+            pass
+        finally:
+            self._done.set()
+            self._finished()
+
+    def is_over(self) -> bool:
+        """See :class:`Pace`."""
+        return self._done.is_set()
+
+    def is_paused(self) -> bool:
+        """See :class:`Pace`."""
+        return not self._going.is_set()
+
+    def pause(self) -> None:
+        """See :class:`Pace`."""
+        self._going.clear()
+
+    def resume(self) -> None:
+        """See :class:`Pace`."""
+        self._going.set()
+
+    def seen(self, frame: Frame) -> Frame:
+        """Hide that a session stands still between two slices."""
+        if frame.status not in ("paused", "running") or self.is_paused():
+            return frame
+        wall = perf_counter() - self._began
+        return replace(frame, status="running", reason="", achieved_speed=frame.time / max(wall, 1e-3))
+
+    def end(self) -> None:
+        """See :class:`Pace`."""
+        self._stopping = True
+        self._going.set()
+        if self._thread.is_alive():
+            self._thread.join(_PATIENCE)
+            if self._thread.is_alive() and self._session.interrupt():
+                self._thread.join(_PATIENCE)
+        self._session.stop()

@@ -1,0 +1,355 @@
+"""``lrp run``: a program runs, is shown, traced, and changed while it runs.
+
+The interpreter and its robot live on a thread of their own. This one, the main thread, only looks
+(twelve times a second), writes what happened, reads keys and waits for signals; so Ctrl-C is
+answered at once, whatever a block does.
+"""
+
+from __future__ import annotations
+
+import math
+import signal
+import sys
+from collections import deque
+from concurrent.futures import Future
+from contextlib import ExitStack, suppress
+from difflib import get_close_matches
+from pathlib import Path as FilePath
+from queue import Empty, SimpleQueue
+from threading import Event
+from time import perf_counter
+from typing import Any, TextIO
+
+import typer
+from rich.console import Console, RenderableType
+from rich.text import Text
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.cli.board import Board, Look
+from lrp_jupyter.cli.excerpt import finding_text, plain_console
+from lrp_jupyter.cli.happenings import Happenings
+from lrp_jupyter.cli.initials import with_initials
+from lrp_jupyter.cli.keys import Keys
+from lrp_jupyter.cli.lines import Lines
+from lrp_jupyter.cli.map import Map, columns_for
+from lrp_jupyter.cli.options import RunOptions
+from lrp_jupyter.cli.pace import Clocked, Pace, Racing
+from lrp_jupyter.cli.robot import open_robot, where
+from lrp_jupyter.cli.signals import noted_signals
+from lrp_jupyter.cli.source import Source, read_source
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.interpreter.frame import Frame, matches
+from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.parser import scan
+from lrp_jupyter.language.program import Finding, Path, Program
+from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.session import Session
+
+__all__ = ["run_file"]
+
+_LOOKS = 1 / 12  # s between two looks
+_LAST = 3  # transitions that the board remembers
+
+
+def run_file(file: str, wanted: RunOptions) -> int:
+    """Run a program; return the exit code."""
+    source = read_source(file)
+    if wanted.watch and source.path is None:
+        raise typer.BadParameter(
+            "--watch needs a file of your own; `lrp programs --show NAME > my.lrp` makes one."
+        )
+    complaints = plain_console(stderr=True)
+    program, findings = scan(source.text, source.name)
+    if program is None:
+        _report(complaints.print, source.name, source.text, findings)
+        if not wanted.watch:
+            return 1
+        complaints.print("Nothing runs yet: correct the text and save it.")
+    running = Program(filename=source.name) if program is None else with_initials(program, wanted.assignments)
+    if program is not None and wanted.until is not None and not wanted.watch:
+        _check_state(program, wanted.until)
+    if source.path is not None:
+        sys.path.insert(0, str(source.path.parent.absolute()))  # modules beside the file, as for any script
+    with ExitStack() as stack:
+        trace = _opened(wanted.trace, stack)
+        bridge = open_robot(source, wanted)
+        stack.callback(bridge.close)
+        session = Session(
+            running,
+            bridge,
+            rate=wanted.rate,
+            name=FilePath(source.name).stem,
+            on_issue=wanted.on_issue,
+            journal=0,
+            speed=wanted.speed,
+        )
+        stack.callback(session.close)
+        return _Run(session, source, wanted, trace).go(program)
+
+
+def _opened(trace: str | None, stack: ExitStack) -> TextIO | None:
+    if trace is None or trace == "-":
+        return sys.stdout if trace else None
+    return stack.enter_context(open(trace, "w", encoding="utf-8", newline="\n"))
+
+
+def _check_state(program: Program, until: str) -> None:
+    known = [(*path, str(state.name)) for path, machine in program.walk() for state in machine.states]
+    if not any(matches(until, path) for path in known):
+        close = get_close_matches(until.rpartition("/")[2], {path[-1] for path in known}, n=1)
+        hint = f"; did you mean `{close[0]}`?" if close else "."
+        raise typer.BadParameter(f"--until: the program has no state `{until}`{hint}")
+
+
+def _report(say: Any, name: str, text: str, findings: tuple[Finding, ...]) -> None:
+    for finding in findings:
+        say(finding_text(name, text, finding))
+
+
+class _Run:
+    """One run, seen from the main thread."""
+
+    def __init__(self, session: Session, source: Source, wanted: RunOptions, trace: TextIO | None) -> None:
+        self.session = session
+        self.source = source
+        self.wanted = wanted
+        self._wake = Event()  # something is to be done before the next look
+        self._left = False  # by the key q
+        self._trace = trace
+        self._happenings = Happenings(wanted.seconds, wanted.until, trace is not None)
+        console = plain_console(stderr=wanted.trace == "-")
+        drawn = console.is_terminal and not console.is_dumb_terminal and wanted.trace != "-"
+        self._board = Board(Console(highlight=False, markup=False, emoji=False)) if drawn else None
+        self._lines = Lines(console, quiet=wanted.trace == "-")
+        self._keys: Keys | None = None  # only where there is a keyboard
+        self._saved: SimpleQueue[str] = SimpleQueue()
+        simulation = getattr(session.bridge, "simulation", None)
+        self._map = Map(simulation) if simulation is not None and drawn else None
+        self._drawing: Future[list[str]] | None = None
+        self._rows: list[str] = []
+        self._printed = 0
+        self._said: set[str] = set()  # notices of the robot
+        self._last: deque[str] = deque(maxlen=_LAST)
+        self._values: dict[Path, str] = {}
+        self.pace: Pace
+        if wanted.speed == math.inf:
+            self.pace = Racing(session, wanted.seconds, wanted.until, self._wake.set)
+        else:
+            self.pace = Clocked(session, wanted.seconds, self._happenings.reached.is_set)
+        self._where = where(session.bridge, wanted.world or source.world)
+
+    @property
+    def _bridge(self) -> Bridge:
+        return self.session.bridge
+
+    def say(self, what: RenderableType) -> None:
+        """Write something that stays."""
+        (self._board or self._lines).say(what)
+
+    def go(self, program: Program | None) -> int:
+        """Run to the end; return the exit code."""
+        session, wanted = self.session, self.wanted
+        session.observe(self._happenings)
+        pace = self.pace
+        with ExitStack() as stack:
+            caught = stack.enter_context(noted_signals(self._wake))
+            if self._board is not None:
+                keys = stack.enter_context(Keys())
+                self._keys = keys if keys.usable else None
+            if wanted.watch and self.source.path is not None:
+                from lrp_jupyter.cli.watch import Watch
+
+                stack.callback(Watch(self.source.path, self.source.text, self._saved.put).close)
+            if program is not None:
+                _report(self.say, self.source.name, program.text, check(program))
+            if self._board is not None:
+                stack.enter_context(self._board)
+            began = perf_counter()
+            alone = False
+            try:
+                pace.start()
+                while not (caught or self._left or alone or pace.is_over()):
+                    self._wake.wait(self._pause_between_looks())
+                    self._wake.clear()
+                    self._look()
+                    for key in self._keys.pressed() if self._keys is not None else "":
+                        self._press(key)
+                    # nobody can let it go on, neither by a key nor by a save
+                    alone = pace.is_paused() and self._keys is None and not wanted.watch
+            except BrokenPipeError:  # whoever read the trace has gone
+                caught.append(getattr(signal, "SIGPIPE", 13))
+                self._trace = None
+                sys.stdout = open("/dev/null", "w")  # noqa: SIM115  (closing the real one would fail again)
+            finally:
+                wall = perf_counter() - began
+                pace.end()
+            frame = session.frame
+            self._draw_last()
+            self._keys = None
+            self._look()
+        return self._end(frame, wall, caught, alone)
+
+    def _pause_between_looks(self) -> float:
+        left = (self.wanted.seconds - self.session.frame.time) / self.wanted.speed
+        return min(_LOOKS, max(left, 0.005))
+
+    # -- one look -----------------------------------------------------------------------------------
+
+    def _look(self) -> None:
+        self._write_trace()
+        self._apply_saves()
+        frame = self.pace.seen(self.session.frame)
+        self._tell_news(frame)
+        if self._board is not None:
+            self._board.show(self._seen(frame))
+
+    def _write_trace(self) -> None:
+        lines, trace = self._happenings.lines, self._trace
+        while lines:
+            line = lines.popleft()
+            if trace is not None:
+                trace.write(line)
+        if trace is not None:
+            trace.flush()
+
+    def _tell_news(self, frame: Frame) -> None:
+        news = self._happenings.news
+        while news:
+            event = news.popleft()
+            if event.kind == "fired":
+                self._last.appendleft(f"{event.now:.1f} s  {' → '.join(event.data)}")  # type: ignore[arg-type]
+            if event.kind == "restarted":
+                self._happenings.since.clear()
+            if self._board is None:
+                self._lines.tell(event, frame.program.text)
+        self._printed, printed = self.session.output.since(self._printed)
+        for line in printed:
+            self.say(line)
+        for notice in self._bridge.safety.notices:
+            if notice.text not in self._said:
+                self._said.add(notice.text)
+                self.say(Text(f"{notice.now:8.1f} s  robot: {notice.text}", "yellow"))
+
+    def _seen(self, frame: Frame) -> Look:
+        values = dict(frame.variables)
+        changed = frozenset(path for path, value in values.items() if self._values.get(path, value) != value)
+        self._values = values
+        readings = [
+            (member.name.removesuffix(".data"), _short(member.value))
+            for member in self._bridge.members()
+            if member.kind == "variable" and member.value is not None
+        ]
+        return Look(
+            frame=frame,
+            name=self.session.name,
+            where=self._where,
+            map=self._drawn(frame),
+            readings=readings,
+            since=self._happenings.since,
+            last=tuple(self._last),
+            changed=changed,
+            keys=self._keys is not None,
+        )
+
+    def _drawn(self, frame: Frame) -> list[str]:
+        """Return the newest map of the world, and ask for the next: it is drawn between two ticks."""
+        if self._map is None or self._board is None:
+            return []
+        if self._drawing is not None and self._drawing.done() and self._drawing.exception() is None:
+            self._rows = self._drawing.result()
+        columns, rows = self._board.room
+        if (self._drawing is None or self._drawing.done()) and frame.status != "stopped" and rows > 4:
+            draw, wide = self._map.draw, columns_for(self._map.size, columns - 2, rows - 2)
+            self._drawing = self.session.submit(do.Call(lambda: draw(wide)))
+        return self._rows
+
+    def _draw_last(self) -> None:
+        """Draw the map of the end; nothing moves any more."""
+        if self._map is not None and self._rows:
+            draw, wide = self._map.draw, len(self._rows[0])
+            with suppress(LRPError):  # a block that does not return holds the world
+                self._rows = self.session.call(lambda: draw(wide))
+            self._drawing = None
+
+    def _press(self, key: str) -> None:
+        pace = self.pace
+        try:
+            if key == " ":
+                (pace.resume if pace.is_paused() else pace.pause)()
+            elif key == "s":
+                pace.pause()
+                self.session.step()
+            elif key == "r":
+                self.session.reset()
+            elif key in "qQ":
+                self._left = True
+        except LRPError as error:
+            self.say(Text(str(error), "red"))
+
+    # -- changes ------------------------------------------------------------------------------------
+
+    def _apply_saves(self) -> None:
+        text: str | None = None
+        while True:
+            try:
+                text = self._saved.get_nowait()
+            except Empty:
+                break
+        if text is not None:
+            self._apply(text)
+
+    def _apply(self, text: str) -> None:
+        """Let the program be another one, and say what that does."""
+        head = f"{self.session.frame.time:8.1f} s  saved: "
+        program, findings = scan(text, self.source.name)
+        if program is None:
+            self.say(Text(f"{head}not a program; the last one runs on", "bold red"))
+            _report(self.say, self.source.name, text, findings)
+            return
+        try:
+            answer = self.session.submit(do.Edit(with_initials(program, self.wanted.assignments)))
+            self.session.call(lambda: None)  # carried out, also while nothing runs
+            patch = answer.result(0)
+        except LRPError as error:
+            self.say(Text(f"{head}{error}", "bold yellow"))
+            return
+        if not patch.applied:
+            self.say(Text(f"{head}not applied yet: {patch.reason}", "bold yellow"))
+        elif patch.restarted:
+            self.say(Text(f"{head}restarted: {patch.reason}", "bold yellow"))
+        elif not patch.changes:
+            self.say(f"{head}nothing changed in its meaning")
+        else:
+            self.say(Text(f"{head}applied while it runs: {patch.changes}", "green"))
+        if self._keys is None and self.pace.is_paused():  # at an issue; nobody can press a key
+            self.pace.resume()
+        _report(self.say, self.source.name, text, check(program))
+
+    # -- the end ------------------------------------------------------------------------------------
+
+    def _end(self, frame: Frame, wall: float, caught: list[int], alone: bool) -> int:
+        if self.session.fault:
+            plain_console(stderr=True).print(
+                f"lrp: the interpreter itself failed, not your program:\n{self.session.fault}"
+            )
+            return 3
+        if alone:
+            issue = max(frame.issues, key=lambda each: each.last_tick)
+            self.say(f"paused at an issue:\n{issue.traceback or issue}")
+        active = ", ".join("/".join(path) for path in frame.active) or "nothing"
+        words = f"{self.session.name}: {frame.time:.1f} s, {frame.tick} ticks; {active} active"
+        if issues := sum(not issue.resolved for issue in frame.issues):
+            words += f"; {issues} issue" + ("s" if issues > 1 else "")
+        if self.wanted.speed == math.inf and wall > 0:
+            words += f"; {frame.time / wall:,.0f} times real time"
+        self.say(words)
+        if caught:
+            return 128 + caught[0]
+        missed = (
+            self.wanted.until is not None and not self._happenings.reached.is_set() and not self.stop.is_set()
+        )
+        return int(alone or missed)
+
+
+def _short(value: object) -> str:
+    return f"{value:.3f}".rstrip("0").rstrip(".") if isinstance(value, float) else str(value)
