@@ -324,6 +324,7 @@ class RosBridge(Bridge):
         self._told = (Connection.CONNECTING, f"connecting to {link.transport.place}")
         with self._changing:
             self._link = link
+            self.add_method("stop", self.stop, "publish a velocity of zero wherever velocities go")
             wires = [channel.wire for channel in self._channels.values()]
             self._channels = {wire.variable: Channel(wire) for wire in wires}
             for channel in self._channels.values():
