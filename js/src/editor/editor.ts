@@ -7,7 +7,6 @@ import { lintGutter } from "@codemirror/lint";
 import { search } from "@codemirror/search";
 import { EditorState, type Extension, Prec } from "@codemirror/state";
 import {
-  drawSelection,
   EditorView,
   highlightActiveLine,
   highlightActiveLineGutter,
@@ -61,7 +60,6 @@ export class Editor {
       lintGutter(),
       foldGutter(),
       history(),
-      drawSelection(),
       indentUnit.of("  "),
       indentOnInput(),
       bracketMatching(),

@@ -20,16 +20,16 @@ export function restartNotice(lab: Lab): HTMLElement {
     reason,
     h("div", { class: "lrp-row" }, keep, button({ icon: "close", title: "Dismiss", onclick: () => hide() })),
   );
-  let seen = -1;
+  let seen = 0;
   const hide = () => {
     notice.hidden = true;
   };
   notice.hidden = true;
-  store.watch(["restart", "settings"], () => {
+  store.watch(["restart", "settings", "snapshot"], (changed) => {
     const { restart, settings } = store.state;
     setSwitch(keep, settings.on_active_edit === "keep");
     const count = restart?.count ?? 0;
-    if (seen >= 0 && count > seen && restart) {
+    if (count > seen && restart && !changed.has("snapshot")) {
       setText(reason, "");
       reason.append(`Restarted at tick ${restart.tick}: `, ...prose(restart.reason));
       notice.hidden = false;

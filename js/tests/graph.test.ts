@@ -1,0 +1,188 @@
+// @vitest-environment happy-dom
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import { Camera } from "../src/graph/camera";
+import { draw, type Layers, makeLayers } from "../src/graph/draw";
+import { nearest } from "../src/graph/focus";
+import type { GraphLayout, StateShape, TransitionShape } from "../src/graph/layout";
+import { AFTERGLOW, lastFired, Marks } from "../src/graph/marks";
+import { initialState, type LabState } from "../src/session/state";
+import recording from "./page/recording.json";
+
+const follower = recording.snapshot.layouts.follower as unknown as GraphLayout;
+
+const shape = (name: string, fields: Partial<StateShape> = {}): StateShape => ({
+  id: `m/${name}`,
+  name,
+  kind: "state",
+  x: 0,
+  y: 0,
+  width: 60,
+  height: 36,
+  label: name,
+  nested: "",
+  machines: [],
+  title: name,
+  start: null,
+  ...fields,
+});
+const arrow = (source: string, fields: Partial<TransitionShape> = {}): TransitionShape => ({
+  id: "m:t",
+  name: "t",
+  kind: "on",
+  style: "on",
+  source,
+  destination: "b",
+  d: "M0 0L1 1",
+  head: "",
+  mark: "",
+  label: { text: "e", x: 0, y: 0, width: 9, height: 9 },
+  title: "t",
+  broken: null,
+  ...fields,
+});
+const layout = (states: StateShape[], transitions: TransitionShape[] = []): GraphLayout => ({
+  machine: "m",
+  name: "m",
+  view: [0, 0, 100, 100],
+  frame: [0, 0, 100, 100],
+  states,
+  transitions,
+  ports: [],
+  places: {},
+});
+
+let layers: Layers;
+let state: LabState;
+const node = (path: string) => layers.root.querySelector(`[data-lrp-state="${path}"]`);
+beforeEach(() => {
+  layers = makeLayers();
+  state = initialState();
+  state.machine = "m";
+});
+
+describe("a drawing", () => {
+  it("has every state and transition of a real layout, by the names tests and themes use", () => {
+    draw(layers, follower);
+    const names = [...layers.root.querySelectorAll("[data-lrp-state]")].map((element) =>
+      element.getAttribute("data-lrp-state"),
+    );
+    expect(names).toEqual(follower.states.filter(({ kind }) => kind !== "any").map(({ id }) => id));
+    expect(layers.root.querySelectorAll("[data-lrp-transition='follower:tlooking']")).toHaveLength(1);
+  });
+
+  it("keeps the element of a state that stays, wherever it goes", () => {
+    draw(layers, layout([shape("a"), shape("b")]));
+    const before = node("m/b");
+    draw(layers, layout([shape("b", { x: 70 }), shape("c")]));
+    expect(node("m/b")).toBe(before);
+    expect(before?.getAttribute("transform")).toBe("translate(70 0)");
+    expect(node("m/a")).toBeNull();
+  });
+
+  it("leaves a state alone while it is dragged", () => {
+    draw(layers, layout([shape("a", { x: 5 })]));
+    node("m/a")?.setAttribute("data-dragged", "");
+    draw(layers, layout([shape("a", { x: 50 })]));
+    expect(node("m/a")?.getAttribute("transform")).toBe("translate(5 0)");
+  });
+
+  it("draws one arrow for each source of a transition", () => {
+    draw(layers, layout([shape("a"), shape("b"), shape("c")], [arrow("a"), arrow("c")]));
+    expect(layers.arrows.children).toHaveLength(2);
+    expect(layers.labels.children).toHaveLength(2);
+  });
+
+  it("says why a transition is broken, until it is whole", () => {
+    draw(layers, layout([shape("a")], [arrow("a", { broken: "there is no state `b`" })]));
+    const drawn = layers.arrows.firstElementChild;
+    expect(drawn?.getAttribute("data-broken")).toBe("there is no state `b`");
+    draw(layers, layout([shape("a")], [arrow("a")]));
+    expect(drawn?.hasAttribute("data-broken")).toBe(false);
+  });
+
+  it("gives the fictional state no path: nobody can go there", () => {
+    draw(layers, layout([shape("*", { kind: "any" })]));
+    expect(layers.root.querySelector("[data-lrp-state]")).toBeNull();
+  });
+});
+
+describe("marks", () => {
+  it("show the active state and the transition that fired last", () => {
+    draw(layers, layout([shape("a"), shape("b")], [arrow("a"), arrow("b", { id: "m:u" })]));
+    state.lit = new Set(["m/b"]);
+    state.fired = {
+      "m:t": { count: 4, tick: 9 },
+      "m:u": { count: 1, tick: 3 },
+      "n:t": { count: 1, tick: 20 },
+    };
+    new Marks().update(layers, state);
+    expect(node("m/b")?.hasAttribute("data-active")).toBe(true);
+    expect(node("m/a")?.hasAttribute("data-active")).toBe(false);
+    expect(layers.root.querySelector("[data-fired]")?.getAttribute("data-lrp-transition")).toBe("m:t");
+  });
+
+  it("let a visit that was too short to see glow for a while", () => {
+    vi.useFakeTimers();
+    const marks = new Marks();
+    draw(layers, layout([shape("a")]));
+    marks.update(layers, state);
+    state.entered = { "m/a": { count: 1, tick: 1 } };
+    marks.update(layers, state);
+    vi.advanceTimersByTime(150);
+    expect(node("m/a")?.hasAttribute("data-glow")).toBe(true);
+    vi.advanceTimersByTime(AFTERGLOW);
+    expect(node("m/a")?.hasAttribute("data-glow")).toBe(false);
+    vi.useRealTimers();
+  });
+
+  it("know no last transition before the first", () => {
+    expect(lastFired({ "m:t": { count: 0, tick: 0 } }, "m")).toBe("");
+  });
+});
+
+describe("the camera", () => {
+  it("shows the whole in the middle, not larger than it should be", () => {
+    const camera = new Camera();
+    camera.fit({ x: 10, y: 10, width: 100, height: 50 }, 400, 400, 2);
+    expect(camera.scale).toBe(2);
+    expect(camera.inside(200, 200)).toEqual([60, 35]);
+    expect(camera.moved).toBe(false);
+  });
+
+  it("keeps the point under the pointer while zooming", () => {
+    const camera = new Camera();
+    camera.fit({ x: 0, y: 0, width: 100, height: 100 }, 200, 200);
+    const before = camera.inside(30, 40);
+    camera.zoom(1.7, 30, 40);
+    const after = camera.inside(30, 40);
+    expect(after[0]).toBeCloseTo(before[0]);
+    expect(after[1]).toBeCloseTo(before[1]);
+    expect(camera.moved).toBe(true);
+  });
+
+  it("zooms neither out of sight nor into nothing", () => {
+    const camera = new Camera();
+    for (let i = 0; i < 50; i++) camera.zoom(2, 0, 0);
+    expect(camera.scale).toBe(4);
+    for (let i = 0; i < 50; i++) camera.zoom(0.5, 0, 0);
+    expect(camera.scale).toBe(0.2);
+  });
+});
+
+describe("arrow keys", () => {
+  const points = [
+    { x: 100, y: 5 },
+    { x: 60, y: 80 },
+    { x: -50, y: 0 },
+  ];
+
+  it("go to the nearest that way, one aside counts as farther", () => {
+    expect(nearest({ x: 0, y: 0 }, points, "ArrowRight")).toBe(0);
+    expect(nearest({ x: 0, y: 10 }, points, "ArrowDown")).toBe(1);
+    expect(nearest({ x: 0, y: 0 }, points, "ArrowLeft")).toBe(2);
+  });
+
+  it("go nowhere when nothing lies that way", () => {
+    expect(nearest({ x: 0, y: 0 }, [{ x: 0, y: 5 }], "ArrowUp")).toBe(-1);
+  });
+});

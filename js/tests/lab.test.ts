@@ -1,0 +1,219 @@
+// @vitest-environment happy-dom
+import { EditorView } from "@codemirror/view";
+import { afterEach, beforeEach, describe, expect, it } from "vitest";
+import { openLab } from "../src/lab";
+import type { Answer, Command, FromPage, Part } from "../src/protocol";
+import recording from "./page/recording.json";
+
+/** A whole lab in a page without a browser, and the kernel's end of its wire. */
+class Page {
+  readonly host = document.createElement("div");
+  sent: FromPage[] = [];
+  private hear: (message: object, buffers: DataView[]) => void = () => {};
+  readonly close: () => void;
+
+  constructor(part: Part = "lab") {
+    document.body.append(this.host);
+    const model = {
+      send: (message: unknown) => void this.sent.push(message as FromPage),
+      on: (event: string, callback: (...args: never[]) => void) => {
+        if (event === "msg:custom") this.hear = callback as never;
+      },
+      off: () => {},
+    };
+    this.close = openLab(model, part, this.host);
+  }
+
+  deliver(message: object): void {
+    this.hear({ view: this.sent[0]!.view, ...message }, []);
+  }
+
+  async begin(): Promise<this> {
+    this.deliver(structuredClone(recording.snapshot));
+    await this.drawn();
+    return this;
+  }
+
+  drawn(): Promise<void> {
+    return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => resolve())));
+  }
+
+  find(selector: string): HTMLElement {
+    const found = this.host.querySelector<HTMLElement>(selector);
+    if (!found) throw new Error(`nothing is ${selector}`);
+    return found;
+  }
+
+  get editor(): EditorView {
+    return EditorView.findFromDOM(this.find(".cm-editor"))!;
+  }
+
+  type(text: string, at = 0): void {
+    this.editor.dispatch({ changes: { from: at, insert: text }, userEvent: "input.type" });
+  }
+
+  of<K extends FromPage["type"]>(type: K): Extract<FromPage, { type: K }>[] {
+    return this.sent.filter((message) => message.type === type) as Extract<FromPage, { type: K }>[];
+  }
+
+  commands(act: Command["do"]): Command[] {
+    return this.of("command").filter((command) => command.do === act);
+  }
+}
+
+const answer = (fields: Partial<Answer>): Partial<Answer> => ({
+  type: "answer",
+  seq: 1,
+  revision: 2,
+  text: null,
+  findings: [],
+  accepted: true,
+  applied: true,
+  reason: "",
+  program: null,
+  layouts: null,
+  pending: null,
+  ...fields,
+});
+
+let page: Page;
+beforeEach(async () => {
+  page = await new Page().begin();
+});
+afterEach(() => {
+  page.close();
+  page.host.remove();
+});
+
+describe("the editor", () => {
+  it("shows the session's text and sends what is typed, whole", () => {
+    expect(page.editor.state.doc.toString()).toBe(recording.snapshot.text);
+    page.type("; x\n");
+    expect(page.of("text").map(({ text }) => text)).toEqual([`; x\n${recording.snapshot.text}`]);
+  });
+
+  it("never sends back a text that came from elsewhere", async () => {
+    page.deliver(answer({ seq: 0, text: "(machine other)" }));
+    expect(page.editor.state.doc.toString()).toBe("(machine other)");
+    expect(page.of("text")).toEqual([]);
+  });
+
+  it("keeps what is typed while another's text comes in", () => {
+    page.type("; mine\n");
+    page.deliver(answer({ seq: 0, text: "(machine other)" }));
+    expect(page.editor.state.doc.toString()).toContain("; mine");
+  });
+
+  it("underlines a finding where it stands now, not where it stood when it was found", async () => {
+    page.type("a");
+    page.type("\n\n", 0);
+    const range = { line: 1, column: 1, end_line: 1, end_column: 2 };
+    page.deliver(
+      answer({ findings: [{ code: "LRP101", severity: "error", message: "`a`", range, fix: null }] }),
+    );
+    await page.drawn();
+    expect(page.find(".cm-lintRange-error").textContent).toBe("a");
+    expect(page.editor.state.doc.lineAt(2).number).toBe(3);
+  });
+
+  it("keeps the line ends of a text", async () => {
+    page.close();
+    page.host.remove();
+    page = new Page();
+    page.deliver({ ...structuredClone(recording.snapshot), text: "(machine m)\r\n(spawn m a)\r\n" });
+    page.type(";", 0);
+    expect(page.of("text").at(-1)?.text).toBe(";(machine m)\r\n(spawn m a)\r\n");
+  });
+});
+
+describe("the page", () => {
+  it("has the names that tests and themes use", () => {
+    for (const part of ["controls", "editor", "tree", "graph", "variables", "issues", "world"])
+      page.find(`[data-lrp="${part}"]`);
+    for (const act of ["pause", "step", "reset", "stop"]) page.find(`[data-lrp-action="${act}"]`);
+    page.find('[data-lrp-state="follower/looking"]');
+    page.find('[data-lrp-transition="follower:tlooking"]');
+    page.find('[data-lrp-machine="follower/looking/lookalgo"]');
+    page.find('[data-lrp-variable="lightlim"]');
+    expect(page.find('[data-lrp="lab"]').dataset.lrpStatus).toBe("running");
+    expect(page.find('[data-lrp="lab"]').dataset.lrpRevision).toBe("1");
+  });
+
+  it("counts ticks and marks the active state", async () => {
+    page.deliver({ type: "frame", frame: 9, tick: 1234, lit: ["follower/end"], active: ["follower/end"] });
+    await page.drawn();
+    expect(page.find('[data-lrp="lab"]').dataset.lrpTick).toBe("1234");
+    expect(page.find('[data-lrp-state="follower/end"]').hasAttribute("data-active")).toBe(true);
+  });
+
+  it("offers to run while paused, and to pause while running", async () => {
+    page.find('[data-lrp-action="pause"]').click();
+    page.deliver({ type: "frame", frame: 9, status: "paused" });
+    await page.drawn();
+    page.find('[data-lrp-action="run"]').click();
+    expect(page.commands("pause").concat(page.commands("run"))).toHaveLength(2);
+  });
+
+  it("says what a refused command was refused for", async () => {
+    page.find('[data-lrp-action="reset"]').click();
+    const { id } = page.commands("reset")[0]!;
+    page.deliver({ type: "reply", id, error: "The session is closed." });
+    await page.drawn();
+    expect(page.find(".lrp-toast").textContent).toBe("The session is closed.");
+  });
+
+  it("lists an issue once, with its count, and finds its place", async () => {
+    const issue = {
+      id: 1,
+      code: "LRP601",
+      severity: "error",
+      kind: "exception",
+      element: "state `follower/moving`",
+      message: "`moving.running` failed",
+      revision: 1,
+      range: { line: 2, column: 1, end_line: 2, end_column: 5 },
+      traceback: "",
+      first_tick: 1,
+      last_tick: 1,
+      count: 1,
+      resolved: false,
+    };
+    page.deliver({ type: "frame", frame: 9, issues: [issue] });
+    page.deliver({ type: "frame", frame: 10, issues: [{ ...issue, count: 7, last_tick: 9 }] });
+    await page.drawn();
+    expect(page.host.querySelectorAll('[data-lrp-issue="LRP601"]')).toHaveLength(1);
+    expect(page.find('[data-lrp-issue="LRP601"]').textContent).toContain("7×, ticks 1–9");
+    page.find('[data-lrp-issue="LRP601"] button').click();
+    expect(page.editor.state.doc.lineAt(page.editor.state.selection.main.from).number).toBe(2);
+  });
+
+  it("shows a restart with its reason and the switch to keep, but not one of before it came", async () => {
+    const notice = page.find(".lrp-notice");
+    const snapshot = structuredClone(recording.snapshot);
+    Object.assign(snapshot.frame, { restart: { count: 3, tick: 2, reason: "long ago" } });
+    page.deliver(snapshot);
+    await page.drawn();
+    expect(notice.hidden).toBe(true);
+    page.deliver({ type: "frame", frame: 10, restart: { count: 4, tick: 5, reason: "`moving` changed" } });
+    await page.drawn();
+    expect(notice.hidden).toBe(false);
+    expect(notice.textContent).toContain("Restarted at tick 5: moving changed");
+  });
+
+  it("says goodbye when it is closed", () => {
+    page.close();
+    expect(page.sent.at(-1)).toMatchObject({ type: "bye" });
+    expect(page.host.children).toHaveLength(0);
+  });
+});
+
+it.each(["editor", "graph", "world", "variables", "issues", "tree", "controls"] as const)(
+  "%s stands alone",
+  async (part) => {
+    const alone = await new Page(part).begin();
+    alone.find(`[data-lrp="${part}"]`);
+    expect(alone.host.querySelectorAll("[data-lrp]")).toHaveLength(1);
+    expect(alone.sent[0]).toMatchObject({ type: "hello", part });
+    alone.close();
+  },
+);

@@ -1,0 +1,56 @@
+import { describe, expect, it } from "vitest";
+import { positionOf, rateAt, rateText, SLIDER } from "../src/parts/rate";
+import { points } from "../src/parts/spark";
+import { groupsInScope } from "../src/parts/variables";
+import { lightnessOf } from "../src/ui/theme";
+
+describe("the rate slider", () => {
+  it("goes from 1 to 100 Hz, and to free at its end", () => {
+    expect([rateAt(0), rateAt(50), rateAt(100), rateAt(SLIDER.max)]).toEqual([1, 10, 100, 0]);
+    expect(rateText(rateAt(SLIDER.max))).toBe("free");
+  });
+
+  it.each([1, 2, 10, 33, 100, 0])("shows %i Hz where it is set to it, nearly", (rate) => {
+    const shown = rateAt(positionOf(rate));
+    expect(Math.abs(shown - rate)).toBeLessThanOrEqual(rate * 0.03);
+  });
+});
+
+describe("variables in scope", () => {
+  const program = {
+    variables: ["g"],
+    machines: [
+      { path: "m", variables: ["m/a"] },
+      { path: "m/s/n", variables: ["m/s/n/b"] },
+      { path: "m/t/o", variables: ["m/t/o/c"] },
+      { path: "mm", variables: ["mm/d"] },
+    ],
+  };
+
+  it("are those of the machine, of those around it, and the globals", () => {
+    expect(groupsInScope(program, "m/s/n").map(({ machine }) => machine)).toEqual(["m/s/n", "m", ""]);
+    expect(groupsInScope(program, "m").map(({ machine }) => machine)).toEqual(["m", ""]);
+  });
+});
+
+describe("a sparkline", () => {
+  it("ends at the right, highest value at the top", () => {
+    expect(points([0, 10]).split(" ").at(-1)).toBe("48.0,2.0");
+  });
+
+  it("of equal values lies flat", () => {
+    expect(
+      new Set(
+        points([3, 3, 3])
+          .split(" ")
+          .map((point) => point.split(",")[1]),
+      ),
+    ).toEqual(new Set(["12.0"]));
+  });
+});
+
+it("a background one can see through says nothing about light and dark", () => {
+  expect(lightnessOf("rgba(0, 0, 0, 0)")).toBeNull();
+  expect(lightnessOf("rgb(255, 255, 255)")).toBeCloseTo(255);
+  expect(lightnessOf("rgb(17, 20, 24)")).toBeLessThan(40);
+});
