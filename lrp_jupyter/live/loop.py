@@ -316,7 +316,6 @@ class Loop:
     def carry_out_waiting(self) -> None:
         """Carry out the commands that wait now, each as a whole; then show, then answer."""
         answers: list[tuple[Future[Any], Any, Exception | None]] = []
-        fault = None
         for _ in range(len(self.inbox)):
             entry = self.inbox.take()
             if entry is None:  # a newer edit has taken its place
@@ -328,9 +327,6 @@ class Loop:
                 answers.append((answer, self.carry_out(command), None))
             except Exception as error:
                 answers.append((answer, None, error))
-                if not _is_misuse(error, command):
-                    fault = error
-                    break
         if answers:
             self.show()
         for answer, result, refusal in answers:  # who waited finds the new frame
@@ -338,14 +334,17 @@ class Loop:
                 answer.set_result(result)
             else:
                 answer.set_exception(refusal)
-        if fault is not None:
-            raise fault
 
     def carry_out(self, command: do.Command) -> Any:
         """Carry out one command; between two ticks. Misuse raises."""
         if self.status == "broken":
             raise LRPError("the session is broken by a fault that is not the program's; see its `fault`")
-        return carry_out(self, command)
+        try:
+            return carry_out(self, command)
+        except Exception as error:
+            if not _is_misuse(error, command):
+                self.break_down(traceback.format_exc())
+            raise
 
     def is_active(self, state: str | Path) -> bool:
         """Whether a state is active now, at any depth."""
@@ -375,10 +374,14 @@ def _checked_rate(rate: float) -> float:
 
 
 def _is_misuse(error: Exception, command: do.Command) -> bool:
-    """Whether it is the asker's error: ours stops the session."""
-    return isinstance(command, (do.Call, do.SetVariable)) or isinstance(
-        error, (LRPError, ValueError, TypeError)
-    )
+    """Whether it is the asker's error; any other is ours, and stops the session."""
+    match command:
+        case do.Call() | do.SetVariable():  # these run code of the asker
+            return True
+        case do.Rename() | do.Rewind() | do.SetRate() | do.SetSpeed():
+            return isinstance(error, (LRPError, ValueError, TypeError))
+        case _:
+            return isinstance(error, LRPError)
 
 
 def _last_message(interpreter: Interpreter) -> str:

@@ -161,10 +161,17 @@ class Session(Running):
         self._check_open()
         program, findings = scan(text, f"<lrp {self.name}>")
         self._text = text
-        self.findings = findings if program is None else check(program, self.namespace)
+        self.findings = findings if program is None else self._check(program)
         if program is not None:
             link(program)  # here and now, so that the loop stands still only for the swap of plans
         return program
+
+    def _check(self, program: Program) -> tuple[Finding, ...]:
+        try:
+            return check(program, self.namespace)
+        except Exception as error:  # a fault of the checks, told as such; it holds up no edit
+            message = f"the checks themselves failed, not the program: {type(error).__name__}: {error}"
+            return (Finding("LRP699", "warning", message, 1, 1, 1, 1),)
 
     def save(self, path: str | FilePath) -> None:
         """Write the text to a file, line ends as they are."""

@@ -1,8 +1,11 @@
 import pytest
 
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.criteria import Criterion, drives, enters, visits
 from lrp_jupyter.live.grade import Challenge, challenge, challenges, grade
+from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import CircleZone, RobotSpec, World
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
@@ -131,6 +134,9 @@ def test_doing_nothing_masters_nothing_and_gets_a_hint(each):
         ("follow the line", DRIVE, "lost the line"),
         ("there and back", FOLLOWER.replace("(onentry [nobump = False]) ", "").replace(
             "(state bumpback", "(state bumpback (onentry [nobump = False])"), "one tick later"),
+        ("stop at the line", DRIVE.replace("0.2", "-0.1"), "never saw the line"),
+        ("there and back", FOLLOWER.replace("(on bumping *-> bumpback)", ""), "pushing against the far wall"),
+        ("wall follower", DRIVE.replace("linear=0.2", "linear=0.2, angular=0.3"), "too close to the wall"),
         ("edge guard", DRIVE, "drive back first"),
         ("edit it live", [DRIVE, DRIVE.replace("0.2", "0.3")], "never restart"),
     ],
@@ -161,6 +167,20 @@ def test_a_world_of_ones_own_is_graded_by_criteria_of_ones_own():
 
 def test_the_functions_of_a_notebook_are_visible_in_a_graded_program():
     assert grade(DRIVE.replace("0.2", "speed()"), "first move", namespace={"speed": lambda: 0.3})
+
+
+def test_a_program_a_session_and_a_text_are_graded_alike():
+    program = parse(DRIVE)
+    with Session(DRIVE) as session:
+        assert grade(program, "first move") == grade(session, "first move") == grade(DRIVE, "first move")
+    with pytest.raises(TypeError, match="not int"):
+        grade(3, "first move")
+
+
+def test_a_fault_of_our_own_is_no_failing_grade(monkeypatch):
+    monkeypatch.setattr(Interpreter, "step", lambda *_: {}["our own mistake"])
+    with pytest.raises(LRPError, match="our own mistake"):
+        grade(DRIVE, "first move")
 
 
 def test_a_challenge_is_found_by_name_and_a_wrong_name_is_answered_with_the_nearest():

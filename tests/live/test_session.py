@@ -4,7 +4,9 @@ from types import MappingProxyType
 import pytest
 
 from lrp_jupyter.errors import BridgeError, LRPError, LRPSyntaxError, SessionClosedError, UnknownElementError
+from lrp_jupyter.live import session as sessions
 from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.commands import Reset
 from lrp_jupyter.live.session import Session
 
 BLINK = """
@@ -427,3 +429,49 @@ def test_a_text_can_be_offered_without_waiting_and_tells_what_became_of_it(sessi
     assert program is None
     assert answer.result(0) is None
     assert [finding.severity for finding in s.findings] == ["error"]
+
+
+@pytest.mark.parametrize("fault", [KeyError, TypeError, ValueError])
+def test_a_fault_of_our_own_in_a_command_breaks_the_session_too(session, monkeypatch, fault):
+    def mistake(*_):
+        raise fault("our own mistake")
+
+    blinking = session(BLINK)
+    blinking.run(0.3)
+    monkeypatch.setattr(type(blinking.interpreter), "reset", mistake)
+    with pytest.raises(fault):
+        blinking.reset()
+    assert blinking.status == "broken"
+    assert "our own mistake" in blinking.fault
+
+
+def test_a_fault_of_our_own_in_a_queued_command_breaks_the_session_too(session, monkeypatch):
+    blinking = session(BLINK)
+    blinking.run(0.3)
+    monkeypatch.setattr(type(blinking.interpreter), "reset", lambda *_: {}["our own mistake"])
+    first, second = blinking.submit(Reset()), blinking.submit(Reset())
+    with pytest.raises(LRPError, match="broken"):
+        blinking.run(0.1)
+    assert isinstance(first.exception(0), KeyError)
+    assert isinstance(second.exception(0), LRPError)
+    assert "our own mistake" in blinking.fault
+
+
+def test_a_fault_of_the_checks_holds_up_no_edit_and_is_told_as_ours(session, monkeypatch):
+    blinking = session("")
+    monkeypatch.setattr(sessions, "check", lambda *_: {}["our own mistake"])
+    (finding,) = blinking.edit(BLINK)
+    assert (finding.code, finding.severity) == ("LRP699", "warning")
+    assert blinking.run(1, until="off")
+
+
+def test_a_keyboard_interrupt_ends_a_run_and_leaves_the_session_usable(session):
+    def give_up():
+        raise KeyboardInterrupt
+
+    stopping = session(BLINK.replace("[n = n + 1]", "[give_up()]"), namespace={"give_up": give_up})
+    with pytest.raises(KeyboardInterrupt):
+        stopping.run(5)
+    assert stopping.frame.status == "paused"
+    stopping.edit(BLINK)
+    assert stopping.run(2, until="off")

@@ -10,6 +10,7 @@ from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.live import turns
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.commands import Pause, Step
+from lrp_jupyter.live.loop import Interrupted
 
 COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
 BLINK = "(machine m (state a) (state b) (ontime 20 a -> b) (ontime 20 b -> a)) (spawn m a)"
@@ -217,6 +218,35 @@ def test_an_interrupted_block_becomes_an_issue_and_the_program_goes_on(session, 
 
 def test_there_is_nothing_to_interrupt_in_a_program_that_runs_well(session):
     assert not session(COUNT).interrupt()
+
+
+def test_a_block_that_raises_a_keyboard_interrupt_pauses_the_thread_and_does_not_end_it(session, gates):
+    def give_up():
+        raise KeyboardInterrupt
+
+    stopping = session(COUNT.replace("n + 1", "n + 1; give_up()"), namespace={"give_up": give_up})
+    stopping.start()
+    frame = stopping.wait_for(lambda frame: frame.status == "paused", LONG)
+    assert "keyboard" in frame.reason
+    stopping.edit(COUNT)
+    stopping.resume()
+    assert stopping.wait_for(lambda frame: frame.numbers.get(("n",), 0) > 2, LONG)
+
+
+def test_an_interruption_that_comes_too_late_does_no_harm(session, monkeypatch):
+    counting = session(COUNT, rate=100)
+    ended = counting.bridge.end_tick
+    late = [Interrupted()]
+
+    def end_tick(now):
+        ended(now)
+        if late:
+            raise late.pop()
+
+    monkeypatch.setattr(counting.bridge, "end_tick", end_tick)
+    counting.start()
+    frame = counting.wait_for(lambda frame: frame.tick > 5, LONG)
+    assert (frame.status, frame.issues, late) == ("running", (), [])
 
 
 def test_stopping_a_program_that_never_returns_ends_its_thread(session, gates, impatient):
