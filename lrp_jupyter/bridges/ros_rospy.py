@@ -14,6 +14,7 @@ from __future__ import annotations
 import logging
 import os
 import threading
+import time
 import xmlrpc.client
 from collections.abc import Callable, Mapping
 from http.client import HTTPConnection, HTTPException
@@ -28,6 +29,7 @@ from lrp_jupyter.errors import BridgeError
 __all__ = ["RospyTransport"]
 
 _ANSWER = 2.0  # seconds for the master to answer
+_MEET = 0.5  # seconds for subscribers to connect to a new publisher
 _QUEUE = 3  # messages that wait for a slow subscriber; older ones are dropped
 
 _node_lock = threading.Lock()
@@ -92,10 +94,14 @@ class RospyTransport(Transport):
 
     def taken(self, topic: str) -> bool:
         """Ask the master who else is there: it never forgets a type."""
+        return self._others(topic, 0) or self._others(topic, 1)
+
+    def _others(self, topic: str, section: int) -> bool:
+        """Whether other nodes publish (section 0) or subscribe (1)."""
         own = _rospy().get_name()
-        publishers, subscribers, _services = self._master.ask("getSystemState")
         return any(
-            name == topic and any(node != own for node in nodes) for name, nodes in publishers + subscribers
+            name == topic and any(node != own for node in nodes)
+            for name, nodes in self._master.ask("getSystemState")[section]
         )
 
     def define(self, type_: str) -> Mapping[str, Definition]:
@@ -115,10 +121,19 @@ class RospyTransport(Transport):
         rospy, kind = _rospy(), _class_of(type_)
         try:
             if direction == "publisher":
-                return rospy.Publisher(topic, kind, queue_size=_QUEUE, tcp_nodelay=True)
+                publisher = rospy.Publisher(topic, kind, queue_size=_QUEUE, tcp_nodelay=True)
+                self._wait_for_listeners(publisher, topic)
+                return publisher
             return rospy.Subscriber(topic, kind, callback=receive, queue_size=1, tcp_nodelay=True)
         except (rospy.ROSException, ValueError) as error:
             raise RefusedError(f"`{topic}`: {error}") from error
+
+    def _wait_for_listeners(self, publisher: Any, topic: str) -> None:
+        """Wait a moment for those who listen already, or the first message would be lost on them."""
+        if self._others(topic, 1):
+            end = time.monotonic() + _MEET
+            while publisher.get_num_connections() == 0 and time.monotonic() < end:
+                time.sleep(0.01)
 
     def leave(self, handle: object) -> None:
         """Unregister."""
@@ -126,7 +141,7 @@ class RospyTransport(Transport):
         unregister()
 
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
-        """Publish; what rospy would find out only with a listener is checked now.
+        """Publish. Types were checked when the message was filled: rospy does it for listeners only.
 
         Raises
         ------
@@ -140,7 +155,6 @@ class RospyTransport(Transport):
         message = publisher.data_class()
         try:
             genpy.message.fill_message_args(message, [dict(values)])
-            message._check_types()
             publisher.publish(message)
         except (genpy.MessageException, rospy.ROSException) as error:
             raise BridgeError(f"`{publisher.resolved_name}` does not take the message: {error}") from error

@@ -160,6 +160,7 @@ class Processes:
     def __init__(self, environment: dict[str, str], folder: Path) -> None:
         self.environment, self.folder = environment, folder
         self._running: list[subprocess.Popen[str]] = []
+        self._listeners: list[threading.Thread] = []
 
     def start(self, *command: str, ready: bool = False) -> subprocess.Popen[str]:
         with (self.folder / f"{len(self._running)}.log").open("w") as log:
@@ -179,6 +180,20 @@ class Processes:
             assert process.stdout.readline().strip() == "ready", self.log(process)
         return process
 
+    def lines(self, process: subprocess.Popen[str]) -> list[str]:
+        """What a program prints, as it comes."""
+        lines: list[str] = []
+
+        def listen() -> None:
+            assert process.stdout is not None
+            for line in process.stdout:
+                lines.append(line.strip())
+
+        thread = threading.Thread(target=listen, name="listen", daemon=True)
+        self._listeners.append(thread)
+        thread.start()
+        return lines
+
     def log(self, process: subprocess.Popen[str]) -> str:
         return (self.folder / f"{self._running.index(process)}.log").read_text()
 
@@ -186,6 +201,8 @@ class Processes:
         if process.poll() is None:
             os.killpg(process.pid, signal.SIGKILL)
         process.wait(10)
+        for listener in self._listeners:
+            listener.join(0 if process.stdout is None else 1)
         for stream in (process.stdin, process.stdout):
             if stream is not None:
                 stream.close()
@@ -280,7 +297,7 @@ def ros_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[st
         for name, value in settings.items():
             patch.setenv(name, value)
         patch.syspath_prepend(str(modules))
-        yield {**os.environ, "PYTHONPATH": str(modules)}, folder, port
+        yield {**os.environ, "PYTHONPATH": str(modules), "PYTHONUNBUFFERED": "1"}, folder, port
         rospy = sys.modules.get("rospy")
         if rospy is not None:
             rospy.signal_shutdown("the tests are over")

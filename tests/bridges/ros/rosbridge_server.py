@@ -154,8 +154,10 @@ class RospyGraph:
         handle.unregister()
 
     def publish(self, handle: Any, values: dict[str, Any]) -> None:
+        import genpy
+
         message = handle.data_class()
-        fill(message, values)
+        genpy.message.fill_message_args(message, [values])
         if handle.unheard:  # as the real one: the first message waits for the subscribers to connect
             handle.unheard = False
             end = time.monotonic() + 0.5
@@ -172,16 +174,6 @@ def as_json(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return [as_json(item) for item in value] if isinstance(value, (list, tuple)) else value
-
-
-def fill(message: Any, values: dict[str, Any]) -> None:
-    for name, value in values.items():
-        if name not in message.__slots__:
-            raise ValueError(f"Message type {message._type} does not have a field {name}")
-        if isinstance(value, dict):
-            fill(getattr(message, name), value)
-        else:
-            setattr(message, name, value)
 
 
 class RosbridgeServer:

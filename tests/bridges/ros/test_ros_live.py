@@ -2,29 +2,342 @@
 
 from __future__ import annotations
 
+import logging
+import os
+import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
 import pytest
 
+from lrp_jupyter.bridges.bridge import Connection
 from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.live.session import Session
 
 pytestmark = pytest.mark.ros
 
-
-def test_what_rostopic_publishes_arrives(real: Any, connect: Callable[..., RosBridge], until: Any) -> None:
-    ros = connect()
-    ros.subscribe("text", "/chatter", "std_msgs/String")
-    with pytest.raises(NoDataYet):
-        _ = ros.robot.text
-    real.start("/usr/bin/rostopic", "pub", "-r", "10", "/chatter", "std_msgs/String", "data: 'hello'")
-    until(lambda: ros.describe("text").value is not None or _read(ros, "text"), 10)
-    assert ros.robot.text.data == "hello"
+Connect = Callable[..., RosBridge]
 
 
-def _read(ros: RosBridge, name: str) -> object:
+def reading(ros: RosBridge, name: str) -> Any:
+    """What a program reads between two ticks; None when nothing can be had."""
     try:
         return getattr(ros.robot, name)
     except (NoDataYet, BridgeError):
         return None
+
+
+def chatter(real: Any, text: str, topic: str = "/chatter") -> Any:
+    return real.start("/usr/bin/rostopic", "pub", "-r", "20", topic, "std_msgs/String", f"data: '{text}'")
+
+
+def echo(real: Any, until: Any, topic: str) -> list[str]:
+    """The lines that `rostopic echo` prints."""
+    lines = real.lines(real.start("/usr/bin/rostopic", "echo", "-p", topic))
+    until(lambda: any("rostopic" in node for node in real.subscribers(topic)), 15)
+    return lines  # type: ignore[no-any-return]
+
+
+def velocities(lines: list[str]) -> list[tuple[float, float]]:
+    """linear.x and angular.z of what was printed."""
+    rows = [line.split(",") for line in lines if line and not line.startswith("%")]
+    return [(float(row[1]), float(row[6])) for row in rows]
+
+
+def test_what_rostopic_publishes_arrives(real: Any, connect: Connect, until: Any) -> None:
+    ros = connect()
+    ros.subscribe("text", "/chatter", "std_msgs/String")
+    with pytest.raises(NoDataYet, match=r"`robot\.text` has no data yet"):
+        _ = ros.robot.text
+    chatter(real, "hello")
+    until(lambda: reading(ros, "text"), 10)
+    assert ros.robot.text.data == "hello"
+    age = ros.describe("text").age
+    assert age is not None
+    assert age < 1.0
+
+
+def test_rostopic_hears_all_four_forms_of_publishing(real: Any, connect: Connect, until: Any) -> None:
+    ros = connect()
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    lines = echo(real, until, "/cmd_vel")
+    until(lambda: ros.robot.move() or velocities(lines), 10)  # in ROS the first ones may be lost
+
+    def fill(msg: Any) -> None:
+        msg.linear.x = 0.4
+
+    ros.robot.move(linear_x=0.2, angular=0.1)
+    ros.robot.move(lambda msg: msg.linear(x=0.3))
+    ros.robot.move(fill)
+    with ros.robot.move as msg:
+        msg.angular.z = 0.5
+    until(lambda: (0.0, 0.5) in velocities(lines), 10)
+    assert velocities(lines)[-4:] == [(0.2, 0.1), (0.3, 0.0), (0.4, 0.0), (0.0, 0.5)]
+
+
+def test_the_relay_of_c_plus_plus_sends_back_what_was_published(
+    real: Any, connect: Connect, until: Any
+) -> None:
+    ros = connect()
+    ros.publish("say", "/there", "std_msgs/String")
+    real.start("/usr/lib/topic_tools/relay", "/there", "/back")
+    ros.subscribe("heard", "/back")  # its type is known when it exists
+
+    def returned() -> Any:
+        ros.robot.say(data="über")
+        return reading(ros, "heard")
+
+    until(returned, 15)
+    assert ros.robot.heard.data == "über"
+    assert ros.setup["subscriptions"]["heard"] == {"topic": "/back"}
+
+
+def test_arrays_times_octets_and_messages_in_messages_arrive_as_they_were_sent(
+    real: Any, connect: Connect, until: Any
+) -> None:
+    ros = connect()
+    ros.publish("joints", "/joints", "sensor_msgs/JointState")
+    ros.publish("octets", "/octets", "std_msgs/UInt8MultiArray")
+    ros.subscribe("joints_heard", "/joints")
+    ros.subscribe("octets_heard", "/octets")
+
+    def returned() -> Any:
+        ros.robot.joints(
+            name=["ä", "b"], position=[1, 2.5], header={"frame_id": "base", "stamp": {"secs": 12, "nsecs": 5}}
+        )
+        ros.robot.octets(data=bytes([0, 255]), layout_dim=[{"label": "x", "size": 2}])
+        return reading(ros, "joints_heard") and reading(ros, "octets_heard")
+
+    until(returned, 10)
+    joints, octets = ros.robot.joints_heard, ros.robot.octets_heard
+    assert (joints.name, joints.position, joints.velocity) == (("ä", "b"), (1.0, 2.5), ())
+    assert (joints.header.stamp.secs, joints.header.stamp.nsecs) == (12, 5)
+    assert octets.data == bytes([0, 255])
+    assert [(dim.label, dim.size) for dim in octets.layout.dim] == [("x", 2)]
+    ros.publish("again", "/joints", "sensor_msgs/JointState")
+    ros.robot.again(header=joints.header, name=joints.name)  # what arrived may be sent on
+
+
+def test_topics_with_subscribers_only_are_in_the_list(real: Any, connect: Connect, until: Any) -> None:
+    real.start_robot()
+    ros = connect()
+    table = ros.panel().tables[1]
+    rows = dict(table.rows)
+    assert rows["/cmd_vel"] == "geometry_msgs/Twist"
+    assert rows["/odom"] == "nav_msgs/Odometry"
+    ros.press("pick", row="/odom")
+    assert {field.key: field.value for field in ros.panel().fields}["type"] == "nav_msgs/Odometry"
+
+
+def test_an_odometry_tells_x_y_and_theta(real: Any, connect: Connect, until: Any) -> None:
+    real.start_robot(world="empty")
+    ros = connect()
+    ros.subscribe("odom", "/odom")
+    ros.publish("move", "/cmd_vel")
+    until(lambda: reading(ros, "odom"), 10)
+    start = ros.robot.odom
+
+    def turned() -> bool:
+        ros.robot.move(angular=1.0)
+        return bool(ros.robot.odom.theta > start.theta + 0.2)
+
+    until(turned, 10)
+    assert ros.robot.odom.x == pytest.approx(ros.robot.odom.pose.pose.position.x)
+
+
+def test_a_wrong_type_is_refused_with_the_right_one(real: Any, connect: Connect, until: Any) -> None:
+    real.start_robot()
+    ros = connect()
+    with pytest.raises(BridgeError, match=r"`/odom` carries `nav_msgs/Odometry`, not `std_msgs/String`"):
+        ros.subscribe("odom", "/odom", "std_msgs/String")
+    with pytest.raises(BridgeError, match=r"`/cmd_vel` carries `geometry_msgs/Twist`"):
+        ros.publish("move", "/cmd_vel", "geometry_msgs/Pose")
+    assert ros.members() == tuple(member for member in ros.members() if member.name == "stop")
+    assert real.subscribers("/odom") == []
+
+
+def test_a_type_that_nobody_uses_any_more_is_in_nobodys_way(
+    real: Any, connect: Connect, backend: str, until: Any
+) -> None:
+    ros = connect()
+    ros.subscribe("text", "/new", "std_msgs/String")
+    ros.subscribe("text", "/other", "std_msgs/String")
+    until(lambda: real.subscribers("/new") == [], 5)
+    ros.subscribe("number", "/new", "std_msgs/Int32")  # the master still thinks of texts
+    until(lambda: len(real.subscribers("/new")) == 1, 5)
+
+
+def test_an_unknown_type_is_refused(real: Any, connect: Connect) -> None:
+    ros = connect()
+    with pytest.raises(BridgeError, match="no message type `geometry_msgs/Twsit`"):
+        ros.publish("move", "/cmd_vel", "geometry_msgs/Twsit")
+    assert "move" not in dir(ros.robot)
+
+
+def test_a_topic_changed_under_a_variable_starts_without_data(
+    real: Any, connect: Connect, until: Any
+) -> None:
+    chatter(real, "old")
+    ros = connect()
+    ros.subscribe("text", "/chatter", "std_msgs/String")
+    until(lambda: reading(ros, "text"), 10)
+    ros.subscribe("text", "/silence", "std_msgs/String")
+    with pytest.raises(NoDataYet):
+        _ = ros.robot.text
+    until(lambda: real.subscribers("/chatter") == [], 5)
+
+
+def test_pause_and_stop_send_a_velocity_of_zero(real: Any, connect: Connect, until: Any) -> None:
+    ros = connect()
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    lines = echo(real, until, "/cmd_vel")
+    session = Session("(machine m (state s (running [robot.move(linear=0.2)])))(spawn m s)", bridge=ros)
+    try:
+        session.start()
+        until(lambda: velocities(lines)[-1:] == [(0.2, 0.0)], 10)
+        session.pause()
+        until(lambda: velocities(lines)[-1] == (0.0, 0.0), 10)
+        session.resume()
+        until(lambda: velocities(lines)[-1] == (0.2, 0.0), 10)
+        session.stop_robot()
+        until(lambda: velocities(lines)[-1] == (0.0, 0.0), 10)
+    finally:
+        session.close()
+
+
+def test_two_hundred_edits_leave_one_subscriber_and_no_threads_or_descriptors(
+    real: Any, connect: Connect, until: Any
+) -> None:
+    chatter(real, "hello")
+    ros = connect(setup={"subscriptions": {"text": {"topic": "/chatter", "type": "std_msgs/String"}}})
+    program = "(machine m (state s (running [seen = robot.text.data; {n}])))(spawn m s)"
+    session = Session(program.format(n=0), bridge=ros, rate=100)
+    until(lambda: reading(ros, "text"), 10)
+    session.start()
+    try:
+        subscribers, threads, files = real.subscribers("/chatter"), threading.active_count(), descriptors()
+        for n in range(1, 201):
+            assert session.edit(program.format(n=n)) == ()  # the active state changed: a restart
+            if n % 20 == 0:
+                session.stop()
+                session.start()
+            ros.subscribe("text", "/chatter", "std_msgs/String")
+        until(lambda: session.frame.tick > 0 and reading(ros, "text"), 5)
+        assert real.subscribers("/chatter") == subscribers
+        assert len(subscribers) == 1
+        until(lambda: threading.active_count() <= threads, 5)
+        until(lambda: descriptors() <= files, 5)
+        assert not session.issues
+    finally:
+        session.close()
+    until(lambda: real.subscribers("/chatter") == [], 5)
+
+
+def descriptors() -> int:
+    return len(os.listdir("/proc/self/fd"))
+
+
+def test_a_master_that_dies_stops_the_robot_and_does_not_slow_the_loop(
+    real: Any, connect: Connect, until: Any
+) -> None:
+    ros = connect()
+    ros.subscribe("text", "/chatter", "std_msgs/String")
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    talker = chatter(real, "before")
+    until(lambda: reading(ros, "text"), 10)
+    session = Session(
+        "(machine m (state s (running [robot.move(linear=0.2)])))(spawn m s)", bridge=ros, rate=50
+    )
+    gaps = Gaps()
+    session.observe(gaps)
+    session.start()
+    try:
+        until(lambda: ros.safety.command_count > 10, 10)
+        real.kill_master()
+        until(lambda: ros.status.state is Connection.LOST, 10)
+        with pytest.raises(BridgeError, match="master"):
+            _ = ros.robot.text
+        until(lambda: any("was not sent" in issue.message for issue in session.issues), 5)
+        assert "master" in ros.status.sentence
+        real.end(talker)
+        real.start_master()
+        chatter(real, "after")
+        until(lambda: getattr(reading(ros, "text"), "data", "") == "after", 20)
+        until(lambda: ros.status.state is Connection.CONNECTED, 5)
+        lines = echo(real, until, "/cmd_vel")
+        until(lambda: (0.2, 0.0) in velocities(lines), 10)
+        assert len(real.subscribers("/chatter")) == 1
+    finally:
+        session.close()
+    assert gaps.longest < 0.3
+
+
+class Gaps:
+    """The longest time between two ticks of a running program."""
+
+    def __init__(self) -> None:
+        self.longest, self._last = 0.0, 0.0
+
+    def __call__(self, event: Any) -> None:
+        if event.kind == "issue":
+            return
+        now = time.monotonic()
+        if self._last:
+            self.longest = max(self.longest, now - self._last)
+        self._last = now
+
+
+def test_a_rosbridge_server_that_dies_and_comes_back_gets_no_old_commands(
+    real: Any, connect: Connect, until: Any, backend: str
+) -> None:
+    if backend != "rosbridge":
+        pytest.skip("there is no server between rospy and the robot")
+    ros = connect()
+    ros.subscribe("text", "/chatter", "std_msgs/String")
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    chatter(real, "hello")
+    lines = echo(real, until, "/cmd_vel")
+    until(lambda: reading(ros, "text"), 10)
+    ros.robot.move(linear=0.1)
+    until(lambda: velocities(lines), 10)
+    real.kill_rosbridge()
+    until(lambda: ros.status.state is Connection.LOST, 10)
+    for _ in range(5):
+        with pytest.raises(BridgeError):
+            ros.robot.move(linear=0.9)
+    assert reading(ros, "text") is None
+    real.start_rosbridge()
+    until(lambda: reading(ros, "text"), 15)
+    until(lambda: velocities(lines)[-1] == (0.0, 0.0), 10)  # it may have driven on all the time
+    ros.robot.move(linear=0.3)
+    until(lambda: velocities(lines)[-1] == (0.3, 0.0), 10)
+    assert velocities(lines) == [(0.1, 0.0), (0.0, 0.0), (0.3, 0.0)]
+
+
+def test_without_a_master_rospy_does_not_open_and_says_so(real: Any) -> None:
+    real.kill_master()
+    ros = RosBridge(backend="rospy", host="127.0.0.1", port=real.master_port)
+    began = time.monotonic()
+    with pytest.raises(BridgeError, match="No ROS master answers"):
+        ros.open()
+    assert time.monotonic() - began < 3.0
+    assert ros.status.state is Connection.DISCONNECTED
+
+
+def test_one_process_has_one_node(real: Any) -> None:
+    first = RosBridge(backend="rospy", host="127.0.0.1", port=real.master_port)
+    first.open()
+    first.close()
+    other = RosBridge(backend="rospy", host="localhost", port=real.master_port)
+    with pytest.raises(BridgeError, match="belongs to"):
+        other.open()
+
+
+def test_rospy_leaves_the_logging_of_the_process_alone(real: Any) -> None:
+    before = logging.getLogger().handlers[:]
+    ros = RosBridge(backend="rospy", host="127.0.0.1", port=real.master_port)
+    ros.open()
+    ros.close()
+    assert logging.getLogger().handlers == before
