@@ -41,6 +41,13 @@ if TYPE_CHECKING:
     from lrp_jupyter.live.session import Session as Session
     from lrp_jupyter.sim import World as World
     from lrp_jupyter.views.graph import state_graph as state_graph
+    from lrp_jupyter.widgets.lab import Controls as Controls
+    from lrp_jupyter.widgets.lab import Editor as Editor
+    from lrp_jupyter.widgets.lab import Issues as Issues
+    from lrp_jupyter.widgets.lab import Lab as Lab
+    from lrp_jupyter.widgets.lab import SimView as SimView
+    from lrp_jupyter.widgets.lab import StateGraph as StateGraph
+    from lrp_jupyter.widgets.lab import Variables as Variables
 
 __version__ = "0.1.0"
 
@@ -68,24 +75,32 @@ _HOMES = {
     "live.session": ("Session",),
     "sim": ("World",),
     "views.graph": ("state_graph",),
+    "widgets.lab": ("Controls", "Editor", "Issues", "Lab", "SimView", "StateGraph", "Variables"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}
 
 __all__ = [
     "Bridge",
     "BridgeError",
+    "Controls",
+    "Editor",
     "Frame",
     "Interpreter",
     "Issue",
+    "Issues",
     "LRPError",
     "LRPSyntaxError",
+    "Lab",
     "Machine",
     "NoDataYet",
     "Program",
     "Session",
     "SessionClosedError",
     "SimBridge",
+    "SimView",
+    "StateGraph",
     "UnknownElementError",
+    "Variables",
     "VirtualClock",
     "World",
     "check",
@@ -104,6 +119,14 @@ def __getattr__(name: str) -> Any:
     value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
     globals()[name] = value
     return value
+
+
+def load_ipython_extension(shell: Any) -> None:
+    """Offer ``%lrp`` and ``%%lrp``: called by ``%load_ext lrp_jupyter``."""
+    from lrp_jupyter.widgets.magics import LRPMagics, completions
+
+    shell.register_magics(LRPMagics)
+    shell.set_hook("complete_command", completions, re_key=r"%%?lrp\b")
 
 
 def __dir__() -> list[str]:

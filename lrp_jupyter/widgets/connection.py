@@ -25,7 +25,7 @@ from time import monotonic
 from typing import Any
 
 from lrp_jupyter.bridges.sim import SimBridge, SimPicture
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.errors import BridgeError, LRPError
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.acts import carry_out
@@ -67,12 +67,25 @@ class Connection:
     session : Session
     texts : Texts
         What was typed, and what became of it.
+    reopen : callable, optional
+        Makes a session of the same program with another bridge, given its name and options.
+    options : mapping, optional
+        Those of the bridge.
     clock : callable
         Seconds on the wall.
     """
 
-    def __init__(self, session: Session, texts: Texts, clock: Callable[[], float] = monotonic) -> None:
+    def __init__(
+        self,
+        session: Session,
+        texts: Texts,
+        reopen: Callable[..., Session] | None = None,
+        options: Mapping[str, Any] | None = None,
+        clock: Callable[[], float] = monotonic,
+    ) -> None:
         self.texts = texts
+        self.options = dict(options or {})
+        self._reopen = reopen
         self.fault = ""
         """The last traceback of the lab itself; empty while all is well."""
         self.closed = False
@@ -110,8 +123,8 @@ class Connection:
             self.report(traceback.format_exc())
 
     def _receive(self, send: Send, message: FromPage) -> None:
-        kind, name = message["type"], message["view"]
-        if kind == "hello":
+        name = message["view"]
+        if message["type"] == "hello":
             self._hello(send, name, message["part"])
             return
         with self._lock:
@@ -130,7 +143,7 @@ class Connection:
         elif message["type"] == "command":
             self._begin(message, lambda: carry_out(self, view, message))
         else:
-            self._begin(message, lambda: self.work(partial(answer_request, self, message)), dict)
+            self._begin(message, partial(self.work, partial(answer_request, self, message)), dict)
 
     def _hello(self, send: Send, name: str, part: str) -> None:
         with self._lock:
@@ -157,15 +170,42 @@ class Connection:
             answer.set_result(None)
         if message["id"] == 0:
             return
-        self._replies.append(
-            _Reply(message["view"], message["id"], answer, self._clock() + PATIENCE, tell)
-        )
+        self._replies.append(_Reply(message["view"], message["id"], answer, self._clock() + PATIENCE, tell))
         answer.add_done_callback(lambda _: self._wake.set())
 
     def write(self, text: str, view: str = "", seq: int = 0) -> None:
         """Take a text: typed in a view, or brought by a cell, a program of the package, a file."""
         written = self.texts.write(text, view, seq, self._clock() + _LATE)
         written.answer.add_done_callback(lambda _: self._wake.set())
+
+    def apply(self) -> None:
+        """Let the held text run."""
+        self.texts.apply(self._clock() + _LATE).answer.add_done_callback(lambda _: self._wake.set())
+
+    def change_bridge(self, bridge: str, **options: Any) -> None:
+        """Go on with another bridge: the same program begins anew in another session.
+
+        Raises
+        ------
+        BridgeError
+            There is no such bridge, or its robot cannot be reached; the old one stays.
+        """
+        if self._reopen is None:
+            raise BridgeError("This session was made elsewhere: its bridge cannot be changed here.")
+        old = self.session
+        self.use(self._reopen(old, bridge, **options))
+        self.options = options
+        old.close()
+
+    def look(self) -> dict[str, Any]:
+        """Everything that a view may see now."""
+        with self._lock:
+            return self._look()
+
+    def lit(self) -> list[str]:
+        """Paths of all active states."""
+        lit: list[str] = self.look()["lit"]
+        return lit
 
     def work(self, job: Callable[[], Any]) -> Future[Any]:
         """Have something done that may have to wait, in turn, on the worker's thread."""
@@ -322,7 +362,7 @@ class Connection:
         )
 
     def _scene(self, picture: object) -> object:
-        """What tells whether the world is to be drawn anew."""
+        """Give what tells whether the world is to be drawn anew."""
         bridge = self.session.bridge
         if not isinstance(bridge, SimBridge):
             return None

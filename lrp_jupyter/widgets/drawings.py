@@ -104,9 +104,17 @@ def _look(program: Program, path: Path, machine: Machine, starts: tuple[str, ...
     """Everything that a layout depends on, without the blocks of states."""
     names = events_in_scope(program, path)
     return (
-        tuple((str(state.name), tuple(str(inner.name) for inner in state.machines)) for state in machine.states),
         tuple(
-            (transition.kind, transition.trigger_text, transition.source_text, str(transition.destination), label)
+            (str(state.name), tuple(str(inner.name) for inner in state.machines)) for state in machine.states
+        ),
+        tuple(
+            (
+                transition.kind,
+                transition.trigger_text,
+                transition.source_text,
+                str(transition.destination),
+                label,
+            )
             for label, transition in zip(machine.labels, machine.transitions, strict=True)
         ),
         starts,

@@ -92,6 +92,8 @@ class Texts:
             self._number(session.text)
             self._show(session.program)
             self._judge(session.text)
+            if self.noun is not None and self.text:
+                self._unsaved = self.text
 
     # -- in ----------------------------------------------------------------------------------------
 
@@ -232,7 +234,7 @@ class Texts:
         return view if changed else None, layouts or None
 
     def everything(self) -> dict[str, Any]:
-        """The fields of a `Snapshot` that are about texts and the program."""
+        """Give the fields of a `Snapshot` that are about texts and the program."""
         with self._lock:
             running = self._session.program
             waits = self.hold and self.noun is not None and self.text != running.text
@@ -246,20 +248,33 @@ class Texts:
                 "pending": difference_view(running, self.noun) if waits and self.noun is not None else None,
             }
 
-    # -- the file ----------------------------------------------------------------------------------
+    # -- files -------------------------------------------------------------------------------------
 
-    @property
-    def file(self) -> FilePath | None:
-        """Where accepted texts are saved."""
-        return None if self.folder is None else self.folder / f"{self._session.name}.lrp"
+    def kept(self, name: str, ending: str) -> str | None:
+        """Give what is kept: the lab's text (``.lrp``), or the cell's that it came from (``.cell``)."""
+        if self.folder is None:
+            return None
+        try:
+            return (self.folder / f"{name}{ending}").read_bytes().decode()
+        except (OSError, UnicodeDecodeError):
+            return None
+
+    def keep_cell(self, text: str) -> None:
+        """Remember the cell's text, so that it is known later whether it was changed."""
+        self._write(text, ".cell")
 
     def save(self) -> None:
         """Save the newest accepted text, if it is not saved yet."""
-        text, file = self._unsaved, self.file
-        if text is None or file is None or text == self._saved:
+        text = self._unsaved
+        if text is not None and text != self._saved:
+            self._write(text, ".lrp")
+            self._saved = text
+
+    def _write(self, text: str, ending: str) -> None:
+        if self.folder is None:
             return
-        file.parent.mkdir(parents=True, exist_ok=True)
-        fresh = file.with_suffix(".lrp~")
+        self.folder.mkdir(parents=True, exist_ok=True)
+        file = self.folder / f"{self._session.name}{ending}"
+        fresh = file.with_name(f"{file.name}~")
         fresh.write_bytes(text.encode())
         fresh.replace(file)  # the old one is there until the new one is whole
-        self._saved = text

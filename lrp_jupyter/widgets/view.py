@@ -75,7 +75,7 @@ class View:
         return self.has_credit and self._tokens[0] >= 1.0
 
     def number(self) -> int:
-        """Number the next frame or poses, and count it as sent."""
+        """Give a number to the next frame or poses, and count it as sent."""
         self._number += 1
         self._on_their_way.add(self._number)
         tokens, since = self._tokens

@@ -1,0 +1,201 @@
+"""Looking into elements of the program and into values, step by step. Paper: §6.5."""
+
+from __future__ import annotations
+
+import inspect as inspection
+from collections.abc import Iterator, Mapping, Sequence, Set
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.frame import render
+from lrp_jupyter.language.program import Path, Program, Span, Spawn, path_text
+from lrp_jupyter.views.graph import find_machine
+from lrp_jupyter.widgets.paths import path_of
+from lrp_jupyter.widgets.protocol import Facet, Inspect, InspectView
+
+if TYPE_CHECKING:
+    from lrp_jupyter.widgets.connection import Connection
+
+__all__ = ["inspect_element"]
+
+_MOST = 100  # facets of one object
+_PLAIN = (bool, int, float, complex, str, bytes, type(None))
+
+
+def inspect_element(connection: Connection, request: Inspect) -> InspectView:
+    """Look into an element of the running program, or along `into` into its value.
+
+    Raises
+    ------
+    UnknownElementError
+        There is no such element, or it has no value now.
+    """
+    kind, program = request["kind"], connection.session.program
+    path = path_of(kind, request["path"])
+    if kind == "robot":
+        return _robot(connection)
+    if kind == "variable":
+        seen: InspectView = connection.session.call(
+            lambda: _variable(connection, program, path, request["into"])
+        )
+        return seen
+    machine = find_machine(program, path if kind == "machine" else path[:-1])
+    if kind == "machine":
+        facets = [_said("states", ", ".join(str(state.name) for state in machine.states))]
+        facets += [_said(str(t.kind), f"{t.source_text} -> {t.destination}") for t in machine.transitions]
+        return _view(f"machine {machine.name}", "", program, machine.span, facets)
+    if kind == "event":
+        event = next((event for event in machine.events if event.name == path[-1]), None)
+        if event is None:
+            raise UnknownElementError(f"There is no event `{path_text(path)}`.")
+        return _view(f"event {event.name}", "", program, event.span, [])
+    if kind == "transition":
+        return _transition(connection, program, path)
+    return _state(connection, program, path)
+
+
+def _state(connection: Connection, program: Program, path: Path) -> InspectView:
+    machine = find_machine(program, path[:-1])
+    state = next((state for state in machine.states if state.name == path[-1]), None)
+    if state is None:
+        raise UnknownElementError(f"There is no state `{path_text(path)}`.")
+    name = path_text(path)
+    look = connection.look()
+    visits = look["entered"].get(name, {"count": 0, "tick": 0})
+    facets = [_said("active", "yes" if name in look["lit"] else "no"), _said("entered", _times(visits))]
+    for part in ("onentry", "running", "onexit"):
+        for action in getattr(state, part):
+            facets.append(_said(part, _action(action)))
+    facets += [_said("machine", str(inner.name)) for inner in state.machines]
+    facets += [
+        _said(label, f"{transition.trigger_text} -> {transition.destination}")
+        for label, transition in zip(machine.labels, machine.transitions, strict=True)
+        if transition.leaves(str(state.name))
+    ]
+    return _view(f"state {state.name}", "", program, state.span, facets)
+
+
+def _action(action: object) -> str:
+    if isinstance(action, Spawn):
+        return f"(spawn {action.machine} {action.state})"
+    return f"[{getattr(action, 'text', '')}]"
+
+
+def _transition(connection: Connection, program: Program, path: Path) -> InspectView:
+    machine = find_machine(program, path[:-1])
+    known = dict(zip(machine.labels, machine.transitions, strict=True))
+    label, transition = path[-1], known.get(path[-1])
+    if transition is None:
+        raise UnknownElementError(f"There is no transition `{label}` in `{path_text(path[:-1])}`.")
+    fired = connection.look()["fired"].get(f"{path_text(path[:-1])}:{label}", {"count": 0, "tick": 0})
+    facets = [
+        _said("kind", transition.kind),
+        _said("when", transition.trigger_text),
+        _said("from", transition.source_text),
+        _said("to", str(transition.destination)),
+        _said("fired", _times(fired)),
+    ]
+    return _view(f"transition {label}", "", program, transition.span, facets)
+
+
+def _times(seen: Mapping[str, int]) -> str:
+    if not seen["count"]:
+        return "never"
+    return f"{seen['count']} {'time' if seen['count'] == 1 else 'times'}, last in tick {seen['tick']}"
+
+
+def _robot(connection: Connection) -> InspectView:
+    bridge = connection.session.bridge
+    facets = [
+        _said(
+            f"robot.{member.name}{member.signature}",
+            "" if member.kind == "method" else "waiting" if member.value is None else render(member.value),
+            member.unit or member.type,
+        )
+        for member in bridge.members()
+    ]
+    facets += [_said(notice.kind, notice.text) for notice in bridge.safety.notices[-5:]]
+    status = bridge.status
+    return {
+        "title": "robot",
+        "type": f"bridge {bridge.name}, {status.state.value}",
+        "text": status.sentence,
+        "source": "",
+        "facets": facets[:_MOST],
+        "more": max(0, len(facets) - _MOST),
+    }
+
+
+# -- values ----------------------------------------------------------------------------------------------
+
+
+def _variable(connection: Connection, program: Program, path: Path, into: Sequence[str]) -> InspectView:
+    value = connection.session.interpreter.variables[path]
+    title = path[-1]
+    for step in into:
+        for known, _, inner in _inside(value):
+            if known == step:
+                value = inner
+                title += step
+                break
+        else:
+            raise UnknownElementError(f"`{title}` has no `{step}` any more.")
+    every = list(islice(_inside(value), _MOST + 1))
+    facets: list[Facet] = [
+        {
+            "step": step,
+            "label": label,
+            "type": type(inner).__name__,
+            "text": render(inner),
+            "deep": not isinstance(inner, _PLAIN),
+        }
+        for step, label, inner in every[:_MOST]
+    ]
+    length = len(value) if isinstance(value, (Mapping, Sequence, Set)) else len(every)
+    noun: Any = program if len(path) == 1 else find_machine(program, path[:-1])
+    variable = next((one for one in noun.variables if one.name == path[-1]), None)
+    return {
+        "title": title,
+        "type": type(value).__name__,
+        "text": render(value),
+        "source": program.text[slice(*variable.span)] if variable is not None and not into else "",
+        "facets": facets,
+        "more": max(0, length - len(facets)) if facets else 0,
+    }
+
+
+def _inside(value: object) -> Iterator[tuple[str, str, object]]:
+    """Yield what a value holds: the step into it, its label, itself."""
+    if isinstance(value, _PLAIN):
+        return
+    if isinstance(value, Mapping):
+        yield from (
+            (f"[{render(key)}]", render(key), inner) for key, inner in list(value.items())[: _MOST + 1]
+        )
+    elif isinstance(value, (list, tuple)):
+        yield from ((f"[{index}]", str(index), inner) for index, inner in enumerate(value[: _MOST + 1]))
+    elif isinstance(value, Set):
+        yield from ((f"{{{index}}}", "", inner) for index, inner in enumerate(list(value)[: _MOST + 1]))
+    for name in [*getattr(value, "__slots__", ()), *getattr(value, "__dict__", ())]:
+        if isinstance(name, str) and not name.startswith("__"):
+            try:
+                held = inspection.getattr_static(value, name)
+                yield f".{name}", name, getattr(value, name) if not isinstance(held, property) else held
+            except AttributeError:  # a slot that is empty
+                continue
+
+
+def _said(label: str, text: str, kind: str = "") -> Facet:
+    return {"step": "", "label": label, "type": kind, "text": text, "deep": False}
+
+
+def _view(title: str, text: str, program: Program, span: Span, facets: list[Facet]) -> InspectView:
+    return {
+        "title": title,
+        "type": "",
+        "text": text,
+        "source": program.text[slice(*span)],
+        "facets": facets[:_MOST],
+        "more": max(0, len(facets) - _MOST),
+    }

@@ -1,0 +1,299 @@
+"""The lab and its parts as widgets: one class, whose `view` trait says which part a page shows.
+
+Everything that a page and the kernel say to each other goes through custom messages; traits hold only what
+a page needs to begin. What happens to a message is the matter of the session's
+:class:`~lrp_jupyter.widgets.connection.Connection`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, MutableMapping, Sequence
+from pathlib import Path as FilePath
+from typing import Any, ClassVar
+
+import anywidget
+import traitlets
+
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.language.parser import scan
+from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets.choices import program_names, program_text
+from lrp_jupyter.widgets.connection import Connection
+from lrp_jupyter.widgets.snapshots import pictures
+
+__all__ = ["Controls", "Editor", "Issues", "Lab", "Part", "SimView", "StateGraph", "Tree", "Variables"]
+
+_STATIC = FilePath(__file__).parents[1] / "static"
+
+
+class Part(anywidget.AnyWidget):
+    """A part of the lab of one session.
+
+    Parameters
+    ----------
+    session : Session, str or Lab
+        What it shows: a session, the name of an open program, or another part of the same lab.
+    """
+
+    _esm = _STATIC / "lab.js"
+    _css = _STATIC / "lab.css"
+    view = traitlets.Unicode("lab").tag(sync=True)
+    part: ClassVar[str] = "lab"
+
+    def __init__(self, session: Session | Part | str) -> None:
+        if isinstance(session, str):
+            found = registry.find(session)
+            if found is None:
+                raise UnknownElementError(f"No program `{session}` is open; open are {registry.names()}.")
+            session = found.session
+        if isinstance(session, Part):
+            session = session.session
+        self._connect(registry.connection_of(session))
+
+    def _connect(self, connection: Connection) -> None:
+        super().__init__(view=self.part)
+        self._connection = connection
+        comm = self.comm
+        if hasattr(comm, "_reply_subshell_for"):  # or answers of the page would wait for the running cell
+            comm._reply_subshell_for = lambda data, default: default
+        self.on_msg(self._receive)
+
+    def _receive(self, _widget: object, content: Any, _buffers: object) -> None:
+        self._connection.receive(self._say, content)
+
+    def _say(self, message: Any, buffers: list[bytes] | None) -> None:
+        if self.comm is not None:
+            self.send(message, buffers)
+
+    @property
+    def session(self) -> Session:
+        """The session that is shown; a change of bridge opens a new one."""
+        return self._connection.session
+
+    def _repr_mimebundle_(self, **options: Any) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        shown = super()._repr_mimebundle_(**options)
+        if shown is None:
+            return None
+        bundle, metadata = shown if isinstance(shown, tuple) else (shown, {})
+        return {**bundle, **pictures(self._connection)}, metadata
+
+    def snapshot(self) -> None:
+        """Store a picture of what is there now as the output: it is read without a kernel."""
+        from IPython.display import display
+
+        display(pictures(self._connection), raw=True)  # type: ignore[no-untyped-call]
+
+
+class Lab(Part):
+    """A program, alive in a notebook cell: editor, graphs, robot, variables, issues, controls.
+
+    It runs at once; on hardware it opens disarmed. A second lab of the same name shows, and patches, the
+    same running program.
+
+    Parameters
+    ----------
+    program : str, Program or Session
+        A text, the name of a bundled or open program, or a session that was made elsewhere. A text that
+        is no program is shown with its errors.
+    bridge : str, optional
+        The simulator unless given.
+    name : str, optional
+        Of the program; unless given that of its first machine.
+    rate : float, optional
+        Ticks per second.
+    namespace : dict, optional
+        Names that blocks see; the notebook's unless given.
+    **options
+        For the bridge: ``world="line"``.
+
+    Raises
+    ------
+    BridgeError
+        There is no such bridge, or its robot cannot be reached.
+    """
+
+    def __init__(
+        self,
+        program: str | Program | Session = "",
+        bridge: str | None = None,
+        *,
+        name: str | None = None,
+        rate: float | None = None,
+        namespace: dict[str, Any] | None = None,
+        **options: Any,
+    ) -> None:
+        if isinstance(program, Session):
+            self._connect(registry.connection_of(program))
+            return
+        text: str | None = program.text if isinstance(program, Program) else program
+        if isinstance(program, str) and registry.find(program) is not None:
+            name, text = name or program, None
+        elif isinstance(program, str) and program in program_names():
+            name, text = name or program, program_text(program)
+        names = _notebook() if namespace is None else namespace
+        connection = registry.open_program(
+            name or _name_of(text or ""), text, bridge, namespace=names, rate=rate, **options
+        )
+        self._connect(connection)
+
+    @property
+    def program(self) -> Program:
+        """The program that runs."""
+        return self.session.program
+
+    @property
+    def text(self) -> str:
+        """The text in the editor, whether it runs or not."""
+        return self._connection.texts.text
+
+    @text.setter
+    def text(self, text: str) -> None:
+        self._connection.write(text)
+
+    @property
+    def active(self) -> tuple[Path, ...]:
+        """Paths of the innermost active states."""
+        return self.session.frame.active
+
+    @property
+    def issues(self) -> Sequence[Issue]:
+        """The faults of the program so far."""
+        return self.session.issues
+
+    @property
+    def variables(self) -> LiveVariables:
+        """The living variables, by path (``"follower/nobump"``) or by a name that only one has."""
+        return LiveVariables(self._connection)
+
+    @property
+    def fault(self) -> str:
+        """The last traceback of the lab itself; empty while all is well."""
+        return self._connection.fault or self.session.fault
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the text to a file."""
+        FilePath(path).write_bytes(self.text.encode())
+
+    def close(self) -> None:
+        """Stop robot, program and threads; close the page's connection. Doing it twice does nothing."""
+        registry.forget(self._connection)
+        super().close()
+
+    def __repr__(self) -> str:
+        return f"<Lab of {self.session!r}>"
+
+
+class StateGraph(Part):
+    """The state graph of a session."""
+
+    part = "graph"
+
+
+class SimView(Part):
+    """The world of a session's robot, or the panel of its bridge."""
+
+    part = "world"
+
+
+class Editor(Part):
+    """The program's text."""
+
+    part = "editor"
+
+
+class Variables(Part):
+    """The variables, live."""
+
+    part = "variables"
+
+
+class Issues(Part):
+    """Findings, issues and output."""
+
+    part = "issues"
+
+
+class Controls(Part):
+    """Run, pause, step, reset, stop; rate, speed, bridge."""
+
+    part = "controls"
+
+
+class Tree(Part):
+    """The machines, nested as in the program."""
+
+    part = "tree"
+
+
+class LiveVariables(MutableMapping[str, Any]):
+    """Variables of the running program: read, and assigned between two ticks."""
+
+    def __init__(self, connection: Connection) -> None:
+        self._connection = connection
+
+    def _path(self, name: str | Path) -> Path:
+        path = tuple(name.split("/")) if isinstance(name, str) else tuple(name)
+        living = [tuple(known) for known in self._session.frame.variables]
+        if path in living or len(path) > 1:
+            return path
+        found = [known for known in living if known[-1:] == path]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            listed = ", ".join(f"`{path_text(known)}`" for known in found)
+            raise UnknownElementError(f"Several variables are called `{path[0]}`: {listed}.")
+        raise UnknownElementError(f"No variable `{path[0]}` lives now.")
+
+    @property
+    def _session(self) -> Session:
+        return self._connection.session
+
+    def __getitem__(self, name: str | Path) -> Any:
+        path = self._path(name)
+        return self._session.call(lambda: self._session.interpreter.variables[path])
+
+    def __setitem__(self, name: str | Path, value: Any) -> None:
+        session, path = self._session, self._path(name)
+
+        def assign() -> None:
+            names = session.namespace
+            names[_VALUE] = value  # the only way in is an expression
+            try:
+                session.interpreter.set_variable(path, _VALUE)
+            finally:
+                del names[_VALUE]
+
+        session.call(assign)
+
+    def __delitem__(self, name: str) -> None:
+        raise TypeError("A variable of the program is deleted in its text.")
+
+    def __iter__(self) -> Iterator[str]:
+        return iter([path_text(path) for path in self._session.frame.variables])
+
+    def __len__(self) -> int:
+        return len(self._session.frame.variables)
+
+    def __repr__(self) -> str:
+        values = self._session.frame.variables
+        return "\n".join(f"{path_text(path)} = {text}" for path, text in values.items()) or "(none lives)"
+
+
+_VALUE = "__lrp_value__"
+
+
+def _notebook() -> dict[str, Any] | None:
+    """Give the notebook's namespace; None outside of one."""
+    from IPython.core.getipython import get_ipython
+
+    shell = get_ipython()
+    return None if shell is None else shell.user_ns
+
+
+def _name_of(text: str) -> str:
+    program, _ = scan(text)
+    return str(program.machines[0].name) if program is not None and program.machines else "program"

@@ -1,0 +1,302 @@
+"""``%%lrp`` and ``%lrp``: a cell whose text is a program, and the words that go with it.
+
+What goes wrong is said in a sentence, as IPython does for its own magics.
+"""
+
+from __future__ import annotations
+
+import argparse
+import shlex
+from collections.abc import Callable, Mapping
+from typing import Any, NoReturn
+
+from IPython.core.error import UsageError
+from IPython.core.interactiveshell import InteractiveShell
+from IPython.core.magic import Magics, line_cell_magic, magics_class
+from IPython.display import display
+
+from lrp_jupyter.bridges.discovery import find_bridges
+from lrp_jupyter.bridges.members import did_you_mean
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.language.checks import check
+from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
+from lrp_jupyter.views.still import svg
+from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets.choices import program_names, program_text
+from lrp_jupyter.widgets.connection import Connection
+from lrp_jupyter.widgets.lab import Lab
+
+__all__ = ["LRPMagics", "completions"]
+
+_HELP = """\
+%%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ]
+                      the cell's text is the program, the output is its lab; run again, it changes
+                      the running program
+%lrp                  list the programs that are open
+%lrp NAME             show the lab of a program again
+%lrp new NAME         open a bundled program
+%lrp examples         list the bundled programs and worlds
+%lrp pause|resume|step|reset|stop|check|graph|save|debug [NAME]
+%lrp rate HZ [NAME]   ticks per second, 0 for as many as possible
+%lrp bridge BRIDGE [NAME]
+                      go on with another bridge
+NAME may be left out while one program is open.\
+"""
+
+
+class _Parser(argparse.ArgumentParser):
+    """A parser that raises sentences instead of leaving Python."""
+
+    def error(self, message: str) -> NoReturn:
+        raise UsageError(f"%%lrp: {message}. It is `%%lrp NAME [--world …] [--bridge …] [--rate …]`.")
+
+
+def _options(line: str) -> tuple[str, dict[str, Any]]:
+    parser = _Parser(add_help=False, allow_abbrev=False)
+    parser.add_argument("name", nargs="?", default="program")
+    parser.add_argument("--world")
+    parser.add_argument("--bridge")
+    parser.add_argument("--rate", type=float)
+    try:
+        words = shlex.split(line)
+    except ValueError as error:
+        raise UsageError(f"%%lrp: {error}") from None
+    known, more = parser.parse_known_args(words)
+    options = {key: value for key, value in vars(known).items() if value is not None}
+    while more:  # what else the bridge takes: --host 192.168.0.7
+        key = more.pop(0)
+        if not key.startswith("--") or len(key) < 3:
+            raise UsageError(f"%%lrp: what is `{key}`? {did_you_mean_word(key)}".rstrip())
+        key, equals, value = key[2:].partition("=")
+        if not equals:
+            if not more:
+                raise UsageError(f"%%lrp: `--{key}` needs a value.")
+            value = more.pop(0)
+        options[key.replace("-", "_")] = value
+    return options.pop("name"), options
+
+
+def did_you_mean_word(word: str) -> str:
+    """Suggest an option."""
+    return did_you_mean(word, ["--world", "--bridge", "--rate"]).strip()
+
+
+@magics_class
+class LRPMagics(Magics):
+    """The magics of the package."""
+
+    @line_cell_magic
+    def lrp(self, line: str, cell: str | None = None) -> object:
+        """Live programming of robot behaviour; see the words below."""
+        try:
+            return self._line(line) if cell is None else self._cell(line, cell)
+        except UsageError:
+            raise
+        except (LRPError, OSError) as error:
+            raise UsageError(str(error)) from None
+        except ValueError as error:
+            raise UsageError(str(error)) from None
+
+    lrp.__doc__ = f"Live programming of robot behaviour.\n\n{_HELP}"
+
+    @property
+    def _names(self) -> dict[str, Any]:
+        shell = self.shell
+        return shell.user_ns if shell is not None else {}
+
+    def _cell(self, line: str, cell: str) -> Lab:
+        name, options = _options(line)
+        bridge = options.pop("bridge", None)
+        if options.get("world") and bridge not in (None, "sim"):
+            raise UsageError(f"%%lrp: `--world` is for the simulator; `{bridge}` has its own.")
+        connection = registry.open_program(name, cell, bridge, namespace=self._names, **options)
+        return Lab(connection.session)
+
+    def _line(self, line: str) -> object:
+        word, *rest = line.split() or [""]
+        if not word:
+            self._list()
+            return None
+        if word in ("help", "-h", "--help", "?"):
+            print(_HELP)  # noqa: T201
+            return None
+        action = WORDS.get(word)
+        if action is not None:
+            return action(self, rest)
+        if len(rest) == 0 and registry.find(word) is not None:
+            return Lab(word)
+        listed = ", ".join(f"`{name}`" for name in registry.names()) or "none"
+        hint = did_you_mean(word, [*WORDS, *registry.names()])
+        raise UsageError(
+            f"%lrp: there is no `{word}`; open programs: {listed}.{hint} `%lrp help` lists the words."
+        )
+
+    def _list(self) -> None:
+        lines = []
+        for connection in registry.running():
+            frame = connection.session.frame
+            active = ", ".join("/".join(path) for path in frame.active) or "nothing"
+            lines.append(f"{connection.name}: {frame.status}, tick {frame.tick}, {active} active")
+        print("\n".join(lines) or "No program is open. `%lrp examples` lists bundled ones.")  # noqa: T201
+
+    # -- the words -------------------------------------------------------------------------------
+
+    def show(self, rest: list[str]) -> Lab:
+        """Show the lab of a program again."""
+        return Lab(_the(rest).session)
+
+    def new(self, rest: list[str]) -> Lab:
+        """Open a bundled program."""
+        name = _one(rest, "new NAME")
+        try:
+            text = program_text(name)
+        except KeyError:
+            listed = ", ".join(f"`{known}`" for known in program_names())
+            hint = did_you_mean(name, program_names())
+            raise UsageError(f"There is no bundled program `{name}`; there are {listed}.{hint}") from None
+        world = _world_of(text)
+        options: dict[str, Any] = {"world": world} if world else {}
+        return Lab(registry.open_program(name, text, namespace=self._names, **options).session)
+
+    def examples(self, rest: list[str]) -> None:
+        """List the bundled programs and worlds."""
+        lines = ["Programs (`%lrp new NAME`):"]
+        lines += [f"  {name:<18} {_about(program_text(name))}" for name in program_names()]
+        lines += ["Worlds (`%%lrp NAME --world WORLD`):"]
+        lines += [f"  {name:<18} {about}" for name, about in DESCRIPTIONS.items()]
+        print("\n".join(lines))  # noqa: T201
+
+    def pause(self, rest: list[str]) -> None:
+        """Stand still."""
+        _the(rest).session.pause()
+
+    def resume(self, rest: list[str]) -> None:
+        """Run, or go on."""
+        _the(rest).session.start()
+
+    def step(self, rest: list[str]) -> None:
+        """One tick."""
+        _the(rest).session.step()
+
+    def reset(self, rest: list[str]) -> None:
+        """Begin anew."""
+        _the(rest).session.reset()
+
+    def stop(self, rest: list[str]) -> None:
+        """Stop the robot, then pause."""
+        _the(rest).session.stop_robot()
+
+    def rate(self, rest: list[str]) -> None:
+        """Ticks per second."""
+        if not rest:
+            raise UsageError("%lrp rate HZ [NAME]: how many ticks per second?")
+        try:
+            hertz = float(rest[0])
+        except ValueError:
+            raise UsageError(f"%lrp rate: `{rest[0]}` is no number of ticks per second.") from None
+        _the(rest[1:]).session.rate = hertz
+
+    def check(self, rest: list[str]) -> None:
+        """Say what the checks find."""
+        connection = _the(rest)
+        found = check(connection.texts.text, self._names)
+        print("\n".join(str(finding) for finding in found) or f"`{connection.name}` has no findings.")  # noqa: T201
+
+    def graph(self, rest: list[str]) -> None:
+        """Show the state graph as it is now, as a picture that is stored."""
+        connection = _the(rest)
+        picture = svg(connection.session.program, connection.session.frame.active)
+        display({"image/svg+xml": picture}, raw=True)  # type: ignore[no-untyped-call]
+
+    def save(self, rest: list[str]) -> None:
+        """Write the lab's text into a new cell."""
+        connection = _the(rest)
+        if self.shell is not None:
+            self.shell.set_next_input(f"%%lrp {connection.name}\n{connection.texts.text}")
+
+    def debug(self, rest: list[str]) -> None:
+        """Look at the last exception of a block, post mortem."""
+        connection = _the(rest)
+        error = connection.session.interpreter.last_exception
+        if error is None or self.shell is None:
+            print(f"No block of `{connection.name}` has raised an exception.")  # noqa: T201
+            return
+        _post_mortem(self.shell, error)
+
+    def bridge(self, rest: list[str]) -> None:
+        """Go on with another bridge."""
+        if not rest:
+            lines = [f"{name}: {offer.origin}" for name, offer in find_bridges().items()]
+            print("\n".join(lines))  # noqa: T201
+            return
+        _the(rest[1:]).change_bridge(rest[0])
+
+
+def _post_mortem(shell: InteractiveShell, error: BaseException) -> None:
+    debugger = shell.debugger_cls()
+    debugger.reset()
+    debugger.interaction(None, error.__traceback__)
+
+
+def _one(rest: list[str], usage: str) -> str:
+    if len(rest) != 1:
+        raise UsageError(f"%lrp {usage}: one name is wanted, not {len(rest)}.")
+    return rest[0]
+
+
+def _the(rest: list[str]) -> Connection:
+    """Give the program that is meant: the one named, or the only one."""
+    if len(rest) > 1:
+        raise UsageError(f"%lrp: one name is wanted, not {len(rest)}.")
+    names = registry.names()
+    name = rest[0] if rest else names[0] if len(names) == 1 else ""
+    connection = registry.find(name)
+    if connection is None:
+        listed = ", ".join(f"`{known}`" for known in names) or "none"
+        what = f"there is no program `{name}`" if name else "which program?"
+        raise UsageError(f"%lrp: {what}; open are {listed}.{did_you_mean(name, names) if name else ''}")
+    return connection
+
+
+def _about(text: str) -> str:
+    first = text.lstrip().partition("\n")[0]
+    return first.lstrip(";# ").strip() if first[:1] in ";#" else ""
+
+
+def _world_of(text: str) -> str:
+    """Give the world that a program asks for in its head: ``; world: line``."""
+    for line in text.splitlines():
+        words = line.lstrip(";# ").split()
+        if line[:1] not in (";", "#"):
+            break
+        if len(words) == 2 and words[0] == "world:" and words[1] in BUNDLED:
+            return words[1]
+    return ""
+
+
+WORDS: Mapping[str, Callable[[LRPMagics, list[str]], object]] = {
+    word.__name__: word
+    for word in (
+        *(LRPMagics.show, LRPMagics.new, LRPMagics.examples, LRPMagics.pause, LRPMagics.resume),
+        *(LRPMagics.step, LRPMagics.reset, LRPMagics.stop, LRPMagics.rate, LRPMagics.check),
+        *(LRPMagics.graph, LRPMagics.save, LRPMagics.debug, LRPMagics.bridge),
+    )
+}
+"""What can follow ``%lrp``, apart from the name of a program."""
+
+
+def completions(shell: InteractiveShell, event: Any) -> list[str]:
+    """Complete what follows ``%lrp`` or ``%%lrp``."""
+    words = event.line.split()
+    before = words[1:] if event.line.endswith(" ") else words[1:-1]
+    names = registry.names()
+    if event.line.lstrip().startswith("%%"):
+        last = before[-1] if before else ""
+        if last == "--world":
+            return list(BUNDLED)
+        if last == "--bridge":
+            return list(find_bridges())
+        return [*(() if before else names), "--world", "--bridge", "--rate"]
+    if not before:
+        return [*WORDS, *names]
+    return {"new": program_names(), "bridge": list(find_bridges())}.get(before[0], names)

@@ -1,0 +1,183 @@
+"""The programs that run in this kernel, by name.
+
+Widgets live as long as the kernel, so a cell that is run again must find what it opened before: the same
+name is the same running program. What a cell brings and what was typed in the lab since are reconciled here.
+"""
+
+from __future__ import annotations
+
+import atexit
+import os
+from collections.abc import Iterator
+from pathlib import Path as FilePath
+from typing import Any
+
+from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.language.parser import scan
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.connection import Connection
+from lrp_jupyter.widgets.texts import Texts
+
+__all__ = ["FOLDER", "connection_of", "find", "forget", "names", "open_program", "running"]
+
+FOLDER = ".lrp"
+"""Where accepted texts are kept, beside the notebook."""
+DEAD_MAN = 5.0
+"""Wall seconds without a view after which the program of a real robot pauses."""
+
+_connections: dict[str, Connection] = {}
+
+
+def names() -> list[str]:
+    """Names of the programs that are open, the oldest first."""
+    return [name for name, connection in _connections.items() if not connection.closed]
+
+
+def find(name: str) -> Connection | None:
+    """Give the open program of this name."""
+    connection = _connections.get(name)
+    return None if connection is None or connection.closed else connection
+
+
+def running() -> Iterator[Connection]:
+    """Yield what is open."""
+    yield from (connection for connection in _connections.values() if not connection.closed)
+
+
+def connection_of(session: Session) -> Connection:
+    """Give the connection of a session; one that was made elsewhere is shown as it is."""
+    for connection in running():
+        if connection.session is session:
+            return connection
+    connection = Connection(session, Texts())
+    name, count = session.name, 1
+    while find(name) is not None:
+        count += 1
+        name = f"{session.name} ({count})"
+    _connections[name] = connection
+    return connection
+
+
+def forget(connection: Connection) -> None:
+    """Close a program for good."""
+    connection.close()
+    for name in [name for name, known in _connections.items() if known is connection]:
+        del _connections[name]
+
+
+def open_program(
+    name: str,
+    text: str | None,
+    bridge: str | None = None,
+    *,
+    namespace: dict[str, Any] | None = None,
+    rate: float | None = None,
+    folder: str | os.PathLike[str] | None = None,
+    **options: Any,
+) -> Connection:
+    """Open a program, or go on with the one of that name; it runs at once.
+
+    Parameters
+    ----------
+    name : str
+    text : str or None
+        What the cell says; None: whatever the lab has.
+    bridge : str, optional
+        The simulator unless given; of an open program, the one that it has.
+    namespace : dict, optional
+        Names that blocks see.
+    rate : float, optional
+        Ticks per second.
+    folder : path, optional
+        The directory beside which texts are kept, the current one unless given.
+    **options
+        For the bridge: ``world="line"``.
+
+    Raises
+    ------
+    BridgeError
+        There is no such bridge, or its robot cannot be reached.
+    """
+    if not name or name.startswith(".") or "/" in name or "\\" in name:
+        raise LRPError(f"`{name}` is no name for a program; use letters, digits, `_` and `-`.")
+    connection = find(name)
+    if connection is None:
+        texts = Texts(FilePath(folder or os.getcwd()) / FOLDER)
+        first = _first_text(texts, name, text)
+        session = _open_session(
+            name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options
+        )
+        connection = Connection(session, texts, _reopen, options)
+        _connections[name] = connection
+        if session.text != first:
+            connection.write(first)
+    else:
+        if bridge is not None and bridge != connection.session.bridge.name:
+            connection.change_bridge(bridge, **options)
+        elif options and options != connection.options:
+            connection.change_bridge(connection.session.bridge.name, **options)
+        if rate is not None:
+            connection.session.rate = rate
+    if text is not None:
+        _reconcile(connection, text)
+    connection.wake()
+    return connection
+
+
+def _open_session(
+    name: str,
+    text: str,
+    bridge: str,
+    namespace: dict[str, Any] | None,
+    rate: float,
+    options: dict[str, Any],
+) -> Session:
+    program, _ = scan(text, f"<lrp {name}>")
+    robot = make_bridge(bridge, **options)
+    session = Session(
+        "" if program is None else program,
+        robot,
+        rate=rate,
+        name=name,
+        namespace=namespace,
+        dead_man=DEAD_MAN if robot.hardware else None,
+    )
+    try:
+        session.start()
+    except BaseException:
+        session.close()
+        raise
+    return session
+
+
+def _reopen(old: Session, bridge: str, **options: Any) -> Session:
+    return _open_session(old.name, old.program.text, bridge, old.namespace, old.rate, options)
+
+
+def _first_text(texts: Texts, name: str, text: str | None) -> str:
+    """Give the text to begin with: the lab's of before, unless only the cell was changed since."""
+    lab, cell = texts.kept(name, ".lrp"), texts.kept(name, ".cell")
+    if lab is None:
+        return text or ""
+    return lab if text is None or lab != cell else text
+
+
+def _reconcile(connection: Connection, text: str) -> None:
+    """Bring the cell's text and the lab's together: the one that was changed wins; both: ask."""
+    texts, name = connection.texts, connection.name
+    before = texts.kept(name, ".cell")
+    texts.conflict = None
+    if text != texts.text and text != before:
+        if texts.text and texts.text != before:
+            sentence = f"Cell and lab have both changed `{name}` since they were the same: which text is it?"
+            texts.conflict = {"text": text, "sentence": sentence}
+            return
+        connection.write(text)
+    texts.keep_cell(text)
+
+
+@atexit.register
+def _close_all() -> None:
+    for connection in list(running()):
+        connection.close()
