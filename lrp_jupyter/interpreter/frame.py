@@ -195,6 +195,6 @@ def render(value: object) -> str:
     """Write a value as text of bounded depth and length; never raises."""
     try:
         text = _bounded.repr(value)
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         text = f"<{type(value).__name__}: no text, {type(error).__name__}>"
     return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"

@@ -34,7 +34,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import Any, Literal
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.interpreter.events import UNSET, Observer
+from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.forcing import find_state, force
 from lrp_jupyter.interpreter.issues import Issue, Issues
 from lrp_jupyter.interpreter.linker import BlockPlan, Plan, link, show_in_tracebacks
@@ -200,8 +200,7 @@ class Interpreter:
         so that a robot has no gap between onexit and onentry.
         """
         run = self._run
-        before = run.now
-        if now != before:
+        if now != run.now:
             self._advance(now)
         run.ticks += 1
         if run.roots:
@@ -212,7 +211,7 @@ class Interpreter:
         else:
             run.start()
         if run.attention:
-            self._done(before)
+            self._done(ticked=True)
 
     def _advance(self, now: float | None) -> None:
         if now is None:
@@ -221,13 +220,13 @@ class Interpreter:
             raise ValueError(f"time never goes back: {now!r} comes before {self._run.now!r}")
         self._run.now = now
 
-    def _done(self, before: float | None = None) -> None:
-        """End a command, or a tick (`before`: the time of the one before it)."""
+    def _done(self, *, ticked: bool = False) -> None:
+        """End a command, or a tick."""
         run = self._run
         if run.watched:
             run.settle(run.live.values())
-            if run.journal is not None and before is not None:
-                run.journal.close(before)
+            if run.journal is not None and ticked:
+                run.journal.close(run.now)
         if run.stale:
             run.rebind()
         run.attention = run.watched or bool(run.pending)
@@ -264,7 +263,7 @@ class Interpreter:
         if decision.apply:
             run.remember()
             show_in_tracebacks(program)
-            self._carry_issues(plan, changes.removed + changes.changed)
+            self._carry_issues(run.plan, plan, changes.removed + changes.changed)
             if decision.restart:
                 run.plan = plan
                 self._restart(decision.reason or "")
@@ -307,7 +306,7 @@ class Interpreter:
         plan = link(program)
         changes = diff(run.plan.program, program)
         run.remember()
-        self._carry_issues(plan, changes.removed)
+        self._carry_issues(run.plan, plan, changes.removed)
         show_in_tracebacks(program)
         adopt(run, plan, Renaming(kind, where, new_name))
         run.emit("patched", (), Patch(changes, True))
@@ -358,8 +357,11 @@ class Interpreter:
         self._advance(now)
         target = find_state(run, _path(path))
         run.remember()
-        run.emit("forced", _path(path), how)
+        before = len(run.events)
         force(run, target, blocks=how == "transition")
+        if run.observers:  # only now it is known which way the target was spawned
+            where = (*run.live[target.path[:-1]].path, target.name)
+            run.events.insert(before, TraceEvent("forced", where, run.ticks, run.now, how))
         self._done()
 
     def reset(self, now: float | None = None) -> None:
@@ -395,7 +397,7 @@ class Interpreter:
 
         Active states, their timers, variables and patches are restored; what was done since then,
         between ticks as well, is undone. With no tick left nothing is active. Objects that were
-        changed in place stay as they are, and so do issues.
+        changed in place stay as they are, and so do issues, unless what they concern is gone.
 
         Raises
         ------
@@ -405,7 +407,10 @@ class Interpreter:
         run = self._run
         if run.journal is None:
             raise ValueError("there is no journal to go back by")
+        before = run.plan
         run.journal.undo(run, ticks)
+        if run.plan is not before:
+            self._carry_issues(before, run.plan, ())
         acts = [act for root in run.roots for act in root.walk()]
         run.live = {(): run.globals, **{act.machine.path: act for act in acts}}
         for scope in run.live.values():
@@ -437,10 +442,10 @@ class Interpreter:
             message = f"{site.element.kind} `{name}` is defined twice here: the first one counts"
             run.report(site, "defined twice", message)
 
-    def _carry_issues(self, plan: Plan, gone: tuple[Element, ...]) -> None:
+    def _carry_issues(self, old: Plan, plan: Plan, gone: tuple[Element, ...]) -> None:
         """Resolve the issues of what is gone, changed or repaired; move the others with the text."""
-        old, issues = self._run.plan, self._run.issues
-        twice = {site.element for site in plan.duplicates}
+        issues = self._run.issues
+        twice = {site.element: site.offset for site in plan.duplicates}
 
         def over(issue: Issue) -> bool:
             element = issue.element
@@ -449,14 +454,14 @@ class Interpreter:
                 or (other.kind in ("machine", "state") and element.path[: len(other.path)] == other.path)
                 for other in gone
             )
-            repaired = (
-                issue.kind.startswith("unknown")
-                and not issue.traceback
-                and (element, issue.kind) not in plan.dangling
-            ) or (issue.kind == "defined twice" and element not in twice)
+            repaired = (element, issue.kind) in old.dangling - plan.dangling or (
+                issue.kind == "defined twice" and element not in twice
+            )
             return inside or repaired or element not in plan.places
 
         def place(issue: Issue) -> tuple[int, int]:
+            if issue.kind == "defined twice" and issue.element in twice:
+                return plan.program.place(twice[issue.element])
             before, after = old.places.get(issue.element), plan.places.get(issue.element)
             if before is None or after is None:
                 return issue.line, issue.column

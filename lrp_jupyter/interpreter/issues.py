@@ -94,6 +94,7 @@ class Issues(Sequence[Issue]):
     def __init__(self) -> None:
         self._all: dict[Key, Issue] = {}
         self.open_blocks: set[tuple[Element, int]] = set()
+        self._last: dict[Key, tuple[str, int]] = {}  # message and line of what came last, in this text
 
     @overload
     def __getitem__(self, index: int) -> Issue: ...
@@ -111,16 +112,24 @@ class Issues(Sequence[Issue]):
     def __repr__(self) -> str:
         return f"Issues({list(self)!r})"
 
-    def report(self, key: Key, make: Callable[[], Issue], message: str, tick: int) -> Issue | None:
-        """Count a fault; return the issue if it is new or reopened, else None."""
-        known = self._all.get(key)
-        if known is not None and not known.resolved:
-            self._all[key] = replace(known, message=message, last_tick=tick, count=known.count + 1)
+    def report(
+        self, key: Key, make: Callable[[], Issue], message: str, tick: int, line: int = 0
+    ) -> Issue | None:
+        """Count a fault; return the issue if it is new or reopened, else None.
+
+        The issue tells of what came last: it is made anew if the message, the line or the text is another.
+        """
+        known, last = self._all.get(key), self._last.get(key)
+        self._last[key] = message, line
+        if known is not None and not known.resolved and last == (message, line):
+            self._all[key] = replace(known, last_tick=tick, count=known.count + 1)
             return None
         issue = make()
         if known is not None:
             issue = replace(issue, first_tick=known.first_tick, count=known.count + 1)
         self._all[key] = issue
+        if known is not None and not known.resolved:
+            return None
         self.open_blocks.add(key[:2])
         return issue
 
@@ -133,6 +142,7 @@ class Issues(Sequence[Issue]):
 
     def move(self, shift: Callable[[Issue], tuple[int, int]]) -> None:
         """Give every issue its place in a new text."""
+        self._last.clear()
         for key, issue in self._all.items():
             line, column = shift(issue)
             if (line, column) != (issue.line, issue.column):
@@ -141,4 +151,5 @@ class Issues(Sequence[Issue]):
     def clear(self) -> None:
         """Forget all of them; what is still at fault comes again."""
         self._all.clear()
+        self._last.clear()
         self.open_blocks = set()

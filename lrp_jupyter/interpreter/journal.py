@@ -27,13 +27,14 @@ Record = tuple[Any, ...]
 class Journal:
     """Whole ticks, the last `bound` of them.
 
-    ``log`` collects what was done since the end of the last tick; at the end of a tick it is
-    closed together with the time at which the tick before ended.
+    ``log`` collects what was done since the end of the last tick, whose time is `now`; at the end of
+    a tick it is closed together with that time.
     """
 
     def __init__(self, bound: int) -> None:
         self._entries: deque[tuple[float, list[Record]]] = deque(maxlen=bound)
         self.log: list[Record] = []
+        self.now = 0.0
 
     def __len__(self) -> int:
         """How many ticks can be undone."""
@@ -41,12 +42,14 @@ class Journal:
 
     def remember(self, run: Run) -> None:
         """Remember everything, before a change that is not one of a tick."""
-        self.log.append((Snapshot(run),))
+        if not (self.log and isinstance(self.log[0][0], Snapshot)):  # else nothing more needs remembering
+            self.log.append((Snapshot(run),))
 
-    def close(self, before: float) -> None:
-        """End a tick; `before` is the time of the one before it."""
-        self._entries.append((before, self.log))
+    def close(self, now: float) -> None:
+        """End a tick."""
+        self._entries.append((self.now, self.log))
         self.log = []
+        self.now = now
 
     def undo(self, run: Run, ticks: int) -> None:
         """Undo what came after the last tick, then `ticks` ticks, then what came before those.
@@ -61,9 +64,10 @@ class Journal:
             raise ValueError(f"the journal holds {have} ticks: cannot go back {ticks}")
         self._undo_log(run)
         for _ in range(ticks):
-            run.now, self.log = self._entries.pop()
+            self.now, self.log = self._entries.pop()
             run.ticks -= 1
             self._undo_log(run)
+        run.now = self.now
 
     def _undo_log(self, run: Run) -> None:
         for what, *before in reversed(self.log):

@@ -178,7 +178,8 @@ def link(program: Program) -> Plan:
 
 def show_in_tracebacks(program: Program) -> None:
     """Register the text with :mod:`linecache`: tracebacks and debuggers show the lines that run."""
-    lines = _LINES.split(program.text)
+    text = program.text.encode("utf-8", "replace").decode()  # a traceback cannot hold half a character
+    lines = _LINES.split(text)
     linecache.cache[program.filename] = (len(program.text), None, lines, program.filename)
 
 

@@ -15,7 +15,7 @@ from types import CellType
 from typing import TYPE_CHECKING, Literal
 
 from lrp_jupyter.interpreter.events import UNSET
-from lrp_jupyter.interpreter.linker import Broken, Plan, SpawnPlan, StatePlan, VariablePlan
+from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariablePlan
 from lrp_jupyter.interpreter.tree import Activation, Scope
 from lrp_jupyter.language.diff import ChangeSet
 from lrp_jupyter.language.program import Element, Path, Spawn
@@ -77,6 +77,10 @@ class Renaming:
         """Tell what a variable is called now."""
         return self.new if plan.initial.site.element == Element(self.kind, self.path) else plan.name
 
+    def spawn(self, identity: tuple[str, str]) -> tuple[str, str]:
+        """Tell what a top-level spawn is called now."""
+        return self.moved(identity[:1])[-1], self.moved(identity)[-1]
+
 
 def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
     """Tell what an edit to `plan` must do, in the words of the table of the language reference."""
@@ -97,15 +101,19 @@ def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
     lost = [act.spawn for act in run.roots if act.spawn is not None and act.spawn not in new_spawns]
     if lost and startable:
         return Decision(restart=True, reason=f"`(spawn {' '.join(lost[0])})` was changed or removed")
+    reason = None
     if policy == "restart":
         for act in acts:
             new = plan.machines[act.machine.path].states[act.state.name]
             part = _changed_part(act.state, new)
             if part is not None:
-                return Decision(restart=True, reason=f"`{act.state.name}` is active and its {part} changed")
+                reason = f"`{act.state.name}` is active and its {part} changed"
+                break
+    if reason and startable:
+        return Decision(restart=True, reason=reason)
     if lost:
         return Decision(reason=f"`(spawn {' '.join(lost[0])})` is gone: what it started runs on")
-    return Decision()
+    return Decision(reason=reason and f"{reason}, but no `spawn` can be started: what runs goes on")
 
 
 def _changed_part(old: StatePlan, new: StatePlan) -> str | None:
@@ -120,6 +128,8 @@ def _changed_part(old: StatePlan, new: StatePlan) -> str | None:
 def adopt(run: Run, plan: Plan, renaming: Renaming | None = None) -> None:
     """Swap plans and carry over what runs; every active state must exist in `plan`."""
     old, run.plan = run.plan, plan
+    if renaming:
+        run.pending = frozenset(map(renaming.spawn, run.pending))
     if run.started:
         _carry(run, run.globals, old.variables, plan.variables, run.base, renaming)
     added: list[tuple[Activation, SpawnPlan]] = []
@@ -132,7 +142,7 @@ def adopt(run: Run, plan: Plan, renaming: Renaming | None = None) -> None:
         act.state = machine.states[there[-1]]
         act.path = (*act.parent.full_path, machine.name) if act.parent else (machine.name,)
         if renaming and act.spawn is not None:
-            act.spawn = machine.name, renaming.moved((*before.path, act.spawn[1]))[-1]
+            act.spawn = renaming.spawn(act.spawn)
         act.outer = live[machine.outer.path] if machine.outer else run.globals
         live[machine.path] = act
         _carry(run, act, before.variables, machine.variables, act.outer.cells, renaming)
@@ -167,8 +177,9 @@ def _carry(
 
 
 def _added_spawns(old: StatePlan, new: StatePlan) -> list[SpawnPlan]:
-    known = {item.identity for item in old.onentry if isinstance(item, SpawnPlan)}
-    return [item for item in new.onentry if isinstance(item, SpawnPlan) and item.identity not in known]
+    """Find the machines that `new` spawns and `old` does not; another start state is no other spawn."""
+    known = {item.identity[0] for item in old.onentry if isinstance(item, SpawnPlan)}
+    return [item for item in new.onentry if isinstance(item, SpawnPlan) and item.identity[0] not in known]
 
 
 def _spawn_added(run: Run, old: Plan, plan: Plan) -> None:
@@ -176,8 +187,8 @@ def _spawn_added(run: Run, old: Plan, plan: Plan) -> None:
     if not run.roots:
         return  # the next tick does them all
     running = {act.spawn for act in run.roots} | run.pending
-    known = {spawn.identity for spawn in old.spawns}
+    tried = {spawn.identity: spawn.resolves for spawn in old.spawns}
     for spawn in plan.spawns:
-        idle = not isinstance(spawn.target, Broken) and spawn.target.path not in run.live
-        if spawn.identity not in running and (spawn.identity not in known or (idle and spawn.resolves)):
+        dangled = not tried.get(spawn.identity, False)
+        if spawn.identity not in running and dangled and (spawn.resolves or spawn.identity not in tried):
             run.spawn(None, spawn)

@@ -33,7 +33,7 @@ from lrp_jupyter.language.program import Path
 if TYPE_CHECKING:
     from lrp_jupyter.interpreter.run import Run
 
-__all__ = ["Activation", "Edge", "Fault", "Row", "Scope", "bind_block", "bind_row", "broken"]
+__all__ = ["Activation", "Edge", "Fault", "Row", "Scope", "bind_block", "bind_row", "broken", "is_boolean", "short"]
 
 Call = Callable[[], object]
 
@@ -153,6 +153,21 @@ class Row:
         self.onexit = onexit
 
 
+def is_boolean(value: object) -> bool:
+    """Whether a value is a truth value, Python's or numpy's."""
+    kind = type(value)
+    return kind is bool or (kind.__module__ == "numpy" and kind.__name__ in ("bool", "bool_"))
+
+
+def short(value: object) -> str:
+    """Write a value in a few characters, for a message."""
+    try:
+        text = repr(value)
+    except (Exception, SystemExit):
+        text = f"a {type(value).__name__} that cannot be shown"
+    return text if len(text) <= 60 else text[:57] + "…"
+
+
 def content(cell: CellType) -> object:
     """Give the value in a cell, or UNSET."""
     try:
@@ -245,7 +260,7 @@ def _test(run: Run, act: Activation, edge: EdgePlan) -> Call:
     def due_when_read() -> bool:
         delay = read()
         if isinstance(delay, bool) or not isinstance(delay, Real) or delay != delay:
-            raise Fault("not a delay", f"a delay is a number of milliseconds, not {delay!r}")
+            raise Fault("not a delay", f"a delay is a number of milliseconds, not {short(delay)}")
         return bool((run.now - act.entered) * 1000.0 + TOLERANCE >= delay)  # type: ignore[operator]
 
     return (
