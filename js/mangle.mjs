@@ -12,7 +12,7 @@ import { readdirSync, readFileSync } from "node:fs";
 
 const WORD = /[A-Za-z_$][\w$]*/g;
 const TYPES = "node_modules/typescript/lib";
-const WIRE = ["src/protocol.ts", "src/graph/layout.ts", "src/session/state.ts"];
+const WIRE = ["src/nouns.ts", "src/protocol.ts", "src/graph/layout.ts", "src/session/state.ts"];
 const SHORTEST = 4;
 
 function words(text) {

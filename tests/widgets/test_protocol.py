@@ -1,6 +1,7 @@
 import ast
 import re
 import struct
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
@@ -9,8 +10,9 @@ from hypothesis import strategies as st
 
 from lrp_jupyter.widgets import protocol
 
-PYTHON = Path(protocol.__file__)
-TYPESCRIPT = PYTHON.parents[2] / "js" / "src" / "protocol.ts"
+PYTHON = Path(protocol.__file__).parent
+TYPESCRIPT = PYTHON.parents[1] / "js" / "src"
+FILES = ("nouns", "protocol")
 SIMPLE = {"str": "string", "int": "number", "float": "number", "bool": "boolean", "None": "null"}
 
 pytestmark = pytest.mark.skipif(not TYPESCRIPT.exists(), reason="needs a checkout")
@@ -48,9 +50,14 @@ def field(statement: ast.AnnAssign) -> tuple[str, str]:
             return name, as_typescript(plain)
 
 
+def python_nodes() -> Iterator[ast.stmt]:
+    for name in FILES:
+        yield from ast.parse((PYTHON / f"{name}.py").read_text()).body
+
+
 def python_types() -> dict[str, object]:
     found: dict[str, object] = {}
-    for node in ast.parse(PYTHON.read_text()).body:
+    for node in python_nodes():
         match node:
             case ast.ClassDef(name=name, bases=[ast.Name(id="TypedDict")], body=body):
                 found[name] = dict(field(line) for line in body if isinstance(line, ast.AnnAssign))
@@ -62,7 +69,8 @@ def python_types() -> dict[str, object]:
 
 
 def typescript_types() -> dict[str, object]:
-    text = re.sub(r"/\*.*?\*/", "", TYPESCRIPT.read_text(), flags=re.S)
+    files = "\n".join((TYPESCRIPT / f"{name}.ts").read_text() for name in FILES)
+    text = re.sub(r"/\*.*?\*/", "", files, flags=re.S)
     found: dict[str, object] = {}
     for name, body in re.findall(r"export interface (\w+) \{(.*?)\n\}", text, re.S):
         found[name] = dict(re.findall(r"^  (\w+\??): (.*);$", body, re.M))
@@ -81,7 +89,7 @@ def test_python_and_typescript_name_the_same_messages_with_the_same_fields():
 
 
 def test_every_class_is_explained():
-    for node in ast.parse(PYTHON.read_text()).body:
+    for node in python_nodes():
         if isinstance(node, ast.ClassDef):
             assert ast.get_docstring(node), node.name
 

@@ -82,7 +82,10 @@ export class Editor {
         ]),
       ),
       keymap.of(keys),
-      EditorView.contentAttributes.of({ "aria-label": "LRP program; Escape, then Tab leaves the editor" }),
+      EditorView.contentAttributes.of({
+        tabindex: "0",
+        "aria-label": "LRP program; Escape, then Tab leaves the editor",
+      }),
       EditorView.domEventHandlers({ mousedown: (event, view) => this.followLink(event, view) }),
       EditorView.updateListener.of((update) => {
         if (update.selectionSet) rememberCursor(lab.store.state.name, update.state.selection.main.head);

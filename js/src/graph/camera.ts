@@ -25,6 +25,13 @@ export class Camera {
     this.y = height / 2 - (box.y + box.height / 2) * this.scale;
   }
 
+  /** Begin at a corner of the drawing, at a given scale. */
+  corner(at: { x: number; y: number }, scale: number): void {
+    this.scale = scale;
+    this.x = -at.x * scale;
+    this.y = -at.y * scale;
+  }
+
   /** Zoom by a factor, keeping the point (x, y) of the screen where it is. */
   zoom(factor: number, x: number, y: number): void {
     const scale = Math.min(LARGEST, Math.max(SMALLEST, this.scale * factor));

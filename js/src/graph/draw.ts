@@ -111,7 +111,10 @@ function makeState(shape: StateShape): SVGGElement {
 
 function updateState(element: Element, shape: StateShape): void {
   setAttribute(element, "class", `lrp-state lrp-${shape.kind}`);
-  if (shape.kind === "state") setAttribute(element, "aria-label", `state ${shape.title}`);
+  if (shape.kind === "state") {
+    const shown = [shape.label, shape.nested].filter(Boolean).join(" "); // a name begins with what is seen
+    setAttribute(element, "aria-label", `${shown}: state ${shape.title}`);
+  }
   const dragged = element.hasAttribute("data-dragged");
   if (!dragged) moveState(element, shape.x, shape.y);
   const body = JSON.stringify({
@@ -145,7 +148,7 @@ function stateBody(shape: StateShape): SVGElement[] {
     const half = shape.nested.length * NESTED_LETTER * 0.5;
     const symbol = nestedIcon();
     symbol.setAttribute("transform", `translate(${-half - 4} 10)`);
-    parts.push(s("g", { class: "lrp-nested" }, symbol, text("", 7, 14, shape.nested)));
+    parts.push(s("g", { class: "lrp-nested" }, " ", symbol, text("", 7, 14, shape.nested)));
   } else parts.push(text("lrp-name", 0, STATE_FONT * LIFT, shape.label));
   if (shape.start) {
     const { x, y, radius, d, head } = shape.start;

@@ -14,6 +14,7 @@ import { restartNotice } from "./notice";
 
 type Mode = "live" | "static" | "hidden";
 const DRAG_FROM = 4; // px of movement that make a press a drag
+const LEGIBLE = 0.5; // a large machine begins at its corner, so that its names can be read
 const TELL_EVERY = 40; // ms between two places of a dragged state
 
 export function graphView(lab: Lab): HTMLElement {
@@ -27,9 +28,10 @@ export function graphView(lab: Lab): HTMLElement {
   let mode: Mode = "live";
 
   const place = () => setAttribute(layers.root, "transform", camera.transform);
-  const fit = () => {
+  const fit = (least = 0) => {
     const [x = 0, y = 0, width = 0, height = 0] = shown?.view ?? [];
     camera.fit({ x, y, width, height }, svg.clientWidth, svg.clientHeight);
+    if (camera.scale < least) camera.corner({ x, y }, least);
     place();
   };
   const redraw = (anew = false) => {
@@ -56,7 +58,7 @@ export function graphView(lab: Lab): HTMLElement {
     keepOneTabStop(svg);
     svg.setAttribute("aria-label", `State graph of ${layout.name}`);
     if (camera.moved) place();
-    else fit();
+    else fit(LEGIBLE);
   };
 
   const modes = h(
@@ -110,7 +112,7 @@ export function graphView(lab: Lab): HTMLElement {
     marks.update(layers, store.state),
   );
   new ResizeObserver(() => {
-    if (!camera.moved) fit();
+    if (!camera.moved) fit(LEGIBLE);
   }).observe(svg);
 
   /* ---------------------------------------------------------------- zoom, pan, drag */

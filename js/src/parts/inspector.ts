@@ -17,7 +17,7 @@ export function inspector(lab: Lab): Inspector {
   let looked = 0;
   let asking = false;
   let before: HTMLElement | null = null;
-  const title = h("h3", { class: "lrp-title" });
+  const title = h("div", { class: "lrp-title" });
   const way = h("nav", { class: "lrp-way", "aria-label": "Way into the value" });
   const body = h("div", { class: "lrp-inspect-body" });
   const close = () => {

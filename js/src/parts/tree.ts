@@ -46,11 +46,6 @@ export function treeView(lab: Lab): HTMLElement {
     setAttribute(item, "aria-level", (depth + 1) / 2);
     setAttribute(item, "aria-selected", String(machine.path === selected));
     setAttribute(item, "tabindex", machine.path === selected ? "0" : "-1");
-    setAttribute(
-      item,
-      "aria-label",
-      active ? `${last(machine.path)}, in ${last(active)}` : last(machine.path),
-    );
     setAttribute(item, "data-active", Boolean(active));
   };
   store.watch(["program", "lit", "machine", "snapshot"], () => {

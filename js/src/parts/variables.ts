@@ -20,7 +20,7 @@ export function variablesView(lab: Lab): HTMLElement {
     h(
       "section",
       { class: "lrp-variables-group", "aria-label": group.machine || "global" },
-      h("h4", {}, group.machine ? last(group.machine) : "global"),
+      h("div", { class: "lrp-group-title" }, group.machine ? last(group.machine) : "global"),
       h("ul", {}),
     );
   const updateGroup = (section: Element, group: Group) =>

@@ -67,7 +67,7 @@ export function panel(
   tools: (Node | null)[],
   ...body: Node[]
 ): { element: HTMLElement; heading: HTMLElement } {
-  const heading = h("h3", { class: "lrp-title" }, title);
+  const heading = h("div", { class: "lrp-title" }, title);
   const element = h(
     "section",
     { class: "lrp-panel", "data-lrp": part, "aria-label": title },

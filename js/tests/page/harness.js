@@ -7,7 +7,7 @@ import lab from "../../../lrp_jupyter/static/lab.js";
 
 const options = new URLSearchParams(location.search);
 document.body.className = options.get("theme") ?? "light";
-const recording = await (await fetch("./recording.json")).json();
+const recording = await (await fetch(options.get("recording") ?? "./recording.json")).json();
 const listeners = new Set();
 window.sent = [];
 let view = "";

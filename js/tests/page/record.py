@@ -1,13 +1,14 @@
 """Record what a kernel would send while the follower drives, for the page that shows the lab without one.
 
-``python js/tests/page/record.py`` writes ``recording.json`` beside itself: a snapshot, then frames and
-poses at 10 Hz, made by a real session in virtual time.
+``python js/tests/page/record.py [PROGRAM OUT]`` writes ``recording.json`` beside itself: a snapshot,
+then frames and poses at 10 Hz, made by a real session in virtual time.
 """
 
 from __future__ import annotations
 
 import base64
 import json
+import sys
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
@@ -65,9 +66,10 @@ def changed(new: dict[Any, Any], old: dict[Any, Any]) -> dict[Any, Any]:
     return {key: new.get(key) for key in {**old, **new} if new.get(key) != old.get(key)}
 
 
-def main() -> None:
+def main(program_file: Path | None = None, out_file: Path = HERE / "recording.json") -> None:
     """Write the recording."""
-    text = (files("lrp_jupyter") / "programs" / "follower.lrp").read_text(encoding="utf-8")
+    source = program_file or files("lrp_jupyter") / "programs" / "follower.lrp"
+    text = source.read_text(encoding="utf-8")
     session = Session(text, bridge="sim", clock=VirtualClock(), world="line")
     frames: list[Any] = []
     program = session.program
@@ -168,9 +170,7 @@ def main() -> None:
     }
     session.close()
     out = {"snapshot": snapshot, "frames": frames[1:]}
-    (HERE / "recording.json").write_text(
-        json.dumps(out, separators=(",", ":"), allow_nan=False), encoding="utf-8"
-    )
+    out_file.write_text(json.dumps(out, separators=(",", ":"), allow_nan=False), encoding="utf-8")
 
 
-main()
+main(*map(Path, sys.argv[1:]))
