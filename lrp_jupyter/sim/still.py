@@ -41,12 +41,13 @@ def svg(world: Simulation | World, width: int = 640, caption: bool = True) -> st
     tall = depth * scale + 2
     below = _CAPTION if caption else 0
     frame = f'x="1" y="1" width="{width - 2}" height="{_n(tall - 2)}" rx="4"'
+    clip = f"lrp-world-clip-{width}-{round(tall)}"  # pictures of one page share their ids
     parts = [
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {_n(tall + below)}" width="{width}" '
         f'role="img" aria-label="{escape(_sentence(simulation), quote=True)}">',
         f"<style>{_STYLE}</style>",
-        f'<clipPath id="lrp-world-clip"><rect {frame}/></clipPath>',
-        '<g clip-path="url(#lrp-world-clip)">',
+        f'<clipPath id="{clip}"><rect {frame}/></clipPath>',
+        f'<g clip-path="url(#{clip})">',
         f'<g transform="translate(1 {_n(tall - 1)}) scale({_n(scale)} {_n(-scale)})">',
         f'<rect width="{_n(length)}" height="{_n(depth)}" fill="{_grey(simulation.floor.grey)}"/>',
         *(_zone(zone) for zone in simulation.world.zones.values()),
