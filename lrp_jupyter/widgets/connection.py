@@ -403,7 +403,7 @@ class Connection:
         if not self._views or now - when < pause or (running is not None and not running.done()):
             return
         if session.bridge.is_open and session.status in ("running", "paused"):
-            self._refreshed = now, session.submit(do.Call(session.bridge.refresh))
+            self._refreshed = now, session.ask(do.Call(session.bridge.refresh))
 
     # -- the end -------------------------------------------------------------------------------------
 

@@ -56,6 +56,7 @@ class Sight:
         hung = _HUNG.match(frame.reason) if frame.status == "hung" else None
         return {
             **self._of_frame,
+            "printed": session.output.count,
             "members": member_values(session.bridge),
             "hung": {"where": hung[1], "seconds": float(hung[2])} if hung else None,
             "bridge": bridge_view(session.bridge),
@@ -90,7 +91,6 @@ class Sight:
             "events": {path_text(path): value for path, value in getattr(frame, "events", {}).items()},
             "issues": self._list_issues(frame, revision),
             "restart": {"count": restarts, "tick": tick, "reason": frame.restart_reason},
-            "printed": frame.printed,
         }
 
     def _counts_of_entries(self, frame: Frame) -> dict[str, Any]:

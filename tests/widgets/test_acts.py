@@ -1,0 +1,211 @@
+"""Every button, menu and drag of a page."""
+
+import math
+from typing import get_args
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge, Panel
+from lrp_jupyter.bridges.panel import Button, Question
+from lrp_jupyter.widgets.acts import ACTS
+from lrp_jupyter.widgets.protocol import Act
+
+NEST = """
+(var limit := [5])
+(machine m
+  (event never [False])
+  (state a (onentry (spawn inner x)) (machine inner (var v := [limit]) (state x) (state y)
+    (on never x -> y go) (exit never x -> b out)))
+  (state b)
+  (on never a -> b leave)
+  (on never *-> a home))
+(spawn m a)
+"""
+
+
+@pytest.fixture
+def lab(bench):
+    lab = bench(NEST, bridge="sim")
+    lab.session.step()
+    return lab
+
+
+@pytest.fixture
+def page(lab):
+    return lab.page()
+
+
+def active(lab):
+    return ["/".join(path) for path in lab.session.frame.active]
+
+
+def test_every_act_of_the_protocol_can_be_done():
+    assert set(ACTS) == set(get_args(Act))
+
+
+def test_an_unknown_act_is_refused_in_a_sentence(page):
+    assert page.do("dance") == "There is no act `dance`."
+
+
+def test_run_and_pause(lab, page):
+    assert page.do("run") is None
+    assert lab.session.status == "running"
+    assert page.do("pause") is None
+    assert page.told("status") == "paused"
+    lab.session.stop()
+    assert page.do("run") is None
+    assert lab.session.status == "running"
+
+
+def test_step_is_exactly_so_many_ticks_and_back_again(lab, page):
+    assert page.do("step") is None
+    assert page.do("step", value=3) is None
+    assert lab.session.frame.tick == 5
+    assert page.do("step_back", value=2) is None
+    assert page.told("tick") == 3
+
+
+def test_stop_stops_the_robot_then_pauses(lab, page):
+    lab.session.start()
+    assert page.do("stop") is None
+    lab.session.wait_for(lambda frame: frame.status == "paused", 5)
+    lab.publish()
+    assert page.told("reason") == "the robot was stopped"
+
+
+def test_rate_and_speed(lab, page):
+    assert page.do("rate", value=25) is None
+    assert page.do("speed", value=0) is None
+    assert lab.session.rate == 25
+    assert lab.session.speed == math.inf
+    assert page.told("speed")["wanted"] == 0
+    assert page.do("rate", value=-1)
+
+
+def test_transition_and_teleport_lead_to_a_state_by_its_path_in_the_text(lab, page):
+    assert page.do("transition", path="m/a/inner/y") is None
+    assert active(lab) == ["m/a/inner/y"]
+    assert page.do("teleport", path="m/b") is None
+    assert active(lab) == ["m/b"]
+    assert page.do("transition", path="m/nowhere") is None  # an issue of the run, as in a program
+    assert page.told("issues")[0]["code"] == "LRP604"
+
+
+def test_a_transition_can_be_fired_whatever_its_condition(lab, page):
+    assert page.do("fire", path="m/a/inner:go") is None
+    assert active(lab) == ["m/a/inner/y"]
+    assert "leaves is active" in page.do("fire", path="m/a/inner:go")
+    assert page.do("fire", path="m:leave") is None
+    assert page.do("fire", path="m:home") is None
+    assert page.do("fire", path="m/a/inner:out") is None
+    assert active(lab) == ["m/b"]
+    assert "no transition `x`" in page.do("fire", path="m:x")
+
+
+def test_a_variable_gets_the_value_of_an_expression_or_the_reason_why_not(lab, page):
+    assert page.do("set_variable", path="m/a/inner/v", expression="limit * 2") is None
+    assert page.told("variables")["m/a/inner/v"] == {"text": "10", "number": 10.0}
+    assert "division by zero" in page.do("set_variable", path="limit", expression="1/0")
+    assert "SyntaxError" in page.do("set_variable", path="limit", expression="1 +")
+    assert "no variable `m/x`" in page.do("set_variable", path="m/x", expression="1")
+
+
+def test_policies_are_shared_by_all_views(lab, page):
+    other = lab.page("other")
+    assert page.do("on_active_edit", name="keep") is None
+    assert page.do("pause_on_issue", on=True) is None
+    assert other.told("settings") == {"hold": False, "on_active_edit": "keep", "pause_on_issue": True}
+    assert page.do("on_active_edit", name="perhaps")
+
+
+def test_the_pose_and_the_world_can_be_reset(lab, page):
+    start = lab.session.bridge.world.robots[0].pose
+    page.do("drag_robot", index=0, pose=[1.0, 1.0, 1.0])
+    assert page.do("reset_pose", index=0) is None
+    assert lab.session.frame.robot.robots[0].pose == pytest.approx(start)
+    page.do("erase", points=[[0.5, 0.5]], width=0.1)
+    assert page.do("reset_world") is None
+    assert lab.session.frame.robot.marks == 0
+    assert "no robot 3" in page.do("reset_pose", index=3)
+
+
+def test_another_world_is_drawn_and_the_program_goes_on(lab, page):
+    assert page.do("world", name="maze") is None
+    assert page.last("world")["world"]["name"] == "maze"
+    assert lab.session.frame.tick == 1
+    assert "no world" in page.do("world", name="paradise")
+
+
+def test_a_robot_without_a_world_refuses_what_is_done_to_worlds(bench):
+    page = bench(NEST).page()
+    assert page.do("reset_world") == "`none` has no world that could be changed."
+
+
+def test_a_dragged_state_stays_where_it_was_put_until_all_is_arranged(lab, page):
+    assert page.do("pin", path="m", name="b", pose=[300, 40, 0]) is None
+    layout = page.told("layouts")
+    assert layout.keys() == {"m"}
+    assert layout["m"]["places"]["b"] == {"x": 300.0, "y": 40.0, "pinned": True}
+    page.type(NEST.replace("(state b)", "(state b) (state c)"))
+    assert page.last("answer")["layouts"]["m"]["places"]["b"]["x"] == 300.0
+    assert page.do("arrange", path="m") is None
+    assert "pinned" not in page.told("layouts")["m"]["places"]["b"]
+
+
+class Toy(Bridge):
+    """A robot that asks for its address."""
+
+    name = "toy"
+    stop_timeout = None
+
+    def __init__(self):
+        self.pressed, self.host, self.stops = [], "", 0
+
+    def open_interface(self):
+        return self.panel()
+
+    def panel(self):
+        return Panel("Toy", buttons=(Button("beep", "Beep"),), questions=(Question("host", "Where?"),))
+
+    def press(self, key, row="", values=None):
+        self.pressed.append((key, row, values))
+
+    def answer(self, key, value):
+        self.host = value
+
+    def stop(self):
+        self.stops += 1
+
+
+def test_a_panel_is_told_and_its_buttons_and_questions_come_back(bench):
+    toy = Toy()
+    lab = bench(NEST, bridge=toy)
+    page = lab.page()
+    assert page.told("panel")["title"] == "Toy"
+    assert page.do("panel", key="beep", values={"loud": "true"}) is None
+    assert toy.pressed == [("beep", "", {"loud": "true"})]
+    assert page.do("panel", key="host", values={"host": "10.0.0.2"}) is None
+    assert toy.host == "10.0.0.2"
+    stops = toy.stops
+    assert page.do("panel", key="stop") is None
+    assert toy.stops > stops
+
+
+def test_hardware_is_told_to_be_disarmed_and_can_be_armed(bench):
+    lab = bench(NEST, bridge=Toy())
+    page = lab.page()
+    assert page.told("bridge")["hardware"]
+    assert not page.told("bridge")["armed"]
+    assert page.do("armed", on=True) is None
+    assert page.told("bridge")["armed"]
+
+
+def test_a_session_made_elsewhere_keeps_its_bridge(lab, page):
+    assert "made elsewhere" in page.do("bridge", name="none")
+
+
+def test_a_command_that_nobody_waits_for_gets_no_reply(lab, page):
+    page.say("command", id=0, do="rate", value=50)
+    lab.settle()
+    assert not page.all("reply")
+    assert lab.session.rate == 50

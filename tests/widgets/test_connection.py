@@ -1,0 +1,254 @@
+"""What a view is told, when, and how much: with a page that is a list of messages."""
+
+import json
+import struct
+
+import pytest
+
+BLINK = """
+(var count := [0])
+(machine m
+  (event often [count % 2 == 1])
+  (state off (onentry [count = count + 1]))
+  (state on (onentry [count = count + 1]))
+  (on often off -> on up)
+  (ontime 0 on -> off down))
+(spawn m off)
+"""
+MOVER = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"
+
+
+def test_a_view_that_says_hello_gets_everything_once(bench):
+    lab = bench(BLINK, name="blink")
+    page = lab.page()
+    (snapshot,) = page.messages
+    assert snapshot["type"] == "snapshot"
+    assert snapshot["name"] == "blink"
+    assert snapshot["text"] == snapshot["running"] == BLINK
+    assert [machine["path"] for machine in snapshot["program"]["machines"]] == ["m"]
+    assert snapshot["layouts"].keys() == {"m"}
+    assert "sim" in snapshot["choices"]["bridges"]
+    assert snapshot["frame"]["status"] == "ready"
+    json.dumps(snapshot, allow_nan=False)
+
+
+def test_a_frame_holds_only_what_changed_since_the_last_one_sent(bench):
+    lab = bench(BLINK)
+    page = lab.page()
+    lab.session.step()
+    lab.publish()
+    frame = page.last("frame")
+    assert frame["active"] == frame["lit"] == ["m/off"]
+    assert frame["variables"] == {"count": {"text": "1", "number": 1.0}}
+    assert frame["entered"] == {"m/off": {"count": 1, "tick": 1}}
+    lab.session.step()
+    lab.publish()
+    frame = page.last("frame")
+    assert frame["fired"] == {"m:up": {"count": 1, "tick": 2}}
+    assert frame["entered"] == {"m/on": {"count": 1, "tick": 2}}
+    assert "status" not in frame
+    assert "bridge" not in frame
+
+
+def test_a_view_gets_thirty_messages_a_second_at_most(bench):
+    lab = bench(BLINK)
+    page = lab.page()
+    lab.publish()
+    before = len(page.messages)
+    for _ in range(200):
+        lab.session.step()
+        lab.publish(after=0.005)
+    assert 25 <= len(page.messages) - before <= 33
+
+
+def test_a_view_without_credit_gets_nothing_and_loses_nothing(bench):
+    lab = bench(BLINK)
+    slow, quick = lab.page("slow", pays=False), lab.page("quick")
+    for _ in range(20):
+        lab.session.step()
+        lab.publish()
+    assert len(slow.messages) == 3
+    assert len(quick.messages) > 20
+    slow.say("credit", frame=slow.last("frame")["frame"])
+    lab.publish()
+    assert slow.last("frame")["entered"] == quick.told("entered") | {"m/off": {"count": 10, "tick": 19}}
+    assert slow.last("frame")["tick"] == 20
+
+
+def test_while_nothing_changes_a_heartbeat_comes_once_a_second(bench):
+    lab = bench(BLINK)
+    page = lab.page()
+    lab.publish(after=2.0)
+    before = len(page.messages)
+    for _ in range(80):
+        lab.publish(after=0.0625)
+    beats = page.messages[before:]
+    assert len(beats) == 5
+    assert all(beat.keys() == {"type", "view", "frame"} for beat in beats)
+
+
+def test_a_view_that_is_silent_for_long_is_forgotten_and_may_come_again(bench):
+    lab = bench(BLINK)
+    gone = lab.page("gone", pays=False)
+    for _ in range(40):
+        lab.publish(after=1.0)
+    assert len(gone.messages) == 3
+    gone.say("hello", part="lab")
+    assert gone.messages[-1]["type"] == "snapshot"
+
+
+def test_a_view_that_says_goodbye_hears_nothing_more(bench):
+    lab = bench(BLINK)
+    page = lab.page()
+    page.say("bye")
+    lab.session.step()
+    lab.publish()
+    assert len(page.messages) == 1
+
+
+def test_credit_of_a_view_shows_that_somebody_watches(bench):
+    lab = bench(MOVER, dead_man=0.05, rate=100)
+    lab.session.start()
+    assert lab.session.wait_for(lambda frame: frame.status == "paused", 5)
+    assert "nobody has watched" in lab.session.frame.reason
+
+
+def test_poses_come_as_numbers_with_credits_of_the_same_count(bench):
+    lab = bench(MOVER, bridge="sim", world="line")
+    page = lab.page()
+    lab.session.step()
+    lab.publish()
+    numbers = [m["frame"] for m in page.messages if m["type"] in ("frame", "poses")]
+    assert numbers == [2, 3]
+    (buffer,) = page.buffers[[m["type"] for m in page.messages].index("poses")]
+    time, x, y, *_ = struct.unpack(f"<d{(len(buffer) - 8) // 4}f", buffer)
+    assert time == pytest.approx(0.1)
+    assert (x, y) != lab.session.bridge.world.robots[0].pose[:2]
+
+
+def test_only_parts_that_show_the_world_get_poses(bench):
+    lab = bench(MOVER, bridge="sim")
+    graph = lab.page("graph", part="graph")
+    lab.session.step()
+    lab.publish()
+    assert not graph.all("poses")
+    assert graph.all("frame")
+
+
+def test_a_world_is_described_with_all_that_a_page_draws(bench):
+    lab = bench(MOVER, bridge="sim", world="boxes")
+    world = lab.page().messages[0]["world"]
+    assert world["robots"][0].keys() == {"pose", "radius", "light", "bumper", "distance"}
+    assert {solid["push"] for solid in world["solids"]} == {0.3, 0.2, None}
+    assert lab.page("other").messages[0]["choices"]["worlds"][0] == "empty"
+
+
+def test_what_is_dragged_while_paused_is_seen(bench):
+    lab = bench(MOVER, bridge="sim", world="boxes")
+    page = lab.page()
+    lab.publish()
+    assert page.do("drag_robot", index=0, pose=[1.0, 0.5, 0.0]) is None
+    buffer = page.buffers[[m["type"] for m in page.messages].index("poses", -1)][0]
+    assert struct.unpack_from("<dff", buffer)[1:] == (1.0, 0.5)
+    assert page.do("drag_solid", index=0, pose=[2.0, 0.5, 0.0]) is None
+    assert page.last("world")["world"]["solids"][0]["box"][:2] == [2.0, 0.5]
+    assert "no robot 7" in page.do("drag_robot", index=7, pose=[1.0, 0.5, 0.0])
+
+
+def test_trails_and_drawings_come_as_ink_that_is_added_to(bench):
+    lab = bench("(machine m (state a)) (spawn m a)", bridge="sim", world="empty")
+    page = lab.page()
+    lab.publish()
+    assert page.do("stroke", points=[[0.2, 0.2], [0.4, 0.2], [0.4, 0.4]], width=0.03, grey=0) is None
+    ink = page.last("poses")["ink"]
+    assert ink == {
+        "first": 0,
+        "strokes": [{"path": [(0.2, 0.2), (0.4, 0.2), (0.4, 0.4)], "width": 0.03, "grey": 0}],
+    }
+    page.do("stroke", points=[[1.0, 0.2], [1.4, 0.2]], width=0.03, grey=0)
+    assert page.last("poses")["ink"]["first"] == 1
+    page.do("reset_world")
+    lab.publish()
+    assert page.last("world")["world"]["name"] == "empty"
+    assert "ink" not in page.last("poses")
+
+
+def test_what_blocks_print_is_told_once_and_in_order(bench):
+    lab = bench("(machine m (state a (running [print('hello')]))) (spawn m a)")
+    page = lab.page()
+    for _ in range(4):
+        lab.session.step()
+        lab.publish()
+    told = [frame["printed"] for frame in page.all("frame") if "printed" in frame]
+    assert [line for part in told for line in part["lines"]] == ["hello"] * 3
+    assert [part["first"] for part in told] == [0, 1, 2]
+
+
+def test_issues_are_told_with_their_place_and_gone_when_they_are_cleared(bench):
+    lab = bench("(machine m (state a (running [1 / 0]))) (spawn m a)")
+    page = lab.page()
+    for _ in range(3):
+        lab.session.step()
+    lab.publish()
+    (issue,) = page.told("issues")
+    assert issue["code"] == "LRP601"
+    assert issue["count"] == 2
+    assert "ZeroDivisionError" in issue["traceback"]
+    assert (issue["range"]["line"], issue["range"]["column"]) == (1, 31)
+    assert page.do("clear_issues") is None
+    assert page.told("gone") == [issue["id"]]
+
+
+def test_a_restart_by_an_edit_is_told_with_its_reason(bench):
+    lab = bench(MOVER, bridge="sim")
+    page = lab.page()
+    lab.session.step()
+    page.type(MOVER.replace("0.2", "0.3"))
+    lab.publish()
+    assert page.told("restart")["count"] == 1
+    assert "`a` is active" in page.told("restart")["reason"]
+
+
+def test_values_of_the_robots_members_are_told_though_no_program_reads_them(bench):
+    lab = bench("(machine m (state a)) (spawn m a)", bridge="sim")
+    page = lab.page()
+    lab.session.step()
+    lab.publish()
+    lab.publish()
+    assert page.told("members")["light.data"].isdigit()
+    members = {member["name"]: member for member in page.told("bridge")["members"]}
+    assert members["move"]["insert"] == "robot.move(linear=0.0, angular=0.0)"
+    assert members["distance.data"]["unit"] == "m"
+
+
+def test_a_fault_of_the_lab_is_reported_in_the_lab(bench):
+    lab = bench(BLINK)
+    page = lab.page()
+    page.say("text")
+    assert "KeyError" in lab.connection.fault
+    lab.publish()
+    assert "The lab itself failed; the program is not at fault." in page.told("printed")["lines"]
+    lab.connection.fault = ""
+
+
+def test_closing_tells_every_view_and_ends_the_session(bench):
+    lab = bench(BLINK)
+    page = lab.page()
+    lab.session.start()
+    lab.connection.close()
+    lab.connection.close()
+    assert page.last("frame")["status"] == "closed"
+    assert lab.session.status == "closed"
+
+
+def test_a_path_as_spawned_is_told_as_the_path_of_the_text(bench):
+    lab = bench(
+        "(machine shared (var v := [1]) (state x))"
+        "(machine m (state a (onentry (spawn shared x)))) (spawn m a)"
+    )
+    page = lab.page()
+    lab.session.step()
+    lab.publish()
+    assert lab.session.frame.active == (("m", "a", "shared", "x"),)
+    assert page.told("lit") == ["m/a", "shared/x"]
+    assert page.told("variables").keys() == {"shared/v"}

@@ -1,0 +1,132 @@
+"""Completion, hover, references, inspection: what an editor asks while the program runs."""
+
+import math
+
+import pytest
+
+PROGRAM = """\
+(var table := [{"near": [1, 2], "far": math.pi}])
+(machine m
+  (var speed := [0.25])
+  (event ready [speed > 0])
+  (state a (onentry [twice(speed)]) (running [robot.move(linear=speed)]))
+  (state b)
+  (on ready a -> b go))
+(spawn m a)
+"""
+
+
+def twice(x):
+    """Give twice as much."""
+    return 2 * x
+
+
+@pytest.fixture
+def lab(bench):
+    lab = bench(PROGRAM, bridge="sim", namespace={"math": math, "twice": twice, "_hidden": 1})
+    lab.session.step()
+    return lab
+
+
+@pytest.fixture
+def page(lab):
+    return lab.page()
+
+
+def options(page, prefix, scope=""):
+    return {option["label"]: option for option in page.ask("complete", prefix=prefix, scope=scope)["options"]}
+
+
+def test_names_of_the_notebook_of_python_and_its_words_complete(page):
+    found = options(page, "tw")
+    assert found["twice"] == {
+        "label": "twice",
+        "kind": "function",
+        "detail": "(x)",
+        "info": "Give twice as much.",
+    }
+    assert options(page, "ma").keys() >= {"math", "map", "max", "match"} - {"match"}
+    assert options(page, "whi")["while"]["kind"] == "keyword"
+    assert "_hidden" not in options(page, "")
+    assert "_hidden" in options(page, "_h")
+
+
+def test_members_complete_by_the_living_value(page):
+    assert "sqrt" in options(page, "math.sq")
+    assert options(page, "table.ke").keys() == {"keys"}
+    assert options(page, "speed.is_", scope="m").keys() == {"is_integer"}
+    assert options(page, "speed.is_") == {}  # not in scope at the top level
+    assert options(page, "robot.light.").keys() == {"data"}
+    assert options(page, "nothing.at.all") == {}
+
+
+def test_hover_tells_kind_value_and_documentation(page):
+    def card(chain, scope=""):
+        return page.ask("hover", chain=chain, scope=scope)["hover"]
+
+    assert card("speed", "m") == {"title": "speed", "type": "float", "value": "0.25", "doc": ""}
+    assert card("twice")["title"] == "twice(x)"
+    assert card("twice")["doc"] == "Give twice as much."
+    assert card("robot.light.data")["type"] == "int"
+    assert card("robot.move")["title"] == "robot.move(linear=0.0, angular=0.0)"
+    assert card("while") is None
+    assert card("robot.wings") is None
+    assert card("unknown") is None
+
+
+def test_references_lead_from_any_use_to_the_definition(page):
+    found = page.ask("references", line=5, column=28)["references"]
+    assert (found["kind"], found["path"], found["name"]) == ("variable", "m/speed", "speed")
+    assert found["definition"] == {"line": 3, "column": 8, "end_line": 3, "end_column": 13}
+    assert [place["line"] for place in found["references"]] == [3, 4, 5, 5]
+    assert page.ask("references", line=7, column=20)["references"]["path"] == "m:go"
+    assert page.ask("references", line=1, column=1)["references"] is None
+
+
+def test_references_are_those_of_the_text_in_the_editor(page):
+    page.type("(machine x (state y)) (spawn x y)\n")
+    assert page.ask("references", line=1, column=10)["references"]["path"] == "x"
+    page.type("(machine")
+    assert "not a program" in page.ask("references", line=1, column=3)["error"]
+
+
+def inspect(page, kind, path="", *into):
+    return page.ask("inspect", kind=kind, path=path, into=list(into))
+
+
+def test_a_variable_is_looked_into_step_by_step(page):
+    view = inspect(page, "variable", "table")["inspect"]
+    assert view["type"] == "dict"
+    assert view["source"] == '(var table := [{"near": [1, 2], "far": math.pi}])'
+    assert [(facet["label"], facet["deep"]) for facet in view["facets"]] == [
+        ("'near'", True),
+        ("'far'", False),
+    ]
+    inner = inspect(page, "variable", "table", "['near']")["inspect"]
+    assert [facet["text"] for facet in inner["facets"]] == ["1", "2"]
+    assert inner["title"] == "table['near']"
+    assert "any more" in inspect(page, "variable", "table", "['gone']")["error"]
+    assert inspect(page, "variable", "m/none")["error"]
+
+
+def test_long_values_are_cut_and_counted(lab, page):
+    lab.session.set_variable("table", "list(range(1000))")
+    view = inspect(page, "variable", "table")["inspect"]
+    assert len(view["facets"]) == 100
+    assert view["more"] == 900
+
+
+def test_states_transitions_machines_events_and_the_robot_can_be_inspected(lab, page):
+    state = inspect(page, "state", "m/a")["inspect"]
+    said = {facet["label"]: facet["text"] for facet in state["facets"]}
+    assert said["active"] == "yes"
+    assert said["entered"] == "1 time, last in tick 1"
+    assert said["running"] == "[robot.move(linear=speed)]"
+    lab.session.step()
+    transition = {f["label"]: f["text"] for f in inspect(page, "transition", "m:go")["inspect"]["facets"]}
+    assert transition["fired"] == "1 time, last in tick 2"
+    assert inspect(page, "machine", "m")["inspect"]["facets"][0]["text"] == "a, b"
+    assert inspect(page, "event", "m/ready")["inspect"]["source"] == "(event ready [speed > 0])"
+    assert any("light" in facet["label"] for facet in inspect(page, "robot")["inspect"]["facets"])
+    for kind, path in [("state", "m/x"), ("transition", "m:x"), ("event", "m/x"), ("machine", "x")]:
+        assert "no" in inspect(page, kind, path)["error"]

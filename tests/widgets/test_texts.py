@@ -1,0 +1,214 @@
+"""Texts: who is told what, what runs, what is held, what is kept in files."""
+
+import pytest
+
+A = "(machine m (state a)) (spawn m a)"
+B = "(machine m (state a) (state b)) (spawn m a)"
+C = "(machine m (state a) (state c) (eps a -> c)) (spawn m a)"
+BROKEN = "(machine m (state a) (spawn m a)"
+
+
+def test_a_text_is_answered_with_its_number_and_runs(bench):
+    lab = bench(A)
+    page = lab.page()
+    answer = page.type(B, seq=7)
+    assert answer["seq"] == 7
+    assert answer["text"] is None
+    assert (answer["accepted"], answer["applied"], answer["reason"]) == (True, True, "")
+    assert [state["path"] for state in answer["program"]["machines"][0]["states"]] == ["m/a", "m/b"]
+    assert answer["layouts"].keys() == {"m"}
+    assert lab.session.program.text == B
+
+
+def test_other_views_get_the_text_and_number_nought(bench):
+    lab = bench(A)
+    writer, reader = lab.page("writer"), lab.page("reader")
+    answer = writer.type(B)
+    heard = reader.last("answer")
+    assert (heard["seq"], heard["text"], heard["revision"]) == (0, B, answer["revision"])
+    assert not [message for message in writer.all("answer") if message["text"] is not None]
+
+
+def test_a_text_that_is_no_program_is_answered_with_its_errors_and_changes_nothing(bench):
+    lab = bench(A)
+    page = lab.page()
+    answer = page.type(BROKEN)
+    assert not answer["accepted"]
+    assert not answer["applied"]
+    assert answer["findings"][0]["code"].startswith("LRP1")
+    assert answer["program"] is None
+    assert lab.session.program.text == A
+    lab.publish()
+    assert page.told("revision") < answer["revision"]
+
+
+def test_white_space_changes_neither_program_nor_layouts(bench):
+    lab = bench(A)
+    page = lab.page()
+    answer = page.type(A.replace(" ", "\n  "))
+    assert answer["applied"]
+    assert answer["program"] is None
+    assert answer["layouts"] is None
+
+
+def test_a_block_that_hangs_holds_up_no_answer(bench):
+    lab = bench("(var go := [False])" + A)
+    page = lab.page()
+    lab.session.start()
+    lab.session.submit(hanging := Hang())
+    hanging.reached.wait(5)
+    try:
+        page.say("text", seq=1, base=0, text=B)
+        lab.publish()
+        answer = page.last("answer")
+        assert (answer["accepted"], answer["applied"]) == (True, False)
+        assert answer["reason"]
+    finally:
+        hanging.go.set()
+    lab.session.call(lambda: None)
+    lab.publish()
+    assert page.last("answer")["applied"]
+    assert page.last("answer")["program"] is not None
+
+
+def Hang():
+    from threading import Event
+
+    from lrp_jupyter.live.commands import Call
+
+    class Hanging(Call):
+        pass
+
+    reached, go = Event(), Event()
+
+    def hang():
+        reached.set()
+        go.wait(10)
+
+    command = Hanging(hang)
+    object.__setattr__(command, "reached", reached)
+    object.__setattr__(command, "go", go)
+    return command
+
+
+def test_an_edit_by_another_cell_reaches_the_views(bench):
+    lab = bench(A)
+    page = lab.page()
+    lab.session.edit(B)
+    lab.publish()
+    answer = page.last("answer")
+    assert (answer["seq"], answer["text"], answer["applied"]) == (0, B, True)
+    assert answer["program"] is not None
+
+
+def test_a_rename_reaches_all_views_and_what_is_drawn_keeps_its_place(bench):
+    lab = bench(C)
+    page = lab.page()
+    before = page.messages[0]["layouts"]["m"]["places"]["c"]
+    assert page.do("rename", kind="state", path="m/c", name="far") is None
+    answer = page.last("answer")
+    assert answer["text"] == C.replace(" c)", " far)")
+    assert answer["layouts"]["m"]["places"]["far"] == before
+    assert "taken" in page.do("rename", kind="state", path="m/far", name="a")
+
+
+def test_nothing_is_renamed_while_the_text_is_not_what_runs(bench):
+    lab = bench(A)
+    page = lab.page()
+    page.type(BROKEN)
+    assert "not the program that runs" in page.do("rename", kind="state", path="m/a", name="x")
+
+
+def test_going_back_over_an_edit_brings_the_old_text_back(bench):
+    lab = bench(A)
+    page = lab.page()
+    lab.session.step()
+    lab.session.step()
+    page.type(B)
+    lab.session.step()
+    assert page.do("step_back", value=2) is None
+    assert page.last("answer")["text"] == A
+    assert "remembered" in page.do("step_back", value=9)
+
+
+def test_held_texts_wait_and_the_difference_is_shown(bench):
+    lab = bench(A)
+    page = lab.page()
+    assert page.do("hold", on=True) is None
+    assert page.told("settings")["hold"]
+    answer = page.type(B)
+    assert (answer["accepted"], answer["applied"]) == (True, False)
+    assert answer["pending"] == {"added": ["state `m/b`"], "removed": [], "changed": [], "moved": []}
+    assert lab.session.program.text == A
+    assert lab.page("second").messages[0]["pending"] == answer["pending"]
+    assert page.do("apply") is None
+    assert page.last("answer")["pending"] is None
+    assert page.last("answer")["text"] is None
+    assert lab.session.program.text == B
+
+
+def test_held_texts_can_be_given_up(bench):
+    lab = bench(A)
+    page = lab.page()
+    page.do("hold", on=True)
+    page.type(B)
+    page.do("revert")
+    assert page.last("answer")["text"] == A
+    assert page.last("answer")["pending"] is None
+
+
+def test_what_was_held_runs_when_holding_ends(bench):
+    lab = bench(A)
+    page = lab.page()
+    page.do("hold", on=True)
+    page.type(B)
+    page.do("hold", on=False)
+    assert lab.session.program.text == B
+
+
+def test_every_accepted_text_is_saved_at_once_and_no_other(bench, tmp_path):
+    lab = bench(A, tmp_path / ".lrp", name="mine")
+    page = lab.page()
+    lab.publish()
+    file = tmp_path / ".lrp" / "mine.lrp"
+    assert file.read_text() == A
+    page.type(BROKEN)
+    assert file.read_text() == A
+    page.type(B)
+    assert file.read_text() == B
+
+
+def test_line_ends_are_saved_as_they_are(bench, tmp_path):
+    lab = bench(A, tmp_path, name="mine")
+    lab.page().type(A.replace(" ", "\r\n"))
+    assert b"\r\n" in (tmp_path / "mine.lrp").read_bytes()
+
+
+def test_saving_under_another_name_writes_the_text_in_the_editor(bench, tmp_path):
+    lab = bench(A)
+    page = lab.page()
+    page.type(BROKEN)
+    assert page.do("save", name=str(tmp_path / "x.lrp")) is None
+    assert (tmp_path / "x.lrp").read_text() == BROKEN
+    assert "No such file" in page.do("save", name=str(tmp_path / "no" / "x.lrp"))
+    assert "needs a name" in page.do("save", name=" ")
+
+
+def test_a_bundled_program_becomes_the_text(bench):
+    lab = bench(A)
+    page = lab.page()
+    assert page.do("load", name="follower") is None
+    assert "(machine follower" in page.last("answer")["text"]
+    assert "no bundled program" in page.do("load", name="nothing")
+
+
+@pytest.mark.parametrize("text", ["", "(machine m (state a))", A, B, BROKEN])
+def test_a_snapshot_says_what_the_answers_said(bench, text):
+    lab = bench(A)
+    page = lab.page()
+    answer = page.type(text)
+    snapshot = lab.page("late").messages[0]
+    assert snapshot["text"] == text
+    assert snapshot["revision"] == answer["revision"]
+    assert snapshot["findings"] == answer["findings"]
+    assert snapshot["running"] == lab.session.program.text
