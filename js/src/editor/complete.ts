@@ -13,21 +13,23 @@ import type { Lab } from "../session/store";
 import { contextAt, spawnable } from "./context";
 
 const FORMS: Record<string, [template: string, detail: string, inside: string]> = {
-  var: ["var ${name} := [${0}]", "a variable", "Program Machine"],
-  machine: ["machine ${name}\n\t${}", "states and transitions", "Program State"],
-  state: ["state ${name}${}", "a state", "Machine"],
-  event: ["event ${name} [${condition}]", "a condition with a name", "Program Machine"],
-  spawn: ["spawn ${machine} ${state}", "start a machine", "Program Action"],
-  onentry: ["onentry [${}]", "once, on entering", "State"],
-  running: ["running [${}]", "at every tick", "State"],
-  onexit: ["onexit [${}]", "once, on leaving", "State"],
-  on: ["on ${event} ${source} -> ${destination}", "when an event occurs", "Machine"],
-  ontime: ["ontime ${1000} ${source} -> ${destination}", "after milliseconds", "Machine"],
-  eps: ["eps ${source} -> ${destination}", "at once", "Machine"],
-  exit: ["exit ${event} ${source} -> ${destination}", "out of the nested machine", "Machine"],
-  onpause: ["onpause [${}]", "when paused", "Program"],
-  onresume: ["onresume [${}]", "when resumed", "Program"],
+  var: ["var #{name} := [#{value}]", "a variable", "Program Machine"],
+  machine: ["machine #{name}\n\t#{}", "states and transitions", "Program State"],
+  state: ["state #{name}#{}", "a state", "Machine"],
+  event: ["event #{name} [#{condition}]", "a condition with a name", "Program Machine"],
+  spawn: ["spawn #{machine} #{state}", "start a machine", "Program Action"],
+  onentry: ["onentry [#{}]", "once, on entering", "State"],
+  running: ["running [#{}]", "at every tick", "State"],
+  onexit: ["onexit [#{}]", "once, on leaving", "State"],
+  on: ["on #{event} #{source} -> #{destination}", "when an event occurs", "Machine"],
+  ontime: ["ontime #{milliseconds} #{source} -> #{destination}", "after milliseconds", "Machine"],
+  eps: ["eps #{source} -> #{destination}", "at once", "Machine"],
+  exit: ["exit #{event} #{source} -> #{destination}", "out of the nested machine", "Machine"],
+  onpause: ["onpause [#{}]", "when paused", "Program"],
+  onresume: ["onresume [#{}]", "when resumed", "Program"],
 };
+
+const PATIENCE = 250; // ms
 
 export function completion(lab: Lab): Extension {
   return autocompletion({
@@ -105,9 +107,9 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
   if (/^\d/.test(prefix)) return null;
   const from = context.pos - (prefix.length - (prefix.lastIndexOf(".") + 1));
   const own = prefix.includes(".") ? members(lab, prefix) : [...variables(lab, context, scope), ROBOT];
-  const reply = await lab.ask({ type: "complete", prefix, scope });
+  const reply = await soon(lab.ask({ type: "complete", prefix, scope }));
   const known = new Set(own.map(({ label }) => label));
-  const more = (reply.options ?? [])
+  const more = (reply?.options ?? [])
     .filter(({ label }) => !known.has(label))
     .map(({ label, kind, detail, info }) => ({
       label,
@@ -117,6 +119,11 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
     }));
   const options = [...own, ...more];
   return options.length ? { from, options, validFor: /^[\w\u0080-\uffff]*$/ } : null;
+}
+
+/** What the kernel has to say, if it says it soon: a busy one shall not keep the rest back. */
+function soon<T>(reply: Promise<T>): Promise<T | null> {
+  return Promise.race([reply, new Promise<null>((resolve) => setTimeout(() => resolve(null), PATIENCE))]);
 }
 
 const ROBOT: Completion = { label: "robot", type: "variable", detail: "the robot", boost: 1 };

@@ -13,6 +13,7 @@ import {
   keymap,
   lineNumbers,
   placeholder,
+  tooltips,
 } from "@codemirror/view";
 import { lrp, outlineOf } from "../language/lrp";
 import type { ElementKind, Range } from "../protocol";
@@ -30,6 +31,12 @@ import { goToDefinition, navigation, rename } from "./navigate";
 import { Tracked } from "./tracked";
 
 const PARSE_FOR = 200; // ms: a new text is shown in its colours at once
+
+/** Where cards may be: not cut off by the panel, nor below the window. */
+function visiblePart(root: HTMLElement): { left: number; top: number; right: number; bottom: number } {
+  const { left, top, right, bottom } = root.getBoundingClientRect();
+  return { left, top: Math.max(0, top), right, bottom: Math.min(bottom, window.innerHeight) };
+}
 
 export class Editor {
   readonly view: EditorView;
@@ -69,6 +76,7 @@ export class Editor {
       search({ top: true }),
       EditorView.lineWrapping,
       lrp(),
+      tooltips({ parent: lab.root, tooltipSpace: () => visiblePart(lab.root) }),
       completion(lab),
       hover(lab),
       navigation(lab),

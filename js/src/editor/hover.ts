@@ -1,5 +1,6 @@
 /** The card under the pointer: what a name is, the value it has now, and what is said about it. */
 
+import { syntaxTree } from "@codemirror/language";
 import type { Extension } from "@codemirror/state";
 import { hoverTooltip } from "@codemirror/view";
 import { outlineOf } from "../language/lrp";
@@ -13,7 +14,7 @@ export function hover(lab: Lab): Extension {
   return hoverTooltip(
     async (view, offset) => {
       const chain = chainAt(view.state, offset);
-      if (!chain) return null;
+      if (!chain || /Comment|String/.test(syntaxTree(view.state).resolveInner(offset, 1).name)) return null;
       const place = contextAt(view.state, offset);
       const card =
         place.wanted === "python"

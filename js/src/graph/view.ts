@@ -80,8 +80,8 @@ export function graphView(lab: Lab): HTMLElement {
     place();
   };
   const whole = () => {
-    camera.moved = false;
     fit();
+    camera.moved = camera.scale < LEGIBLE; // a resize shall not undo it
   };
   const { element } = panel(
     "graph",
