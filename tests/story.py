@@ -18,6 +18,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import SimpleNamespace
 
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.parser import parse
+
 HERE = Path(__file__).parent
 PERIOD = 0.1
 
@@ -58,6 +61,18 @@ def read(text: str) -> Expectations:
         else:
             raise ValueError(f"no expectation: {line}")
     return story
+
+
+def started(text: str, ticks: int = 1, **options) -> Interpreter:
+    """An interpreter after its first ticks."""
+    i = Interpreter(parse(text), robot(), **options)
+    for tick in range(ticks):
+        i.step(tick * PERIOD)
+    return i
+
+
+def active(i: Interpreter) -> list[str]:
+    return ["/".join(path) for path in i.active]
 
 
 def robot() -> SimpleNamespace:

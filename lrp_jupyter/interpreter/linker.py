@@ -179,11 +179,11 @@ def link(program: Program) -> Plan:
 def show_in_tracebacks(program: Program) -> None:
     """Register the text with :mod:`linecache`: tracebacks and debuggers show the lines that run."""
     text = program.text.encode("utf-8", "replace").decode()  # a traceback cannot hold half a character
-    lines = _LINES.split(text)
+    lines = [line.rstrip() + "\n" for line in _LINE_END.split(text)]  # else its carets stand askew
     linecache.cache[program.filename] = (len(program.text), None, lines, program.filename)
 
 
-_LINES = re.compile(r"(?<=\n)|(?<=\r)(?!\n)")
+_LINE_END = re.compile(r"\r\n|\r|\n")
 
 
 class _Linker:

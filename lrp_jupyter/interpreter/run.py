@@ -327,7 +327,6 @@ class Run:
 
     def report(self, site: Site, kind: IssueKind, message: str, error: BaseException | None = None) -> None:
         """Record or count an issue."""
-
         trace = self._innermost(error)
 
         def make() -> Issue:
@@ -419,7 +418,7 @@ def _same(old: object, new: object) -> bool:
 
 
 def _message(error: BaseException) -> str:
-    """Kind and first line of an exception: neither its notes nor, of a SyntaxError, the text that it quotes."""
+    """Write the kind and the first line of an exception; not its notes, nor what a SyntaxError quotes."""
     lines = tracebacks.format_exception_only(error)
     return next(line for line in lines if not line.startswith(" ")).splitlines()[0]
 

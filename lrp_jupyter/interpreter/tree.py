@@ -33,7 +33,18 @@ from lrp_jupyter.language.program import Path
 if TYPE_CHECKING:
     from lrp_jupyter.interpreter.run import Run
 
-__all__ = ["Activation", "Edge", "Fault", "Row", "Scope", "bind_block", "bind_row", "broken", "is_boolean", "short"]
+__all__ = [
+    "Activation",
+    "Edge",
+    "Fault",
+    "Row",
+    "Scope",
+    "bind_block",
+    "bind_row",
+    "broken",
+    "is_boolean",
+    "short",
+]
 
 Call = Callable[[], object]
 
@@ -120,7 +131,7 @@ class Edge:
         self.missing = (
             f"machine `{home.machine.name}` has no state `{destination}`"
             if home
-            else f"`exit` cannot lead to `{destination}`: machine `{act.machine.name}` is not nested in a state"
+            else f"`exit` cannot lead to `{destination}`: `{act.machine.name}` is not nested in a state"
         )
         self.path = (*act.path, plan.label)
         self.data = (state.name, destination)
@@ -261,7 +272,7 @@ def _test(run: Run, act: Activation, edge: EdgePlan) -> Call:
         delay = read()
         if isinstance(delay, bool) or not isinstance(delay, Real) or delay != delay:
             raise Fault("not a delay", f"a delay is a number of milliseconds, not {short(delay)}")
-        return bool((run.now - act.entered) * 1000.0 + TOLERANCE >= delay)  # type: ignore[operator]
+        return bool((run.now - act.entered) * 1000.0 + TOLERANCE >= delay)
 
     return (
         watched(run, edge.site, due_when_read) if edge.site[:2] in run.issues.open_blocks else due_when_read

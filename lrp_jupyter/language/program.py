@@ -61,6 +61,7 @@ class Name(str):
     span: Span
 
     def __new__(cls, text: str, span: Span = NOWHERE) -> Name:
+        """Make a name."""
         self = super().__new__(cls, text)
         self.span = span
         return self
@@ -295,6 +296,17 @@ class Program:
         """Line and column of a character offset, both from 1."""
         line = bisect_right(self._line_starts, offset)
         return line, offset - self._line_starts[line - 1] + 1
+
+    def place_of_bytes(self, line: int, offset: int) -> tuple[int, int] | None:
+        """Line and column, both from 1, of what stands `offset` bytes of UTF-8 behind a line's start.
+
+        Compiled code counts so. None if the text has no such line.
+        """
+        if line > len(self._line_starts):
+            return None
+        start = self._line_starts[line - 1]
+        before = self.text[start : start + offset].encode("utf-8", "replace")[:offset]
+        return line, len(before.decode("utf-8", "ignore")) + 1
 
     def walk(self) -> Iterator[tuple[Path, Machine]]:
         """Yield every machine with its path, outer before inner, in the order of the text."""
