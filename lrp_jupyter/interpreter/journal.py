@@ -42,7 +42,7 @@ class Journal:
 
     def remember(self, run: Run) -> None:
         """Remember everything, before a change that is not one of a tick."""
-        if not (self.log and isinstance(self.log[0][0], Snapshot)):  # else nothing more needs remembering
+        if not any(isinstance(record[0], Snapshot) for record in self.log):  # one undoes all that follows
             self.log.append((Snapshot(run),))
 
     def close(self, now: float) -> None:

@@ -1,0 +1,159 @@
+"""Going back, in combination with everything that acts between ticks."""
+
+import pytest
+from story import active, started
+
+from lrp_jupyter.language.parser import parse
+
+TIMED = """(var n := [0])
+(machine m
+  (state a (running [n += 1]) (onentry (spawn k s))
+    (machine k (var own := [n]) (state s) (state t) (ontime 300 s -> t)))
+  (state b)
+  (ontime 500 a -> b) (ontime 200 b -> a))
+(spawn m a)"""
+
+
+def moment(i):
+    return active(i), dict(i.variables), i.now, i.tick, i.program.text
+
+
+def test_the_time_after_going_back_is_that_of_the_last_tick_left():
+    i = started(TIMED, 3)
+    i.pause(now=5.0)
+    i.rewind(0)
+    assert i.now == 0.2
+    i.set_variable("n", "7", now=6.0)
+    i.step(7.0)
+    i.reset(now=8.0)
+    i.rewind(1)
+    assert (i.now, i.variables["n"]) == (0.2, 2)
+    i.step(0.25)
+    i.rewind(4)
+    assert (i.now, i.tick, i.active) == (0.0, 0, ())
+
+
+def test_a_timer_goes_on_from_where_it_was():
+    i = started(TIMED, 4)
+    assert active(i) == ["m/a/k/t"]
+    i.rewind(1)
+    assert (active(i), i.entered("m/a/k/s")) == (["m/a/k/s"], 0.0)
+    i.step(0.2999)
+    assert active(i) == ["m/a/k/s"]
+    i.step(0.3)
+    assert active(i) == ["m/a/k/t"]
+
+
+@pytest.mark.parametrize(
+    "command",
+    [
+        lambda i: i.teleport_to("m/b", now=0.25),
+        lambda i: i.transition_to("m/a", now=0.25),
+        lambda i: i.transition_to("m/a/k/t", now=0.25),
+        lambda i: i.teleport_to("other/x", now=0.25),
+        lambda i: i.reset(now=0.25),
+        lambda i: i.set_variable("m/a/k/own", "'set'", now=0.25),
+        lambda i: i.set_variable("n", "(n := n + 1) + 1"),
+        lambda i: i.rename("machine", "m", "mm"),
+        lambda i: i.rename("variable", "m/a/k/own", "mine"),
+        lambda i: i.patch(parse(i.program.text.replace("n += 1", "n += 10"))),
+        lambda i: i.patch(parse(i.program.text.replace("own := [n]", "own := [n + 100]"))),
+        lambda i: i.patch(parse(i.program.text + "(spawn other x)")),
+        lambda i: i.patch(parse(i.program.text.replace("(var n := [0])", "(var k := [0])"))),
+    ],
+)
+def test_any_command_is_undone_whatever_ran_after_it(command):
+    i = started(TIMED + "(machine other (state x) (state y) (eps x -> y))", 3)
+    before = moment(i)
+    command(i)
+    i.rewind(0)
+    assert moment(i) == before
+    for others in (0, 1, 4):
+        command(i)
+        for _ in range(others):
+            i.teleport_to(i.active[0] if i.active else "other/y")
+        for tick in range(3, 9):
+            i.step(tick / 10)
+        i.rewind(6)
+        assert moment(i) == before
+    i.step(0.3)
+    assert active(i) == ["m/a/k/t"]
+
+
+def test_what_was_forced_before_the_first_tick_is_undone_with_it():
+    i = started(TIMED, 0)
+    i.teleport_to("m/a/k/t")
+    i.step(0.0)
+    i.rewind(0)
+    assert active(i) == ["m/a/k/t"]
+    i.rewind(1)
+    assert (active(i), dict(i.variables)) == ([], {})
+    i.step(0.0)
+    assert active(i) == ["m/a/k/s"]
+
+
+def test_top_level_spawns_that_wait_for_the_next_tick_wait_again():
+    i = started("(machine m (state a))(machine k (state s))(spawn m a)(spawn k s)", 0)
+    i.transition_to("m/a")
+    i.step(0.0)
+    i.step(0.1)
+    i.rewind(1)
+    assert active(i) == ["m/a", "k/s"]
+    i.rewind(1)
+    i.step(0.0)
+    assert active(i) == ["m/a", "k/s"]
+
+
+def test_variables_of_a_discarded_machine_come_back_though_a_closure_went_on_changing_them():
+    i = started(
+        """(var hook := [None])
+        (machine m
+          (state a (onentry (spawn k s)) (onexit [hook()])
+            (machine k (var n := [1])
+              (state s (onentry [
+                def hook():
+                  nonlocal n
+                  n += 1]))))
+          (state b (running [hook()]))
+          (ontime 100 a -> b))
+        (spawn m a)"""
+    )
+    assert i.variables["m/a/k/n"] == 1
+    for tick in (1, 2, 3):
+        i.step(tick / 10)
+    i.rewind(3)
+    assert (active(i), i.variables["m/a/k/n"]) == (["m/a/k/s"], 1)
+
+
+def test_many_commands_without_a_tick_are_remembered_as_one():
+    i = started(TIMED, 2)
+    i.set_variable("n", "50")
+    for value in range(100):
+        i.patch(parse(TIMED.replace("300", str(300 + value))))
+        i.teleport_to("m/b" if value % 2 else "m/a")
+    assert len(i._run.journal.log) < 1_000
+    assert sum(type(record[0]).__name__ == "Snapshot" for record in i._run.journal.log) == 1
+    i.rewind(0)
+    assert (i.variables["n"], i.program.text) == (1, TIMED)
+
+
+def test_pausing_is_not_undone_and_stepping_goes_on_while_paused():
+    i = started(TIMED, 3)
+    i.pause()
+    i.rewind(2)
+    assert i.paused
+    i.step(0.1)
+    assert (i.paused, i.tick) == (True, 2)
+
+
+def test_an_observer_hears_of_a_second_run_as_of_the_first():
+    i, seen = started(TIMED, 2), []
+    i.observe(seen.append)
+    for tick in range(2, 7):
+        i.step(tick / 10)
+    first, seen[:] = list(seen), []
+    i.rewind(5)
+    assert not seen
+    for tick in range(2, 7):
+        i.step(tick / 10)
+    assert seen == first
