@@ -1,0 +1,1 @@
+"""The language: from text to program and back, checks, differences. Pure. Paper: §3."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import lru_cache
 from types import CellType, CodeType, FunctionType
 from typing import Any, NamedTuple
@@ -183,9 +183,16 @@ def _outlaw(tree: ast.Module, suite: Suite, text: str) -> Fault | None:
             message = f"`{word}` has no meaning in a block; use it inside a `def` only."
             start = Offsets(suite.source(text)).start_of(node) + suite.shift
             return Fault(message, start, start + len(word))
-        if not isinstance(node, _FUNCTIONS):
-            nodes += ast.iter_child_nodes(node)
+        nodes += _outside(node) if isinstance(node, _FUNCTIONS) else ast.iter_child_nodes(node)
     return None
+
+
+def _outside(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> Iterator[ast.AST]:
+    """Yield the parts of a function that run where it is defined."""
+    yield node.args
+    if not isinstance(node, ast.Lambda):
+        yield from node.decorator_list
+        yield from filter(None, [node.returns])
 
 
 _QUOTED = re.compile(r"'([^' ]+)'")
@@ -263,15 +270,18 @@ def _placed(text: str, prefix: int, names: frozenset[str], line: int, filename: 
 
 def _moved(code: CodeType, lines: int, filename: str) -> CodeType:
     """Shift the lines of a code object and of those inside it."""
-    constants = tuple(
+    constants: list[object] = [
         _moved(constant, lines, filename) if isinstance(constant, CodeType) else constant
         for constant in code.co_consts
-    )
+    ]
+    if "__qualname__" in code.co_names:  # the body of a class, which names it
+        name = code.co_qualname
+        constants = [name.removeprefix(_OUTSIDE) if constant == name else constant for constant in constants]
     return code.replace(
         co_firstlineno=code.co_firstlineno + lines,
         co_filename=filename,
-        co_consts=constants,
-        co_qualname=code.co_qualname.removeprefix("outer.<locals>."),
+        co_consts=tuple(constants),
+        co_qualname=code.co_qualname.removeprefix(_OUTSIDE),
     )
 
 
@@ -306,6 +316,7 @@ def _function(text: str, prefix: int, names: frozenset[str]) -> CodeType:
 
 
 _OUTER = "def outer():\n def block(): pass"
+_OUTSIDE = "outer.<locals>."
 
 
 def _inner(code: CodeType) -> CodeType:

@@ -205,6 +205,16 @@ def test_python_does_not_warn_of_a_block() -> None:
         assert run(r"'\d' is 1")[0] is False
 
 
+def test_functions_and_classes_of_a_block_have_no_names_of_ours() -> None:
+    text = "class C:\n  def f(self): pass\n  text = 'outer.<locals>.block'\n"
+    value, _ = run(text + "(C.f.__qualname__, C.__qualname__, C.text)")
+    assert value == ("block.<locals>.C.f", "block.<locals>.C", "outer.<locals>.block")
+    assert run("def f(): return 'outer.<locals>.x'\n(f.__qualname__, f())")[0] == (
+        "block.<locals>.f",
+        "outer.<locals>.x",
+    )
+
+
 # Places
 
 
@@ -248,6 +258,14 @@ def test_the_same_block_in_another_line_is_compiled_for_that_line() -> None:
         ("a = yield", "yield", "`yield`"),
         ("await a", "await", "`await`"),
         ("yield from a", "yield", "`yield`"),
+        ("def f(a=(yield)): pass", "yield", "`yield`"),
+        ("def f(a, *, b: (yield)): pass", "yield", "`yield`"),
+        ("def f() -> (yield): pass", "yield", "`yield`"),
+        ("@(yield)\ndef f(): pass", "yield", "`yield`"),
+        ("@(yield)\nclass C: pass", "yield", "`yield`"),
+        ("lambda a=(yield): a", "yield", "`yield`"),
+        ("class C:\n  x = [(await a) for a in b]", "await", "`await`"),
+        ("[a async for a in b]", "[a", "outside of an asynchronous function"),
         ("é = 1; break", "break", "`break` outside loop"),
         ("\n  a = 1\n  ö = (1", "(1", "`(` was never closed"),
         ("\n  é, (1 = 2)", "1 = 2", "cannot assign"),
