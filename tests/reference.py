@@ -8,6 +8,7 @@ variables as globals of a throwaway dict, where production binds cells.
 from __future__ import annotations
 
 import ast
+from contextlib import suppress
 from numbers import Real
 
 from lrp_jupyter.language.blocks import parse_block
@@ -16,7 +17,7 @@ from lrp_jupyter.language.program import Block, Machine, Program, Spawn, State
 MISSING = object()
 
 
-class Skip(Exception):
+class Skip(Exception):  # noqa: N818
     """A fault: the entity is ignored for this tick."""
 
 
@@ -178,10 +179,8 @@ class Reference:
         return found.values[name]
 
     def attempt(self, block, scope):
-        try:
+        with suppress(Skip):
             self.run(block, scope)
-        except Skip:
-            pass
 
     def run(self, block, scope):
         names, s = {}, scope
