@@ -24,6 +24,7 @@ import { adopt, adopted } from "./adopt";
 import { completion } from "./complete";
 import { rememberCursor, rememberedCursor } from "./cursor";
 import { showDiagnostics } from "./diagnostics";
+import { hangingIndent } from "./hanging";
 import { hover } from "./hover";
 import { keys } from "./keys";
 import { live, liveChanged } from "./live";
@@ -75,6 +76,7 @@ export class Editor {
       highlightActiveLineGutter(),
       search({ top: true }),
       EditorView.lineWrapping,
+      hangingIndent,
       lrp(),
       tooltips({ parent: lab.root, tooltipSpace: () => visiblePart(lab.root) }),
       completion(lab),
