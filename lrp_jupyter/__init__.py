@@ -123,9 +123,10 @@ def __getattr__(name: str) -> Any:
 
 def load_ipython_extension(shell: Any) -> None:
     """Offer ``%lrp`` and ``%%lrp``: called by ``%load_ext lrp_jupyter``."""
-    from lrp_jupyter.widgets.magics import LRPMagics, completions
+    from lrp_jupyter.widgets.magics import LRPMagics, completions, open_body
 
     shell.register_magics(LRPMagics)
+    shell.input_transformers_cleanup.append(open_body)
     shell.set_hook("complete_command", completions, re_key=r"%%?lrp\b")
 
 

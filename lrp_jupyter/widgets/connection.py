@@ -416,12 +416,23 @@ class Connection:
         self._wake.set()
         if self._publisher is not None and self._publisher is not threading.current_thread():
             self._publisher.join(2)
-        with self._lock:
-            for view in self._views.values():
-                view.framed = float("-inf")
-        self._guarded_round()
+        try:
+            self._say_goodbye()
+        except Exception:
+            self.report(traceback.format_exc())
         if self._worker is not None:
             self._worker.shutdown(wait=False, cancel_futures=True)
+
+    def _say_goodbye(self) -> None:
+        """Tell every view how it ended, whether it has credit or not, and save what is not saved."""
+        self.publish()
+        with self._lock:
+            look = self._look()
+            for view in self._views.values():
+                told = changes(view.sent, look, self._lines_since)
+                if told:
+                    view.send({"type": "frame", "frame": view.number(), **told})
+            self._views.clear()
 
 
 def _outcome(reply: _Reply) -> tuple[str | None, Mapping[str, Any]]:

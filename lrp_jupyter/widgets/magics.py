@@ -26,7 +26,7 @@ from lrp_jupyter.widgets.choices import program_names, program_text
 from lrp_jupyter.widgets.connection import Connection
 from lrp_jupyter.widgets.lab import Lab
 
-__all__ = ["LRPMagics", "completions"]
+__all__ = ["LRPMagics", "completions", "open_body"]
 
 _HELP = """\
 %%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ]
@@ -105,6 +105,7 @@ class LRPMagics(Magics):
         return shell.user_ns if shell is not None else {}
 
     def _cell(self, line: str, cell: str) -> Lab:
+        cell = cell if cell.strip() else ""
         name, options = _options(line)
         bridge = options.pop("bridge", None)
         if options.get("world") and bridge not in (None, "sim"):
@@ -300,3 +301,10 @@ def completions(shell: InteractiveShell, event: Any) -> list[str]:
     if not before:
         return [*WORDS, *names]
     return {"new": program_names(), "bridge": list(find_bridges())}.get(before[0], names)
+
+
+def open_body(lines: list[str]) -> list[str]:
+    """Give a cell that is nothing but ``%%lrp NAME`` a body, or IPython refuses it: it opens an empty lab."""
+    if lines and lines[0].startswith("%%lrp") and not "".join(lines[1:]):
+        return [lines[0].rstrip("\n") + "\n", "\n"]
+    return lines

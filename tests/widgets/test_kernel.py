@@ -1,0 +1,148 @@
+"""A real kernel without a browser: sending from a thread, and hearing while a cell runs."""
+
+import time
+from queue import Empty
+
+import pytest
+from jupyter_client.manager import KernelManager
+
+PROGRAM = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
+SECONDS = 20
+
+
+class Kernel:
+    """A kernel and what a page would do with it."""
+
+    def __init__(self, client):
+        self.client = client
+        self.comms, self.streams, self.idle = [], [], set()
+        self.page("")
+
+    def page(self, comm):
+        """Show the widget of a comm, as its only view."""
+        self.comm, self.told, self.fields, self.kinds, self.subshell = comm, [], {}, {}, None
+
+    def run(self, code):
+        """Run a cell to its end."""
+        message = self.client.execute(code)
+        self.until(lambda: message in self.idle)
+
+    def until(self, condition, seconds=SECONDS):
+        """Listen until something is so; give back credits as a page does."""
+        end = time.monotonic() + seconds
+        while not condition():
+            try:
+                self.take(self.client.get_iopub_msg(timeout=max(0.01, end - time.monotonic())))
+            except Empty:
+                raise AssertionError(f"it did not come; last was {self.told[-1:]}") from None
+
+    def take(self, message):
+        kind, content = message["msg_type"], message["content"]
+        assert kind != "error", "\n".join(content["traceback"])
+        if kind == "status" and content["execution_state"] == "idle":
+            self.idle.add(message["parent_header"].get("msg_id"))
+        elif kind == "comm_open":
+            self.comms.append(content["comm_id"])
+        elif kind == "stream":
+            self.streams.append(content["text"])
+        elif kind == "comm_msg" and content["comm_id"] == self.comm and content["data"].get("content"):
+            self.hear(content["data"]["content"])
+
+    def hear(self, told):
+        self.told.append(told)
+        self.kinds[told["type"]] = told
+        frame = told["frame"] if told["type"] == "snapshot" else told
+        if "frame" in frame:
+            self.fields.update(frame)
+            self.say({"type": "credit", "view": "v", "frame": frame["frame"]})
+
+    def say(self, content):
+        content = {"comm_id": self.comm, "data": {"method": "custom", "content": content}}
+        message = self.client.session.msg("comm_msg", content)
+        message["header"]["subshell_id"] = self.subshell
+        self.client.shell_channel.send(message)
+
+    def busy(self):
+        """Run a cell that takes 5 s; what is said from now on goes to a subshell, as JupyterLab does it."""
+        message = self.client.session.msg("create_subshell_request", {})
+        self.client.control_channel.send(message)
+        self.subshell = self.client.get_control_msg(timeout=SECONDS)["content"]["subshell_id"]
+        self.cell = self.client.execute("import time; time.sleep(5)")
+
+
+@pytest.fixture(scope="module")
+def kernel(tmp_path_factory):
+    manager = KernelManager(kernel_name="python3")
+    manager.start_kernel(cwd=str(tmp_path_factory.mktemp("kernel")))
+    client = manager.client()
+    client.start_channels()
+    try:
+        client.wait_for_ready(timeout=SECONDS)
+        kernel = Kernel(client)
+        kernel.run("%load_ext lrp_jupyter")
+        yield kernel
+    finally:
+        client.stop_channels()
+        manager.shutdown_kernel(now=True)
+
+
+@pytest.fixture
+def lab(kernel):
+    """A kernel with a lab, whose view has said hello."""
+    before = len(kernel.comms)
+    kernel.run(f"%%lrp mine\n{PROGRAM}")
+    kernel.page(kernel.comms[before:][-1])  # that of the widget's layout was opened before
+    kernel.say({"type": "hello", "view": "v", "part": "lab"})
+    kernel.until(lambda: "snapshot" in kernel.kinds)
+    yield kernel
+    kernel.run("import lrp_jupyter; lrp_jupyter.Lab('mine').close()")
+
+
+def test_frames_come_from_the_thread_while_no_cell_runs(lab):
+    first = lab.fields["tick"]
+    lab.until(lambda: lab.fields["tick"] > first + 5)
+
+
+def test_pause_acts_and_is_answered_while_a_cell_runs(lab):
+    lab.busy()
+    tick = lab.fields["tick"]
+    lab.until(lambda: lab.fields["tick"] > tick)  # the thread has published since the cell began
+    lab.say({"type": "command", "view": "v", "id": 1, "do": "pause"})
+    lab.until(lambda: "reply" in lab.kinds and lab.fields["status"] == "paused")
+    assert lab.kinds["reply"]["error"] is None
+    assert lab.cell not in lab.idle
+
+
+def test_a_text_is_answered_while_a_cell_runs(lab):
+    lab.busy()
+    text = PROGRAM.replace("n + 1", "n + 2")
+    lab.say({"type": "text", "view": "v", "seq": 1, "base": 1, "text": text})
+    lab.until(lambda: "answer" in lab.kinds)
+    assert lab.kinds["answer"]["applied"]
+    assert lab.cell not in lab.idle
+
+
+def test_what_blocks_print_goes_to_the_lab_and_not_to_a_cell(lab):
+    text = PROGRAM.replace("n = n + 1", "print('from a block')")
+    lab.say({"type": "text", "view": "v", "seq": 1, "base": 1, "text": text})
+    lab.until(lambda: "from a block" in lab.fields.get("printed", {}).get("lines", []))
+    lab.run("print('from a cell')")
+    lab.until(lambda: "from a cell\n" in lab.streams)
+    assert "from a block" not in "".join(lab.streams)
+
+
+def test_running_the_cell_again_leaves_one_thread_of_each_kind(lab):
+    lab.run(f"%%lrp mine\n{PROGRAM}")
+    lab.run(f"%%lrp mine\n{PROGRAM}")
+    lab.run(
+        "import threading, collections\n"
+        "found = collections.Counter(t.name for t in threading.enumerate() if t.name.startswith('lrp'))\n"
+        "assert set(found.values()) == {1}, found"
+    )
+
+
+def test_closing_tells_the_page_and_leaves_no_thread(lab):
+    lab.run("import threading, lrp_jupyter; lrp_jupyter.Lab('mine').close()")
+    lab.until(lambda: lab.fields["status"] == "closed")
+    lab.run("assert not [t for t in threading.enumerate() if t.name.startswith('lrp mine')]")
+    lab.run(f"%%lrp mine\n{PROGRAM}")

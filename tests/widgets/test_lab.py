@@ -1,0 +1,138 @@
+"""The objects that a notebook holds: a lab, its parts, its variables, its pictures."""
+
+import xml.etree.ElementTree as ElementTree
+
+import pytest
+
+import lrp_jupyter
+from lrp_jupyter import Editor, Lab, Session, SimView, StateGraph, UnknownElementError, parse
+from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets.lab import Part
+
+PROGRAM = """
+(var box := [[1]])
+(machine m (var v := [0]) (var w := [5])
+  (state a (machine n (var v := [7]) (state x)) (onentry (spawn n x))))
+(spawn m a)
+"""
+
+
+@pytest.fixture
+def make(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def make(*arguments, **options):
+        return Lab(*arguments, namespace={}, **options)
+
+    yield make
+    for connection in list(registry.running()):
+        registry.forget(connection)
+
+
+def test_a_lab_runs_at_once_and_shows_what_its_session_does(make):
+    lab = make(PROGRAM, rate=100)
+    lab.session.wait_for("x", 5)
+    assert lab.active == (("m", "a", "n", "x"),)
+    assert lab.program == parse(PROGRAM)
+    assert lab.text == PROGRAM
+    assert list(lab.issues) == []
+    assert lab.fault == ""
+    assert "running" in repr(lab)
+
+
+def test_every_face_is_the_same_widget_with_another_view(make):
+    lab = make(PROGRAM)
+    parts = [face(lab.session) for face in (StateGraph, SimView, Editor, lrp_jupyter.Variables)]
+    assert [part.view for part in parts] == ["graph", "world", "editor", "variables"]
+    assert lab.view == "lab"
+    assert all(isinstance(part, Part) and part.session is lab.session for part in parts)
+    assert StateGraph(lab).session is StateGraph("m").session is lab.session
+    with pytest.raises(UnknownElementError, match="No program `x` is open"):
+        StateGraph("x")
+
+
+def test_variables_are_read_and_written_by_name_or_path(make):
+    lab = make(PROGRAM, rate=100)
+    lab.session.wait_for("x", 5)
+    assert lab.variables["w"] == 5
+    assert lab.variables["m/v"] == 0
+    assert lab.variables["m/a/n/v"] == 7
+    lab.variables["w"] = 6
+    assert lab.variables[("m", "w")] == 6
+    box = [object()]
+    lab.variables["box"] = box
+    assert lab.variables["box"] is box
+    assert set(lab.variables) == {"box", "m/v", "m/w", "m/a/n/v"}
+    assert len(lab.variables) == 4
+    assert "w = 6" in repr(lab.variables)
+    assert lab.session.namespace == {}
+    with pytest.raises(UnknownElementError, match="Several variables are called `v`"):
+        lab.variables["v"]
+    with pytest.raises(UnknownElementError, match="No variable `x` lives now"):
+        lab.variables["x"] = 1
+    with pytest.raises(TypeError, match="deleted in its text"):
+        del lab.variables["w"]
+
+
+def test_a_second_lab_of_a_name_shows_and_patches_the_same_program(make):
+    first = make(PROGRAM)
+    second = make(PROGRAM.replace("[5]", "[50]"))
+    assert second.session is first.session
+    assert first.program == second.program
+    assert make("m").session is first.session  # by name
+
+
+def test_a_bundled_program_is_opened_by_its_name(make):
+    lab = make("follower")
+    assert lab.session.name == "follower"
+    assert "(machine follower" in lab.text
+
+
+def test_a_lab_may_be_of_a_program_or_of_a_session(make):
+    assert make(parse(PROGRAM)).text == PROGRAM
+    with Session(PROGRAM, name="own") as session:
+        assert make(session).session is session
+
+
+def test_a_text_is_saved_to_a_file_of_ones_choice(make, tmp_path):
+    make(PROGRAM).save(tmp_path / "f.lrp")
+    assert (tmp_path / "f.lrp").read_text() == PROGRAM
+
+
+def test_closing_ends_the_run_and_the_next_lab_begins_anew(make):
+    lab = make(PROGRAM)
+    lab.close()
+    lab.close()
+    assert lab.session.status == "closed"
+    assert make(PROGRAM).session.status == "running"
+
+
+def test_a_part_that_is_closed_leaves_the_program_running(make):
+    lab = make(PROGRAM)
+    StateGraph(lab).close()
+    assert lab.session.status == "running"
+
+
+def test_beside_the_widget_stand_pictures_and_the_text(make):
+    lab = make(PROGRAM, rate=100)
+    lab.session.wait_for("x", 5)
+    bundle, _ = lab._repr_mimebundle_()
+    assert "application/vnd.jupyter.widget-view+json" in bundle
+    assert bundle["text/plain"] == PROGRAM
+    picture = ElementTree.fromstring(bundle["image/svg+xml"])
+    shown = [element.get("data-lrp-state") for element in picture.iter()]
+    assert "m/a" in shown
+    assert any("lrp-world" in (element.get("class") or "") for element in picture.iter())
+
+
+def test_a_lab_without_a_world_is_pictured_by_its_graph(make):
+    bundle, _ = make(PROGRAM, "none")._repr_mimebundle_()
+    assert "lrp-world" not in bundle["image/svg+xml"]
+    ElementTree.fromstring(bundle["image/svg+xml"])
+
+
+def test_a_snapshot_holds_no_widget(make, monkeypatch):
+    shown = []
+    monkeypatch.setattr("IPython.display.display", lambda data, raw: shown.append(data))
+    make(PROGRAM).snapshot()
+    assert [set(data) for data in shown] == [{"image/svg+xml", "text/plain"}]

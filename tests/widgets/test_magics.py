@@ -1,0 +1,204 @@
+"""``%%lrp`` and ``%lrp`` in a real IPython shell."""
+
+import pytest
+from IPython.core.completer import provisionalcompleter
+from IPython.core.error import UsageError
+from IPython.core.interactiveshell import InteractiveShell
+from traitlets.config import Config
+
+from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets.lab import Lab
+from lrp_jupyter.widgets.magics import WORDS
+
+A = "(machine m (state a)) (spawn m a)\n"
+B = "(machine m (state a) (state b)) (spawn m a)\n"
+
+
+@pytest.fixture(scope="module")
+def one_shell(tmp_path_factory):
+    config = Config()
+    config.HistoryManager.enabled = False
+    config.InteractiveShell.colors = "nocolor"
+    shell = InteractiveShell(config=config, ipython_dir=str(tmp_path_factory.mktemp("ipython")))
+    shell.extension_manager.load_extension("lrp_jupyter")
+    yield shell
+    shell.history_manager.end_session()
+
+
+@pytest.fixture
+def shell(one_shell, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    yield one_shell
+    for connection in list(registry.running()):
+        registry.forget(connection)
+
+
+@pytest.fixture
+def run(shell, capsys):
+    """Run a line; give what it prints."""
+
+    def run(line):
+        shell.run_line_magic("lrp", line)
+        return capsys.readouterr().out
+
+    return run
+
+
+def cell(shell, line, text):
+    return shell.run_cell_magic("lrp", line, text)
+
+
+def test_a_cell_is_a_program_and_its_output_the_lab(shell):
+    lab = cell(shell, "mine --world oval --rate 25", A)
+    assert isinstance(lab, Lab)
+    assert lab.text == A
+    assert lab.session.rate == 25
+    assert lab.session.bridge.world.name == "oval"
+    assert cell(shell, "mine", B).session is lab.session
+    assert lab.text == B
+
+
+def test_blocks_see_the_notebooks_names_and_write_none(shell):
+    shell.run_cell("def double(x): return 2 * x")
+    lab = cell(shell, "mine --rate 100", "(var x := [double(21)])" + A)
+    lab.session.wait_for("a", 5)
+    assert lab.variables["x"] == 42
+    assert "x" not in shell.user_ns
+    assert not lab.session.findings
+
+
+def test_a_cell_that_is_no_program_opens_the_lab_all_the_same(shell):
+    lab = cell(shell, "mine", "(machine m")
+    assert lab._connection.texts.findings
+
+
+def test_an_empty_cell_opens_an_empty_lab(shell):
+    result = shell.run_cell("%%lrp empty")
+    assert result.result.text == ""
+    assert not result.result._connection.texts.findings
+
+
+def test_programs_are_listed_and_shown_again(shell, run):
+    assert "No program is open" in run("")
+    lab = cell(shell, "mine", A)
+    assert run("").startswith("mine: running")
+    assert shell.run_line_magic("lrp", "mine").session is lab.session
+    assert shell.run_line_magic("lrp", "show mine").session is lab.session
+    assert shell.run_line_magic("lrp", "show").session is lab.session
+
+
+def test_bundled_programs_are_listed_and_opened_in_their_world(shell, run):
+    listed = run("examples")
+    assert "follower" in listed
+    assert "Follows a line" in listed
+    assert "maze" in listed
+    lab = shell.run_line_magic("lrp", "new follower")
+    assert lab.session.bridge.world.name == "line"
+
+
+def test_words_control_the_program(shell, run):
+    session = cell(shell, "mine", A).session
+    run("pause")
+    assert session.status == "paused"
+    tick = session.frame.tick
+    run("step mine")
+    assert session.frame.tick == tick + 1
+    run("resume")
+    assert session.status == "running"
+    run("rate 40")
+    assert session.rate == 40
+    run("reset mine")
+    assert session.frame.restarts == 1
+    run("stop")
+    session.wait_for(lambda frame: frame.status == "paused", 5)
+    assert "no findings" in run("check")
+
+
+def test_the_text_is_written_into_a_new_cell(shell, run):
+    cell(shell, "mine", A)
+    run("save")
+    assert shell.rl_next_input == f"%%lrp mine\n{A}"
+
+
+def test_another_bridge_is_chosen_by_its_name(shell, run):
+    lab = cell(shell, "mine", A)
+    assert "sim: lrp-jupyter" in run("bridge")
+    run("bridge none")
+    assert lab.session.bridge.name == "none"
+
+
+def test_there_is_nothing_to_debug_before_a_block_fails(shell, run):
+    cell(shell, "mine", A)
+    assert "has raised an exception" in run("debug")
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("folower", "there is no `folower`; open programs: `follower`. Did you mean `follower`?"),
+        ("pause other", "there is no program `other`; open are `follower`"),
+        ("pause a b", "one name is wanted, not 2"),
+        ("new folower", "no bundled program `folower`; there are"),
+        ("new", "one name is wanted"),
+        ("rate", "how many ticks per second?"),
+        ("rate fast", "`fast` is no number of ticks per second"),
+        ("rate -1", "a rate is 0.01 ticks per second or more"),
+        ("bridge wings", "There is no bridge `wings`"),
+    ],
+)
+def test_mistakes_are_said_in_a_sentence(shell, line, sentence):
+    cell(shell, "follower", A)
+    with pytest.raises(UsageError) as error:
+        shell.run_line_magic("lrp", line)
+    assert sentence in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("line", "sentence"),
+    [
+        ("mine --world paradise", "no world 'paradise'"),
+        ("mine --bridge wings", "There is no bridge `wings`"),
+        ("mine --rate fast", "invalid float value: 'fast'"),
+        ("mine --wings", "`--wings` needs a value"),
+        ("mine --wings 2", "has no option `wings`"),
+        ("mine more", "what is `more`?"),
+        ("../mine", "no name for a program"),
+        ("mine 'half", "No closing quotation"),
+        ("mine --bridge none --world line", "`--world` is for the simulator"),
+    ],
+)
+def test_mistakes_in_the_head_of_a_cell_are_said_in_a_sentence(shell, line, sentence):
+    with pytest.raises(UsageError) as error:
+        cell(shell, line, A)
+    assert sentence in str(error.value)
+    assert registry.names() == []
+
+
+def test_a_mistake_shows_no_traceback(shell, capsys):
+    shell.run_cell("%lrp nothing")
+    told = capsys.readouterr()
+    assert "Traceback" not in told.out + told.err
+    assert "UsageError: %lrp: there is no `nothing`" in told.out + told.err
+
+
+def test_words_names_and_options_complete(shell):
+    cell(shell, "mine", A)
+
+    def complete(line):
+        with provisionalcompleter():
+            return {found.text for found in shell.Completer.completions(line, len(line))}
+
+    assert {"pause", "new", "mine"} <= complete("%lrp ")
+    assert complete("%lrp pa") == {"pause"}
+    assert "mine" in complete("%lrp pause ")  # beside what Python would complete
+    assert "pause" not in complete("%lrp pause ")
+    assert "follower" in complete("%lrp new ")
+    assert "maze" in complete("%%lrp mine --world ")
+    assert "sim" in complete("%%lrp mine --bridge s")
+    assert "--rate" in complete("%%lrp mine ")
+
+
+def test_help_lists_every_word(shell, run):
+    told = run("help")
+    assert all(word in told for word in WORDS.keys() - {"show"})
+    assert "%lrp rate HZ" in shell.find_line_magic("lrp").__doc__

@@ -1,0 +1,164 @@
+"""Programs by name: what a cell brings and what the lab has are brought together, and nothing is lost."""
+
+import threading
+
+import pytest
+
+from lrp_jupyter.errors import BridgeError, LRPError
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets import registry
+
+A = "(machine m (state a)) (spawn m a)"
+B = "(machine m (state a) (state b)) (spawn m a)"
+C = "(machine m (state a) (state c)) (spawn m a)"
+BROKEN = "(machine m (state a)"
+
+
+@pytest.fixture
+def cell(tmp_path):
+    """Run a cell with a text, as often as wanted; leave no thread behind."""
+    before = set(threading.enumerate())
+
+    def run(text, name="mine", **options):
+        connection = registry.open_program(name, text, namespace={}, folder=tmp_path, **options)
+        connection.publish()
+        return connection
+
+    yield run
+    for connection in list(registry.running()):
+        registry.forget(connection)
+    assert not [thread for thread in set(threading.enumerate()) - before if "publisher" in thread.name]
+    assert not [thread for thread in set(threading.enumerate()) - before if thread.name == "lrp mine"]
+
+
+@pytest.fixture
+def restart_kernel(cell):
+    def restart():
+        for connection in list(registry.running()):
+            registry.forget(connection)
+
+    return restart
+
+
+def test_a_program_runs_at_once_on_the_simulator(cell):
+    connection = cell(A)
+    assert connection.session.bridge.name == "sim"
+    assert connection.session.status == "running"
+    assert registry.names() == ["mine"]
+
+
+def test_a_cell_that_is_run_again_changes_the_program_that_runs(cell):
+    first = cell(A)
+    first.session.wait_for("a", 5)
+    second = cell(B)
+    assert second is first
+    assert second.session.program.text == B
+    assert second.session.frame.restarts == 0
+
+
+def test_an_unchanged_cell_keeps_the_labs_text(cell):
+    connection = cell(A)
+    connection.write(B)
+    assert cell(A).texts.text == B
+    assert connection.texts.conflict is None
+
+
+def test_where_cell_and_lab_have_changed_the_person_is_asked(cell):
+    connection = cell(A)
+    connection.write(B)
+    cell(C)
+    assert connection.texts.text == B
+    assert connection.texts.conflict["text"] == C
+    cell(C)
+    assert connection.texts.conflict["text"] == C  # asked until it is answered
+
+
+@pytest.mark.parametrize(("act", "text"), [("take", C), ("keep", B)])
+def test_the_answer_to_a_conflict_holds(cell, act, text):
+    connection = cell(A)
+    connection.write(B)
+    cell(C)
+    connection.receive(lambda *_: None, {"type": "hello", "view": "v", "part": "lab"})
+    connection.receive(lambda *_: None, {"type": "command", "view": "v", "id": 0, "do": act})
+    assert connection.texts.text == text
+    assert connection.texts.conflict is None
+    assert cell(C).texts.conflict is None
+    assert connection.texts.text == text
+
+
+def test_a_text_that_is_no_program_opens_the_lab_with_its_errors(cell):
+    connection = cell(BROKEN)
+    assert connection.texts.text == BROKEN
+    assert connection.texts.findings
+    assert connection.session.status == "running"
+
+
+def test_after_a_restart_an_unchanged_cell_goes_on_with_the_labs_text(cell, restart_kernel):
+    cell(A).write(B)
+    next(registry.running()).publish()
+    restart_kernel()
+    connection = cell(A)
+    assert connection.session.program.text == B
+    assert connection.texts.conflict is None
+
+
+def test_after_a_restart_a_cell_that_alone_was_changed_counts(cell, restart_kernel):
+    cell(A)
+    restart_kernel()
+    assert cell(C).session.program.text == C
+
+
+def test_after_a_restart_two_changed_texts_are_asked_about(cell, restart_kernel):
+    cell(A).write(B)
+    next(registry.running()).publish()
+    restart_kernel()
+    connection = cell(C)
+    assert connection.session.program.text == B
+    assert connection.texts.conflict["text"] == C
+
+
+def test_another_bridge_begins_anew_with_the_same_program(cell):
+    first = cell(A)
+    old = first.session
+    cell(A, bridge="none")
+    assert first.session is not old
+    assert first.session.bridge.name == "none"
+    assert first.session.program.text == A
+    assert old.status == "closed"
+
+
+def test_a_bridge_that_does_not_exist_changes_nothing(cell):
+    connection = cell(A)
+    with pytest.raises(BridgeError, match="no bridge `wings`"):
+        cell(A, bridge="wings")
+    assert connection.session.status == "running"
+
+
+def test_another_world_begins_anew_and_the_same_one_does_not(cell):
+    connection = cell(A, world="oval")
+    session = connection.session
+    cell(A, world="oval", rate=50)
+    assert connection.session is session
+    assert session.rate == 50
+    cell(A, world="maze")
+    assert connection.session.bridge.world.name == "maze"
+
+
+def test_a_name_cannot_leave_the_folder(cell):
+    with pytest.raises(LRPError, match="no name for a program"):
+        cell(A, name="../mine")
+
+
+def test_a_session_that_was_made_elsewhere_is_shown_as_it_is(cell):
+    with Session(A, name="own") as session:
+        connection = registry.connection_of(session)
+        assert registry.connection_of(session) is connection
+        assert session.status == "ready"
+        assert registry.find("own") is connection
+
+
+def test_a_forgotten_program_can_be_opened_again(cell):
+    first = cell(A)
+    registry.forget(first)
+    assert registry.names() == []
+    assert cell(A) is not first
