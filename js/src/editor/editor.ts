@@ -29,6 +29,7 @@ import { hover } from "./hover";
 import { keys } from "./keys";
 import { live, liveChanged } from "./live";
 import { goToDefinition, navigation, rename } from "./navigate";
+import { reveal, select } from "./reveal";
 import { Tracked } from "./tracked";
 
 const PARSE_FOR = 200; // ms: a new text is shown in its colours at once
@@ -135,7 +136,8 @@ export class Editor {
       else adopt(this.view, text);
       this.began = true;
       const head = Math.min(selection, this.view.state.doc.length);
-      this.view.dispatch({ selection: { anchor: head }, scrollIntoView: true });
+      this.view.dispatch({ selection: { anchor: head } });
+      reveal(this.view, head);
     }
     forceParsing(this.view, this.view.state.doc.length, PARSE_FOR);
     this.answered.begin(this.view.state.toText(text));
@@ -178,31 +180,23 @@ export class Editor {
 
   goTo(kind: ElementKind, path: string): void {
     const item = outlineOf(this.view.state).find(kind, path);
-    if (item) this.select(item.nameFrom, item.nameTo);
+    if (item) select(this.view, item.nameFrom, item.nameTo);
   }
 
   goToRange(range: Range, ofRunning: boolean): void {
     const span = (ofRunning ? this.running : this.answered).span(range);
-    if (span) this.select(span.from, span.to);
+    if (span) select(this.view, span.from, span.to);
   }
 
   rename(kind: ElementKind, path: string): void {
     const item = outlineOf(this.view.state).find(kind, path);
     if (!item) return;
-    this.select(item.nameFrom, item.nameTo);
+    select(this.view, item.nameFrom, item.nameTo);
     void rename(this.view, this.lab, item.nameFrom);
   }
 
   insert(text: string): void {
     this.view.dispatch(this.view.state.replaceSelection(text), { scrollIntoView: true });
     this.view.focus();
-  }
-
-  private select(from: number, to: number): void {
-    this.view.dispatch({
-      selection: { anchor: from, head: to },
-      effects: EditorView.scrollIntoView(from, { y: "center" }),
-      userEvent: "select",
-    });
   }
 }

@@ -6,6 +6,7 @@ import type { ReferencesView } from "../protocol";
 import type { Lab } from "../session/store";
 import { placeOf, spanOf } from "../text/places";
 import { h } from "../ui/dom";
+import { select } from "./reveal";
 
 async function references(view: EditorView, lab: Lab, offset: number): Promise<ReferencesView | null> {
   const reply = await lab.ask({ type: "references", ...placeOf(view.state.doc, offset) });
@@ -18,7 +19,7 @@ export async function goToDefinition(view: EditorView, lab: Lab, offset: number)
   const found = await references(view, lab, offset);
   if (!found?.definition || view.state.doc !== doc) return;
   const { from, to } = spanOf(doc, found.definition);
-  view.dispatch({ selection: { anchor: from, head: to }, scrollIntoView: true, userEvent: "select" });
+  select(view, from, to);
 }
 
 const asking = StateEffect.define<Tooltip | null>();
