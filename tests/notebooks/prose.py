@@ -1,0 +1,51 @@
+"""What the prose of the notebooks names, and what there is to be named."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+from nbformat import NotebookNode
+
+JAVASCRIPT = Path(__file__).parents[2] / "js" / "src"
+_TEXT = r'"((?:[^"\\]|\\.)+)"'
+_NAMED = re.compile(
+    rf"""\b(?:label|title):\s*{_TEXT}          # a button, an item of a menu
+    |\btoggle\(\s*{_TEXT}                      # a switch
+    |\bpanel\(\s*"[\w-]+",\s*{_TEXT}           # a part of the lab
+    |h\("span",\s*\{{\}},\s*{_TEXT}            # what stands beside a slider
+    |\?\s*{_TEXT}\s*:\s*{_TEXT}                # a button with two faces
+    """,
+    re.VERBOSE,
+)
+
+
+def named_in_the_lab() -> set[str]:
+    """Every name under which a person finds something in the lab: labels, and titles up to a colon."""
+    names: set[str] = set()
+    for file in JAVASCRIPT.rglob("*.ts"):
+        for groups in _NAMED.findall(file.read_text(encoding="utf-8")):
+            names.update(name.partition(":")[0] for name in groups if name)
+    return names
+
+
+def prose(notebook: NotebookNode) -> str:
+    """All Markdown of a notebook, without its blocks of code."""
+    cells = "\n\n".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
+    return re.sub(r"^```.*?^```", "", cells, flags=re.DOTALL | re.MULTILINE)
+
+
+def bold(text: str) -> list[str]:
+    """What is printed bold: by convention the names of what is in the lab, and nothing else."""
+    return re.findall(r"\*\*([^*\n]+)\*\*", re.sub(r"`[^`]*`", "", text))
+
+
+def links(text: str) -> list[str]:
+    return re.findall(r"\]\(([^)\s]+)\)", text)
+
+
+def solution(notebook: NotebookNode) -> tuple[str, str] | None:
+    """The solution that a notebook hides, ``lrp`` or ``python`` and its text."""
+    text = "\n\n".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
+    found = re.search(r"<summary>A solution</summary>.*?```(lrp|python)\n(.*?)```", text, re.DOTALL)
+    return (found[1], found[2]) if found else None

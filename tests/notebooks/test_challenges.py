@@ -1,0 +1,84 @@
+"""The challenges of the notebooks answer every typical error with its hint."""
+
+from __future__ import annotations
+
+import pytest
+
+from lrp_jupyter import grade
+
+HELLO = """
+(var forward := [0.2])
+(var bend := [1.5])
+(machine driver
+  (event black [robot.light.data < 118])
+  (event white [robot.light.data > 138])
+  (state left (running [robot.move(linear=forward, angular=bend)]))
+  (state right (running [robot.move(linear=forward, angular=-bend)]))
+  (on black left -> right)
+  (on white right -> left))
+(spawn driver left)
+"""
+CAREFUL = """
+(machine careful
+  (event bump [robot.bumper.data == 1])
+  (state driving (running [robot.move(linear=0.2)]))
+  (state stopped)
+  (on bump driving -> stopped))
+(spawn careful driving)
+"""
+SQUARE = """
+(machine square
+  (var corners := [0])
+  (state side (running [robot.move(linear=0.2)]))
+  (state corner (running [robot.move(angular=1.0)]) (onexit [corners += 1]))
+  (state done (onentry [robot.stop()]))
+  (on [corners == 4] side -> done)
+  (ontime 3000 side -> corner)
+  (ontime 1571 corner -> side))
+(spawn square side)
+"""
+STOPPER = """
+(var forward := [0.25])
+(machine stopper
+  (event online [robot.light.data < 128])
+  (state driving (running [robot.move(linear=forward)]))
+  (state stopped (onentry [robot.stop()]))
+  (on online driving -> stopped))
+(spawn stopper driving)
+"""
+
+MISTAKES = [
+    ("edit it live", [HELLO, HELLO.replace("linear=forward", "linear=0.1")], "its `running` changed"),
+    ("edit it live", [HELLO, HELLO.replace("driver left)", "driver left")], "correct the text first"),
+    ("bump and stay", CAREFUL.replace("(on bump driving -> stopped)", ""), "it keeps pushing"),
+    ("bump and stay", CAREFUL.replace(" == 1", ""), "a condition is True or False"),
+    ("bump and stay", CAREFUL.replace("(spawn careful driving)", ""), "nothing was active"),
+    ("bump and stay", CAREFUL.replace("robot.move(linear=0.2)", ""), "never told to move"),
+    ("bump and stay", CAREFUL.replace("(state stopped)", "(state stopped"), "correct the text first"),
+    ("square", SQUARE.replace("1571", "15"), "it only went straight on"),
+    ("square", SQUARE.replace("(var corners := [0])", ""), "corners"),
+    ("stop at the line", STOPPER.replace("0.25", "0.45"), "never saw the line"),
+    ("stop at the line", STOPPER.replace("< 128", "> 128"), "never saw the line"),
+    ("stop at the line", STOPPER.replace("light.data", "ligth.data"), "Did you mean `light`?"),
+    ("stop at the line", STOPPER.replace("(on online driving -> stopped)", ""), "drove on"),
+]
+
+
+@pytest.mark.parametrize(("challenge", "program", "words"), MISTAKES)
+def test_a_typical_mistake_gets_its_hint(challenge: str, program: str | list[str], words: str):
+    result = grade(program, challenge)
+    assert not result
+    assert words in result.hint
+
+
+@pytest.mark.parametrize(
+    ("challenge", "program"),
+    [
+        ("edit it live", [HELLO, HELLO.replace("[0.2]", "[0.1]")]),
+        ("bump and stay", CAREFUL),
+        ("square", SQUARE),
+        ("stop at the line", STOPPER),
+    ],
+)
+def test_without_the_mistake_it_passes(challenge: str, program: str | list[str]):
+    assert grade(program, challenge)

@@ -1,0 +1,270 @@
+"""The notebooks: they run from top to bottom, and what they say is so."""
+
+from __future__ import annotations
+
+import ast
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import nbformat
+import pytest
+from execution import NOTEBOOKS, WIDGET, Execution, data_of, opened_program, paths, read, sources, texts_of
+from nbformat import NotebookNode
+from prose import bold, links, named_in_the_lab, prose, solution
+
+from lrp_jupyter.language.checks import CODES
+from lrp_jupyter.language.deviations import DEVIATIONS
+from lrp_jupyter.language.forms import USAGE
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.program import Program, State
+from lrp_jupyter.programs import names as bundled
+from lrp_jupyter.widgets.magics import WORDS
+
+ALL = paths()
+LESSONS = [path for path in ALL if path.parent == NOTEBOOKS]
+REFERENCE = NOTEBOOKS / "reference" / "language.ipynb"
+all_notebooks = pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
+all_lessons = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
+
+
+class Run(NamedTuple):
+    """A notebook as it is stored, the same after Restart & Run All, and what its solution gave."""
+
+    stored: NotebookNode
+    fresh: NotebookNode
+    solved: str
+
+
+@pytest.fixture(scope="module", params=ALL, ids=lambda path: path.stem)
+def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Run:
+    stored, fresh = read(request.param), read(request.param)
+    execution = Execution(fresh, tmp_path_factory.mktemp(request.param.stem))
+    with execution.setup_kernel():
+        execution.run_all()
+        check = _solving(stored)
+        solved = texts_of(execution.run_more(check)) if check else ""
+    return Run(stored, fresh, solved)
+
+
+def _solving(notebook: NotebookNode) -> str:
+    """A cell that grades the hidden solution with the words of the challenge."""
+    hidden = solution(notebook)
+    if hidden is None:
+        return ""
+    language, text = hidden
+    first = text if language == "python" else f'mine = """{text}"""'
+    question = [line for source in sources(notebook, "code") for line in source.splitlines()][-1]
+    assert re.fullmatch(r"print\((grade|check_bridge)\(.*\)\)", question), "a challenge ends in its question"
+    return f"{first}\n{question}"
+
+
+# -- they run ------------------------------------------------------------------------------------
+
+
+def test_every_stored_text_is_what_comes_out(run: Run):
+    for stored, fresh in zip(run.stored.cells, run.fresh.cells, strict=True):
+        again = "python tests/notebooks/execution.py stores it anew"
+        assert texts_of(stored) == texts_of(fresh), f"{stored.id}: {again}"
+        assert data_of(stored, "text/markdown") == data_of(fresh, "text/markdown"), f"{stored.id}: {again}"
+
+
+def test_the_hidden_solution_solves_the_challenge(run: Run):
+    if run.solved:
+        assert re.search(r": passed|(\d+) of \1 checks passed", run.solved), run.solved
+
+
+def test_nothing_is_written_to_the_error_stream(run: Run):
+    for cell in run.fresh.cells:
+        for output in cell.get("outputs", ()):
+            assert output.get("name") != "stderr", output.text
+
+
+# -- they are stored well ------------------------------------------------------------------------
+
+
+@all_notebooks
+def test_it_reads_well_without_a_kernel(path: Path):
+    notebook = read(path)
+    pictures = 0
+    for cell in notebook.cells:
+        for output in cell.get("outputs", ()):
+            assert output.output_type != "error"
+            assert WIDGET not in output.get("data", {}), "a page without a kernel would say: no model"
+        pictures += len(data_of(cell, "image/svg+xml"))
+        if cell.cell_type == "code" and opened_program(cell.source):
+            assert data_of(cell, "image/svg+xml"), "a lab leaves its picture"
+    assert pictures >= 1
+    assert "widgets" not in notebook.metadata
+
+
+@all_notebooks
+def test_its_cells_have_names_of_their_own(path: Path):
+    notebook = read(path)
+    nbformat.validate(notebook)
+    names = [cell.id for cell in notebook.cells]
+    assert len(set(names)) == len(names)
+    for name in names:
+        assert re.fullmatch(r"[a-z]+-\d\d", name)
+
+
+@all_notebooks
+def test_it_is_small(path: Path):
+    assert path.stat().st_size < 400_000
+
+
+# -- what they name, there is --------------------------------------------------------------------
+
+
+@all_notebooks
+def test_every_button_named_in_the_prose_exists(path: Path):
+    named = bold(prose(read(path)))
+    assert named
+    assert not set(named) - named_in_the_lab()
+
+
+def test_the_names_in_the_lab_are_found():
+    assert {"Run", "Pause", "Reset world", "Hold edits", "Issues", "Rate"} <= named_in_the_lab()
+    assert bold("press **Run**, not **Fly**; `**kwargs` **") == ["Run", "Fly"]
+
+
+@all_notebooks
+def test_every_word_after_the_magic_exists(path: Path):
+    notebook = read(path)
+    code, text = sources(notebook, "code"), prose(notebook)
+    opened = {opened_program(source) for source in code}
+    for line in re.findall(r"(?<!%)%lrp +([\w -]+)", "\n".join([*code, text])):
+        word, *rest = line.split()
+        assert word in WORDS or word in opened, f"%lrp {line}"
+        assert word != "new" or rest[0] in bundled()
+        assert word in ("new", "rate", "bridge") or not rest or rest[0] in opened, f"%lrp {line}"
+
+
+@all_notebooks
+def test_every_link_leads_somewhere(path: Path):
+    notebook = read(path)
+    headings = {
+        re.sub(r"\s+", "-", heading.strip())
+        for source in sources(notebook, "markdown")
+        for heading in re.findall(r"^#+ (.*)$", source, re.MULTILINE)
+    }
+    for link in links(prose(notebook)):
+        file, _, anchor = link.partition("#")
+        assert not file or (path.parent / file).is_file(), link
+        assert file or anchor in headings, link
+
+
+# -- lessons -------------------------------------------------------------------------------------
+
+
+@all_lessons
+def test_a_lesson_has_all_its_parts(path: Path):
+    text = "\n\n".join(sources(read(path), "markdown"))
+    headings = re.findall(r"^## (.*)$", text, re.MULTILINE)
+    assert headings[:2] == ["Questions", "Afterwards you can"]
+    assert headings[-1] == "Key points"
+    assert any(heading.startswith("Challenge") for heading in headings)
+    assert "redict" in text
+    assert "istake" in text
+    assert "<summary>A solution</summary>" in text
+    assert text.count("<details>") == text.count("</details>") >= 2
+    assert "| type | and see |" in text
+
+
+@all_lessons
+def test_a_lesson_takes_at_most_twenty_minutes(path: Path):
+    notebook = read(path)
+    promised = re.search(r"\*About (\d+) minutes\.\*", prose(notebook))
+    assert promised is not None
+    assert int(promised[1]) <= 20
+    lines = "\n".join(sources(notebook, "code")).splitlines()
+    minutes = len(prose(notebook).split()) / 150 + len(lines) / 25
+    assert minutes < int(promised[1]), f"reading alone takes {minutes:.0f} minutes"
+
+
+# -- the reference -------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def reference() -> NotebookNode:
+    return read(REFERENCE)
+
+
+@pytest.fixture(scope="module")
+def examples(reference: NotebookNode) -> list[Program]:
+    """The programs of the reference that run."""
+    texts = [
+        node.value
+        for source in sources(reference, "code")
+        for node in ast.walk(ast.parse(source))
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and "(machine" in node.value
+    ]
+    found = []
+    for text in texts:
+        try:
+            found.append(parse(text))
+        except Exception:  # an example of a mistake
+            continue
+    assert len(found) > 15
+    return found
+
+
+def _tables(reference: NotebookNode) -> str:
+    return "\n".join(table for cell in reference.cells for table in data_of(cell, "text/markdown"))
+
+
+def test_the_reference_lists_every_departure(reference: NotebookNode):
+    tables = _tables(reference)
+    for deviation in DEVIATIONS:
+        row = " | ".join(each.replace("|", r"\|") for each in deviation)
+        assert f"| {row} |" in tables
+
+
+def test_the_reference_lists_every_code(reference: NotebookNode):
+    tables = _tables(reference)
+    for code in CODES.values():
+        assert f"| {code.code} | {code.severity} |" in tables
+
+
+def test_the_reference_has_a_heading_for_every_form(reference: NotebookNode):
+    headings = re.findall(r"^### (.*)$", "\n".join(sources(reference, "markdown")), re.MULTILINE)
+    shown = set(re.findall(r"`\((\w+)", "\n".join(headings)))
+    assert shown == set(USAGE)
+
+
+def test_every_form_of_the_reference_has_a_program_and_its_picture(reference: NotebookNode):
+    waiting = ""
+    for cell in reference.cells:
+        found = re.findall(r"^### (.*)$", cell.source, re.MULTILINE) if cell.cell_type == "markdown" else []
+        if found:
+            assert not waiting, f"{waiting} has no example"
+            waiting = found[-1]
+        elif cell.cell_type == "code" and "= run(" in cell.source:
+            assert data_of(cell, "image/svg+xml"), cell.id
+            waiting = ""
+    assert not waiting
+
+
+def test_the_examples_of_the_reference_use_the_whole_grammar(examples: list[Program]):
+    machines = [machine for program in examples for _, machine in program.walk()]
+    states: list[State] = [state for machine in machines for state in machine.states]
+    transitions = [transition for machine in machines for transition in machine.transitions]
+    assert {transition.kind for transition in transitions} == {"on", "ontime", "eps", "exit"}
+    assert any(each.name for each in transitions)
+    sources_used = {re.sub(r"\w+( \w+)*", "a", each.source_text) for each in transitions}
+    assert sources_used >= {"a", "*", "*-{a}", "{a}"}
+    assert {type(each.trigger).__name__ for each in transitions if each.kind == "ontime"} >= {
+        "int",
+        "Name",
+        "Block",
+    }
+    assert {type(each.trigger).__name__ for each in transitions if each.kind == "on"} >= {"Name", "Block"}
+    assert any(machine.variables for machine in machines)
+    assert any(machine.events for machine in machines)
+    assert any(program.variables for program in examples)
+    assert any(program.events for program in examples)
+    assert any(len(program.spawns) > 1 for program in examples)
+    assert any(program.onpause for program in examples)
+    assert any(program.onresume for program in examples)
+    assert all(any(getattr(state, part) for state in states) for part in ("onentry", "running", "onexit"))
+    assert any(state.machines for state in states)
