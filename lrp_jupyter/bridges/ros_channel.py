@@ -75,6 +75,11 @@ class Channel:
         is_move = self.wire.variable.rpartition(".")[2] == "move"
         return self.wire.direction == "publisher" and (self.type in VELOCITIES or is_move)
 
+    @property
+    def expects(self) -> bool:
+        """Whether it is a subscription on which nothing has arrived yet."""
+        return self.wire.direction == "subscription" and self.latest is None
+
     def receive(self, raw: Any) -> None:
         """Take a message as it came from the network; on any one thread."""
         form = self.form

@@ -143,6 +143,8 @@ class Link:
             self.close()
             raise
         except TimeoutError:
+            self._closing.set()
+            self.transport.disconnect()  # whatever the thread waits for
             self.close()
             raise BridgeError(f"`{self.transport.place}` did not answer within {patience:g} s.") from None
 
@@ -236,7 +238,7 @@ class Link:
         self._tell(*self._summary(channels))
         if not self._first.done():
             self._first.set_result(None)
-        waits = any(channel.waiting or channel.problem for channel in channels)
+        waits = any(channel.waiting or channel.problem or channel.expects for channel in channels)
         return min(self.transport.period, _AGAIN) if waits else self.transport.period
 
     def _settle(self, channel: Channel) -> None:
@@ -311,7 +313,7 @@ class Link:
         silent = [f"`{channel.wire.topic}`" for channel in inputs if channel.silent()]
         if silent:
             return Connection.STALE, f"{', '.join(silent)}: nothing has arrived for a while"
-        empty = [f"`{channel.wire.topic}`" for channel in inputs if channel.latest is None]
+        empty = [f"`{channel.wire.topic}`" for channel in inputs if channel.expects]
         if empty:
             return Connection.WAITING, f"{', '.join(empty)}: nothing has arrived yet"
         return Connection.CONNECTED, f"connected to {self.transport.place}"

@@ -92,7 +92,8 @@ class RosbridgeTransport(Transport):
     def trouble(self) -> str:
         """Say that the server hangs."""
         socket = self._socket
-        return f"`{self.place}` does not answer any more" if socket is not None and socket.is_stale else ""
+        hangs = socket is not None and socket.is_open and socket.is_stale
+        return f"`{self.place}` does not answer any more" if hangs else ""
 
     def _open_socket(self) -> _Socket:
         socket = self._socket
@@ -382,7 +383,7 @@ class _Socket:
             pong = asyncio.ensure_future(await connection.ping())
             began = time.monotonic()
             while not pong.done():
-                await asyncio.wait([pong], timeout=_PING)
+                await asyncio.wait([pong], timeout=_STALE / 6)
                 silence = time.monotonic() - began
                 if silence > _LOST:
                     raise BridgeError(f"it has not answered for {silence:.0f} s")

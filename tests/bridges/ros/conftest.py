@@ -7,6 +7,7 @@ on the path would break other packages).
 
 from __future__ import annotations
 
+import contextlib
 import gc
 import importlib.util
 import os
@@ -99,6 +100,91 @@ def serve(rosbridge: ModuleType, graph: Any) -> Iterator[Callable[..., Any]]:
 @pytest.fixture
 def server(serve: Callable[..., Any]) -> Any:
     return serve()
+
+
+class Wire:
+    """A stretch of network between bridge and server that can be held up, cut, or cut in two."""
+
+    def __init__(self, port: int) -> None:
+        self.target = port
+        self._held = threading.Event()
+        self._bytes_left: int | None = None  # of what the server says
+        self._pairs: list[socket.socket] = []
+        self._threads: list[threading.Thread] = []
+        self._listener = socket.create_server(("127.0.0.1", 0))
+        self.port: int = self._listener.getsockname()[1]
+        self._start(self._accept)
+
+    def hold(self) -> None:
+        """Nothing passes from now on; nothing is lost either."""
+        self._held.set()
+
+    def release(self) -> None:
+        self._held.clear()
+
+    def hold_after(self, count: int) -> None:
+        """Let so many more bytes of the server pass, then nothing."""
+        self._bytes_left = count
+
+    def cut(self) -> None:
+        """End what is connected now."""
+        self._bytes_left = None
+        self._held.clear()
+        for end in self._pairs:
+            with contextlib.suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
+
+    def close(self) -> None:
+        with contextlib.suppress(OSError):
+            self._listener.shutdown(socket.SHUT_RDWR)
+        self._listener.close()
+        self.cut()
+        for thread in self._threads:
+            thread.join(5)
+        for end in self._pairs:
+            end.close()
+
+    def _start(self, work: Callable[..., None], *arguments: Any) -> None:
+        self._threads.append(threading.Thread(target=work, args=arguments, name="wire", daemon=True))
+        self._threads[-1].start()
+
+    def _accept(self) -> None:
+        while True:
+            try:
+                near, _ = self._listener.accept()
+            except OSError:
+                return
+            try:
+                far = socket.create_connection(("127.0.0.1", self.target))
+            except OSError:  # nobody is there: as if nobody were here
+                near.close()
+                continue
+            self._pairs += [near, far]
+            self._start(self._pass, near, far, False)
+            self._start(self._pass, far, near, True)
+
+    def _pass(self, source: socket.socket, target: socket.socket, from_server: bool) -> None:
+        tick = threading.Event()
+        try:
+            while data := source.recv(65536):
+                if from_server and self._bytes_left is not None:
+                    data, self._bytes_left = data[: self._bytes_left], max(0, self._bytes_left - len(data))
+                while self._held.is_set():
+                    tick.wait(0.01)
+                target.sendall(data)
+        except OSError:
+            pass
+        for end in (source, target):
+            with contextlib.suppress(OSError):
+                end.shutdown(socket.SHUT_RDWR)
+
+
+@pytest.fixture
+def wire(server: Any) -> Iterator[Wire]:
+    """The way to the server."""
+    wire = Wire(server.port)
+    yield wire
+    wire.close()
 
 
 @pytest.fixture

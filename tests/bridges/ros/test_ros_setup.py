@@ -1,0 +1,348 @@
+"""What is connected to what: from Python, by the panel, from a file; and what is refused."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lrp_jupyter.bridges.bridge import Connection
+from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros_setup import Wire, setup_as_dict, setup_from_dict
+from lrp_jupyter.errors import BridgeError, NoDataYet
+
+Make = Callable[..., RosBridge]
+SETUP = Path(__file__).with_name("follower.json")
+
+
+def rows(ros: RosBridge) -> dict[str, dict[str, str]]:
+    panel = ros.panel()
+    assert panel is not None
+    table = panel.tables[0]
+    return {
+        key: dict(zip(table.columns, row, strict=True))
+        for key, row in zip(table.keys, table.rows, strict=True)
+    }
+
+
+def fields(ros: RosBridge) -> dict[str, Any]:
+    panel = ros.panel()
+    assert panel is not None
+    return {field.key: field for field in panel.fields}
+
+
+# -- names ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("variable", "topic", "type_", "sentence"),
+    [
+        ("my odom", "/odom", "", "cannot be written after `robot.`"),
+        ("class", "/odom", "", "cannot be written after `robot.`"),
+        ("_odom", "/odom", "", "cannot be written after `robot.`"),
+        ("", "/odom", "", "cannot be written after `robot.`"),
+        ("odom", "/odom//x", "", "no name of a topic.*Did you mean `/odom/x`"),
+        ("odom", "/odom/", "", "Did you mean `/odom`"),
+        ("odom", "/my odom", "", "Did you mean `/my/odom`"),
+        ("odom", "~odom", "", "no name of a topic"),
+        ("odom", "/2odom", "", "no name of a topic"),
+        ("odom", "", "", "no name of a topic"),
+        ("move", "/mobile_base/commands.velocity", "", "Did you mean `/mobile_base/commands/velocity`"),
+        ("odom", "/odom", "Odometry", "Did you mean `nav_msgs/Odometry`"),
+        ("odom", "/odom", "a/b/c", "no message type"),
+    ],
+)
+def test_an_illegal_name_is_refused_with_a_better_one(
+    variable: str, topic: str, type_: str, sentence: str
+) -> None:
+    with pytest.raises(BridgeError, match=sentence):
+        RosBridge().subscribe(variable, topic, type_)
+
+
+def test_a_topic_without_a_slash_is_meant_from_the_root() -> None:
+    assert Wire("odom", "subscription", "base/odom").topic == "/base/odom"
+
+
+names = st.from_regex(r"[a-z][a-z0-9]{0,8}", fullmatch=True)
+wires = st.builds(
+    Wire,
+    names.map("v_{}".format),
+    st.sampled_from(["subscription", "publisher"]),
+    st.lists(names, min_size=1, max_size=3).map("/".join),
+    st.sampled_from(["", "std_msgs/String", "nav_msgs/msg/Odometry"]),
+)
+
+
+@given(st.lists(wires, unique_by=lambda wire: wire.variable))
+def test_a_setup_is_the_same_after_a_way_through_json(setup: list[Wire]) -> None:
+    again = setup_from_dict(json.loads(json.dumps(setup_as_dict(setup))))
+    assert {wire.variable: wire for wire in again} == {wire.variable: wire for wire in setup}
+
+
+@pytest.mark.parametrize(
+    ("setup", "sentence"),
+    [
+        ([], "is no set-up"),
+        ({"version": 2}, "of version 2"),
+        ({"subscription": {}}, "Did you mean `subscriptions`"),
+        ({"subscriptions": []}, "must be an object of variables"),
+        ({"subscriptions": {"odom": {}}}, r"`subscriptions\.odom`: there must be a `topic`"),
+        ({"subscriptions": {"odom": {"topic": "//"}}}, r"`subscriptions\.odom`: .*no name of a topic"),
+        ({"subscriptions": {"odom": {"topic": "/o", "typ": "x"}}}, "Did you mean `type`"),
+        ({"subscriptions": {"odom": {"topic": "/o", "type": 3}}}, "must be a text"),
+        ({"publishers": {"move": {"topic": "/m", "limits": 3}}}, "`limits` must be an object"),
+        ({"publishers": {"move": {"topic": "/m", "limits": {"x": "fast"}}}}, "limit of `x` must be"),
+        ({"subscriptions": {"a": "/a"}, "publishers": {"a": "/b"}}, "is a subscription already"),
+    ],
+)
+def test_a_mistake_in_a_setup_is_named_with_its_place(setup: Any, sentence: str) -> None:
+    with pytest.raises(BridgeError, match=sentence):
+        RosBridge(setup=setup) if isinstance(setup, dict) else setup_from_dict(setup)
+
+
+def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
+    with pytest.raises(BridgeError, match=r"none\.json cannot be read"):
+        RosBridge(setup=tmp_path / "none.json")
+    (tmp_path / "bad.json").write_text("{")
+    with pytest.raises(BridgeError, match=r"bad\.json is no JSON"):
+        RosBridge(setup=tmp_path / "bad.json")
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"backend": "rospi"}, "Did you mean `rospy`"),
+        ({"host": "a b"}, "is no address"),
+        ({"host": "robot:x"}, "is no address"),
+        ({"port": "0"}, "is no address"),
+        ({"hots": "robot"}, "Did you mean `host`"),
+    ],
+)
+def test_a_wrong_option_is_refused(options: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(BridgeError, match=sentence):
+        make_bridge(RosBridge, **options)
+
+
+@pytest.mark.parametrize("host", ["10.0.0.5:9091", "ws://10.0.0.5:9091/", " 10.0.0.5:9091 "])
+def test_an_address_may_be_written_in_several_ways(host: str) -> None:
+    assert fields(RosBridge(host=host))["address"].value == "10.0.0.5:9091"
+
+
+# -- from Python ----------------------------------------------------------------------------------
+
+
+def test_what_is_connected_before_opening_is_there_after_it(make: Make, graph: Any, until: Any) -> None:
+    ros = make()
+    ros.subscribe("light", "/light")
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    ros.open()
+    assert dir(ros.robot) == ["light", "move", "stop"]
+    until(lambda: graph.listeners)
+    graph.say("/light", data=7)
+    until(lambda: ros.describe("light").age is not None)
+    assert ros.robot.light.data == 7
+
+
+def test_the_type_of_a_live_topic_is_filled_in(ros: RosBridge) -> None:
+    ros.subscribe("odom", "/odom")
+    assert rows(ros)["odom"]["type"] == "nav_msgs/Odometry"
+    assert "odom.theta" in [field.name for field in ros.describe("odom").fields]
+
+
+def test_a_topic_that_does_not_exist_yet_is_waited_for(ros: RosBridge, graph: Any, until: Any) -> None:
+    ros.subscribe("far", "/far")
+    ros.publish("horn", "/horn")
+    assert ros.status.state is Connection.WAITING
+    with pytest.raises(NoDataYet):
+        _ = ros.robot.far
+    with pytest.raises(BridgeError, match="`/horn` does not exist yet"):
+        ros.robot.horn(data=True)
+    graph.types |= {"/far": "std_msgs/Float32", "/horn": "std_msgs/Bool"}
+    until(lambda: any(topic == "/far" for topic, _ in graph.listeners) and "/horn" in graph.advertised)
+    graph.say("/far", data=0.5)
+    until(lambda: ros.describe("far").age is not None)
+    assert ros.robot.far.data == 0.5
+    ros.robot.horn(data=True)
+    until(lambda: ("/horn", {"data": True}) in graph.heard)
+
+
+def test_the_same_subscription_again_is_no_second_one(ros: RosBridge, graph: Any, until: Any) -> None:
+    for _ in range(10):
+        ros.subscribe("odom", "/odom")
+    until(lambda: len(graph.listeners) == 1)
+    member = ros.describe("odom")
+    assert member.type == "Odometry"
+
+
+def test_two_variables_on_one_topic_share_it(ros: RosBridge, graph: Any, until: Any) -> None:
+    ros.subscribe("odom", "/odom")
+    ros.subscribe("also", "/odom")
+    until(lambda: rows(ros)["also"]["value"] == "no data yet")
+    assert len(graph.listeners) == 1
+    ros.remove("odom")
+    graph.say("/odom", pose={"pose": {"position": {"x": 3.0}}})
+    until(lambda: ros.describe("also").age is not None)
+    assert ros.robot.also.x == 3.0
+    ros.remove("also")
+    until(lambda: not graph.listeners)
+
+
+def test_a_removed_variable_is_gone(ros: RosBridge, graph: Any, until: Any) -> None:
+    ros.subscribe("odom", "/odom")
+    ros.remove("odom")
+    until(lambda: not graph.listeners)
+    assert dir(ros.robot) == ["stop"]
+    with pytest.raises(BridgeError, match="`odom` is connected to no topic"):
+        ros.remove("odom")
+
+
+def test_a_refused_change_leaves_what_was_there(ros: RosBridge, graph: Any, until: Any) -> None:
+    ros.subscribe("odom", "/odom")
+    with pytest.raises(BridgeError, match="carries `std_msgs/UInt8`"):
+        ros.subscribe("odom", "/light", "nav_msgs/Odometry")
+    assert rows(ros)["odom"]["topic"] == "/odom"
+    until(lambda: [topic for topic, _ in graph.listeners] == ["/odom"])
+
+
+def test_limits_bring_a_command_back(ros: RosBridge, graph: Any, until: Any) -> None:
+    ros.publish("move", "/cmd_vel", limits={"linear": 0.5})
+    ros.robot.move(linear=2.0)
+    until(lambda: graph.heard)
+    assert graph.heard[0][1]["linear"]["x"] == 0.5
+    with pytest.raises(BridgeError, match="Did you mean `linear"):
+        ros.publish("move", "/cmd_vel", limits={"liner": 0.5})
+
+
+def test_velocities_are_watched_by_their_type(ros: RosBridge, graph: Any) -> None:
+    ros.publish("drive", "/cmd_vel")
+    ros.publish("horn", "/horn", "std_msgs/Bool")
+    watched = {node.path: node.velocity for node in ros.nodes.members() if hasattr(node, "velocity")}
+    assert watched == {"stop": False, "drive": True, "horn": False}
+
+
+# -- the file -------------------------------------------------------------------------------------
+
+
+def test_every_change_is_written_to_the_file_of_the_setup(make: Make, tmp_path: Path) -> None:
+    path = tmp_path / "robot.json"
+    ros = make()
+    ros.save(path)
+    ros.subscribe("odom", "/odom")
+    ros.publish("move", "/cmd_vel", limits={"linear": (-0.1, 0.5)})
+    assert RosBridge(setup=path).setup == ros.setup
+    ros.remove("odom")
+    assert json.loads(path.read_text()) == {
+        "version": 1,
+        "subscriptions": {},
+        "publishers": {"move": {"topic": "/cmd_vel", "limits": {"linear": [-0.1, 0.5]}}},
+    }
+    assert [file.name for file in tmp_path.iterdir()] == ["robot.json"]
+
+
+def test_a_setup_is_an_answer_too(ros: RosBridge, until: Any, graph: Any) -> None:
+    ros.subscribe("old", "/odom")
+    ros.answer("setup", str(SETUP))
+    until(lambda: rows(ros)["light"]["value"] == "no data yet")
+    assert sorted(rows(ros)) == ["bumper", "light", "move", "odom"]
+    assert "old" not in dir(ros.robot)
+
+
+# -- the panel ------------------------------------------------------------------------------------
+
+
+def test_the_panel_shows_every_connection_with_rate_age_and_value(
+    ros: RosBridge, graph: Any, until: Any
+) -> None:
+    ros.subscribe("light", "/light")
+    ros.publish("move", "/cmd_vel")
+    assert rows(ros)["light"]["value"] == "no data yet"
+    for value in range(5):
+        graph.say("/light", data=value)
+    until(lambda: rows(ros)["light"]["value"] == "UInt8(data=4)")
+    assert float(rows(ros)["light"]["rate (Hz)"]) > 1
+    assert float(rows(ros)["light"]["age (s)"]) < 2
+    ros.robot.move(linear=0.2)
+    assert rows(ros)["move"]["value"].startswith("Twist(linear=")
+    assert rows(ros)["move"]["direction"] == "publisher"
+
+
+def test_picking_a_topic_fills_in_its_type(ros: RosBridge) -> None:
+    ros.press("pick", row="/odom")
+    draft = {key: field.value for key, field in fields(ros).items()}
+    assert (draft["variable"], draft["topic"], draft["type"]) == ("odom", "/odom", "nav_msgs/Odometry")
+    assert fields(ros)["topic"].choices == ("/cmd_vel", "/light", "/odom")
+
+
+def test_a_subscription_is_made_by_button_without_waiting(ros: RosBridge, graph: Any, until: Any) -> None:
+    ros.press("subscribe", values={"variable": "light", "topic": "/light", "type": ""})
+    until(lambda: rows(ros)["light"]["type"] == "std_msgs/UInt8")
+    ros.press("publish", values={"variable": "move", "topic": "/cmd_vel", "type": "geometry_msgs/Twist"})
+    until(lambda: "/cmd_vel" in graph.advertised)
+    ros.press("remove", row="light")
+    assert "light" not in rows(ros)
+
+
+def test_what_cannot_be_connected_says_so_in_its_row(ros: RosBridge, until: Any) -> None:
+    ros.press("subscribe", values={"variable": "light", "topic": "/light", "type": "std_msgs/String"})
+    until(lambda: "carries `std_msgs/UInt8`" in rows(ros)["light"]["value"])
+    assert "carries" in ros.status.sentence
+
+
+@pytest.mark.parametrize(
+    ("key", "row", "values", "sentence"),
+    [
+        ("subscribe", "", {"variable": "", "topic": "/odom"}, "cannot be written"),
+        ("subscribe", "", {"variable": "odom", "topic": ""}, "no name of a topic"),
+        ("publish", "", {"variable": "move", "topic": "/m", "type": "Twist"}, "geometry_msgs/Twist"),
+        ("remove", "nothing", {}, "connected to no topic"),
+        ("save", "", {}, "Name the file"),
+        ("jump", "", {}, "no button `jump`"),
+    ],
+)
+def test_a_button_that_cannot_be_pressed_says_why(
+    ros: RosBridge, key: str, row: str, values: dict[str, str], sentence: str
+) -> None:
+    with pytest.raises(BridgeError, match=sentence):
+        ros.press(key, row, values)
+
+
+def test_the_panel_saves_the_setup(ros: RosBridge, tmp_path: Path) -> None:
+    ros.subscribe("odom", "/odom")
+    ros.press("save", values={"setup": str(tmp_path / "robot.json")})
+    assert fields(ros)["setup"].value == str(tmp_path / "robot.json")
+    assert RosBridge(setup=tmp_path / "robot.json").setup == ros.setup
+
+
+def test_another_address_is_connected_in_the_background(
+    ros: RosBridge, rosbridge: Any, graph: Any, until: Any
+) -> None:
+    ros.subscribe("odom", "/odom")
+    ros.publish("move", "/cmd_vel")
+    other_graph = rosbridge.MemoryGraph(graph.definitions)
+    other_graph.types |= graph.types
+    other = rosbridge.RosbridgeServer(other_graph)
+    try:
+        ros.answer("host", f"127.0.0.1:{other.port}")
+        until(lambda: other_graph.listeners and other_graph.advertised)
+        until(lambda: not graph.listeners)
+        other_graph.say("/odom", pose={"pose": {"position": {"x": 4.0}}})
+        until(lambda: ros.describe("odom").age is not None)
+        assert ros.robot.odom.x == 4.0
+        ros.robot.move(linear=0.1)
+        until(lambda: other_graph.heard)
+    finally:
+        ros.close()
+        other.close()
+
+
+def test_an_address_that_is_none_is_refused(ros: RosBridge) -> None:
+    with pytest.raises(BridgeError, match="is no address"):
+        ros.answer("host", "where?")
+    with pytest.raises(BridgeError, match="asks no `colour`"):
+        ros.answer("colour", "red")
