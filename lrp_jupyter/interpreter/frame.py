@@ -50,6 +50,8 @@ class Frame:
     visits, fired, fired_at : mapping of path to int
         How often each state was entered, how often each transition fired (the machine's path and
         the label), and in which tick it last did.
+    events : mapping of path to bool or None
+        What each event was at its last test, None if that failed; empty unless they are watched.
     issues : tuple of Issue
     restarts : int
         How often the program was restarted; `restart_reason` says why the last time.
@@ -81,6 +83,7 @@ class Frame:
     visits: Mapping[Path, int] = field(default_factory=dict)
     fired: Mapping[Path, int] = field(default_factory=dict)
     fired_at: Mapping[Path, int] = field(default_factory=dict)
+    events: Mapping[Path, bool | None] = field(default_factory=dict)
     issues: tuple[Issue, ...] = ()
     restarts: int = 0
     restart_reason: str = ""
@@ -167,6 +170,7 @@ class Tally:
             visits=MappingProxyType(self.visits.copy()),
             fired=MappingProxyType(self.fired.copy()),
             fired_at=MappingProxyType(self.fired_at.copy()),
+            events=MappingProxyType(dict(interpreter.event_values)),
             issues=tuple(interpreter.issues),
             restarts=self.restarts,
             restart_reason=self.restart_reason,

@@ -167,6 +167,17 @@ class Interpreter:
         acts = (act for root in self._run.roots for act in root.walk())
         return next((act.entered for act in acts if act.full_path == wanted), None)
 
+    @property
+    def event_values(self) -> Mapping[Path, bool | None]:
+        """What each event was at its last test, by path of definition; see :meth:`watch_events`."""
+        return self._run.event_values or {}
+
+    def watch_events(self) -> None:
+        """Note from now on what each event is when it is tested: for views, at a small cost."""
+        if self._run.event_values is None:
+            self._run.event_values = {}
+            self._run.rebind()
+
     def observe(self, callback: Observer) -> Callable[[], None]:
         """Call `callback` with every :class:`TraceEvent`; return what ends that.
 

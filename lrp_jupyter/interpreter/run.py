@@ -67,6 +67,7 @@ class Run:
         self.observers: list[Observer] = []
         self.events: list[TraceEvent] = []
         self.interrupted: KeyboardInterrupt | None = None
+        self.event_values: dict[Path, bool | None] | None = None
         self.new_issue = False
         self.stale = False
         self.watched = self.attention = self.journal is not None

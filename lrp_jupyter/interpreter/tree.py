@@ -239,6 +239,19 @@ def bind_row(run: Run, act: Activation, state: StatePlan) -> Row:
     )
 
 
+def noted(values: dict[Path, bool | None], event: Path, call: Call) -> Call:
+    """Wrap the condition of an event: note what it was at its last test, None if it had no truth."""
+
+    def test() -> object:
+        values[event] = None
+        value = call()
+        if type(value).__name__ in ("bool", "bool_"):
+            values[event] = bool(value)
+        return value
+
+    return test
+
+
 def _always() -> bool:
     return True
 
@@ -248,7 +261,9 @@ def _test(run: Run, act: Activation, edge: EdgePlan) -> Call:
     if isinstance(plan, Broken):
         return broken(plan)
     if isinstance(plan, EventPlan):
-        return bind_block(run, plan.block, run.scope(plan.owner).cells)
+        call = bind_block(run, plan.block, run.scope(plan.owner).cells)
+        values = run.event_values
+        return call if values is None else noted(values, plan.block.site.element.path, call)
     if edge.noun.kind != "ontime":
         return bind_block(run, plan, act.cells) if isinstance(plan, BlockPlan) else _always
     if isinstance(plan, int):

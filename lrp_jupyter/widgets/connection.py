@@ -108,6 +108,8 @@ class Connection:
         """Show another session from now on; views get everything anew."""
         with self._lock:
             self.session = session
+            if session.status != "closed":
+                session.ask(do.Call(session.interpreter.watch_events))
             self._sight = Sight(session)
             self.texts.follow(session)
             for view in self._views.values():

@@ -88,7 +88,7 @@ class Sight:
                 path_text(paths.member(path)): value_view(text, frame.numbers.get(path))
                 for path, text in frame.variables.items()
             },
-            "events": {path_text(path): value for path, value in getattr(frame, "events", {}).items()},
+            "events": {path_text(path): value for path, value in frame.events.items()},
             "issues": self._list_issues(frame, revision),
             "restart": {"count": restarts, "tick": tick, "reason": frame.restart_reason},
         }

@@ -6,6 +6,8 @@ from hypothesis import strategies as st
 
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import LONGEST, Frame, Tally, render
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.parser import parse
 
 LOOKLEFT = ("follower", "looking", "lookalgo", "lookleft")
 
@@ -66,3 +68,23 @@ def test_rendered_values_are_bounded(value):
 )
 def test_huge_and_deep_values_are_bounded(value):
     assert len(render(value)) <= LONGEST
+
+
+def test_a_frame_tells_what_each_event_was_at_its_last_test_once_they_are_watched():
+    program = parse(
+        "(var n := [0]) (event outer [n > 1])"
+        "(machine m (event mine [n == 1]) (event bad [1 / 0]) (event unused [True])"
+        " (state a (running [n = n + 1])) (state b) (on outer a -> b) (on bad a -> b) (on mine b -> a))"
+        "(spawn m a)"
+    )
+    i = Interpreter(program)
+    tally = Tally()
+    i.step(0.0)
+    i.step(0.1)
+    assert tally.frame(i, 0.1).events == {}
+    i.watch_events()
+    i.step(0.2)
+    assert tally.frame(i, 0.2).events == {("outer",): False, ("m", "bad"): None}
+    i.step(0.3)
+    i.step(0.4)
+    assert tally.frame(i, 0.4).events == {("outer",): True, ("m", "bad"): None, ("m", "mine"): False}

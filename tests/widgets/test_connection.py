@@ -44,6 +44,7 @@ def test_a_frame_holds_only_what_changed_since_the_last_one_sent(bench):
     lab.session.step()
     lab.publish()
     frame = page.last("frame")
+    assert frame["events"] == {"m/often": True}
     assert frame["fired"] == {"m:up": {"count": 1, "tick": 2}}
     assert frame["entered"] == {"m/on": {"count": 1, "tick": 2}}
     assert "status" not in frame
