@@ -216,13 +216,14 @@ class Loop:
                 self.tick()
                 if self.clock.speed == math.inf:  # no time passes by itself
                     self.clock.rebase(self.now + STEP)
-            self.show_now_and_then()
-            return self.now
-        if self.now >= self.due - _ROUNDING:
+        elif self.now >= self.due - _ROUNDING:
             self.tick()
-        self.show_now_and_then()
-        if self.status != "running":
+        if self.status != "running":  # it paused at an issue, and no later frame would tell
+            self.show()
             return math.inf
+        self.show_now_and_then()
+        if self.free:
+            return self.now
         if self._step is None:
             return self.due
         return min(self.due, self.now + max(self._step, self.clock.speed / 30))

@@ -406,3 +406,10 @@ def test_a_session_closes_from_inside_one_of_its_blocks(session, gates):
     closing.start()
     with pytest.raises(LRPError, match="closed"):
         closing.wait_for("nothing", LONG)
+
+
+def test_a_pause_at_an_issue_is_seen_by_whoever_looks(session):
+    failing = session("(machine m (state a (running [1 / 0]))) (spawn m a)", on_issue="pause", rate=1000)
+    failing.start()
+    frame = failing.wait_for(lambda frame: frame.status == "paused", LONG)
+    assert "ZeroDivisionError" in frame.reason
