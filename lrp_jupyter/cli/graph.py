@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import sys
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal
 
 from lrp_jupyter.cli.excerpt import finding_text, plain_console
 from lrp_jupyter.cli.source import read_source
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Program
+from lrp_jupyter.language.program import Program, path_text
 from lrp_jupyter.views.graph import find_machine
 
 __all__ = ["Format", "draw_graph"]
@@ -29,6 +31,11 @@ def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path
         return 1
     if kind is None:
         kind = _SUFFIXES.get(output.suffix.lower(), "svg") if output is not None else "svg"
+    known = [path_text(path) for path, _ in program.walk()]
+    if machine is not None and machine.strip("/") not in known:
+        close = get_close_matches(machine, known, n=1)
+        hint = f"did you mean `{close[0]}`?" if close else f"there are {', '.join(known) or 'none'}."
+        raise UnknownElementError(f"there is no machine `{machine}`; {hint}")
     picture = _drawn(program, machine, kind)
     if output is None:
         sys.stdout.write(picture)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable
 from dataclasses import replace
+from queue import SimpleQueue
 from time import perf_counter
 from typing import Protocol
 
@@ -105,17 +106,15 @@ class Racing:
         After which the run is over; may be infinite.
     until : str, optional
         A state that ends the run.
-    finished : callable
-        Called, on the racing thread, when the run is over.
+    wake : SimpleQueue
+        Gets an item when the run is over.
     """
 
-    def __init__(
-        self, session: Session, seconds: float, until: str | None, finished: Callable[[], object]
-    ) -> None:
+    def __init__(self, session: Session, seconds: float, until: str | None, wake: SimpleQueue[None]) -> None:
         self._session = session
         self._seconds = seconds
         self._until = until
-        self._finished = finished
+        self._wake = wake
         self._done = threading.Event()
         self._began = 0.0  # wall time
         self._going = threading.Event()
@@ -146,7 +145,7 @@ class Racing:
             pass
         finally:
             self._done.set()
-            self._finished()
+            self._wake.put(None)
 
     def is_over(self) -> bool:
         """See :class:`Pace`."""

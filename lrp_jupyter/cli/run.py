@@ -16,7 +16,6 @@ from contextlib import ExitStack, suppress
 from difflib import get_close_matches
 from pathlib import Path as FilePath
 from queue import Empty, SimpleQueue
-from threading import Event
 from time import perf_counter
 from typing import Any, TextIO
 
@@ -113,7 +112,7 @@ class _Run:
         self.session = session
         self.source = source
         self.wanted = wanted
-        self._wake = Event()  # something is to be done before the next look
+        self._wake: SimpleQueue[None] = SimpleQueue()  # an event's `set` may not be called by a signal
         self._left = False  # by the key q
         self._trace = trace
         self._happenings = Happenings(wanted.seconds, wanted.until, trace is not None)
@@ -133,7 +132,7 @@ class _Run:
         self._values: dict[Path, str] = {}
         self.pace: Pace
         if wanted.speed == math.inf:
-            self.pace = Racing(session, wanted.seconds, wanted.until, self._wake.set)
+            self.pace = Racing(session, wanted.seconds, wanted.until, self._wake)
         else:
             self.pace = Clocked(session, wanted.seconds, self._happenings.reached.is_set)
         self._where = where(session.bridge, wanted.world or source.world)
@@ -169,8 +168,8 @@ class _Run:
             try:
                 pace.start()
                 while not (caught or self._left or alone or pace.is_over()):
-                    self._wake.wait(self._pause_between_looks())
-                    self._wake.clear()
+                    with suppress(Empty):
+                        self._wake.get(timeout=self._pause_between_looks())
                     self._look()
                     for key in self._keys.pressed() if self._keys is not None else "":
                         self._press(key)
@@ -345,9 +344,7 @@ class _Run:
         self.say(words)
         if caught:
             return 128 + caught[0]
-        missed = (
-            self.wanted.until is not None and not self._happenings.reached.is_set() and not self.stop.is_set()
-        )
+        missed = self.wanted.until is not None and not (self._happenings.reached.is_set() or self._left)
         return int(alone or missed)
 
 

@@ -5,19 +5,25 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterator
 from contextlib import contextmanager
-from threading import Event
+from queue import SimpleQueue
 
 __all__ = ["noted_signals"]
 
 
 @contextmanager
-def noted_signals(wake: Event) -> Iterator[list[int]]:
-    """Note a signal that ends the run, instead of dying of it with a robot that still moves."""
+def noted_signals(wake: SimpleQueue[None]) -> Iterator[list[int]]:
+    """Note signals that end a run, instead of dying of them with a robot that still moves.
+
+    Parameters
+    ----------
+    wake : SimpleQueue
+        Gets an item with each signal; it may be filled by a handler, where an Event might deadlock.
+    """
     caught: list[int] = []
 
     def note(number: int, _: object) -> None:
         caught.append(number)
-        wake.set()
+        wake.put(None)
 
     names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
     before = {getattr(signal, name): signal.getsignal(getattr(signal, name)) for name in names}

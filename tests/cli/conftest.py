@@ -1,0 +1,148 @@
+import os
+import select
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from lrp_jupyter.cli import app
+
+PATIENCE = 60  # s: a busy machine
+
+
+@pytest.fixture
+def lrp():
+    """Run the command in this process."""
+
+    def run(*arguments, **options):
+        result = CliRunner().invoke(app, [str(each) for each in arguments], prog_name="lrp", **options)
+        if result.exception is not None and not isinstance(result.exception, SystemExit):
+            raise result.exception
+        return result
+
+    return run
+
+
+@pytest.fixture
+def program(tmp_path):
+    """Write a program into a file."""
+
+    def write(text, name="my.lrp"):
+        path = tmp_path / name
+        path.write_text(text, encoding="utf-8", newline="")
+        return path
+
+    return write
+
+
+@pytest.fixture
+def process():
+    """Start the command as a process of its own; none is left behind."""
+    started = []
+
+    def start(*arguments, **options):
+        options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | options
+        command = [sys.executable, "-m", "lrp_jupyter", *map(str, arguments)]
+        started.append(subprocess.Popen(command, **options))
+        return started[-1]
+
+    yield start
+    for each in started:
+        if each.poll() is None:
+            each.kill()
+        each.communicate()
+
+
+def wait_for(condition, what):
+    """Wait until a condition gives something; its value."""
+    end = time.monotonic() + PATIENCE
+    while time.monotonic() < end:
+        if value := condition():
+            return value
+        select.select([], [], [], 0.02)
+    raise AssertionError(f"{what} did not come in {PATIENCE} s")
+
+
+@pytest.fixture
+def waiting():
+    return wait_for
+
+
+class Terminal:
+    """A pseudo terminal with a process in it."""
+
+    def __init__(self, arguments, columns=100, rows=40):
+        import termios
+
+        self._master, slave = os.openpty()
+        termios.tcsetwinsize(slave, (rows, columns))
+        environment = os.environ | {"TERM": "xterm-256color", "COLUMNS": "", "LINES": ""}
+        environment.pop("COLUMNS"), environment.pop("LINES"), environment.pop("NO_COLOR", None)
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "lrp_jupyter", *map(str, arguments)],
+            stdin=slave, stdout=slave, stderr=slave, env=environment, start_new_session=True,
+            preexec_fn=_take_terminal,
+        )  # fmt: skip
+        os.close(slave)
+        self.text = ""
+
+    def read(self):
+        """Read what is there."""
+        while select.select([self._master], [], [], 0)[0]:
+            try:
+                data = os.read(self._master, 65536)
+            except OSError:  # the process has gone
+                break
+            if not data:
+                break
+            self.text += data.decode(errors="replace")
+        return self.text
+
+    def wait_for(self, text):
+        """Wait until a text was written after the last one; forget what came before it."""
+        wait_for(lambda: text in self.read(), f"{text!r} (there is {self.text[-2000:]!r})")
+        self.text = self.text.partition(text)[2]
+
+    def press(self, keys):
+        os.write(self._master, keys.encode())
+
+    def end(self):
+        """Wait for the end; the exit code."""
+        wait_for(lambda: (self.read(), self.process.poll() is not None)[1], "the end")
+        return self.process.returncode
+
+    def close(self):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.wait()
+        os.close(self._master)
+
+
+def _take_terminal():
+    import fcntl
+    import termios
+
+    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
+
+
+@pytest.fixture
+def terminal():
+    started = []
+
+    def start(*arguments, **options):
+        started.append(Terminal(arguments, **options))
+        return started[-1]
+
+    yield start
+    for each in started:
+        each.close()
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    """Be in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return Path()

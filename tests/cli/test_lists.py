@@ -1,0 +1,86 @@
+import json
+from importlib.metadata import version
+
+import pytest
+
+from lrp_jupyter import programs
+from lrp_jupyter.live.grade import challenges
+from lrp_jupyter.sim.worlds import BUNDLED, load
+
+
+def _first_words(text):
+    return [line.split("   ")[0].strip() for line in text.splitlines()[1:]]
+
+
+def test_the_version_is_said(lrp):
+    assert lrp("--version").stdout == f"lrp {version('lrp-jupyter')}\n"
+
+
+def test_every_program_is_listed_with_its_world(lrp):
+    text = lrp("programs").stdout
+    assert _first_words(text) == list(programs.names())
+    assert "line" in next(line for line in text.splitlines() if line.startswith("follower "))
+
+
+def test_the_text_of_a_program_is_printed_to_the_letter(lrp):
+    assert lrp("programs", "--show", "exit").stdout == programs.load("exit")
+    result = lrp("programs", "--show", "exti")
+    assert (result.exit_code, result.stderr.startswith("lrp: there is no bundled program")) == (2, True)
+
+
+def test_every_world_is_listed(lrp):
+    assert _first_words(lrp("worlds").stdout) == list(BUNDLED)
+
+
+def test_a_world_is_drawn_and_is_to_be_had_as_json(lrp, tmp_path):
+    drawn = lrp("worlds", "--show", "line").stdout
+    assert "#" in drawn
+    assert "→" in drawn
+    assert "zones: near, far" in drawn
+    text = lrp("worlds", "--json", "line").stdout
+    path = tmp_path / "mine.json"
+    path.write_text(text)
+    assert load(path) == load("line")
+    assert lrp("worlds", "--show", path).stdout.splitlines()[1:] == drawn.splitlines()[1:]
+    assert json.loads(text)["version"] == 1
+
+
+@pytest.mark.parametrize("option", ["--show", "--json"])
+def test_an_unknown_world_is_a_sentence(lrp, option):
+    result = lrp("worlds", option, "lin")
+    assert result.exit_code == 2
+    assert "did you mean 'line'?" in result.stderr
+
+
+def test_every_bridge_is_listed_with_what_it_is(lrp):
+    text = lrp("bridges").stdout
+    assert {"none", "sim"} <= set(_first_words(text))
+    assert "A robot in a simulated world." in text
+
+
+def test_challenges_are_listed_when_none_is_named(lrp):
+    result = lrp("grade")
+    assert (result.exit_code, _first_words(result.stdout)) == (0, [each.name for each in challenges()])
+    result = lrp("grade", "follower")
+    assert result.exit_code == 2
+    assert "--challenge" in result.stderr
+
+
+def test_a_good_program_passes_with_every_seed(lrp):
+    result = lrp("grade", "follower", "--challenge", "there-and-back", "--seeds", "2")
+    assert result.exit_code == 0
+    assert result.stdout.startswith("follower, there and back: passed")
+
+
+def test_a_bad_program_fails_with_reasons(lrp, program):
+    path = program("(machine m (state idle)) (spawn m idle)")
+    result = lrp("grade", path, "--challenge", "first move")
+    assert result.exit_code == 1
+    assert "✗ drives at least 0.3 m" in result.stdout
+    assert "Hint: " in result.stdout
+
+
+def test_an_unknown_challenge_is_a_sentence(lrp):
+    result = lrp("grade", "follower", "--challenge", "frst move")
+    assert result.exit_code == 2
+    assert "Did you mean `first move`?" in result.stderr

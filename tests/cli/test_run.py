@@ -1,0 +1,306 @@
+"""``lrp run`` within this process: options, plain lines, traces, exit codes."""
+
+import json
+import os
+import signal
+from typing import ClassVar
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.panel import Panel, Question
+
+COUNT = """(var n := [0])
+(machine counter
+  (state one (running [n += 1]))
+  (state two (onentry [print("two at", n)]))
+  (ontime 300 one -> two go))
+(spawn counter one)
+"""
+FAULTY = """(machine m
+  (state a (running [1 / 0]))
+  (state b)
+  (ontime 500 a -> b))
+(spawn m a)
+"""
+
+
+def trace_of(result):
+    return [json.loads(line) for line in result.stdout.splitlines()]
+
+
+def test_a_run_is_told_line_by_line(lrp, program):
+    result = lrp("run", program(COUNT), "--speed", "max", "--for", "1", "--bridge", "none")
+    assert result.exit_code == 0
+    assert result.stdout.splitlines()[:-1] == [
+        "     0.0 s  counter/one",
+        "     0.3 s  counter/two  (go)",
+        "two at 2",
+    ]
+    assert result.stdout.splitlines()[-1].startswith("my: 1.0 s, 10 ticks; counter/two active; ")
+    assert result.stdout.endswith("times real time\n")
+
+
+def test_a_run_beside_a_clock_ends_in_time(lrp, program):
+    result = lrp("run", program(COUNT), "--for", "0.5", "--bridge", "none", "--trace", "-")
+    assert result.exit_code == 0
+    assert max(line["time"] for line in trace_of(result)) < 0.5
+    assert "times real time" not in result.stderr
+
+
+def test_a_trace_has_a_line_for_every_event_and_stdout_has_nothing_else(lrp, program):
+    result = lrp("run", program(COUNT), "--speed", "max", "--for", "0.35", "--bridge", "none", "--trace", "-")
+    assert trace_of(result) == [
+        {"tick": 1, "time": 0.0, "event": "started"},
+        {"tick": 1, "time": 0.0, "event": "spawned", "machine": "counter"},
+        {"tick": 1, "time": 0.0, "event": "entered", "state": "counter/one"},
+        {"tick": 1, "time": 0.0, "event": "changed", "variable": "n", "value": 0},
+        {"tick": 2, "time": 0.1, "event": "changed", "variable": "n", "value": 1},
+        {"tick": 3, "time": 0.2, "event": "changed", "variable": "n", "value": 2},
+        {"tick": 4, "time": 0.3, "event": "left", "state": "counter/one"},
+        {"tick": 4, "time": 0.3, "event": "fired", "machine": "counter", "transition": "go",
+         "source": "one", "destination": "two"},
+        {"tick": 4, "time": 0.3, "event": "entered", "state": "counter/two"},
+    ]  # fmt: skip
+    assert result.stderr.splitlines()[0] == "two at 2"
+
+
+def test_a_trace_goes_into_a_file_as_well(lrp, program, tmp_path):
+    path = tmp_path / "trace.jsonl"
+    lrp("run", program(COUNT), "--speed", "max", "--for", "1", "--trace", path)
+    assert len(path.read_text().splitlines()) == 9
+
+
+@pytest.mark.parametrize("name", ["follower", "two-machines"])
+def test_two_runs_have_the_same_trace(lrp, name):
+    arguments = (
+        "run",
+        name,
+        "--speed",
+        "max",
+        "--for",
+        "20",
+        "--seed",
+        "5",
+        "--noise",
+        "motor=0.1",
+        "--trace",
+        "-",
+    )
+    first, second, other = (
+        lrp(*arguments).stdout,
+        lrp(*arguments).stdout,
+        lrp(*arguments, "--seed", "6").stdout,
+    )
+    assert first == second
+    assert (name == "follower") == (first != other)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_the_papers_constants_lead_there_and_back_with_noise(lrp, seed):
+    result = lrp(
+        "run", "follower-paper", "--world", "line", "--speed", "max", "--for", "300", "--until", "end",
+        "--seed", seed, "--noise", "motor=0.02", "--noise", "light=5", "--trace", "-",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.stderr
+    assert trace_of(result)[-1]["state"] == "follower/end"
+    bumps = [line["destination"] for line in trace_of(result) if line["event"] == "fired"]
+    assert bumps.count("bumpback") == 1
+
+
+def test_a_run_until_a_state_ends_in_it(lrp, program):
+    result = lrp("run", program(COUNT), "--speed", "max", "--until", "counter/two", "--trace", "-")
+    assert (result.exit_code, trace_of(result)[-1]["state"]) == (0, "counter/two")
+    result = lrp("run", program(COUNT), "--until", "two", "--trace", "-")  # beside a clock
+    assert (result.exit_code, trace_of(result)[-1]["state"]) == (0, "counter/two")
+
+
+def test_a_state_that_does_not_come_is_a_failure(lrp, program):
+    assert lrp("run", program(COUNT), "--speed", "max", "--until", "two", "--for", "0.2").exit_code == 1
+
+
+@pytest.mark.parametrize("variable", ["forward", "maxlook"])
+def test_a_variable_begins_with_another_value(lrp, variable):
+    result = lrp(
+        "run", "follower", "--speed", "max", "--for", "1", "--set", f"{variable}=7 * 10", "--trace", "-"
+    )
+    first = next(line for line in trace_of(result) if line.get("variable") == variable)
+    assert first["value"] == 70
+
+
+def test_a_variable_of_a_nested_machine_is_set_by_its_path_or_its_only_name(lrp):
+    path = "follower/looking/lookalgo/time"
+    for name in (path, "time"):
+        result = lrp(
+            "run", "follower", "--speed", "max", "--for", "1", "--set", f"{name}=3 * maxlook", "--trace", "-"
+        )
+        values = [line["value"] for line in trace_of(result) if line.get("variable") == path]
+        assert values[0] == 600
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--set", "serch=1"], "did you mean `search`?"),
+        (["--set", "search"], "takes NAME=VALUE"),
+        (["--set", "search="], "it is empty"),
+        (["--set", "search=1 +"], "is not Python"),
+        (["--speed", "fast"], "a factor such as 2"),
+        (["--speed", "-1"], "above 0"),
+        (["--rate", "-1"], "greater than or equal to 0"),
+        (["--for", "soon"], "unable to parse"),
+        (["--noise", "motor=much"], "takes a number"),
+        (["--noise", "moter=1"], "There is no noise `moter`"),
+        (["--world", "lin"], "did you mean 'line'?"),
+        (["--world", "no.json"], "cannot be read"),
+        (["--bridge", "simm"], "There is no bridge `simm`"),
+        (["--bridge", "none", "--world", "line"], "--world is for the simulator"),
+        (["--bridge", "none", "--option", "port=1"], "no `port`"),
+        (["--bridge", "sim", "--host", "10.0.0.1"], "no option `host`"),
+        (["--until", "ende"], "did you mean `end`?"),
+        (["--watch"], "--watch needs a file of your own"),
+        (["--trace", "no/such/folder"], "no such file or directory"),
+        (["--on-issue", "panic"], "panic"),
+    ],
+)
+def test_what_cannot_be_meant_is_a_sentence_and_exit_code_2(lrp, arguments, sentence):
+    result = lrp("run", "follower", "--speed", "max", "--for", "1", *arguments)
+    assert result.exit_code == 2
+    assert sentence in " ".join(result.stderr.replace("│", " ").split())
+    assert "Traceback" not in result.stderr
+
+
+def test_a_text_that_is_no_program_is_shown_with_its_errors_and_does_not_run(lrp, program):
+    result = lrp("run", program("(machine m\n(spawn m a)"))
+    assert (result.exit_code, result.stdout) == (1, "")
+    assert "LRP101" in result.stderr
+    assert "^" in result.stderr
+
+
+def test_the_findings_of_a_program_are_shown_and_it_runs(lrp, program):
+    text = COUNT.replace("one -> two", "one -> twoo")
+    result = lrp("run", program(text), "--speed", "max", "--for", "1")
+    assert result.exit_code == 0
+    assert "LRP303" in result.stdout
+    assert "LRP604 line 5" in result.stdout
+
+
+def test_an_issue_is_shown_once_at_its_place(lrp, program):
+    result = lrp("run", program(FAULTY), "--speed", "max", "--for", "1")
+    assert result.exit_code == 0
+    assert result.stdout.count("issue LRP601 line 2") == 1
+    assert "    2 |   (state a (running [1 / 0]))\n" in result.stdout
+    assert "; 1 issue; " in result.stdout
+
+
+@pytest.mark.parametrize("speed", ["max", "1"])
+def test_an_issue_ends_the_run_when_nobody_could_let_it_go_on(lrp, program, speed):
+    result = lrp("run", program(FAULTY), "--speed", speed, "--for", "30", "--on-issue", "pause")
+    assert result.exit_code == 1
+    assert "ZeroDivisionError" in result.stdout
+    assert "0.1 s, 2 ticks" in result.stdout
+
+
+def test_what_the_robot_has_to_say_is_told_once(lrp, program):
+    text = "(machine m (state a (onentry [robot.move(linear=0.1)]))) (spawn m a)"
+    result = lrp("run", program(text), "--speed", "max", "--for", "3")
+    assert result.stdout.count("no command for 0.5 s: put `move` in `running`") == 1
+
+
+def test_the_text_itself_says_where_it_runs(lrp, program, tmp_path):
+    (tmp_path / "mine.json").write_text(lrp("worlds", "--json", "boxes").stdout)
+    look = "(machine m (state a (onentry [print(robot.distance.data)]))) (spawn m a)"
+    near = lrp("run", program(f"; world: mine.json\n{look}"), "--speed", "max", "--for", "0.2").stdout
+    assert float(near.splitlines()[1]) < 1
+    other = lrp(
+        "run", program(f"; world: boxes\n{look}"), "--world", "empty", "--speed", "max", "--for", "0.2"
+    ).stdout
+    assert float(other.splitlines()[1]) > 1
+    none = lrp("run", program(f"; world: none\n{look}"), "--speed", "max", "--for", "0.2").stdout
+    assert "the bridge `none` offers no members" in none
+
+
+def test_modules_beside_the_file_can_be_imported(lrp, program, tmp_path):
+    (tmp_path / "beside.py").write_text("ANSWER = 42")
+    text = "(var n := [import beside; beside.ANSWER]) (machine m (state a (onentry [print(n)]))) (spawn m a)"
+    assert "42" in lrp("run", program(text), "--speed", "max", "--for", "0.2").stdout.splitlines()
+
+
+def test_rate_0_ticks_with_every_step_of_the_world(lrp, program):
+    result = lrp("run", program(COUNT), "--rate", "0", "--speed", "max", "--for", "0.2")
+    assert "0.2 s, 20 ticks" in result.stdout
+
+
+# -- hardware
+
+
+class Recorder(Bridge):
+    """A bridge to a robot that only remembers."""
+
+    name = "recorder"
+    log: ClassVar = []
+    interrupt_after = 3
+
+    def __init__(self, port=1, host=None):
+        self.log.append(("made", port, host))
+
+    def open_interface(self):
+        self.add_method("move", self.move)
+        return Panel("recorder", questions=(Question("name", "How is it called?"),))
+
+    def move(self, linear=0.0):
+        if linear:
+            self.log.append(("move", linear))
+        if len([entry for entry in self.log if entry[0] == "move"]) == self.interrupt_after:
+            os.kill(os.getpid(), signal.SIGINT)
+
+    def answer(self, key, value):
+        if key != "name":
+            super().answer(key, value)
+        self.log.append(("answer", key, value))
+
+    def stop(self):
+        self.log.append(("stop",))
+
+    def close_interface(self):
+        self.log.append(("close",))
+
+
+DRIVE = "(machine m (state a (running [robot.move(linear=0.1)]))) (spawn m a)"
+
+
+def test_hardware_that_is_named_is_armed_and_ctrl_c_stops_it(lrp, program):
+    Recorder.log.clear()
+    result = lrp(
+        "run", program(DRIVE), "--bridge", "recorder", "--option", "port=7", "--option", "name=Robbie"
+    )
+    assert result.exit_code == 130
+    log = Recorder.log
+    assert log[:2] == [("made", 7, None), ("answer", "name", "Robbie")]
+    moves = [place for place, entry in enumerate(log) if entry[0] == "move"]
+    assert len(moves) >= 3
+    assert ("stop",) in log[moves[-1] :]
+    assert log[-1] == ("close",)
+    assert "`recorder` is armed" in result.stdout
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["--option", "colour=red"], "asks no `colour`"),
+        (["--option", "port=seven"], "is not a number"),
+        (["--speed", "2"], "moves in real time"),
+        (["--seed", "2"], "--seed is for the simulator"),
+    ],
+)
+def test_what_a_robot_does_not_take_is_a_sentence(lrp, program, arguments, sentence):
+    result = lrp("run", program(DRIVE), "--bridge", "recorder", *arguments)
+    assert result.exit_code == 2
+    assert sentence in " ".join(result.stderr.replace("│", " ").split())
+
+
+def test_the_address_of_a_robot_has_an_option_of_its_own(lrp, program):
+    Recorder.log.clear()
+    lrp("run", program(DRIVE), "--bridge", "recorder", "--host", "10.0.0.1", "--for", "0.1")
+    assert Recorder.log[0] == ("made", 1, "10.0.0.1")
