@@ -126,6 +126,15 @@ describe("the editor", () => {
   });
 });
 
+it("a text with other line ends is taken with those", () => {
+  page.deliver(answer({ seq: 0, text: "(machine m)\r\n(spawn m a)\r\n" }));
+  expect(page.editor.state.doc.lines).toBe(3);
+  page.deliver(answer({ seq: 0, text: "a\nb\nc\nd" }));
+  expect(page.editor.state.doc.lines).toBe(4);
+  page.type("x");
+  expect(page.of("text").at(-1)?.text).toBe("xa\nb\nc\nd");
+});
+
 describe("the page", () => {
   it("has the names that tests and themes use", () => {
     for (const part of ["controls", "editor", "tree", "graph", "variables", "issues", "world"])

@@ -126,19 +126,9 @@ export class Editor {
 
   /** The text of a session that this view did not know; `running` is the program's. */
   begin(text: string, running: string): void {
-    const separator = lineSeparator(text);
-    if (!this.began || (this.text !== text && !this.connection.inFlight)) {
-      const name = this.lab.store.state.name;
-      const selection = this.began ? this.view.state.selection.main.head : rememberedCursor(name);
-      const extensions: Extension[] = [this.extensions()];
-      if (separator) extensions.push(EditorState.lineSeparator.of(separator));
-      if (!this.began) this.view.setState(EditorState.create({ doc: text, extensions }));
-      else adopt(this.view, text);
-      this.began = true;
-      const head = Math.min(selection, this.view.state.doc.length);
-      this.view.dispatch({ selection: { anchor: head } });
-      reveal(this.view, head);
-    }
+    if (!this.began) this.open(text, rememberedCursor(this.lab.store.state.name));
+    else if (this.text !== text && !this.connection.inFlight) this.put(text);
+    this.began = true;
     forceParsing(this.view, this.view.state.doc.length, PARSE_FOR);
     this.answered.begin(this.view.state.toText(text));
     this.onItsWay.take(this.answered);
@@ -146,10 +136,27 @@ export class Editor {
     if (this.text === running) this.running.begin(this.view.state.doc);
   }
 
+  private put(text: string): void {
+    const separator = lineSeparator(text);
+    const same = !/[\r\n]/.test(text) || (separator ?? "\n") === this.view.state.lineBreak;
+    if (same) adopt(this.view, text);
+    else this.open(text, this.view.state.selection.main.head); // an editor's line ends are for its life
+  }
+
+  private open(text: string, cursor: number): void {
+    const separator = lineSeparator(text);
+    const extensions: Extension[] = [this.extensions()];
+    if (separator) extensions.push(EditorState.lineSeparator.of(separator));
+    this.view.setState(EditorState.create({ doc: text, extensions }));
+    const head = Math.min(cursor, this.view.state.doc.length);
+    this.view.dispatch({ selection: { anchor: head } });
+    reveal(this.view, head);
+  }
+
   /** A text came from elsewhere: another view, a rename, a cell. What is typed here is newer and stays. */
   take(text: string): void {
     if (!this.connection.inFlight) {
-      adopt(this.view, text);
+      this.put(text);
       this.onItsWay.begin(this.view.state.doc);
     }
   }

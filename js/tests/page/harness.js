@@ -16,7 +16,9 @@ let number = 1;
 let credit = 3;
 let playing = options.get("case") !== "paused";
 let at = 0;
-const state = { settings: { hold: false, on_active_edit: "restart", pause_on_issue: false } };
+const state = {
+  settings: { hold: options.get("case") === "hold", on_active_edit: "restart", pause_on_issue: false },
+};
 
 const deliver = (message, buffers = []) => {
   for (const listener of listeners) listener({ view, ...message }, buffers);
@@ -64,7 +66,7 @@ const cases = {
     printed: { first: 0, lines: ["light 212", "light 180", "on the line"] },
   },
   busy: {},
-  hold: { settings: { ...state.settings, hold: true } },
+  hold: { settings: state.settings },
 };
 
 function answer(message) {
