@@ -80,6 +80,7 @@ class SimPicture:
 
 
 class _Moment(NamedTuple):
+    simulation: Simulation
     world: Moment
     motion: tuple[str, float | None]  # the command watchdog is part of the run too
     stopping: bool
@@ -220,7 +221,7 @@ class SimBridge(Bridge):
 
     def moment(self) -> object:
         """Name this moment of the world."""
-        return _Moment(self.simulation.moment, self.safety.motion, self._stopping)
+        return _Moment(self.simulation, self.simulation.moment, self.safety.motion, self._stopping)
 
     def rewind(self, moment: object) -> None:
         """Bring the world back to a moment, exactly: what follows is what followed then.
@@ -232,6 +233,8 @@ class SimBridge(Bridge):
         """
         if not isinstance(moment, _Moment):
             raise BridgeError(f"{moment!r} is no moment of the simulated world.")
+        if moment.simulation is not self.simulation:
+            raise BridgeError("That was in another world: one cannot go back behind a change of worlds.")
         try:
             self.simulation.rewind(moment.world)
         except ValueError as error:

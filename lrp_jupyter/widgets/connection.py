@@ -43,7 +43,7 @@ PATIENCE = 1.0
 """Wall seconds after which a command that is not carried out is answered with the reason."""
 _LATE = 0.25  # s after which a text is answered though it is not applied yet
 _HEARTBEAT = 1.0
-_URGENT, _CALM, _POSES, _WORLD = 0.030, 0.066, 0.040, 0.1  # s between two of a kind, at least
+_URGENT, _CALM, _POSES, _WORLD = 0.030, 0.1, 0.040, 0.1  # s between two of a kind, at least
 _ROUND, _REST = 1 / 60, 0.1  # s between two looks while something runs, and while nothing does
 _REFRESH, _REFRESH_HARDWARE = 0.2, 1.0  # s between two readings of what no program reads
 

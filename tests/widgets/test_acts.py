@@ -133,6 +133,9 @@ def test_another_world_is_drawn_and_the_program_goes_on(lab, page):
     assert page.do("world", name="maze") is None
     assert page.last("world")["world"]["name"] == "maze"
     assert lab.session.frame.tick == 1
+    page.do("step", value=2)
+    assert "in another world" in page.do("step_back", value=3)
+    assert page.do("step_back", value=2) is None
     assert "no world" in page.do("world", name="paradise")
 
 
