@@ -74,12 +74,12 @@ def waiting():
 class Terminal:
     """A pseudo terminal with a process in it."""
 
-    def __init__(self, arguments, columns=100, rows=40):
+    def __init__(self, arguments, columns=100, rows=40, term="xterm-256color"):
         import termios
 
         self._master, slave = os.openpty()
         termios.tcsetwinsize(slave, (rows, columns))
-        environment = os.environ | {"TERM": "xterm-256color", "COLUMNS": "", "LINES": ""}
+        environment = os.environ | {"TERM": term, "COLUMNS": "", "LINES": ""}
         environment.pop("COLUMNS"), environment.pop("LINES"), environment.pop("NO_COLOR", None)
         self.process = subprocess.Popen(
             [sys.executable, "-m", "lrp_jupyter", *map(str, arguments)],

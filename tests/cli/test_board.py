@@ -1,0 +1,130 @@
+"""The live display: its lines, and the whole of it in a pseudo terminal."""
+
+import pytest
+
+from lrp_jupyter.cli.board import Look, board_text
+from lrp_jupyter.cli.map import columns_for
+from lrp_jupyter.live.session import Session
+
+NESTED = """(var speed := [0.2])
+(machine outer
+  (state a (onentry (spawn inner x)) (machine inner (var n := [3]) (state x)))
+  (state b (running [1 / 0]))
+  (ontime 300 a -> b))
+(machine other (state o))
+(spawn outer a) (spawn other o)
+"""
+
+
+def look_at(seconds, **more):
+    with Session(NESTED) as session:
+        session.run(seconds)
+        return Look(frame=session.frame, name="my", where="none", **more)
+
+
+def text_of(look, width=100, rows=None):
+    return [str(line).rstrip() for line in board_text(look, width, rows)]
+
+
+def test_every_active_state_has_a_line_with_its_machine_and_since_when():
+    lines = text_of(look_at(0.25, since={("outer", "a"): 0.0, ("other", "o"): 0.1}))
+    assert lines[3].split() == ["outer", "a", "0.2", "s"]
+    assert lines[4].split() == ["inner", "x"]
+    assert lines[4].startswith("  inner")
+    assert lines[5].split()[:2] == ["other", "o"]
+
+
+def test_variables_have_short_names_and_values():
+    lines = text_of(look_at(0.2))
+    assert ["speed", "0.2"] in [line.split() for line in lines]
+    assert ["inner/n", "3"] in [line.split() for line in lines]
+
+
+def test_nothing_jumps_when_states_and_variables_go():
+    rows = {}
+    before = text_of(look_at(0.2), rows=rows)
+    after = text_of(look_at(0.4), rows=rows)
+    assert before.index(next(line for line in before if "speed" in line)) == after.index(
+        next(line for line in after if "speed" in line)
+    )
+
+
+def test_an_issue_is_shown_with_its_line_and_a_caret():
+    lines = text_of(look_at(1))
+    place = next(number for number, line in enumerate(lines) if "LRP601" in line)
+    assert "4:22" in lines[place]
+    assert "(6 times)" in lines[place]
+    assert lines[place + 1] == "    4 |   (state b (running [1 / 0]))"
+    assert lines[place + 2].endswith("^")
+
+
+def test_the_map_stands_beside_in_a_wide_terminal_and_below_in_a_narrow_one():
+    look = look_at(0.1, map=["  →", "###"])
+    wide, narrow = text_of(look, 100), text_of(look, 60)
+    assert any("outer" in line and "┌───┐" in line for line in wide)
+    assert "┌───┐" in narrow
+    assert all(len(line) < 60 for line in narrow)
+
+
+def test_the_header_says_what_is_unusual():
+    from dataclasses import replace
+
+    look = look_at(0.1)
+    frame = replace(look.frame, status="hung", reason="`a` has run for 2 s", restarts=2, achieved_speed=0.5)
+    (header,) = [line for line in text_of(replace(look, frame=frame)) if "tick" in line]
+    for words in ("my", "0.1 s", "tick 1", "0.5x real time", "2 restarts", "hung: `a` has run for 2 s"):
+        assert words in header
+
+
+def test_a_map_fits_into_its_room():
+    assert columns_for((3, 1), 72, 30) == 72
+    assert columns_for((3, 1), 72, 5) == 30
+    assert columns_for((1, 3), 72, 1) == 1
+
+
+# -- in a terminal
+
+
+def test_the_board_shows_a_run_and_obeys_the_keys(terminal):
+    run = terminal("run", "follower", "--speed", "4")
+    for words in ("▶ follower", "lookalgo", "┌──", "lightlim", "space: pause"):
+        run.wait_for(words)
+    run.press(" ")
+    run.wait_for("⏸ follower")
+    run.press("s")
+    run.wait_for("⏸ follower")
+    run.press("r")
+    run.wait_for("1 restart")
+    run.press("q")
+    run.wait_for("\x1b[?25h")  # the cursor is back
+    run.wait_for("active\r\n")
+    assert run.end() == 0
+
+
+@pytest.mark.parametrize("speed", ["1", "max"])
+def test_ctrl_c_in_a_terminal_ends_the_run(terminal, speed):
+    run = terminal("run", "two-machines", "--speed", speed, columns=60, rows=20)
+    run.wait_for("two-machines")
+    run.wait_for("hand")
+    run.press("\x03")
+    run.wait_for("ticks; ")
+    assert run.end() == 130
+
+
+def test_what_is_said_scrolls_above_the_board(terminal, program):
+    path = program('(machine m (state a (onentry [print("hello", 6 * 7)]))) (spawn m a)')
+    run = terminal("run", path, "--watch")
+    run.wait_for("hello 42")
+    path.write_text("(machine")
+    run.wait_for("saved: not a program; the last one runs on")
+    run.wait_for("LRP101")
+    run.wait_for("▶ my")
+    run.press("q")
+    assert run.end() == 0
+
+
+def test_a_dumb_terminal_gets_plain_lines(terminal):
+    run = terminal("run", "exit", "--speed", "max", "--for", "5", term="dumb")
+    run.wait_for("walker/walking")
+    assert run.end() == 0
+    assert "┌──" not in run.read()

@@ -1,0 +1,116 @@
+"""``lrp run`` as a process of its own: signals, pipes, saves of the file."""
+
+import json
+import os
+import signal
+
+import pytest
+
+WAIT = "(machine m (state a (running [robot.move(linear=0.1)]))) (spawn m a)\n"
+
+
+def lines_of(path):
+    """The complete lines of a trace that is being written."""
+    text = path.read_text() if path.exists() else ""
+    return [json.loads(line) for line in text.rpartition("\n")[0].splitlines()]
+
+
+def events_of(path, kind):
+    return [line for line in lines_of(path) if line["event"] == kind]
+
+
+def test_two_processes_write_identical_traces(process):
+    arguments = ("run", "follower", "--world", "line", "--speed", "max", "--for", "300", "--trace", "-")
+    runs = [process(*arguments) for _ in range(2)]
+    (first, told), (second, _) = (run.communicate() for run in runs)
+    assert [run.returncode for run in runs] == [0, 0]
+    assert first == second
+    last = json.loads(first.splitlines()[-1])
+    assert (last["event"], last["state"]) == ("entered", "follower/end")
+    assert 35 < last["time"] < 60
+    assert "follower: 300.0 s, 3000 ticks; follower/end active; " in told
+    assert "times real time" in told
+
+
+@pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("speed", ["1", "max"])
+def test_a_signal_ends_the_run_cleanly(process, program, tmp_path, waiting, kind, speed):
+    trace = tmp_path / "trace.jsonl"
+    run = process("run", program(WAIT), "--speed", speed, "--trace", trace)
+    waiting(lambda: events_of(trace, "entered"), "the start")
+    run.send_signal(kind)
+    out, err = run.communicate()
+    assert (run.returncode, err) == (128 + kind, "")
+    assert out.splitlines()[-1].startswith("my: ")
+
+
+@pytest.mark.parametrize("speed", ["1", "max"])
+def test_ctrl_c_ends_a_block_that_does_not_return(process, program, speed):
+    text = """(machine m (state a (running [
+      import os, signal
+      os.kill(os.getpid(), signal.SIGINT)
+      while True: pass])))
+    (spawn m a)"""
+    run = process("run", program(text), "--speed", speed)
+    out, err = run.communicate()
+    assert (run.returncode, err) == (130, "")
+    assert "my: " in out
+
+
+def test_a_reader_that_goes_away_ends_the_run(process):
+    run = process("run", "two-machines", "--speed", "max", "--trace", "-")
+    assert json.loads(run.stdout.readline())["event"] == "started"
+    run.stdout.close()
+    assert run.wait() == 128 + signal.SIGPIPE
+    assert "Traceback" not in run.stderr.read()
+
+
+def test_every_save_changes_the_running_program(process, program, tmp_path, waiting):
+    text = "(var n := [1])\n" + WAIT
+    path, trace, told = program(text), tmp_path / "trace.jsonl", tmp_path / "told"
+    with told.open("w") as out:
+        run = process("run", path, "--watch", "--set", "n=5", "--trace", trace, stdout=out)
+    waiting(lambda: events_of(trace, "entered"), "the start")
+
+    path.write_text(text + "(var m := [n + 2])\n")
+    waiting(lambda: events_of(trace, "patched"), "the first save")
+    waiting(lambda: [e for e in events_of(trace, "changed") if e["variable"] == "m"], "the new variable")
+
+    path.write_text(text + "(var m := [7)\n")  # no program: nothing changes …
+    other = tmp_path / "other"
+    other.write_text(text.replace("0.1", "0.2"))
+    waiting(lambda: "LRP103" in told.read_text(), "the error")
+    os.replace(other, path)  # … and as many editors save
+    waiting(lambda: events_of(trace, "restarted"), "the restart")
+
+    run.send_signal(signal.SIGINT)
+    assert run.wait() == 130
+    values = [e["value"] for e in events_of(trace, "changed") if e["variable"] == "m"]
+    assert values == [7]  # 5 + 2: what was set stays set
+    out = told.read_text()
+    assert "saved: applied while it runs: variable `m` added" in out
+    assert "saved: not a program; the last one runs on" in out
+    assert "(var m := [7)\n" in out
+    assert "^" in out
+    assert "saved: restarted: `a` is active and its `running` changed" in out
+
+
+def test_a_file_that_is_no_program_yet_waits_for_its_first_save(process, program, tmp_path, waiting):
+    path, trace = program("(machine m"), tmp_path / "trace.jsonl"
+    run = process("run", path, "--watch", "--trace", trace)
+    assert "error LRP101" in run.stderr.readline()
+    path.write_text(WAIT)
+    waiting(lambda: [e for e in events_of(trace, "entered") if e["state"] == "m/a"], "the program")
+    run.send_signal(signal.SIGINT)
+    assert run.wait() == 130
+
+
+def test_a_save_lets_a_run_go_on_that_paused_at_an_issue(process, program, tmp_path, waiting):
+    bad = "(machine m (state a (running [1 / 0])) (state b) (ontime 500 a -> b)) (spawn m a)"
+    path, trace = program(bad), tmp_path / "trace.jsonl"
+    run = process("run", path, "--watch", "--on-issue", "pause", "--trace", trace)
+    waiting(lambda: events_of(trace, "issue"), "the issue")
+    path.write_text(bad.replace("1 / 0", "1 / 1"))
+    waiting(lambda: [e for e in events_of(trace, "entered") if e["state"] == "m/b"], "the next state")
+    run.send_signal(signal.SIGINT)
+    assert run.wait() == 130
