@@ -1,0 +1,145 @@
+"""A JupyterLab of its own: private directories, a free port of this machine, ended when it is left."""
+
+import json
+import os
+import shutil
+import socket
+import subprocess
+import sys
+import time
+from contextlib import contextmanager
+from importlib.util import find_spec
+from pathlib import Path
+from urllib.request import Request, urlopen
+
+FLAGS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
+DIRECTORIES = (
+    "JUPYTERLAB_SETTINGS_DIR",
+    "JUPYTERLAB_WORKSPACES_DIR",
+    "JUPYTER_CONFIG_DIR",
+    "JUPYTER_RUNTIME_DIR",
+    "JUPYTER_DATA_DIR",
+    "IPYTHONDIR",
+)
+QUIET = {
+    "@jupyterlab/apputils-extension/notification.jupyterlab-settings": {"fetchNews": "false"},
+    "@jupyterlab/docmanager-extension/plugin.jupyterlab-settings": {"autosave": False},
+}
+# jupyter_server leaves Nagle's algorithm on, which adds tens of milliseconds to each answer.
+CONFIG = """
+import socket
+from jupyter_server.services.kernels.websocket import KernelWebsocketHandler
+
+before = KernelWebsocketHandler.open
+
+async def open(self, *arguments, **options):
+    self.ws_connection.stream.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+    await before(self, *arguments, **options)
+
+KernelWebsocketHandler.open = open
+"""
+
+
+def chromium():
+    """Path of the browser, None if there is none."""
+    return shutil.which("chromium")
+
+
+def lacking():
+    """Say what this machine lacks; empty if nothing."""
+    missing = [name for name in ("jupyterlab", "notebook", "playwright") if find_spec(name) is None]
+    return ", ".join(missing + ([] if chromium() else ["chromium"]))
+
+
+class Server:
+    def __init__(self, url, root):
+        self.url, self.root = url, root
+
+    def api(self, path, method="GET"):
+        with urlopen(Request(f"{self.url}/api/{path}", method=method), timeout=20) as answer:
+            text = answer.read()
+        return json.loads(text) if text else None
+
+    def answers(self):
+        try:
+            return self.api("status") is not None
+        except OSError:
+            return False
+
+    def end_kernels(self):
+        for session in self.api("sessions"):
+            self.api(f"sessions/{session['id']}", "DELETE")
+
+    def write(self, name, cells):
+        """Write a notebook of code cells."""
+        cells = [
+            {
+                "cell_type": "code",
+                "id": f"cell-{index}",
+                "metadata": {},
+                "source": source,
+                "outputs": [],
+                "execution_count": None,
+            }
+            for index, source in enumerate(cells)
+        ]
+        kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(
+            json.dumps(
+                {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
+            )
+        )
+        return path
+
+
+@contextmanager
+def jupyter(home):
+    """Run a server of JupyterLab and Notebook in a directory of its own."""
+    root = home / "notebooks"
+    root.mkdir()
+    env = {**os.environ, **{name: str(home / name.lower()) for name in DIRECTORIES}, "PYTHONWARNINGS": ""}
+    env.pop("JUPYTER_PATH", None)
+    for name in DIRECTORIES:
+        Path(env[name]).mkdir()
+    (Path(env["JUPYTER_CONFIG_DIR"]) / "jupyter_server_config.py").write_text(CONFIG)
+    for name, settings in QUIET.items():
+        file = Path(env["JUPYTERLAB_SETTINGS_DIR"]) / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(json.dumps(settings))
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        port = free.getsockname()[1]
+    command = [
+        *(sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root"),
+        *("--ServerApp.ip=127.0.0.1", f"--ServerApp.port={port}", "--ServerApp.port_retries=0"),
+        *("--IdentityProvider.token=", "--ServerApp.password=", "--ServerApp.disable_check_xsrf=True"),
+        *(f"--ServerApp.root_dir={root}", "--ServerApp.answer_yes=True"),
+        *("--LabApp.expose_app_in_browser=True", "--JupyterNotebookApp.expose_app_in_browser=True"),
+    ]
+    with (home / "log").open("w") as log:
+        process = subprocess.Popen(command, env=env, stdout=log, stderr=subprocess.STDOUT)
+        server = Server(f"http://127.0.0.1:{port}", root)
+        try:
+            end = time.monotonic() + 90
+            while not server.answers():
+                assert process.poll() is None, f"JupyterLab ended: {(home / 'log').read_text()[-2000:]}"
+                assert time.monotonic() < end, "JupyterLab does not answer"
+                time.sleep(0.1)
+            yield server
+        finally:
+            process.terminate()  # it ends its kernels
+            try:
+                process.wait(20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()

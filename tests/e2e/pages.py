@@ -1,0 +1,200 @@
+"""A notebook and a lab in a page, as a person works with them: by pointer and keyboard, by what is shown."""
+
+APP = "window.jupyterapp?.shell?.currentWidget"
+
+
+def close_all(page):
+    """Close everything in JupyterLab without asking; tell whether it can be gone on with."""
+    if page.is_closed() or "/lab" not in page.url:
+        return False
+    page.evaluate(
+        "() => { localStorage.clear();"
+        " for (const widget of [...jupyterapp.shell.widgets('main')]) widget.dispose(); }"
+    )
+    return page.locator("dialog, .jp-Dialog").count() == 0
+
+
+class NotebookPage:
+    """A notebook that is open in a browser."""
+
+    def __init__(self, page, server, name):
+        self.page, self.server, self.name = page, server, name
+        self.path = server.root / name
+
+    def show(self, app="lab/tree"):
+        """Open it; JupyterLab that is there already stays."""
+        if app == "lab/tree" and self.page.url.startswith(f"{self.server.url}/lab"):
+            self.command("docmanager:open", path=self.name)
+        else:
+            self.page.goto(f"{self.server.url}/{app}/{self.name}{'?reset' if app == 'lab/tree' else ''}")
+        return self.ready()
+
+    def ready(self):
+        """Wait until the kernel listens."""
+        self.page.wait_for_function(
+            f"path => {APP}?.context?.path === path && {APP}.sessionContext?.session?.kernel?.status === 'idle'",
+            arg=self.name,
+        )
+        return self
+
+    def command(self, name, **arguments):
+        self.page.evaluate("([name, args]) => jupyterapp.commands.execute(name, args)", [name, arguments])
+
+    def begin_cell(self, index):
+        """Run a cell, and do not wait for its end."""
+        self.page.evaluate(
+            f"index => {{ const notebook = {APP}.content; notebook.deselectAll();"
+            " notebook.activeCellIndex = index; void jupyterapp.commands.execute('notebook:run-cell'); }",
+            index,
+        )
+
+    def run_cell(self, index):
+        """Run a cell to its end."""
+        before = self.count(index)
+        self.begin_cell(index)
+        self.page.wait_for_function(
+            f"([index, before]) => {APP}.content.widgets[index].model.executionCount > before",
+            arg=[index, before],
+        )
+
+    def count(self, index):
+        return self.page.evaluate(f"index => {APP}.content.widgets[index].model.executionCount ?? 0", index)
+
+    def write_cell(self, index, source):
+        self.page.evaluate(
+            f"([index, source]) => {APP}.content.widgets[index].model.sharedModel.setSource(source)",
+            [index, source],
+        )
+
+    def output(self, index):
+        """Everything that a cell shows as text."""
+        return self.page.locator(".jp-CodeCell").nth(index).locator(".jp-OutputArea").inner_text()
+
+    @property
+    def kernel_status(self):
+        return self.page.evaluate(f"{APP}.sessionContext.session.kernel.status")
+
+    def save(self):
+        self.command("docmanager:save")
+        self.page.wait_for_function(f"!{APP}.context.model.dirty")
+
+    def lab(self, index=0):
+        return LabPage(self.page, index)
+
+
+class LabPage:
+    """One lab in a page; what it knows, it reads there."""
+
+    def __init__(self, page, index=0, root='[data-lrp="lab"]'):
+        self.page = page
+        self.root = page.locator(root).nth(index)
+
+    def ready(self, status="running"):
+        self.sees(f'css=:scope[data-lrp-status="{status}"]')
+        return self
+
+    # -- what is there ---------------------------------------------------------------------------
+
+    def find(self, selector):
+        return self.root.locator(selector)
+
+    def sees(self, selector):
+        """Wait until something is there, and give it."""
+        found = self.find(selector).first
+        found.wait_for(state="attached")
+        return found
+
+    def misses(self, selector):
+        """Wait until something is not there."""
+        self.find(selector).first.wait_for(state="detached")
+
+    def until(self, condition, selector=":scope", argument=None):
+        """Wait until ``condition(element, argument)``, a function of JavaScript, holds."""
+        self.sees(selector)
+        element = self.root.element_handle()
+        self.page.wait_for_function(
+            f"([root, selector, argument]) => {{ const find = s => s === ':scope' ? root : root.querySelector(s);"
+            f" const element = find(selector); return element && ({condition})(element, argument); }}",
+            arg=[element, selector, argument],
+        )
+
+    def reads(self, selector, text):
+        """Wait until something has this text."""
+        self.until("(element, text) => element.textContent.includes(text)", selector, text)
+
+    @property
+    def tick(self):
+        return int(self.root.get_attribute("data-lrp-tick"))
+
+    @property
+    def revision(self):
+        return int(self.root.get_attribute("data-lrp-revision"))
+
+    @property
+    def text(self):
+        """The program's text; all of a short one is drawn."""
+        return "\n".join(
+            self.find(".cm-line").evaluate_all(
+                "lines => lines.map(line => { const copy = line.cloneNode(true);"
+                " for (const extra of copy.querySelectorAll('.lrp-inline-value')) extra.remove();"
+                " return copy.textContent; })"
+            )
+        )
+
+    def goes_on(self):
+        """Wait until five more ticks are over."""
+        self.until("(root, tick) => Number(root.dataset.lrpTick) >= tick", argument=self.tick + 5)
+
+    def value(self, variable):
+        return self.find(f'[data-lrp-variable="{variable}"] .lrp-value').inner_text()
+
+    def has_value(self, variable, text):
+        self.until(
+            "(element, text) => element.textContent === text",
+            f'[data-lrp-variable="{variable}"] .lrp-value',
+            text,
+        )
+
+    def is_active(self, state):
+        return self.sees(f'[data-lrp-state="{state}"][data-active]')
+
+    # -- what is done ----------------------------------------------------------------------------
+
+    def do(self, action):
+        """Press a button."""
+        self.find(f'[data-lrp-action="{action}"]').first.click()
+
+    def pause(self):
+        self.do("pause")
+        self.ready("paused")
+        return self
+
+    def select(self, text):
+        """Select a piece of the program, by the editor's own search."""
+        self.find(".cm-content").focus()
+        self.page.keyboard.press("Control+f")
+        field = self.sees('.cm-search input[name="search"]')
+        field.fill(text)
+        field.press("End")  # it looks when a key comes up
+        field.press("Enter")
+        field.press("Escape")
+        self.misses(".cm-search")
+
+    def type_after(self, text, typed):
+        """Put the cursor behind a piece of the program and type."""
+        self.select(text)
+        self.page.keyboard.press("ArrowRight")
+        self.page.keyboard.type(typed)
+
+    def replace(self, text, typed):
+        """Select a piece of the program and type something else."""
+        self.select(text)
+        self.page.keyboard.type(typed)
+
+    def state(self, path):
+        """The box of a state."""
+        return self.sees(f'[data-lrp-state="{path}"] .lrp-box')
+
+    def choose(self, action):
+        """Choose an entry of the open menu."""
+        self.find(f'[role="menu"] [data-lrp-action="{action}"]').click()

@@ -1,0 +1,34 @@
+"""Programs that the tests open."""
+
+from pathlib import Path
+
+import lrp_jupyter
+
+FOLLOWER = (Path(lrp_jupyter.__file__).parent / "programs" / "follower.lrp").read_text()
+COUNTER = """\
+(var limit := [1000])
+(machine m
+  (var n := [0])
+  (event full [n > limit])
+  (state count (running [n = n + 1]))
+  (state rest)
+  (on full count -> rest tfull))
+(spawn m count)
+"""
+VISITS = """\
+(var visits := [0])
+(var steps := [0])
+(machine m
+  (state here (running [steps = steps + 1]))
+  (state there (onentry [visits = visits + 1]))
+  (on [steps < 0] here -> there tgo))
+(spawn m here)
+"""
+EYE = """\
+(machine m
+  (event dark [robot.light.data < 100])
+  (state off)
+  (state on)
+  (on dark off -> on seen))
+(spawn m off)
+"""
