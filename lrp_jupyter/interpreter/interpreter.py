@@ -41,7 +41,7 @@ from lrp_jupyter.interpreter.linker import BlockPlan, Plan, link, show_in_traceb
 from lrp_jupyter.interpreter.patching import Decision, Patch, Renaming, adopt, decide
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Scope, bind_block, content
-from lrp_jupyter.language.blocks import bind, compile_block
+from lrp_jupyter.language.blocks import bind, compile_block, facts_of
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Block, Element, Path, Program, path_text
@@ -337,8 +337,12 @@ class Interpreter:
         run = self._run
         self._advance(now)
         scope, name = find_variable(run, path)
-        ast.parse(expression.strip(), "<expression>", "eval")  # an expression, not statements
-        code = compile_block(Block(expression.strip()), frozenset(scope.cells), "<expression>")
+        text = expression.strip()
+        fault = facts_of(text).fault
+        if fault is not None:
+            raise SyntaxError(fault.message)
+        ast.parse(text, "<expression>", "eval")  # an expression, not statements
+        code = compile_block(Block(text), frozenset(scope.cells), "<expression>")
         value = bind(code, run.namespace, scope.cells)()
         scope.own[name].cell_contents = value
         self._done()

@@ -244,7 +244,15 @@ def test_a_variable_that_does_not_live_cannot_be_set(path):
 
 @pytest.mark.parametrize(
     ("expression", "error"),
-    [("1 +", SyntaxError), ("n = 3", SyntaxError), ("1 / 0", ZeroDivisionError), ("", SyntaxError)],
+    [
+        ("1 +", SyntaxError),
+        ("n = 3", SyntaxError),
+        ("", SyntaxError),
+        ("(yield)", SyntaxError),
+        ("n" + ".a" * 100_000, SyntaxError),
+        ("1 / 0", ZeroDivisionError),
+        ("nope", NameError),
+    ],
 )
 def test_an_expression_that_fails_leaves_the_variable(expression, error):
     i = started("(var n := [2])(machine m (state a))(spawn m a)")
