@@ -271,3 +271,20 @@ def bridges() -> None:
     from lrp_jupyter.cli.lists import list_bridges
 
     list_bridges()
+
+
+@app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
+def lab(
+    ctx: typer.Context,
+    folder: Annotated[
+        Path, typer.Option("--dir", metavar="FOLDER", help="Where the notebooks are copied to.")
+    ] = Path("lrp-notebooks"),
+    browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
+) -> None:
+    """Open JupyterLab on a copy of the notebooks, beginning with the first.
+
+    What you changed in the copies is left alone when you come again. Further options go to JupyterLab.
+    """
+    from lrp_jupyter.cli.lab import open_lab
+
+    open_lab(folder.resolve(), browser, ctx.args)

@@ -1,0 +1,70 @@
+"""``lrp lab`` copies the notebooks once, and opens JupyterLab on them."""
+
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from threading import Timer
+from time import monotonic
+
+import pytest
+
+from lrp_jupyter.cli.lab import FIRST, copy_notebooks, shipped_notebooks
+
+
+def test_the_notebooks_are_copied_once(tmp_path):
+    copied = copy_notebooks(tmp_path)
+    assert tmp_path / FIRST in copied
+    (tmp_path / FIRST).write_text("mine")
+    (tmp_path / "reference" / "language.ipynb").unlink()
+    assert copy_notebooks(tmp_path) == [tmp_path / "reference" / "language.ipynb"]
+    assert (tmp_path / FIRST).read_text() == "mine"
+
+
+def test_every_notebook_is_shipped():
+    assert len(list(shipped_notebooks().rglob("*.ipynb"))) >= 6
+
+
+def status(url):
+    """Status of an answer; the server says where it is a moment before it listens."""
+    deadline = monotonic() + 30
+    while True:
+        try:
+            with urllib.request.urlopen(url, timeout=30) as answer:
+                return answer.status
+        except urllib.error.URLError:
+            if monotonic() > deadline:
+                raise
+
+
+def test_the_lab_opens_on_the_first_notebook(tmp_path):
+    pytest.importorskip("jupyterlab")
+    private = {f"JUPYTER_{name}_DIR": str(tmp_path / name) for name in ("CONFIG", "DATA", "RUNTIME")}
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "lrp_jupyter", "lab", "--no-browser", "--dir", str(tmp_path / "work"),
+         f"--ServerApp.port={port}", "--IdentityProvider.token=t", "--ServerApp.ip=127.0.0.1"],
+        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=os.environ | private,
+    )  # fmt: skip
+    watchdog = Timer(120, process.kill)  # a server that says nothing must not hold the tests up
+    watchdog.start()
+    try:
+        url = None
+        for line in process.stdout:
+            if url := re.search(r"http://127\.0\.0\.1:\d+/lab/tree/\S+", line):
+                break
+        assert url is not None
+        assert FIRST in url[0]
+        contents = re.sub(r"/lab/tree/.*", f"/api/contents/{FIRST}?token=t", url[0])
+        assert status(contents) == 200
+    finally:
+        watchdog.cancel()
+        process.send_signal(signal.SIGTERM)
+        process.wait(30)
+        process.stdout.close()
