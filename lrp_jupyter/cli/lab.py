@@ -9,7 +9,6 @@ from pathlib import Path
 
 import typer
 
-import lrp_jupyter
 from lrp_jupyter.errors import LRPError
 
 __all__ = ["copy_notebooks", "open_lab", "shipped_notebooks"]
@@ -19,7 +18,7 @@ FIRST = "00-hello-live-robot.ipynb"
 
 def shipped_notebooks() -> Path:
     """Find the folder of notebooks: in the wheel, or in the checkout of who works on the package."""
-    package = Path(lrp_jupyter.__file__).parent
+    package = Path(__file__).parent.parent
     for folder in (package / "notebooks", package.parent / "notebooks"):
         if (folder / FIRST).is_file():
             return folder
