@@ -24,7 +24,7 @@ import os
 import threading
 from collections.abc import Mapping
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, Connection
 from lrp_jupyter.bridges.members import did_you_mean
@@ -33,18 +33,12 @@ from lrp_jupyter.bridges.nodes import Limits
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.ros_channel import Channel
 from lrp_jupyter.bridges.ros_link import Link, Transport
-from lrp_jupyter.bridges.ros_panel import Draft, draw
+from lrp_jupyter.bridges.ros_panel import Console
 from lrp_jupyter.bridges.ros_rosbridge import RosbridgeTransport
 from lrp_jupyter.bridges.ros_rospy import RospyTransport
-from lrp_jupyter.bridges.ros_setup import (
-    Wire,
-    check_type,
-    load_setup,
-    save_setup,
-    setup_as_dict,
-    setup_from_dict,
-)
+from lrp_jupyter.bridges.ros_setup import Wire, parse_address
 from lrp_jupyter.bridges.ros_types import Reading, RosMessage
+from lrp_jupyter.bridges.ros_wiring import Wiring
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
 __all__ = ["RosBridge"]
@@ -81,7 +75,7 @@ class RosBridge(Bridge):
 
     def __init__(
         self,
-        backend: Literal["rosbridge", "rospy"] | str = "rosbridge",
+        backend: str = "rosbridge",
         host: str | None = None,
         port: int | str | None = None,
         setup: str | os.PathLike[str] | Mapping[str, object] | None = None,
@@ -94,15 +88,14 @@ class RosBridge(Bridge):
                 f"There is no back end `{backend}`, only {names}.{did_you_mean(backend, _BACKENDS)}"
             )
         self.backend = backend
-        self._address = _address(host, port, _BACKENDS[backend])
+        self._address = parse_address(host, port, _BACKENDS[backend])
         self._patience = float(patience)
-        self._draft = Draft()
-        self._changing = threading.RLock()  # a person, the link and the loop may add members
-        self._channels: dict[str, Channel] = {}
-        self._link: Link | None = None
-        self._setup_path = ""
+        self._console = Console(self)
+        self.wiring = Wiring(self)
+        self.link: Link | None = None
+        self._in_tick = 0  # the thread of the tick that is under way: it must not wait
         if setup is not None:
-            self._take_setup(setup)
+            self.wiring.take(setup)
 
     # -- what is connected to what ----------------------------------------------------------------
 
@@ -122,7 +115,7 @@ class RosBridge(Bridge):
         BridgeError
             A name is illegal, the type unknown, or the topic carries another one.
         """
-        self._connect(Wire(variable, "subscription", topic, type))
+        self.connect(Wire(variable, "subscription", topic, type))
 
     def publish(self, variable: str, topic: str, type: str = "", limits: Limits | None = None) -> None:  # noqa: A002
         """Make a topic available as ``robot.<variable>(…)``.
@@ -140,7 +133,7 @@ class RosBridge(Bridge):
         BridgeError
             As for `subscribe`.
         """
-        self._connect(Wire(variable, "publisher", topic, type, dict(limits or {})))
+        self.connect(Wire(variable, "publisher", topic, type, dict(limits or {})))
 
     def remove(self, variable: str) -> None:
         """End a subscription or publisher, and take the variable away.
@@ -150,18 +143,12 @@ class RosBridge(Bridge):
         BridgeError
             There is none of that name.
         """
-        with self._changing:
-            if variable not in self._channels:
-                raise BridgeError(
-                    f"`{variable}` is connected to no topic.{did_you_mean(variable, self._channels)}"
-                )
-            self._let_go(self._channels.pop(variable))
-            self._store()
+        self.wiring.remove(variable)
 
     @property
     def setup(self) -> dict[str, Any]:
         """The set-up as JSON, to be stored with a notebook, say."""
-        return setup_as_dict(channel.wire for channel in self._channels.values())
+        return self.wiring.as_dict()
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the set-up to a file, and from now on every change of it.
@@ -171,65 +158,29 @@ class RosBridge(Bridge):
         BridgeError
             The file cannot be written.
         """
-        save_setup(path, [channel.wire for channel in self._channels.values()])
-        self._setup_path = os.fspath(path)
+        self.wiring.save(path)
 
-    def _store(self) -> None:
-        if self._setup_path:
-            self.save(self._setup_path)
+    def connect(self, wire: Wire, wait: bool = True) -> None:
+        """Connect a variable and, unless told otherwise, wait a moment for what the robot says to it.
 
-    def _take_setup(self, setup: str | os.PathLike[str] | Mapping[str, object]) -> None:
-        is_mapping = isinstance(setup, Mapping)
-        wires = setup_from_dict(setup) if isinstance(setup, Mapping) else load_setup(setup)
-        with self._changing:
-            for channel in self._channels.values():
-                self._let_go(channel)
-            self._channels.clear()
-            self._setup_path = "" if is_mapping else os.fspath(setup)  # type: ignore[arg-type]
-            for wire in wires:
-                self._put(wire)
-
-    def _connect(self, wire: Wire) -> None:
-        """Connect, and wait a moment for what the robot says to it."""
-        before, channel = self._put(wire)
-        link = self._link
-        if link is not None and link.connected and self.latch == 0:
-            channel.settled.wait(_SETTLE)
-            if channel.problem and channel.handle is None and link.connected:
-                with self._changing:
-                    self._let_go(channel)
-                    self._channels.pop(wire.variable, None)
-                    if before is not None:
-                        self._put(before)
-                raise BridgeError(channel.problem)
-        self._store()
-
-    def _put(self, wire: Wire) -> tuple[Wire | None, Channel]:
-        """Note a connection that shall be; give what was there before."""
-        with self._changing:
-            old = self._channels.get(wire.variable)
-            if old is not None and old.wire == wire and not old.problem:
-                return old.wire, old
-            channel = Channel(wire)
-            if self.is_open or self._link is not None:
-                self._add_member(channel)  # first: it may find that the name cannot be
-            if old is not None:
-                self._let_go(old, channel)
-            self._channels[wire.variable] = channel
-            if self._link is not None:
-                self._link.add(channel)
-            return old.wire if old is not None else None, channel
-
-    def _let_go(self, channel: Channel, successor: Channel | None = None) -> None:
-        if self._link is None:
-            return
-        self._link.drop(channel)
-        if successor is None and channel.wire.variable in self.nodes.table:
-            self.remove_member(channel.wire.variable)
+        Raises
+        ------
+        BridgeError
+            It cannot be; what was there before stays.
+        """
+        may_wait = wait and threading.get_ident() != self._in_tick
+        self.wiring.connect(wire, _SETTLE if may_wait else 0.0)
 
     # -- the robot --------------------------------------------------------------------------------
 
-    def _add_member(self, channel: Channel) -> None:
+    def offer(self, channel: Channel) -> None:
+        """Make a channel a member of the robot; again when its type has become known.
+
+        Raises
+        ------
+        BridgeError
+            Its name is that of a part of the robot.
+        """
         wire = channel.wire
         try:
             if wire.direction == "subscription":
@@ -252,12 +203,6 @@ class RosBridge(Bridge):
         except ValueError as error:
             raise BridgeError(str(error)) from error
 
-    def _learned(self, channel: Channel) -> None:
-        """Offer a channel whose type has become known. On the link's thread."""
-        with self._changing:
-            if self._channels.get(channel.wire.variable) is channel:
-                self._add_member(channel)
-
     def _read(self, channel: Channel) -> Reading:
         arrival = channel.latched if self.latch else channel.latest
         if arrival is not None:
@@ -267,7 +212,7 @@ class RosBridge(Bridge):
         raise NoDataYet(f"`robot.{channel.wire.variable}` has no data yet.")
 
     def _send(self, channel: Channel, message: Message) -> None:
-        link = self._link
+        link = self.link
         if link is None:
             raise BridgeError("The bridge `ros` is closed.")
         values = message.as_dict()
@@ -279,22 +224,37 @@ class RosBridge(Bridge):
 
     def stop(self) -> None:
         """Publish a velocity of zero wherever velocities go."""
-        link, failures = self._link, []
-        for channel in tuple(self._channels.values()) if link is not None else ():
-            if link is None or channel.message is None or not channel.is_velocity:
-                continue
+        failures = []
+        for channel in self.wiring.channels:
             try:
-                link.send(channel, channel.message().as_dict(), urgent=True)
+                self.stand_still(channel)
             except BridgeError as error:
                 if channel.has_moved:
                     failures.append(str(error))
         if failures:
             raise BridgeError(f"{failures[0]} It is stopped as soon as it is found.")
 
+    def stand_still(self, channel: Channel) -> None:
+        """Publish a velocity of zero, if velocities go there.
+
+        Raises
+        ------
+        BridgeError
+            It could not be sent.
+        """
+        link = self.link
+        if link is not None and channel.message is not None and channel.is_velocity:
+            link.send(channel, channel.message().as_dict(), urgent=True)
+
     def sense(self, now: float) -> None:
         """Latch the last messages: a tick sees one world."""
-        for channel in tuple(self._channels.values()):
+        self._in_tick = threading.get_ident()
+        for channel in self.wiring.channels:
             channel.latched = channel.latest
+
+    def act(self, now: float) -> None:
+        """Leave the tick."""
+        self._in_tick = 0
 
     # -- the connection ---------------------------------------------------------------------------
 
@@ -307,36 +267,30 @@ class RosBridge(Bridge):
             There is no robot, or something is not installed.
         """
         self._start(searching=False)
-        for channel in tuple(self._channels.values()):
-            channel.settled.wait(_SETTLE_ALL)
+        self.wiring.settle(_SETTLE_ALL)
         self.set_status(*self._told)
         return self.panel()
 
     def close_interface(self) -> None:
         """End all connections; the set-up stays."""
-        link, self._link = self._link, None
+        link, self.link = self.link, None
         if link is not None:
             link.close()
 
     def _start(self, searching: bool) -> None:
         """Make a link, with new channels for all that is set up."""
-        link = Link(self._make_transport(), self._report, self._learned)
+        link = Link(self._make_transport(), self._report, self.wiring.learned)
         self._told = (Connection.CONNECTING, f"connecting to {link.transport.place}")
-        with self._changing:
-            self._link = link
-            self.add_method("stop", self.stop, "publish a velocity of zero wherever velocities go")
-            wires = [channel.wire for channel in self._channels.values()]
-            self._channels = {wire.variable: Channel(wire) for wire in wires}
-            for channel in self._channels.values():
-                self._add_member(channel)
-                link.add(channel)
+        self.link = link
+        self.add_method("stop", self.stop, "publish a velocity of zero wherever velocities go")
         try:
+            self.wiring.renew(link)
             if searching:
                 link.search()
             else:
                 link.open(self._patience)
         except BridgeError:
-            self._link = None
+            self.link = None
             self.nodes.clear()
             raise
 
@@ -355,7 +309,7 @@ class RosBridge(Bridge):
         """Show how the connection is; a robot that does not answer is stopped. On the link's thread."""
         before, self._told = self._told[0], (state, sentence)
         self.set_status(state, sentence)
-        link = self._link
+        link = self.link
         if link is None or state not in (Connection.LOST, Connection.STALE):
             return
         if state is Connection.LOST or link.transport.trouble():
@@ -365,19 +319,20 @@ class RosBridge(Bridge):
 
     # -- the panel --------------------------------------------------------------------------------
 
+    @property
+    def topics(self) -> Mapping[str, str]:
+        """The live topics with their types, as they were a moment ago."""
+        return self.link.topics if self.link is not None else {}
+
+    @property
+    def address(self) -> str:
+        """Where the robot is; empty: on this machine, or where the environment says."""
+        host, port = self._address
+        return f"{host}:{port}" if host else ""
+
     def panel(self) -> Panel:
         """Give the table of what is connected, the fields for a new one, and the live topics."""
-        link = self._link
-        host, port = self._address
-        return draw(
-            sentence=self.status.sentence,
-            backend=self.backend,
-            address=f"{host}:{port}" if host else "",
-            setup=self._setup_path,
-            draft=self._draft,
-            channels=tuple(self._channels.values()),
-            topics=link.topics if link is not None else {},
-        )
+        return self._console.draw()
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
         """Press a button: ``subscribe`` and ``publish`` take what stands in the fields, without waiting.
@@ -387,28 +342,7 @@ class RosBridge(Bridge):
         BridgeError
             A name is illegal, or there is no such button or row.
         """
-        given = values or {}
-        if key in ("subscribe", "publish"):
-            direction: Literal["subscription", "publisher"] = "subscription"
-            if key == "publish":
-                direction = "publisher"
-            topics = self._link.topics if self._link is not None else {}
-            type_ = check_type(given.get("type", ""), topics.values())
-            self._put(Wire(given.get("variable", "").strip(), direction, given.get("topic", ""), type_))
-            self._draft = Draft()
-            self._store()
-        elif key == "pick":
-            type_ = self._link.topics.get(row, "") if self._link is not None else ""
-            named = given.get("variable", "").strip() or row.rpartition("/")[2]
-            self._draft = Draft(named, row, type_)
-        elif key == "remove":
-            self.remove(row)
-        elif key == "save":
-            path = given.get("setup", "").strip() or self._setup_path
-            if not path:
-                raise BridgeError("Name the file in which the set-up shall be kept.")
-            self.save(path)
-        else:
+        if not self._console.press(key, row, values or {}):
             super().press(key, row, values)
 
     def answer(self, key: str, value: str) -> None:
@@ -420,13 +354,13 @@ class RosBridge(Bridge):
             It is no address, or no set-up.
         """
         if key == "setup":
-            self._take_setup(value)
+            self.wiring.take(value)
         elif key == "host":
-            address = _address(value, None, _BACKENDS[self.backend])
+            address = parse_address(value, None, _BACKENDS[self.backend])
             if address == self._address:
                 return
             self._address = address
-            link = self._link
+            link = self.link
             if self.is_open and link is not None:
                 self.stop_all()
                 link.close()
@@ -445,14 +379,3 @@ def _any_number(value: object) -> bool:
     if isinstance(value, Mapping):
         return any(map(_any_number, value.values()))
     return isinstance(value, (int, float)) and value != 0
-
-
-def _address(host: str | None, port: int | str | None, default: int) -> tuple[str, int]:
-    """Take an address apart: ``turtle.local``, ``10.0.0.5:9090``, ``ws://turtle.local:9090/``."""
-    text = (host or "").strip()
-    bare = text.rpartition("//")[2].rstrip("/")
-    name, colon, digits = bare.rpartition(":") if bare.count(":") == 1 else (bare, "", "")
-    number = str(port) if port is not None else digits if colon else str(default)
-    if not number.isdigit() or not 0 < int(number) < 65536 or (text and not name) or set(name) & set(" /?#"):
-        raise BridgeError(f"`{text}`{f', port {port}' if port else ''} is no address: `host` or `host:port`.")
-    return name, int(number)

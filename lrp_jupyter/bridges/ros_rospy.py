@@ -30,7 +30,7 @@ __all__ = ["RospyTransport"]
 
 _ANSWER = 2.0  # seconds for the master to answer
 _MEET = 0.5  # seconds for subscribers to connect to a new publisher
-_QUEUE = 3  # messages that wait for a slow subscriber; older ones are dropped
+_QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped
 
 _node_lock = threading.Lock()
 _node_master = ""  # the master that this process's node belongs to

@@ -1,4 +1,4 @@
-"""What is connected to what: the set-up of a ROS robot, as a value and as JSON.
+"""What is connected to what, and where: the set-up of a ROS robot, as a value and as JSON.
 
 ::
 
@@ -29,7 +29,16 @@ from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.ros_definitions import KNOWN, canonical
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["Direction", "Wire", "load_setup", "save_setup", "setup_as_dict", "setup_from_dict"]
+__all__ = [
+    "Direction",
+    "Wire",
+    "check_type",
+    "load_setup",
+    "parse_address",
+    "save_setup",
+    "setup_as_dict",
+    "setup_from_dict",
+]
 
 Direction = Literal["subscription", "publisher"]
 
@@ -209,3 +218,20 @@ def save_setup(path: str | os.PathLike[str], wires: Iterable[Wire]) -> None:
         beside.replace(target)
     except OSError as error:
         raise BridgeError(f"The set-up {path} cannot be written: {error.strerror or error}.") from error
+
+
+def parse_address(host: str | None, port: int | str | None, default: int) -> tuple[str, int]:
+    """Take an address apart: ``turtle.local``, ``10.0.0.5:9090``, ``ws://turtle.local:9090/``.
+
+    Raises
+    ------
+    BridgeError
+        It is none.
+    """
+    text = (host or "").strip()
+    bare = text.rpartition("//")[2].rstrip("/")
+    name, colon, digits = bare.rpartition(":") if bare.count(":") == 1 else (bare, "", "")
+    number = str(port) if port is not None else digits if colon else str(default)
+    if not number.isdigit() or not 0 < int(number) < 65536 or (text and not name) or set(name) & set(" /?#"):
+        raise BridgeError(f"`{text}`{f', port {port}' if port else ''} is no address: `host` or `host:port`.")
+    return name, int(number)

@@ -317,6 +317,10 @@ class Ros(Processes):
         assert self._master is not None
         self.end(self._master)
 
+    def signal_master(self, number: int) -> None:
+        assert self._master is not None
+        os.killpg(self._master.pid, number)
+
     def start_rosbridge(self) -> int:
         self.rosbridge_port = self.rosbridge_port or _free_port()
         script = str(HERE / "rosbridge_server.py")
@@ -387,21 +391,43 @@ def ros_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[st
         rospy = sys.modules.get("rospy")
         if rospy is not None:
             rospy.signal_shutdown("the tests are over")
+            _collect()
     shutil.rmtree(folder, ignore_errors=True)
+
+
+@contextlib.contextmanager
+def _running(ros_home: tuple[dict[str, str], Path, int], folder: Path) -> Iterator[Ros]:
+    environment, _folder, port = ros_home
+    ros = Ros(environment, folder, port)
+    ros.start_master()
+    try:
+        yield ros
+    finally:
+        ros.end_all()
+        _collect()
+
+
+def _collect() -> None:
+    """Let go what rospy left behind: it is no other test's affair."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        gc.collect()
 
 
 @pytest.fixture
 def real(ros_home: tuple[dict[str, str], Path, int], tmp_path: Path) -> Iterator[Ros]:
     """A real master, and what is started around it."""
-    environment, _folder, port = ros_home
-    # The system's programs find their modules themselves.
-    ros = Ros(environment, tmp_path, port)
-    ros.start_master()
-    yield ros
-    ros.end_all()
-    with warnings.catch_warnings():  # what rospy leaves behind is no other test's affair
-        warnings.simplefilter("ignore")
-        gc.collect()
+    with _running(ros_home, tmp_path) as ros:
+        yield ros
+
+
+@pytest.fixture(scope="class")
+def lasting(
+    ros_home: tuple[dict[str, str], Path, int], tmp_path_factory: pytest.TempPathFactory
+) -> Iterator[Ros]:
+    """A master for all tests of a class; never together with `real`."""
+    with _running(ros_home, tmp_path_factory.mktemp("lasting")) as ros:
+        yield ros
 
 
 @pytest.fixture(params=["rosbridge", "rospy"])

@@ -146,7 +146,7 @@ class RospyGraph:
         handle.unregister()
 
     def advertise(self, topic: str, type_: str) -> Any:
-        publisher = self.rospy.Publisher(topic, self._class(type_), queue_size=3, tcp_nodelay=True)
+        publisher = self.rospy.Publisher(topic, self._class(type_), queue_size=10, tcp_nodelay=True)
         publisher.unheard = True
         return publisher
 

@@ -26,8 +26,8 @@ class TestRosbridge(BridgeConformance):
 @pytest.mark.ros
 class TestRospy(BridgeConformance):
     @pytest.fixture(autouse=True)
-    def _connected(self, real: Any) -> None:
-        self.port = real.master_port
+    def _connected(self, lasting: Any) -> None:
+        self.port = lasting.master_port
         first = self.make_bridge()  # rospy's one node, with its threads, stays with the process
         first.open()
         first.close()

@@ -210,6 +210,14 @@ def test_a_refused_change_leaves_what_was_there(ros: RosBridge, graph: Any, unti
     until(lambda: [topic for topic, _ in graph.listeners] == ["/odom"])
 
 
+def test_a_publisher_that_is_taken_away_stops_what_it_moved(ros: RosBridge, graph: Any, until: Any) -> None:
+    ros.publish("move", "/cmd_vel")
+    ros.robot.move(linear=0.2)
+    until(lambda: graph.heard)
+    ros.publish("move", "/other", "geometry_msgs/Twist")
+    until(lambda: graph.heard[-1] == ("/cmd_vel", ros.nodes.table["move"].standstill().as_dict()))
+
+
 def test_limits_bring_a_command_back(ros: RosBridge, graph: Any, until: Any) -> None:
     ros.publish("move", "/cmd_vel", limits={"linear": 0.5})
     ros.robot.move(linear=2.0)

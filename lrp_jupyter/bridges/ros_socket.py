@@ -1,0 +1,260 @@
+"""The websocket to a rosbridge server, on a thread of its own.
+
+Two things matter to a robot. A command is sent now or never: what could not leave within half a
+second, or was waiting when the connection broke, is dropped. And a server that hangs is noticed: it
+is pinged four times a second, and is called stale until it answers, so that commands do not pile up
+in the network and arrive when nobody wants them any more.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import struct
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from socket import SO_LINGER, SOL_SOCKET
+from typing import TYPE_CHECKING, Any
+
+from lrp_jupyter.errors import BridgeError
+
+if TYPE_CHECKING:
+    from websockets.asyncio.client import ClientConnection
+
+__all__ = ["Socket", "require_websockets"]
+
+_CONNECT = 3.0  # seconds to reach the server
+_PING = 0.25  # seconds between two pings
+_STALE = 0.6  # seconds without a pong after which it gets no more commands …
+_LOST = 4.0  # … and after which the connection is given up
+_FRESH = 0.5  # seconds that a command may wait for the network
+_FLUSH = 0.3  # seconds for the last words
+_LARGEST = 64 * 2**20  # bytes of a message; images are large
+
+
+class Socket:
+    """One websocket and its thread, from its opening to its end.
+
+    Owner: the thread of its event loop; `put`, `expect` and the attributes are for others.
+
+    Parameters
+    ----------
+    url : str
+    receive : callable
+        Given each message of the server but answers to service calls; on this socket's thread.
+    changed : callable
+        Called when the server begins or ceases to hang, and at the end.
+
+    Attributes
+    ----------
+    is_open, is_stale : bool
+    ended : str
+        Why it ended; empty for no special reason.
+    """
+
+    def __init__(
+        self, url: str, receive: Callable[[Mapping[str, Any]], None], changed: Callable[[], None]
+    ) -> None:
+        self.ended = ""
+        self.is_open = False
+        self.is_stale = False
+        self._url, self._receive, self._changed = url, receive, changed
+        self._waiting: dict[str, Future[Mapping[str, Any]]] = {}
+        self._outbox: deque[tuple[float, str, str]] = deque()  # time, topic (or ""), text
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._opened: Future[None] = Future()
+        self._posted = asyncio.Event()
+        self._closing = False
+        self._thread = threading.Thread(target=self._run, name="rosbridge", daemon=True)
+
+    def open(self) -> None:
+        """Connect; bounded.
+
+        Raises
+        ------
+        BridgeError
+            Nobody answers, or nobody who speaks websocket.
+        """
+        self._thread.start()
+        try:
+            self._opened.result(_CONNECT + 1)
+        except TimeoutError:
+            self.close()
+            raise BridgeError(f"`{self._url}` does not answer.") from None
+
+    def close(self) -> None:
+        """Send the last words and end; bounded."""
+        self._closing = True
+        self._post()
+        if self._thread is not threading.current_thread():
+            self._thread.join(2 * _FLUSH + 0.5)
+
+    def put(self, text: str, topic: str = "", urgent: bool = False) -> None:
+        """Send, from any thread, without waiting; an urgent message replaces what its topic had to say."""
+        if urgent:
+            for entry in [entry for entry in tuple(self._outbox) if entry[1] == topic]:
+                try:
+                    self._outbox.remove(entry)
+                except ValueError:  # it has just left
+                    continue
+        self._outbox.append((time.monotonic(), topic, text))
+        self._post()
+
+    def expect(self, key: str) -> Future[Mapping[str, Any]]:
+        """Wait for the answer to a call of a service."""
+        answer: Future[Mapping[str, Any]] = Future()
+        self._waiting[key] = answer
+        if not self.is_open:
+            answer.set_exception(BridgeError(f"the connection to `{self._url}` is lost."))
+        return answer
+
+    def forget(self, key: str) -> None:
+        """Wait for that answer no longer."""
+        self._waiting.pop(key, None)
+
+    def _post(self) -> None:
+        loop = self._loop
+        if loop is not None:
+            try:
+                loop.call_soon_threadsafe(self._posted.set)
+            except RuntimeError:  # the loop has ended
+                return
+
+    # -- on its thread ----------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        try:
+            asyncio.run(self._live())
+        except BridgeError as error:
+            self.ended = str(error)
+        except Exception as error:
+            self.ended = f"{type(error).__name__}: {error}"
+        self.is_open, self._loop = False, None
+        if not self._opened.done():
+            self._opened.set_exception(BridgeError(self.ended or f"`{self._url}` closed the connection."))
+        for answer in tuple(self._waiting.values()):
+            if not answer.done():
+                answer.set_exception(BridgeError(f"the connection to `{self._url}` is lost."))
+        self._changed()
+
+    async def _live(self) -> None:
+        from websockets.exceptions import ConnectionClosed
+
+        self._loop = asyncio.get_running_loop()
+        connection = await _reach(self._url)
+        self.is_open = True
+        self._opened.set_result(None)
+        tasks = [asyncio.ensure_future(work(connection)) for work in (self._listen, self._speak, self._watch)]
+        done, others = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        self.is_open = False
+        for task in others:
+            task.cancel()
+        await asyncio.gather(*others, return_exceptions=True)
+        if self._closing:
+            await connection.close()
+        else:
+            _cut(connection)
+        for task in done:
+            try:
+                task.result()
+            except (ConnectionClosed, TimeoutError, BridgeError) as error:
+                self.ended = str(error)
+
+    async def _listen(self, connection: ClientConnection) -> None:
+        async for frame in connection:
+            try:
+                message = json.loads(frame)
+            except ValueError:
+                continue  # what cannot be read is no message; the next one may be
+            if not isinstance(message, dict):
+                continue
+            if message.get("op") == "service_response":
+                answer = self._waiting.get(str(message.get("id")))
+                if answer is not None and not answer.done():
+                    answer.set_result(message)
+            else:
+                self._receive(message)
+
+    async def _speak(self, connection: ClientConnection) -> None:
+        while True:
+            await self._posted.wait()
+            self._posted.clear()
+            while self._outbox:
+                written, topic, text = self._outbox.popleft()
+                if not topic or time.monotonic() - written < _FRESH:
+                    async with asyncio.timeout(_FLUSH if self._closing else _LOST):
+                        await connection.send(text)
+            if self._closing:
+                return
+
+    async def _watch(self, connection: ClientConnection) -> None:
+        """Ping; a server that does not answer is stale, and then lost."""
+        while True:
+            pong = asyncio.ensure_future(await connection.ping())
+            began = time.monotonic()
+            while not pong.done():
+                await asyncio.wait([pong], timeout=_STALE / 6)
+                silence = time.monotonic() - began
+                if silence > _LOST:
+                    raise BridgeError(f"it has not answered for {silence:.0f} s")
+                if silence > _STALE and not self.is_stale and not pong.done():
+                    self.is_stale = True
+                    self._changed()
+            if self.is_stale:
+                self.is_stale = False
+                self._changed()
+            await asyncio.sleep(_PING)
+
+
+def require_websockets() -> None:
+    """See that the library is there; nothing of it is imported before it is needed.
+
+    Raises
+    ------
+    BridgeError
+        It is not installed.
+    """
+    try:
+        import websockets.asyncio.client  # noqa: F401
+    except ImportError:
+        raise BridgeError(
+            "ROS over rosbridge needs the package `websockets`: install it with"
+            ' `pip install "lrp-jupyter[ros]"`.'
+        ) from None
+
+
+async def _reach(url: str) -> ClientConnection:
+    from websockets.asyncio.client import connect
+    from websockets.exceptions import WebSocketException
+
+    try:
+        return await connect(
+            url,
+            open_timeout=_CONNECT,
+            close_timeout=_FLUSH,
+            ping_interval=None,  # we ask ourselves, more often
+            max_size=_LARGEST,
+            compression=None,
+            proxy=None,
+        )
+    except OSError as error:
+        raise BridgeError(
+            f"No rosbridge server answers at `{url}` ({error.strerror or error or 'no answer'})."
+            " Start it with `roslaunch rosbridge_server rosbridge_websocket.launch` (ROS 1) or"
+            " `ros2 launch rosbridge_server rosbridge_websocket_launch.xml` (ROS 2), or name its `host`."
+        ) from None
+    except (WebSocketException, ValueError) as error:
+        raise BridgeError(f"What answers at `{url}` is no rosbridge server: {error}.") from None
+
+
+def _cut(connection: ClientConnection) -> None:
+    """End a connection so that nothing that still waits in it arrives: no stale command."""
+    socket = connection.transport.get_extra_info("socket")
+    if socket is not None:
+        with contextlib.suppress(OSError):
+            socket.setsockopt(SOL_SOCKET, SO_LINGER, struct.pack("ii", 1, 0))
+    connection.transport.abort()
