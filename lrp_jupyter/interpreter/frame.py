@@ -149,7 +149,7 @@ class Tally:
             self.restarts += 1
             self.restart_reason = str(event.data or "")
         elif kind == "patched":
-            self.revision += 1
+            self.revision += bool(getattr(event.data, "applied", True))
             self.patch_reason = str(getattr(event.data, "reason", "") or "")
 
     def frame(self, interpreter: Interpreter, time: float, **more: object) -> Frame:

@@ -3,6 +3,7 @@ from dataclasses import FrozenInstanceError
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from story import robot
 
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import LONGEST, Frame, Tally, render
@@ -41,11 +42,62 @@ def test_the_counts_of_a_tally_go_on_over_restarts():
     assert (tally.restarts, tally.restart_reason) == (3, "`a` is active and its `running` changed")
 
 
+PROGRAM = """(var n := [10 ** 400])(var ok := [True])(var speed := [0.5])(var gone := [1 / 0])
+(machine m (state a (onentry (spawn k s)) (machine k (state s))) (state b) (on [robot.bumper] *-> b hit)
+  (on [not robot.bumper] b -> a))
+(spawn m a)"""
+
+
+def test_a_frame_shows_a_moment_of_a_run_and_what_happened_since_the_beginning():
+    i, tally = Interpreter(parse(PROGRAM), bot := robot()), Tally()
+    i.observe(tally)
+    for tick, bot.bumper in enumerate([False, True, False, True]):
+        i.step(tick / 10)
+    frame = tally.frame(i, 0.35, status="running", rate=10.0)
+    assert (frame.status, frame.rate, frame.tick, frame.time) == ("running", 10.0, 4, 0.35)
+    assert frame.active == (("m", "b"),)
+    assert (frame.is_active("b"), frame.is_active("k")) == (True, False)
+    assert dict(frame.visits) == {("m", "a"): 2, ("m", "a", "k", "s"): 2, ("m", "b"): 2}
+    assert (frame.count_of("s"), frame.count_of("m/b"), frame.count_of("c")) == (2, 2, 0)
+    assert (frame.fired[("m", "hit")], frame.fired_at[("m", "hit")]) == (2, 4)
+    assert frame.variables[("ok",)] == "True"
+    assert frame.variables.keys() == {("n",), ("ok",), ("speed",)}, "one without a value is absent"
+    assert frame.numbers == {("speed",): 0.5}, "neither truth values nor what is no float"
+    assert [issue.code for issue in frame.issues] == ["LRP601"]
+    assert frame.program is i.program
+    with pytest.raises(TypeError):
+        frame.visits[("m", "a")] = 3
+    i.step(0.4)
+    assert frame.tick == 4
+
+
+def test_a_tally_counts_edits_that_took_effect_and_says_why_others_did_not():
+    i, tally = Interpreter(parse(PROGRAM), robot()), Tally()
+    i.observe(tally)
+    i.step(0.0)
+    i.patch(parse(PROGRAM + "; the same"))
+    i.rename("state", "m/b", "c")
+    assert (tally.revision, tally.patch_reason, tally.restarts) == (2, "", 0)
+    i.patch(parse(PROGRAM.replace("state a", "state aa")))
+    assert tally.revision == 2
+    assert "the old program runs on" in tally.patch_reason
+    i.patch(parse(PROGRAM.replace("m a", "m b")))
+    assert (tally.revision, tally.restarts) == (3, 1)
+    assert tally.restart_reason == tally.patch_reason == "`(spawn m a)` was changed or removed"
+    i.reset()
+    assert (tally.restarts, tally.restart_reason) == (2, "reset")
+
+
 def test_a_value_without_a_text_is_shown_by_its_type():
     class Shy:
         def __repr__(self):
             raise RuntimeError("not today")
 
+    class Fatal:
+        def __repr__(self):
+            raise SystemExit
+
+    assert render(Fatal()) == "<Fatal: no text, SystemExit>"
     assert "Shy" in render(Shy())
     assert render([Shy()]).startswith("[<Shy")
 
