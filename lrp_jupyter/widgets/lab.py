@@ -62,6 +62,9 @@ class Part(anywidget.AnyWidget):
             comm._reply_subshell_for = lambda data, default: default
         self.on_msg(self._receive)
 
+    def __del__(self) -> None:
+        """Leave everything as it is: a widget that is forgotten stops no robot."""
+
     def _receive(self, _widget: object, content: Any, _buffers: object) -> None:
         self._connection.receive(self._say, content)
 

@@ -1,11 +1,18 @@
 """The objects that a notebook holds: a lab, its parts, its variables, its pictures."""
 
+import base64
+import gc
+import re
+import threading
 import xml.etree.ElementTree as ElementTree
 
+import nbformat
 import pytest
+from nbconvert import HTMLExporter
 
 import lrp_jupyter
 from lrp_jupyter import Editor, Lab, Session, SimView, StateGraph, UnknownElementError, parse
+from lrp_jupyter.bridges.bridge import Bridge, BridgeError
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.lab import Part
 
@@ -136,3 +143,70 @@ def test_a_snapshot_holds_no_widget(make, monkeypatch):
     monkeypatch.setattr("IPython.display.display", lambda data, raw: shown.append(data))
     make(PROGRAM).snapshot()
     assert [set(data) for data in shown] == [{"image/svg+xml", "text/plain"}]
+
+
+class Wheels(Bridge):
+    """A real robot, as far as the lab is concerned."""
+
+    name = "wheels"
+    stop_timeout = None
+
+    def open_interface(self):
+        self.add_method("move", lambda linear=0.0: None)
+
+    def stop(self):
+        """There is nothing to stop."""
+
+
+class Unreachable(Wheels):
+    name = "unreachable"
+
+    def open_interface(self):
+        raise BridgeError("The robot does not answer; is it switched on?")
+
+
+def test_hardware_opens_disarmed_and_pauses_when_nobody_watches(make, monkeypatch):
+    monkeypatch.setattr(registry, "DEAD_MAN", 0.1)
+    lab = make("(machine m (state a (running [robot.move(linear=1)]))) (spawn m a)", "wheels")
+    assert not lab.session.bridge.safety.armed
+    lab.session.wait_for(lambda frame: frame.status == "paused", 5)
+    assert "nobody has watched the robot" in lab.session.frame.reason
+
+
+def test_a_robot_that_cannot_be_reached_is_an_error_in_a_sentence_and_leaves_nothing(make):
+    before = set(threading.enumerate())
+    with pytest.raises(BridgeError, match="does not answer"):
+        make(PROGRAM, "unreachable")
+    assert registry.names() == []
+    assert set(threading.enumerate()) <= before
+
+
+def test_a_saved_notebook_shows_graph_world_and_text_without_a_kernel(make):
+    lab = make(PROGRAM)
+    data, metadata = lab._repr_mimebundle_()
+    output = {
+        "output_type": "execute_result",
+        "data": data,
+        "metadata": metadata,
+        "execution_count": 1,
+    }
+    cell = {
+        "cell_type": "code",
+        "id": "a",
+        "metadata": {},
+        "source": "",
+        "outputs": [output],
+        "execution_count": 1,
+    }
+    notebook = nbformat.from_dict({"cells": [cell], "metadata": {}, "nbformat": 4, "nbformat_minor": 5})
+    html, _ = HTMLExporter().from_notebook_node(notebook)
+    *_, picture = re.findall(r"data:image/svg\+xml;base64,([\w+/=]+)", html)
+    drawn = base64.b64decode(picture).decode()
+    assert 'data-lrp-state="m/a"' in drawn
+    assert "lrp-world" in drawn
+
+
+def test_a_lab_that_is_forgotten_stops_nothing(make):
+    session = make(PROGRAM).session
+    gc.collect()
+    assert session.status == "running"
