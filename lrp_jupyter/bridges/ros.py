@@ -28,7 +28,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, Connection
 from lrp_jupyter.bridges.members import did_you_mean
-from lrp_jupyter.bridges.message import Message
+from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.nodes import Limits
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.ros_channel import Channel
@@ -89,7 +89,7 @@ class RosBridge(Bridge):
             )
         self.backend = backend
         self._address = parse_address(host, port, _BACKENDS[backend])
-        self._patience = float(patience)
+        self._patience = real_number(_number(patience), "patience")
         self._console = Console(self)
         self.wiring = Wiring(self)
         self.link: Link | None = None
@@ -368,6 +368,14 @@ class RosBridge(Bridge):
                 self._start(searching=True)
         else:
             super().answer(key, value)
+
+
+def _number(text: float | str) -> object:
+    """Give what was typed on a command line as a number, if it is one."""
+    try:
+        return float(text)
+    except ValueError:
+        return text
 
 
 def _refuse(channel: Channel, *_arguments: object, **_fields: object) -> None:

@@ -391,6 +391,8 @@ def ros_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[st
         rospy = sys.modules.get("rospy")
         if rospy is not None:
             rospy.signal_shutdown("the tests are over")
+            for proxy in rospy.core._xmlrpc_cache.values():
+                proxy("close")()
             _collect()
     shutil.rmtree(folder, ignore_errors=True)
 

@@ -122,6 +122,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
         ({"host": "robot:x"}, "is no address"),
         ({"port": "0"}, "is no address"),
         ({"hots": "robot"}, "Did you mean `host`"),
+        ({"patience": "long"}, "`patience` must be a number"),
     ],
 )
 def test_a_wrong_option_is_refused(options: dict[str, Any], sentence: str) -> None:
