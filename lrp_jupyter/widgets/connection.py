@@ -41,6 +41,8 @@ __all__ = ["Connection"]
 
 PATIENCE = 1.0
 """Wall seconds after which a command that is not carried out is answered with the reason."""
+_SLOW_PATIENCE = 20.0  # for what talks to a robot first
+_SLOW = ("bridge", "panel", "run")
 _LATE = 0.25  # s after which a text is answered though it is not applied yet
 _HEARTBEAT = 1.0
 _URGENT, _CALM, _POSES, _WORLD = 0.030, 0.1, 0.040, 0.1  # s between two of a kind, at least
@@ -172,7 +174,8 @@ class Connection:
             answer.set_result(None)
         if message["id"] == 0:
             return
-        self._replies.append(_Reply(message["view"], message["id"], answer, self._clock() + PATIENCE, tell))
+        patience = _SLOW_PATIENCE if message.get("do") in _SLOW else PATIENCE
+        self._replies.append(_Reply(message["view"], message["id"], answer, self._clock() + patience, tell))
         answer.add_done_callback(lambda _: self._wake.set())
 
     def write(self, text: str, view: str = "", seq: int = 0) -> None:
@@ -194,10 +197,14 @@ class Connection:
         """
         if self._reopen is None:
             raise BridgeError("This session was made elsewhere: its bridge cannot be changed here.")
-        old = self.session
+        old, text = self.session, self.texts.text
+        if old.bridge.hardware and old.bridge.name == bridge:
+            old.close()  # a robot lets nobody in while somebody is connected
         self.use(self._reopen(old, bridge, **options))
         self.options = options
         old.close()
+        if text != self.texts.text:  # it was held, or no program
+            self.write(text)
 
     def look(self) -> dict[str, Any]:
         """Everything that a view may see now."""

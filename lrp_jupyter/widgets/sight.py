@@ -17,6 +17,7 @@ from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.paths import Paths, id_of
 from lrp_jupyter.widgets.pictures import bridge_view, issue_view, member_values, panel_view, value_view
+from lrp_jupyter.widgets.protocol import RestartView
 
 __all__ = ["PRINTED", "Look", "Sight", "changes", "is_urgent"]
 
@@ -40,7 +41,8 @@ class Sight:
         self._frame: Frame | None = None
         self._of_frame: dict[str, Any] = {}
         self._entered: dict[str, tuple[int, int]] = {}  # counts, and the tick in which they were noticed
-        self._restart = (0, 0)
+        self._restarts = 0
+        self._restart: RestartView = {"count": 0, "tick": 0, "reason": ""}
         self._issues: dict[tuple[int, str, object, int], int] = {}
         self._told: dict[int, tuple[Issue, int, dict[str, Any]]] = {}
 
@@ -66,9 +68,11 @@ class Sight:
 
     def _look_at(self, frame: Frame, revision: int) -> dict[str, Any]:
         paths = self._paths
-        restarts, tick = self._restart
-        if frame.restarts != restarts:
-            restarts, tick = self._restart = frame.restarts, frame.tick
+        if frame.restarts != self._restarts:
+            if frame.restart_reason != "reset":  # that was a person's wish, and is no news
+                count = self._restart["count"] + frame.restarts - self._restarts
+                self._restart = {"count": count, "tick": frame.tick, "reason": frame.restart_reason}
+            self._restarts = frame.restarts
         return {
             "status": frame.status,
             "reason": frame.reason,
@@ -90,7 +94,7 @@ class Sight:
             },
             "events": {path_text(path): value for path, value in frame.events.items()},
             "issues": self._list_issues(frame, revision),
-            "restart": {"count": restarts, "tick": tick, "reason": frame.restart_reason},
+            "restart": self._restart,
         }
 
     def _counts_of_entries(self, frame: Frame) -> dict[str, Any]:

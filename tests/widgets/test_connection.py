@@ -208,6 +208,8 @@ def test_a_restart_by_an_edit_is_told_with_its_reason(bench):
     lab.publish()
     assert page.told("restart")["count"] == 1
     assert "`a` is active" in page.told("restart")["reason"]
+    page.do("reset")
+    assert page.told("restart")["count"] == 1  # a reset is no restart by an edit
 
 
 def test_values_of_the_robots_members_are_told_though_no_program_reads_them(bench):

@@ -127,6 +127,14 @@ def test_another_bridge_begins_anew_with_the_same_program(cell):
     assert old.status == "closed"
 
 
+def test_a_text_that_is_no_program_survives_a_change_of_bridge(cell):
+    connection = cell(A)
+    connection.write(BROKEN)
+    connection.change_bridge("none")
+    assert connection.texts.text == BROKEN
+    assert connection.session.program.text == A
+
+
 def test_a_bridge_that_does_not_exist_changes_nothing(cell):
     connection = cell(A)
     with pytest.raises(BridgeError, match="no bridge `wings`"):
