@@ -31,6 +31,7 @@ from __future__ import annotations
 
 import ast
 from collections.abc import Callable, Iterator, Mapping
+from types import MappingProxyType
 from typing import Any, Literal
 
 from lrp_jupyter.errors import UnknownElementError
@@ -317,7 +318,8 @@ class Interpreter:
         plan = link(program)
         changes = diff(run.plan.program, program)
         run.remember()
-        self._carry_issues(run.plan, plan, changes.removed)
+        names = dict(zip(run.plan.places, plan.places, strict=True))  # the same parts in the same order
+        self._carry_issues(run.plan, plan, (), names)
         show_in_tracebacks(program)
         adopt(run, plan, Renaming(kind, where, new_name))
         run.emit("patched", (), Patch(changes, True))
@@ -457,27 +459,38 @@ class Interpreter:
             message = f"{site.element.kind} `{name}` is defined twice here: the first one counts"
             run.report(site, "defined twice", message)
 
-    def _carry_issues(self, old: Plan, plan: Plan, gone: tuple[Element, ...]) -> None:
-        """Resolve the issues of what is gone, changed or repaired; move the others with the text."""
+    def _carry_issues(
+        self,
+        old: Plan,
+        plan: Plan,
+        gone: tuple[Element, ...],
+        names: Mapping[Element, Element] = MappingProxyType({}),
+    ) -> None:
+        """Resolve the issues of what is gone, changed or repaired; move the others with the text.
+
+        `names` are those that an explicit rename gives.
+        """
         issues = self._run.issues
         twice = {site.element: site.offset for site in plan.duplicates}
 
         def over(issue: Issue) -> bool:
-            element = issue.element
+            element = names.get(issue.element, issue.element)
             inside = any(
                 element == other
                 or (other.kind in ("machine", "state") and element.path[: len(other.path)] == other.path)
                 for other in gone
             )
-            repaired = (element, issue.kind) in old.dangling - plan.dangling or (
+            dangled = (issue.element, issue.kind) in old.dangling
+            repaired = (dangled and (element, issue.kind) not in plan.dangling) or (
                 issue.kind == "defined twice" and element not in twice
             )
             return inside or repaired or element not in plan.places
 
         def place(issue: Issue) -> tuple[int, int]:
-            if issue.kind == "defined twice" and issue.element in twice:
-                return plan.program.place(twice[issue.element])
-            before, after = old.places.get(issue.element), plan.places.get(issue.element)
+            element = names.get(issue.element, issue.element)
+            if issue.kind == "defined twice" and element in twice:
+                return plan.program.place(twice[element])
+            before, after = old.places.get(issue.element), plan.places.get(element)
             if before is None or after is None:
                 return issue.line, issue.column
             (line, column), (new_line, new_column) = old.program.place(before), plan.program.place(after)
@@ -485,7 +498,7 @@ class Interpreter:
             return issue.line + new_line - line, issue.column + (new_column - column if same_line else 0)
 
         issues.resolve(lambda _, issue: over(issue))
-        issues.move(place)
+        issues.move(place, names)
 
 
 def _path(path: Path | str) -> Path:

@@ -5,7 +5,7 @@ Paper: §6.2. A fault never stops the loop; the entity that caused it is ignored
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, overload
 
@@ -140,13 +140,18 @@ class Issues(Sequence[Issue]):
                 self._all[key] = replace(issue, resolved=True)
         self.open_blocks = {key[:2] for key, issue in self._all.items() if not issue.resolved}
 
-    def move(self, shift: Callable[[Issue], tuple[int, int]]) -> None:
-        """Give every issue its place in a new text."""
+    def move(self, shift: Callable[[Issue], tuple[int, int]], names: Mapping[Element, Element]) -> None:
+        """Give every issue its place, and what has a new name that name, in a new text."""
         self._last.clear()
-        for key, issue in self._all.items():
+        moved = {}
+        for (old, ordinal, kind), issue in self._all.items():
             line, column = shift(issue)
-            if (line, column) != (issue.line, issue.column):
-                self._all[key] = replace(issue, line=line, column=column)
+            element = names.get(old, old)
+            if (line, column, element) != (issue.line, issue.column, old):
+                issue = replace(issue, line=line, column=column, element=element)
+            moved[element, ordinal, kind] = issue
+        self._all = moved
+        self.open_blocks = {(names.get(element, element), ordinal) for element, ordinal in self.open_blocks}
 
     def clear(self) -> None:
         """Forget all of them; what is still at fault comes again."""

@@ -155,6 +155,42 @@ def test_issues_of_what_a_rewind_takes_away_are_over_and_the_others_go_back_with
     assert active(i) == ["m/a"]
 
 
+def test_issues_keep_their_history_when_what_they_concern_is_renamed():
+    text = """(machine m
+      (state a (running [1 / 0]) (onentry (spawn q x))
+        (machine k (state s)))
+      (on nope a -> b) (on [5] a -> a)
+      (ontime ["x"] a -> a)
+      (on [True] a -> nowhere) (state b))(spawn m a)"""
+    i = started(text, 2, on_issue="pause")
+    codes = [issue.code for issue in i.issues]
+    i.resume()
+    i.rename("state", "m/a", "begin")
+    i.rename("machine", "m", "much-longer".replace("-", "_"))
+    i.step(0.2)
+    assert (
+        [issue.code for issue in i.issues]
+        == codes
+        == ["LRP605", "LRP603", "LRP602", "LRP607", "LRP604", "LRP601"]
+    )
+    assert [issue.count for issue in i.issues] == [1, 2, 2, 2, 2, 2]
+    assert not any(issue.resolved for issue in i.issues)
+    assert {issue.element.path[0] for issue in i.issues} == {"much_longer"}
+    assert not i.paused, "none of them is new"
+    line = i.program.text.splitlines()[1]
+    assert i.issues[-1].column == line.index("1 / 0") + 1
+    i.rewind(1)
+    assert {issue.element.path[0] for issue in i.issues if not issue.resolved} == set()
+
+
+def test_an_issue_of_a_renamed_definition_is_over_when_that_runs_well():
+    i = started(with_running("1 / n"), 2)
+    i.rename("variable", "n", "number")
+    i.set_variable("number", "1")
+    i.step(0.2)
+    assert told(i) == [("LRP601", 1, True)]
+
+
 def test_pause_on_issue_comes_again_when_an_issue_is_reopened():
     i = started(with_running("n += 1; 1 / (n % 2)"), 3, on_issue="pause")
     assert i.paused
