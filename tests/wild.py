@@ -1,4 +1,8 @@
-"""Strategies for programs that run, edits of them, and commands: few names, so that they meet."""
+"""Strategies for programs that run, edits of them, and commands: few names, so that they meet.
+
+A program here runs and nests more often than not, and any of its names may dangle, be hidden or be
+given twice.
+"""
 
 from hypothesis import strategies as st
 
@@ -15,76 +19,123 @@ ACTIONS = [
     "robot.light",
     "del k",
     "k += 1",
+    "k = [k for n in range(3)]",
+    "if n > 3: return\nn += 2",
+    "def f():\n  nonlocal n\n  n += 1\nf()",
+    "[(n := n + i) for i in range(2)]",
 ]
-CONDITIONS = ["n > 2", "n % 2 == 0", "True", "False", "5", "robot.light == 1", "k > n", "nope", "n == k"]
-VALUES = ["0", "1", "n + 1", "nope", "[n]", "n"]
+CONDITIONS = [
+    "n > 2",
+    "n % 2 == 0",
+    "n % 3 == 1",
+    "True",
+    "False",
+    "5",
+    "robot.light == 1",
+    "k > n",
+    "nope",
+    "n == k",
+    "return n > 1",
+    "n += 1; n > 4",
+]
+VALUES = ["0", "1", "n + 1", "nope", "[n]", "n", "return 2"]
 DELAYS = ["0", "100", "250", "n", "k", "[n * 100]", "['x']", "[True]", "nope"]
 
 state = st.sampled_from(STATES)
 machine = st.sampled_from(MACHINES)
-names = st.sampled_from(["", " t", " u"])
+names = st.sampled_from(["", "", " t", " u"])
 
 
 def block(texts):
     return st.sampled_from(texts).map(lambda text: f"[{text}]")
 
 
+def sometimes(strategy, chance=3):
+    """One of `strategy` in so many, else nothing."""
+    return st.integers(1, chance).flatmap(lambda roll: strategy if roll == chance else st.just(""))
+
+
 action = block(ACTIONS)
-source = st.one_of(state, st.just("*"), st.just("*-{b}"), st.just("{a c}"))
+source = st.one_of(state, state, st.just("*"), st.just("*-{b}"), st.just("*-{c nope}"), st.just("{a c}"))
 spawn = st.builds("(spawn {} {})".format, machine, state)
 variable = st.builds("(var {} := {})".format, st.sampled_from(["n", "k"]), block(VALUES))
-event = st.builds("(event e {})".format, block(CONDITIONS))
-condition = st.one_of(st.just("e"), st.just("nope"), block(CONDITIONS))
+event = st.builds("(event {} {})".format, st.sampled_from(["e", "f"]), block(CONDITIONS))
+condition = st.one_of(st.sampled_from(["e", "f", "nope"]), block(CONDITIONS), block(CONDITIONS))
 transition = st.one_of(
     st.builds("(on {} {} -> {}{})".format, condition, source, state, names),
     st.builds("(ontime {} {} -> {}{})".format, st.sampled_from(DELAYS), source, state, names),
-    st.builds("(eps {} -> {}{})".format, state, state, names),
-    st.builds("(exit {} {} -> {}{})".format, condition, state, state, names),
+    st.builds("(eps {} -> {}{})".format, st.sampled_from([*STATES, "{a b}", "*-{a}"]), state, names),
 )
+exit_ = st.builds("(exit {} {} -> {}{})".format, condition, state, state, names)
 
 
-def states(machines):
-    item = st.one_of(
-        st.builds("(onentry {})".format, st.one_of(action, spawn)),
-        st.builds("(running {})".format, action),
-        st.builds("(onexit {})".format, action),
-        machines,
-    )
-    return st.builds("(state {} {})".format, state, st.lists(item, max_size=4).map(" ".join))
+@st.composite
+def state_of(draw, name, depth):
+    """A state; if machines stand in it, it mostly spawns the first of them."""
+    inner = [draw(machine_of(draw(machine), depth + 1)) for _ in range(draw(_HOW_MANY[depth]))]
+    parts = [
+        *(draw(st.lists(action, max_size=2).map(lambda blocks: [f"(onentry {b})" for b in blocks]))),
+        *([f"(spawn {draw(machine)} {draw(state)})"] if draw(st.integers(0, 5)) == 0 else []),
+        *(f"(running {b})" for b in draw(st.lists(action, max_size=2))),
+        *(f"(onexit {b})" for b in draw(st.lists(action, max_size=1))),
+    ]
+    spawns = [f"(spawn {text.split()[1]} {draw(state)})" for text in inner if draw(st.integers(0, 4))]
+    entry = [f"(onentry {part})" if part.startswith("(spawn") else part for part in [*parts, *spawns]]
+    return f"(state {name} {' '.join([*draw(st.permutations(entry)), *inner])})"
 
 
-def machine_of(inner):
-    item = st.one_of(variable, event, states(inner), states(inner), transition, transition)
-    return st.builds(
-        "(machine {}\n  {})".format, machine, st.lists(item, min_size=2, max_size=9).map("\n  ".join)
-    )
+_HOW_MANY = [st.sampled_from([0, 1, 1, 2]), st.sampled_from([0, 0, 1]), st.sampled_from([0, 0, 0, 1])]
+_HOW_MANY += [st.just(0)]
 
 
-machines = st.recursive(
-    st.builds("(machine {} (state a) (state b))".format, machine), machine_of, max_leaves=4
-)
-top = st.one_of(
-    variable,
-    event,
-    machine_of(machines),
-    machine_of(machines),
-    spawn,
-    st.builds("(onpause {})".format, action),
-)
-program = st.builds(
-    "(var n := [0])(var k := [1])\n{}\n(spawn m a)".format,
-    st.lists(top, min_size=1, max_size=5).map("\n".join),
-)
+@st.composite
+def machine_of(draw, name, depth=0):
+    """A machine with the state `a` and most of the others, the deeper the smaller."""
+    present = ["a", *(other for other in STATES[1:] if draw(st.integers(0, 3)))]
+    present += draw(sometimes(st.sampled_from([["a"], ["b"]]), 8))
+    states = [draw(state_of(one, depth)) for one in present]
+    arrows = transition if depth == 0 else st.one_of(transition, transition, exit_)
+    parts = [
+        *draw(st.lists(variable, max_size=2)),
+        *draw(st.lists(event, max_size=1)),
+        *draw(st.lists(arrows, min_size=1, max_size=5)),
+    ]
+    return f"(machine {name}\n  " + "\n  ".join([*parts, *states]) + ")"
 
+
+@st.composite
+def programs(draw):
+    """A program that spawns `m`, and often more."""
+    machines = [draw(machine_of("m")), *(draw(machine_of(n, 1)) for n in MACHINES[1:] if draw(st.booleans()))]
+    parts = draw(st.permutations(machines))
+    parts = [*draw(st.lists(variable, max_size=1)), *draw(st.lists(event, max_size=2)), *parts]
+    parts += [f"(onpause {draw(action)})", f"(onresume {draw(action)})"] if draw(st.booleans()) else []
+    spawns = [f"(spawn m {draw(st.sampled_from('aaab'))})", *draw(st.lists(spawn, max_size=2))]
+    return "(var n := [0])(var k := [1])\n" + "\n".join([*parts, *draw(st.permutations(spawns))])
+
+
+program = programs()
 path = st.lists(st.sampled_from([*MACHINES, *STATES]), min_size=1, max_size=4).map(tuple)
+place = st.tuples(machine, state) | st.tuples(machine, state, machine, state) | path
+renaming = st.one_of(
+    st.tuples(st.just("state"), place, st.sampled_from([*STATES, "d"])),
+    st.tuples(st.just("machine"), st.tuples(machine), st.sampled_from([*MACHINES, "p"])),
+    st.tuples(st.just("machine"), st.tuples(machine, state, machine), st.sampled_from([*MACHINES, "p"])),
+    st.tuples(
+        st.just("variable"), st.sampled_from([("n",), ("k",), ("m", "n")]), st.sampled_from(["n", "v"])
+    ),
+    st.tuples(st.just("event"), st.sampled_from([("e",), ("m", "e")]), st.sampled_from(["f", "g"])),
+)
 command = st.one_of(
     st.tuples(st.just("step"), st.integers(0, 3)),
     st.tuples(st.just("step"), st.integers(0, 3)),
     st.tuples(st.just("light"), st.sampled_from([0, 1])),
     st.tuples(st.just("patch"), program),
-    st.tuples(st.just("transition_to"), path),
-    st.tuples(st.just("teleport_to"), path),
+    st.tuples(st.just("change"), st.tuples(st.integers(0, 200), st.sampled_from(["n += 3", "n > 1", "d"]))),
+    st.tuples(st.just("transition_to"), place),
+    st.tuples(st.just("teleport_to"), place),
     st.tuples(st.just("set_variable"), st.tuples(path, st.sampled_from(["n", "k", "1", "nope", "("]))),
+    st.tuples(st.just("rename"), renaming),
     st.tuples(st.just("reset"), st.none()),
     st.tuples(st.just("pause"), st.none()),
     st.tuples(st.just("resume"), st.none()),

@@ -1,5 +1,6 @@
 """Laws: whatever the program, the edits, the commands and the inputs."""
 
+import re
 from types import SimpleNamespace
 
 from hypothesis import HealthCheck, example, given, settings
@@ -10,8 +11,10 @@ from wild import command, program
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.events import EVENT_KINDS
 from lrp_jupyter.interpreter.interpreter import Interpreter
-from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.parser import parse, scan
 
+ORDINARY = ("spawned", "discarded", "entered", "left", "fired")
+BLOCK = re.compile(r"\[[^\[\]]*\]|\b[abc]\b")
 slow = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 
 
@@ -23,14 +26,26 @@ def moment(i):
 @given(program, st.lists(st.sampled_from([0, 1]), max_size=30))
 def test_production_does_what_the_reference_does(text, lights):
     p = parse(text)
-    robots = SimpleNamespace(light=0), SimpleNamespace(light=0)
-    production, reference = Interpreter(p, robots[0]), Reference(p, robots[1])
+    robots = [SimpleNamespace(light=0) for _ in range(4)]
+    production, reference, seen = Interpreter(p, robots[0]), Reference(p, robots[1]), []
+    quiet, bare = Interpreter(p, robots[2]), Interpreter(p, robots[3], journal=0)
+    production.observe(
+        lambda event: seen.append((event.kind, event.path)) if event.kind in ORDINARY else None
+    )
     for tick, light in enumerate(lights):
-        for robot, i in zip(robots, (production, reference), strict=True):
+        for robot, i in zip(robots, (production, reference, quiet, bare), strict=True):
             robot.light = light
             i.step(tick / 10)
         assert production.active == reference.active, f"after tick {tick + 1}"
         assert moment(production)[1] == reference.variables, f"after tick {tick + 1}"
+        assert list(map(no_label, seen)) == list(map(no_label, reference.events)), f"in tick {tick + 1}"
+        assert moment(production) == moment(quiet) == moment(bare), "when nobody watches"
+        seen.clear()
+        reference.events.clear()
+
+
+def no_label(event):
+    return (event[0], event[1][:-1]) if event[0] == "fired" else event
 
 
 def active_exists(i):
@@ -38,6 +53,15 @@ def active_exists(i):
         for act in root.walk():
             assert i._run.plan.machines[act.machine.path].states[act.state.name] is act.state
             assert act.row.state is act.state
+
+
+def changed(text, number, new):
+    """Put something else into one block, or another name in the place of a state's."""
+    places = [m for m in BLOCK.finditer(text) if m[0].startswith("[") == (len(new) > 1)]
+    if not places:
+        return text
+    place = places[number % len(places)]
+    return text[: place.start()] + (f"[{new}]" if len(new) > 1 else new) + text[place.end() :]
 
 
 def obey(i, robot, order):
@@ -48,8 +72,12 @@ def obey(i, robot, order):
         robot.light = argument
     elif kind == "patch":
         i.patch(parse(argument))
-    elif kind == "set_variable":
-        i.set_variable(*argument)
+    elif kind == "change":
+        program, _ = scan(changed(i.program.text, *argument))
+        if program is not None:
+            i.patch(program)
+    elif kind in ("set_variable", "rename"):
+        getattr(i, kind)(*argument)
     elif argument is None:
         getattr(i, kind)()
     else:
@@ -68,7 +96,7 @@ def test_no_command_and_no_edit_stops_it(text, orders, keep):
         try:
             obey(i, robot, order)
         except (UnknownElementError, SyntaxError, NameError, ValueError):
-            if order[0] not in ("transition_to", "teleport_to", "set_variable", "rewind"):
+            if order[0] not in ("transition_to", "teleport_to", "set_variable", "rewind", "rename"):
                 raise
             assert moment(i) == before, "what failed changed nothing"
         active_exists(i)
@@ -86,7 +114,7 @@ def test_going_back_restores_the_moment_after_every_tick(text, orders, back):
             continue
         try:
             obey(i, robot, order)
-        except (UnknownElementError, SyntaxError, NameError):
+        except (UnknownElementError, SyntaxError, NameError, ValueError):
             continue
         if order[0] == "step":
             moments.append((*moment(i), i.program.text))
