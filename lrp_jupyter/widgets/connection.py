@@ -19,20 +19,20 @@ import traceback
 from collections import deque
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
-from dataclasses import dataclass, field
 from functools import partial
 from time import monotonic
 from typing import Any
 
-from lrp_jupyter.bridges.sim import SimBridge, SimPicture
-from lrp_jupyter.errors import BridgeError, LRPError
+from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.acts import carry_out
 from lrp_jupyter.widgets.choices import choices
+from lrp_jupyter.widgets.feed import scene_of, send_world
 from lrp_jupyter.widgets.protocol import FromPage
+from lrp_jupyter.widgets.replies import Reply
 from lrp_jupyter.widgets.requests import answer_request
-from lrp_jupyter.widgets.scene import poses, strokes_of, world_view
+from lrp_jupyter.widgets.scene import world_view
 from lrp_jupyter.widgets.sight import PRINTED, Sight, changes, is_urgent
 from lrp_jupyter.widgets.texts import Texts, Written
 from lrp_jupyter.widgets.view import Send, View
@@ -45,20 +45,9 @@ _SLOW_PATIENCE = 20.0  # for what talks to a robot first
 _SLOW = ("bridge", "panel", "run")
 _LATE = 0.25  # s after which a text is answered though it is not applied yet
 _HEARTBEAT = 1.0
-_URGENT, _CALM, _POSES, _WORLD = 0.030, 0.1, 0.040, 0.1  # s between two of a kind, at least
+_URGENT, _CALM = 0.030, 0.1  # s between two frames, at least
 _ROUND, _REST = 1 / 60, 0.1  # s between two looks while something runs, and while nothing does
 _REFRESH, _REFRESH_HARDWARE = 0.2, 1.0  # s between two readings of what no program reads
-
-
-@dataclass(eq=False)
-class _Reply:
-    """A command or request that is not answered yet."""
-
-    view: str
-    id: int
-    answer: Future[Any]
-    deadline: float
-    tell: Callable[[Any], Mapping[str, Any]] = field(default=lambda _: {})
 
 
 class Connection:
@@ -94,7 +83,7 @@ class Connection:
         self._clock = clock
         self._lock = threading.RLock()  # of the views and what was sent to them
         self._views: dict[str, View] = {}
-        self._replies: deque[_Reply] = deque()
+        self._replies: deque[Reply] = deque()
         self._wake = threading.Event()
         self._worker: ThreadPoolExecutor | None = None
         self._publisher: threading.Thread | None = None
@@ -175,7 +164,7 @@ class Connection:
         if message["id"] == 0:
             return
         patience = _SLOW_PATIENCE if message.get("do") in _SLOW else PATIENCE
-        self._replies.append(_Reply(message["view"], message["id"], answer, self._clock() + patience, tell))
+        self._replies.append(Reply(message["view"], message["id"], answer, self._clock() + patience, tell))
         answer.add_done_callback(lambda _: self._wake.set())
 
     def write(self, text: str, view: str = "", seq: int = 0) -> None:
@@ -272,7 +261,8 @@ class Connection:
             self._answer_commands(now)
             self._drop_the_gone(now)
             self._send_frames(now)
-            self._send_worlds(now)
+            for view in self._views.values():
+                send_world(view, self.session, now)
         self.texts.save()
         self._refresh(now)
 
@@ -304,7 +294,7 @@ class Connection:
             view = self._views.get(reply.view)
             if view is None:
                 continue
-            error, told = _outcome(reply) if done else (self._what_blocks(), {})
+            error, told = reply.outcome() if done else (self._what_blocks(), {})
             view.send({"type": "reply", "id": reply.id, "error": error, **told})
 
     def _what_blocks(self) -> str:
@@ -350,10 +340,9 @@ class Connection:
         """Send everything; the view then knows the present look."""
         view.sent = look = self._look()
         view.framed = self._clock()
-        view.marks = view.strokes = 0
-        view.picture = None
+        view.forget_world()
         picture = self.session.frame.robot
-        view.scene = self._scene(picture)
+        view.scene = scene_of(self.session)
         view.send(
             {
                 "type": "snapshot",
@@ -369,41 +358,6 @@ class Connection:
                 },
             }
         )
-
-    def _scene(self, picture: object) -> object:
-        """Give what tells whether the world is to be drawn anew."""
-        bridge = self.session.bridge
-        if not isinstance(bridge, SimBridge):
-            return None
-        return id(bridge.simulation), getattr(picture, "revision", 0)
-
-    def _send_worlds(self, now: float) -> None:
-        bridge, picture = self.session.bridge, self.session.frame.robot
-        scene = self._scene(picture)
-        for view in self._views.values():
-            if not view.shows_world:
-                continue
-            if scene != view.scene:
-                if now - view.drawn < _WORLD:
-                    continue
-                view.scene, view.drawn = scene, now
-                view.marks = view.strokes = 0
-                view.picture = None
-                view.send({"type": "world", "world": world_view(bridge, picture)})
-            if not isinstance(bridge, SimBridge) or not isinstance(picture, SimPicture):
-                continue
-            if picture == view.picture or now - view.posed < _POSES or not view.may(now):
-                continue
-            self._send_poses(view, bridge, picture)
-            view.picture, view.posed = picture, now
-
-    def _send_poses(self, view: View, bridge: SimBridge, picture: SimPicture) -> None:
-        message: dict[str, Any] = {"type": "poses", "frame": view.number()}
-        if picture.marks != view.marks:
-            strokes = strokes_of(bridge.simulation.floor.marks[view.marks : picture.marks])
-            message["ink"] = {"first": view.strokes, "strokes": strokes}
-            view.marks, view.strokes = picture.marks, view.strokes + len(strokes)
-        view.send(message, [poses(bridge, picture)])
 
     def _refresh(self, now: float) -> None:
         """Have the robot's members read, also those that no program reads."""
@@ -442,14 +396,3 @@ class Connection:
                 if told:
                     view.send({"type": "frame", "frame": view.number(), **told})
             self._views.clear()
-
-
-def _outcome(reply: _Reply) -> tuple[str | None, Mapping[str, Any]]:
-    if reply.answer.cancelled():
-        return "Something newer came in between.", {}
-    error = reply.answer.exception()
-    if error is None:
-        return None, reply.tell(reply.answer.result() or {})
-    if isinstance(error, (LRPError, ValueError, OSError)) and str(error):
-        return str(error), {}
-    return f"{type(error).__name__}: {error}", {}

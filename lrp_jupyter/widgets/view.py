@@ -82,6 +82,11 @@ class View:
         self._tokens = tokens - 1.0, since
         return self._number
 
+    def forget_world(self) -> None:
+        """Count nothing of the world as known: poses and ink come anew."""
+        self.marks = self.strokes = 0
+        self.picture = None
+
     def send(self, message: Any, buffers: list[bytes] | None = None) -> None:
         """Send a message to this view."""
         self._send({**message, "view": self.name}, buffers)
