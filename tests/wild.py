@@ -50,11 +50,6 @@ def block(texts):
     return st.sampled_from(texts).map(lambda text: f"[{text}]")
 
 
-def sometimes(strategy, chance=3):
-    """One of `strategy` in so many, else nothing."""
-    return st.integers(1, chance).flatmap(lambda roll: strategy if roll == chance else st.just(""))
-
-
 action = block(ACTIONS)
 source = st.one_of(state, state, st.just("*"), st.just("*-{b}"), st.just("*-{c nope}"), st.just("{a c}"))
 spawn = st.builds("(spawn {} {})".format, machine, state)
@@ -73,32 +68,44 @@ exit_ = st.builds("(exit {} {} -> {}{})".format, condition, state, state, names)
 def state_of(draw, name, depth):
     """A state; if machines stand in it, it mostly spawns the first of them."""
     inner = [draw(machine_of(draw(machine), depth + 1)) for _ in range(draw(_HOW_MANY[depth]))]
-    parts = [
-        *(draw(st.lists(action, max_size=2).map(lambda blocks: [f"(onentry {b})" for b in blocks]))),
-        *([f"(spawn {draw(machine)} {draw(state)})"] if draw(st.integers(0, 5)) == 0 else []),
-        *(f"(running {b})" for b in draw(st.lists(action, max_size=2))),
-        *(f"(onexit {b})" for b in draw(st.lists(action, max_size=1))),
-    ]
-    spawns = [f"(spawn {text.split()[1]} {draw(state)})" for text in inner if draw(st.integers(0, 4))]
-    entry = [f"(onentry {part})" if part.startswith("(spawn") else part for part in [*parts, *spawns]]
-    return f"(state {name} {' '.join([*draw(st.permutations(entry)), *inner])})"
+    parts = [f"(onentry {draw(spawn)})" if f == "spawn" else f"({f} {draw(action)})" for f in draw(_FORMS)]
+    spawns = [f"(onentry (spawn {text.split()[1]} {draw(state)}))" for text in inner if draw(_MOSTLY)]
+    here = draw(st.integers(0, len(parts)))
+    return f"(state {name} {' '.join([*parts[:here], *spawns, *parts[here:], *inner])})"
 
 
-_HOW_MANY = [st.sampled_from([0, 1, 1, 2]), st.sampled_from([0, 0, 1]), st.sampled_from([0, 0, 0, 1])]
+_MOSTLY = st.sampled_from([True] * 5 + [False])
+_HOW_MANY = [st.sampled_from([0, 0, 1, 1, 2]), st.sampled_from([0, 0, 0, 1]), st.sampled_from([0] * 5 + [1])]
 _HOW_MANY += [st.just(0)]
+_FORMS = st.sampled_from(
+    [
+        (),
+        ("running",),
+        ("onentry",),
+        ("onexit",),
+        ("onentry", "running"),
+        ("running", "running", "onexit"),
+        ("onentry", "onentry", "running"),
+        ("onentry", "onexit"),
+        ("spawn", "running"),
+    ]
+)
+
+
+_FEW = st.sampled_from([0, 0, 1])
+_PRESENT = [st.sampled_from(["abc", "abc", "acb", "ab", "abca"]), st.sampled_from(["ab", "ba", "ac", "a"])]
 
 
 @st.composite
 def machine_of(draw, name, depth=0):
     """A machine with the state `a` and most of the others, the deeper the smaller."""
-    present = ["a", *(other for other in STATES[1:] if draw(st.integers(0, 3)))]
-    present += draw(sometimes(st.sampled_from([["a"], ["b"]]), 8))
+    present = draw(_PRESENT[min(depth, 1)])
     states = [draw(state_of(one, depth)) for one in present]
     arrows = transition if depth == 0 else st.one_of(transition, transition, exit_)
     parts = [
-        *draw(st.lists(variable, max_size=2)),
-        *draw(st.lists(event, max_size=1)),
-        *draw(st.lists(arrows, min_size=1, max_size=5)),
+        *(draw(variable) for _ in range(draw(_FEW))),
+        *(draw(event) for _ in range(draw(_FEW))),
+        *(draw(arrows) for _ in range(draw(st.integers(1, 5 - depth)))),
     ]
     return f"(machine {name}\n  " + "\n  ".join([*parts, *states]) + ")"
 
