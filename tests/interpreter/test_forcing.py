@@ -1,0 +1,146 @@
+"""Forced states, in combination with timers, exits, spawns that dangle and edits."""
+
+import pytest
+from story import active, started
+
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.parser import parse
+
+BOTH = pytest.mark.parametrize("force", [Interpreter.transition_to, Interpreter.teleport_to])
+DEEP = """(machine m (state z)
+  (state a (onentry (spawn other o)) (machine k (var n := [1]) (state s (machine j (state t)))))
+  (ontime 100 a -> z))
+(machine other (state o))
+(spawn m z)"""
+
+
+@BOTH
+def test_timers_of_all_states_on_the_way_start_now(force):
+    i = started(DEEP)
+    force(i, "m/a/k/s/j/t", now=5.0)
+    assert [i.entered(path) for path in ("m/a", "m/a/k/s", "m/a/k/s/j/t")] == [5.0] * 3
+    i.step(5.05)
+    assert active(i) == ["m/a/k/s/j/t"]
+    i.step(5.1)
+    assert active(i) == ["m/z"]
+
+
+@BOTH
+def test_a_timer_of_an_enclosing_state_that_stays_goes_on(force):
+    i = started(DEEP)
+    force(i, "m/a", now=1.0)
+    force(i, "m/a/k/s", now=1.09)
+    assert active(i) == ["m/a/other/o", "m/a/k/s"]
+    i.step(1.1)
+    assert active(i) == ["m/z"]
+
+
+@BOTH
+def test_a_machine_made_on_the_way_can_exit(force):
+    i = started(
+        "(machine m (state z) (state a (machine k (state s) (exit [True] s -> z))))(spawn m z)",
+    )
+    force(i, "m/a/k/s")
+    i.step(0.1)
+    assert active(i) == ["m/z"]
+
+
+@BOTH
+def test_a_machine_that_was_forced_to_run_at_the_top_is_not_spawned_by_a_state(force):
+    i = started("(machine h (state p))(machine m (state z) (state y (onentry (spawn h p))))(spawn m z)")
+    force(i, "h/p")
+    i.transition_to("m/y")
+    assert active(i) == ["m/y", "h/p"]
+    assert [issue.code for issue in i.issues] == ["LRP608"]
+
+
+@BOTH
+def test_a_spawn_of_the_target_that_dangles_is_an_issue(force):
+    i = started("(machine m (state z) (state a (onentry [1 / 0] (spawn nope x))))(spawn m z)")
+    force(i, "m/a")
+    codes = [issue.code for issue in i.issues]
+    assert codes == (["LRP605"] if force is Interpreter.teleport_to else ["LRP601", "LRP605"])
+    assert active(i) == ["m/a"]
+
+
+@BOTH
+def test_a_target_in_a_helper_stays_in_the_helper(force):
+    i = started(
+        """(machine h (state p) (state q (onentry (spawn k s)) (machine k (state s) (state t))))
+        (machine m (state a (onentry (spawn h p) (spawn n x)) (machine n (state x))))
+        (spawn m a)"""
+    )
+    force(i, "h/q/k/t")
+    assert active(i) == ["m/a/h/q/k/t", "m/a/n/x"]
+    force(i, "m/a/h/q")
+    assert active(i) == ["m/a/h/q/k/s", "m/a/n/x"]
+    force(i, "m/a")
+    assert active(i) == ["m/a/h/p", "m/a/n/x"]
+
+
+@BOTH
+def test_leaving_by_force_discards_in_reverse_order_of_spawning_and_is_told(force):
+    i, seen = started(DEEP), []
+    force(i, "m/a/k/s/j/t")
+    i.observe(lambda event: seen.append(f"{event.kind} {'/'.join(event.path)}"))
+    force(i, "m/z")
+    assert seen == [
+        "forced m/z",
+        "left m/a/k/s/j/t",
+        "discarded m/a/k/s/j",
+        "left m/a/k/s",
+        "discarded m/a/k",
+        "left m/a",
+        "entered m/z",
+    ]
+
+
+@BOTH
+def test_a_forced_state_is_as_active_as_any_for_an_edit(force):
+    i = started(DEEP)
+    force(i, "m/a/k/s")
+    assert i.patch(parse(DEEP.replace("(var n := [1])", "(var n := [2])"))).reason is None
+    assert i.variables["m/a/k/n"] == 2
+    patch = i.patch(parse(DEEP.replace("(state s ", "(state s (running [1]) ")))
+    assert (patch.restarted, patch.reason) == (True, "`s` is active and its `running` changed")
+
+
+@BOTH
+def test_reset_forgets_what_waits_for_the_next_tick(force):
+    i = started("(machine m (state a) (state b))(machine k (state s))(spawn m a)(spawn k s)", 0)
+    force(i, "m/b")
+    i.reset()
+    i.step(0.0)
+    assert active(i) == ["m/a", "k/s"]
+
+
+@BOTH
+def test_force_with_nothing_active_initialises_the_globals_first(force):
+    i, seen = started("(var n := [3])(machine m (var k := [n]) (state a))(spawn m a)", 0), []
+    i.observe(lambda event: seen.append(event.kind))
+    force(i, "m/a")
+    assert dict(i.variables) == {("n",): 3, ("m", "k"): 3}
+    assert seen == ["forced", "started", "spawned", "entered", "changed", "changed"]
+    i.reset()
+    force(i, "m/a", now=2.0)
+    assert (i.variables["n"], i.entered("m/a"), i.tick) == (3, 2.0, 0)
+
+
+@pytest.mark.parametrize(
+    "act",
+    [
+        lambda i: i.transition_to("m/b"),
+        lambda i: i.pause(),
+        lambda i: i.patch(parse(i.program.text.replace("[0]", "[raise KeyboardInterrupt]"))),
+    ],
+)
+def test_an_interruption_passes_when_the_command_is_whole(act):
+    i = started(
+        "(var n := [0])(machine m (state a) (state b (onentry [raise KeyboardInterrupt])))"
+        "(spawn m a)(onpause [raise KeyboardInterrupt])"
+    )
+    with pytest.raises(KeyboardInterrupt):
+        act(i)
+    assert not i.issues
+    i.step(0.1)
+    assert i.variables["n"] == 0
