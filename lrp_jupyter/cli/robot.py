@@ -71,7 +71,7 @@ def _value(text: str, parameter: inspect.Parameter) -> Any:
 
 
 def where(bridge: Bridge, world: str | None = None) -> str:
-    """Say in a few words what the robot is: ``sim: line``."""
+    """Say in a few words what the robot is: ``sim: line``; a real one is in no world."""
     simulated = getattr(bridge, "world", None)
-    name = getattr(simulated, "name", "") or world
+    name = "" if simulated is None else simulated.name or world
     return f"{bridge.name}: {name}" if name else bridge.name

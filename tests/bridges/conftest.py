@@ -2,6 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+
 import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -53,3 +58,40 @@ def disarmed() -> Cart:
     cart = Cart()
     cart.open()
     return cart
+
+
+JUPYTER = (
+    *("IPython", "anywidget", "comm", "ipykernel", "ipywidgets", "jupyter_client", "jupyter_core"),
+    *("jupyter_server", "jupyterlab", "notebook", "traitlets"),
+)
+_BARE = """
+import sys
+sys.modules.update(dict.fromkeys({missing}))  # to import one of these is an error
+from lrp_jupyter.cli import main
+main()
+"""
+
+
+@pytest.fixture
+def bare_lrp() -> Iterator[Callable[..., subprocess.Popen[str]]]:
+    """Start the command line as on a machine without Jupyter, or whatever else is `missing`."""
+    started: list[subprocess.Popen[str]] = []
+
+    def start(
+        *arguments: object, missing: tuple[str, ...] = (), environment: dict[str, str] | None = None
+    ) -> subprocess.Popen[str]:
+        process = subprocess.Popen(
+            [sys.executable, "-c", _BARE.format(missing=(*JUPYTER, *missing)), *map(str, arguments)],
+            env={**(environment or os.environ), "PYTHONWARNINGS": ""},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        started.append(process)
+        return process
+
+    yield start
+    for process in started:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()

@@ -1,0 +1,94 @@
+"""``lrp run … --bridge ev3``: the command line drives an EV3 brick, where there is no Jupyter."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+ROVER = """
+(var speed := [40])
+(machine rover
+  (event bump [robot.sensor1.read() == 1])
+  (state drive (onentry [robot.motorB.start_at_speed(speed)]))
+  (state halt (onentry [robot.motorB.stop()]))
+  (on bump drive -> halt tbump))
+(spawn rover drive)
+"""
+
+Start = Callable[..., "subprocess.Popen[str]"]
+
+
+@pytest.fixture
+def rover(tmp_path: Path) -> Path:
+    path = tmp_path / "rover.lrp"
+    path.write_text(ROVER, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def at(free_udp_port: int) -> Callable[[Any], tuple[object, ...]]:
+    """Options that lead to a brick."""
+
+    def options(brick: Any) -> tuple[object, ...]:
+        ports = ("--option", f"port={brick.port}", "--option", f"beacon_port={free_udp_port}")
+        return ("--bridge", "ev3", "--host", "127.0.0.1", *ports)
+
+    return options
+
+
+def test_a_program_drives_a_brick_until_it_bumps(
+    brick: Any, at: Any, bare_lrp: Start, rover: Path, until: Callable[..., None]
+) -> None:
+    run = bare_lrp("run", rover, *at(brick), "--set", "speed=30", "--until", "halt", "--trace", "-")
+    until(lambda: brick.motors[1].turning == 30, 20)
+    brick.sensors[0].values[0] = 1.0
+    told, complaints = run.communicate(timeout=20)
+    events = [json.loads(line) for line in told.splitlines()]
+    assert run.returncode == 0
+    assert "Traceback" not in complaints
+    assert [event["event"] for event in events[-3:]] == ["left", "fired", "entered"]
+    assert events[-1]["state"] == "rover/halt"
+    assert [motor.turning for motor in brick.motors] == [0, 0, 0, 0]
+    assert (brick.connections, brick.goodbyes) == (1, 1)
+
+
+def test_ctrl_c_stops_the_motors(
+    brick: Any, at: Any, bare_lrp: Start, rover: Path, until: Callable[..., None]
+) -> None:
+    run = bare_lrp("run", rover, *at(brick))
+    until(lambda: brick.motors[1].turning == 40, 20)
+    run.send_signal(signal.SIGINT)
+    told, complaints = run.communicate(timeout=20)
+    assert (run.returncode, complaints) == (130, "")
+    assert "rover/drive active" in told.splitlines()[-1]
+    assert [motor.turning for motor in brick.motors] == [0, 0, 0, 0]
+
+
+def test_a_brick_that_is_unplugged_is_said_and_the_run_goes_on(
+    brick: Any, at: Any, bare_lrp: Start, rover: Path, until: Callable[..., None]
+) -> None:
+    run = bare_lrp("run", rover, *at(brick), "--for", "4")
+    until(lambda: brick.motors[1].turning == 40, 20)
+    brick.unplug()
+    told, complaints = run.communicate(timeout=30)
+    assert (run.returncode, complaints) == (0, "")
+    assert "the brick does not answer" in told
+    assert "rover/drive active; 1 issue" in told.splitlines()[-1]
+
+
+def test_a_host_that_is_no_brick_gives_2_and_one_sentence(
+    brick: Any, at: Any, bare_lrp: Start, rover: Path
+) -> None:
+    brick.unplug()
+    run = bare_lrp("run", rover, *at(brick), "--option", "patience=0.3")
+    _told, complaints = run.communicate(timeout=20)
+    assert run.returncode == 2
+    assert complaints.startswith("lrp: ")
+    assert "127.0.0.1" in complaints
+    assert "Traceback" not in complaints
