@@ -361,6 +361,9 @@ class Report:
         """The checks that failed."""
         return tuple(outcome for outcome in self.outcomes if not outcome.passed)
 
+    def __bool__(self) -> bool:
+        return self.passed
+
     def __str__(self) -> str:
         good = len(self.outcomes) - len(self.problems)
         lines = [f"{self.bridge}: {good} of {len(self.outcomes)} checks passed"]

@@ -18,6 +18,7 @@ from lrp_jupyter.views.dot import dot
 from lrp_jupyter.views.graph import find_machine
 from lrp_jupyter.views.layout import LABEL_FONT, SMALL_FONT, STATE_FONT, layout
 from lrp_jupyter.views.mermaid import mermaid
+from lrp_jupyter.views.paths import Paths
 from lrp_jupyter.views.routes import number
 from lrp_jupyter.views.shapes import Label, Layout, Port, StateShape, TransitionShape
 from lrp_jupyter.views.tree import tree
@@ -86,6 +87,8 @@ def svg(
         drawings = [layout(find_machine(subject, path), previous, program=subject, path=path)]
     else:
         drawings = [layout(machine, program=subject, path=path) for path, machine in _machines(subject)]
+    if isinstance(subject, Program):  # what runs is named as spawned, what is drawn as defined
+        active = [path.split("/") for path in Paths(subject).lit(tuple(tuple(path) for path in active))]
     marks = {fired} if isinstance(fired, str) else set(fired or ())
     return draw(drawings, active, marks, theme=theme, legend=legend)
 

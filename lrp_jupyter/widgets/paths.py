@@ -1,42 +1,10 @@
-"""Paths as spawned, told as paths of the text.
-
-What runs is named by the way it was spawned; what a page shows is named by where it is defined. The two
-differ where a machine is spawned from elsewhere than the state that holds it.
-"""
+"""Paths as the page writes them."""
 
 from __future__ import annotations
 
-from lrp_jupyter.language.checks.scope import Scope, resolve
-from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.language.program import Path, path_text
 
-__all__ = ["Paths", "id_of", "path_of"]
-
-
-class Paths:
-    """Tells where in a program's text something that runs is defined."""
-
-    def __init__(self, program: Program) -> None:
-        self._top = resolve(program)[0]
-        self._known: dict[Path, Path] = {}
-
-    def machine(self, spawned: Path) -> Path:
-        """Give the path of a machine; one that the text does not hold any more keeps its own."""
-        found = self._known.get(spawned)
-        if found is None:
-            scope: Scope | None = self._top.machines.get("", {}).get(spawned[0]) if spawned else None
-            for at in range(1, len(spawned) - 1, 2):
-                scope = None if scope is None else scope.machine(spawned[at], spawned[at + 1])
-            found = self._known[spawned] = spawned if scope is None else scope.path
-        return found
-
-    def member(self, spawned: Path) -> Path:
-        """Give the path of a state or variable: the last name is its own, the rest is its machine."""
-        return (*self.machine(spawned[:-1]), spawned[-1]) if len(spawned) > 1 else spawned
-
-    def lit(self, active: tuple[Path, ...]) -> list[str]:
-        """Every active state, the outer ones too, each once, in order."""
-        every = (path[:end] for path in active for end in range(2, len(path) + 1, 2))
-        return list(dict.fromkeys(path_text(self.member(path)) for path in every))
+__all__ = ["id_of", "path_of"]
 
 
 def id_of(kind: str, path: Path) -> str:

@@ -166,3 +166,10 @@ def test_mermaid_escapes_what_would_mean_something():
 def test_mermaid_leaves_a_nested_machine_without_crossing_its_border(programs):
     lines = [line.strip() for line in mermaid(programs["kinds"]).splitlines()]
     assert "s6 --> [*] : near → drive" in lines
+
+
+def test_a_machine_spawned_from_elsewhere_shows_its_active_state():
+    program = parse("(machine m (state a (onentry (spawn helper h)))) (machine helper (state h)) (spawn m a)")
+    picture = svg(program, active=[("m", "a", "helper", "h")])
+    lit = re.findall(r'data-lrp-state="([^"]*)" data-active', picture)
+    assert sorted(lit) == ["helper/h", "m/a"]
