@@ -88,6 +88,7 @@ class Part(anywidget.AnyWidget):
         """Store a picture of what is there now as the output: it is read without a kernel."""
         from IPython.display import display
 
+        self._connection.publish()  # an edit made a moment ago is in the picture
         display(pictures(self._connection), raw=True)  # type: ignore[no-untyped-call]
 
 

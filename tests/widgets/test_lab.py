@@ -145,6 +145,16 @@ def test_a_snapshot_holds_no_widget(make, monkeypatch):
     assert [set(data) for data in shown] == [{"image/svg+xml", "text/plain"}]
 
 
+def test_a_snapshot_shows_an_edit_made_a_moment_ago(make, monkeypatch):
+    shown = []
+    monkeypatch.setattr("IPython.display.display", lambda data, raw: shown.append(data))
+    lab = make(PROGRAM)
+    lab.session.edit(lab.session.text.replace("(machine m", "(machine m (state brandnew)"))
+    lab.snapshot()
+    assert "brandnew" in shown[0]["text/plain"]
+    assert "brandnew" in shown[0]["image/svg+xml"]
+
+
 class Wheels(Bridge):
     """A real robot, as far as the lab is concerned."""
 
