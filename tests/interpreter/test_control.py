@@ -163,6 +163,19 @@ def test_spawns_that_wait_for_the_next_tick_go_with_a_rename():
     assert not i.patch(parse(i.program.text + "; the same")).restarted
 
 
+def test_discarded_variables_are_told_without_a_journal_too():
+    i, seen = started(journal=0), []
+    i.transition_to("m/b/n/y")
+    i.observe(lambda event: seen.append((event.kind, event.path[-1])))
+    i.set_variable("m/b/n/depth", "5")
+    i.transition_to("m/a")
+    assert seen == [
+        ("changed", "depth"), ("forced", "a"),
+        ("left", "z"), ("discarded", "o"), ("left", "y"), ("discarded", "n"), ("left", "b"),
+        ("entered", "a"), ("changed", "log"),
+    ]  # fmt: skip
+
+
 def test_a_spawn_that_waits_and_is_removed_does_not_begin():
     i = started(ticks=0)
     i.transition_to("m/c")

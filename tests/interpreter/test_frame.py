@@ -88,6 +88,15 @@ def test_a_tally_counts_edits_that_took_effect_and_says_why_others_did_not():
     assert (tally.restarts, tally.restart_reason) == (2, "reset")
 
 
+def test_an_event_without_a_truth_has_none_and_watching_twice_is_watching_once():
+    i = Interpreter(parse("(event odd [5])(machine m (state a) (on odd a -> a))(spawn m a)"))
+    i.watch_events()
+    i.step(0.0)
+    i.step(0.1)
+    i.watch_events()
+    assert i.event_values == {("odd",): None}
+
+
 def test_a_value_without_a_text_is_shown_by_its_type():
     class Shy:
         def __repr__(self):

@@ -125,6 +125,16 @@ def test_variables_of_a_discarded_machine_come_back_though_a_closure_went_on_cha
     assert (active(i), i.variables["m/a/k/n"]) == (["m/a/k/s"], 1)
 
 
+def test_a_variable_that_had_no_value_has_none_again():
+    i = started("(var n := [1])(var k := [1])(machine m (state a (running [del n] [del k])))(spawn m a)")
+    i.step(0.1)
+    i.teleport_to("m/a")
+    i.rewind(0)
+    assert dict(i.variables) == {}
+    i.rewind(1)
+    assert dict(i.variables) == {("n",): 1, ("k",): 1}
+
+
 def test_many_commands_without_a_tick_are_remembered_as_one():
     i = started(TIMED, 2)
     i.set_variable("n", "50")

@@ -129,6 +129,23 @@ def test_a_second_definition_keeps_its_place_when_text_comes_between():
     assert [(issue.line, issue.resolved) for issue in i.issues] == [(4, False)]
 
 
+def test_every_kind_of_name_can_be_given_twice():
+    text = """(var n := [1]) (var n := [2]) (event e [True]) (event e [False])
+    (machine m (event e [True]) (event e [False]) (state a (machine k) (machine k)) (state a) (state b)
+      (on e a -> b))
+    (machine m) (spawn m a)"""
+    i = started(text, 2)
+    assert [issue.element.kind for issue in i.issues] == [
+        "variable",
+        "event",
+        "machine",
+        "event",
+        "state",
+        "machine",
+    ]
+    assert (active(i), i.variables["n"]) == (["m/b"], 1)
+
+
 def test_a_condition_that_is_true_for_numpy_ends_the_issue():
     numpy = pytest.importorskip("numpy")
     text = """(var n := [0])

@@ -47,6 +47,12 @@ def test_a_block_is_equal_to_nothing_but_a_block_that_means_the_same():
     assert Block("a+1") != "a+1"
 
 
+def test_a_block_put_together_by_hand_that_is_no_python_means_its_text():
+    assert Block("a +") == Block("a +")
+    assert Block("a +") != Block("a  +")
+    assert Block("a +").meaning == "a +"
+
+
 def test_elements_read_as_words():
     assert str(Element("state", ("m", "a"))) == "state `m/a`"
     assert str(Element("onpause", ())) == "onpause"

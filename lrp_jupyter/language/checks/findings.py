@@ -303,6 +303,12 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "Edit waits",
         "A block has not returned yet; the edit is kept and applied when it does.",
     ),
+    (
+        "LRP699",
+        "warning",
+        "Checks failed",
+        "A fault of the checks themselves, not of the program: it runs, unchecked. Please report it.",
+    ),
 )
 
 CODES: dict[str, Code] = {
