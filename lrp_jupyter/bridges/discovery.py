@@ -12,6 +12,7 @@ names it, or it is the default.
 from __future__ import annotations
 
 import inspect
+from ast import literal_eval
 from collections.abc import Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
@@ -117,7 +118,22 @@ def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any
         missing = ", ".join(f"`{name}`" for name in sorted(bridge.__abstractmethods__))
         raise BridgeError(f"`{bridge.__name__}` lacks {missing}: a bridge must have it.")
     _check_options(bridge, options)
-    return bridge(**options)
+    return bridge(**_as_numbers(bridge, options))
+
+
+def _as_numbers(bridge: type[Bridge], options: Mapping[str, Any]) -> dict[str, Any]:
+    """Read what was typed for an option that is a number by default."""
+    known = inspect.signature(bridge).parameters
+    read = dict(options)
+    for option, value in options.items():
+        if isinstance(value, str) and isinstance(getattr(known.get(option), "default", None), (int, float)):
+            try:
+                read[option] = literal_eval(value)
+            except (ValueError, SyntaxError):
+                raise BridgeError(
+                    f"The bridge `{bridge.name}`: `{option}={value}` is not a number."
+                ) from None
+    return read
 
 
 def _check_options(bridge: type[Bridge], options: Mapping[str, Any]) -> None:

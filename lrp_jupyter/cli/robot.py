@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import inspect
-from ast import literal_eval
-from typing import Any
 
 import typer
 
@@ -38,7 +36,7 @@ def open_robot(source: Source, wanted: RunOptions) -> Bridge:
     if kind.hardware and wanted.speed != 1:
         raise typer.BadParameter(f"--speed is for the simulator: `{name}` moves in real time.")
     taken = inspect.signature(kind).parameters
-    options = {key: _value(text, taken[key]) for key, text in wanted.answers.items() if key in taken}
+    options = {key: text for key, text in wanted.answers.items() if key in taken}
     bridge = make_bridge(name, **options)
     try:
         bridge.open()
@@ -58,16 +56,6 @@ def _open_simulator(source: Source, wanted: RunOptions) -> Bridge:
     bridge = make_bridge("sim", world=world, seed=wanted.seed, noise=wanted.noise or None, **wanted.answers)
     bridge.open()
     return bridge
-
-
-def _value(text: str, parameter: inspect.Parameter) -> Any:
-    """Read a text as the number that the parameter is by default."""
-    if not isinstance(parameter.default, (int, float)):
-        return text
-    try:
-        return literal_eval(text)
-    except (ValueError, SyntaxError):
-        raise typer.BadParameter(f"--option {parameter.name}: `{text}` is not a number.") from None
 
 
 def where(bridge: Bridge, world: str | None = None) -> str:

@@ -212,3 +212,20 @@ def test_a_class_an_object_and_nothing_are_taken_as_they_are() -> None:
     assert make_bridge(bridge) is bridge
     with pytest.raises(BridgeError, match="exists already"):
         make_bridge(bridge, world="line")
+
+
+def test_a_text_for_an_option_that_is_a_number_is_read_as_one(registry: dict[str, type[Bridge]]) -> None:
+    class Knob(Bridge):
+        """A knob."""
+
+        name = "test-knob"
+
+        def __init__(self, port: int = 1, name: str = "", gain: float = 1.0) -> None:
+            self.taken = (port, name, gain)
+
+        def open_interface(self) -> None:
+            """Nothing to open."""
+
+    assert make_bridge("test-knob", port="7", name="8", gain="0.5").taken == (7, "8", 0.5)  # type: ignore[attr-defined]
+    with pytest.raises(BridgeError, match="`port=seven` is not a number"):
+        make_bridge("test-knob", port="seven")

@@ -198,7 +198,7 @@ def test_an_option_that_the_bridge_does_not_know_gives_2(server: Any, bare_lrp: 
         (on(9), "No rosbridge server answers at `ws://127.0.0.1:9`"),
         (on(9, "--option", "backend=rosbrige"), "Did you mean `rosbridge`?"),
         (on(9, "--option", "setup=nowhere.json"), "The set-up nowhere.json cannot be read"),
-        (on(9, "--option", "patience=soon"), "--option patience: `soon` is not a number"),
+        (on(9, "--option", "patience=soon"), "`patience=soon` is not a number"),
         (on(9, "--speed", "2"), "`ros` moves in real time"),
         (on(9, "--world", "line"), "--world is for the simulator"),
     ],
