@@ -1,5 +1,7 @@
 """A notebook and a lab in a page, as a person works with them: by pointer and keyboard, by what is shown."""
 
+LINE = (3.297056274847714, 1.3)  # metres: the size of the world `line`
+MARGIN = 0.06  # metres around it
 APP = "window.jupyterapp?.shell?.currentWidget"
 
 
@@ -32,13 +34,16 @@ class NotebookPage:
     def ready(self):
         """Wait until the kernel listens."""
         self.page.wait_for_function(
-            f"path => {APP}?.context?.path === path && {APP}.sessionContext?.session?.kernel?.status === 'idle'",
+            f"path => {APP}?.context?.path === path"
+            f" && {APP}.sessionContext?.session?.kernel?.status === 'idle'",
             arg=self.name,
         )
         return self
 
     def command(self, name, **arguments):
-        self.page.evaluate("([name, args]) => jupyterapp.commands.execute(name, args)", [name, arguments])
+        self.page.evaluate(
+            "async ([name, args]) => { await jupyterapp.commands.execute(name, args); }", [name, arguments]
+        )
 
     def begin_cell(self, index):
         """Run a cell, and do not wait for its end."""
@@ -50,15 +55,10 @@ class NotebookPage:
 
     def run_cell(self, index):
         """Run a cell to its end."""
-        before = self.count(index)
+        model = f"window.jupyterapp.shell.currentWidget.content.widgets[{index}].model"
+        self.page.evaluate(f"() => {{ {model}.executionCount = null; }}")
         self.begin_cell(index)
-        self.page.wait_for_function(
-            f"([index, before]) => {APP}.content.widgets[index].model.executionCount > before",
-            arg=[index, before],
-        )
-
-    def count(self, index):
-        return self.page.evaluate(f"index => {APP}.content.widgets[index].model.executionCount ?? 0", index)
+        self.page.wait_for_function(f"{model}.executionCount !== null")
 
     def write_cell(self, index, source):
         self.page.evaluate(
@@ -70,13 +70,16 @@ class NotebookPage:
         """Everything that a cell shows as text."""
         return self.page.locator(".jp-CodeCell").nth(index).locator(".jp-OutputArea").inner_text()
 
-    @property
-    def kernel_status(self):
-        return self.page.evaluate(f"{APP}.sessionContext.session.kernel.status")
-
     def save(self):
         self.command("docmanager:save")
         self.page.wait_for_function(f"!{APP}.context.model.dirty")
+
+    def close(self):
+        self.page.evaluate(f"{APP}.dispose()")
+
+    def restart_kernel(self):
+        self.page.evaluate(f"{APP}.sessionContext.session.kernel.restart()")
+        self.ready()
 
     def lab(self, index=0):
         return LabPage(self.page, index)
@@ -113,8 +116,9 @@ class LabPage:
         self.sees(selector)
         element = self.root.element_handle()
         self.page.wait_for_function(
-            f"([root, selector, argument]) => {{ const find = s => s === ':scope' ? root : root.querySelector(s);"
-            f" const element = find(selector); return element && ({condition})(element, argument); }}",
+            "([root, selector, argument]) => {"
+            " const element = selector === ':scope' ? root : root.querySelector(selector);"
+            f" return element && ({condition})(element, argument); }}",
             arg=[element, selector, argument],
         )
 
@@ -198,3 +202,19 @@ class LabPage:
     def choose(self, action):
         """Choose an entry of the open menu."""
         self.find(f'[role="menu"] [data-lrp-action="{action}"]').click()
+
+    def drag_robot(self, start, end, world=LINE):
+        """Drag what stands at a place of the world (metres) to another; all of the world is shown."""
+        frame = self.sees(".lrp-canvas").bounding_box()
+        width, height = (length + 2 * MARGIN for length in world)
+        scale = min(frame["width"] / width, frame["height"] / height)
+
+        def at(x, y):
+            right = frame["x"] + frame["width"] / 2 + (x - world[0] / 2) * scale
+            return right, frame["y"] + frame["height"] / 2 - (y - world[1] / 2) * scale
+
+        mouse = self.page.mouse
+        mouse.move(*at(*start))
+        mouse.down()
+        mouse.move(*at(*end), steps=5)
+        mouse.up()

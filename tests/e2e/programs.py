@@ -32,3 +32,11 @@ EYE = """\
   (on dark off -> on seen))
 (spawn m off)
 """
+LONG = """\
+import pathlib
+import time
+end = time.monotonic() + 60
+while not pathlib.Path("go").exists() and time.monotonic() < end:
+    time.sleep(0.02)
+pathlib.Path("over").touch()
+"""

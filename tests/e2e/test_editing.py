@@ -55,3 +55,57 @@ def test_an_edited_initialiser_changes_only_its_variable(open_lab):
     assert lab.value("lightlim") == "128"
     lab.goes_on()
     assert lab.find(".lrp-notice:visible").count() == 0
+
+
+def test_held_edits_wait_for_their_button(open_lab):
+    lab = open_lab(COUNTER)
+    lab.do("hold")
+    lab.sees('[data-lrp-action="hold"][aria-checked="true"]')
+    revision = lab.revision
+    lab.type_after("(state rest)", " (state third)")
+    lab.reads(".lrp-difference [data-kind=added]", "third")
+    assert lab.revision == revision
+    assert lab.find('[data-lrp-state="m/third"]').count() == 0
+    lab.do("apply")
+    lab.sees('[data-lrp-state="m/third"]')
+    lab.select(" (state third)")
+    lab.page.keyboard.press("Delete")
+    lab.reads(".lrp-difference [data-kind=removed]", "third")
+    lab.do("revert")
+    lab.misses(".lrp-difference [data-kind=removed]:visible")
+    assert "(state third)" in lab.text
+
+
+def test_a_dangling_reference_is_marked_drawn_broken_and_mended_by_its_fix(open_lab):
+    lab = open_lab(COUNTER)
+    lab.replace("-> rest tfull", "-> rset tfull")
+    lab.sees('[data-lrp-issue="LRP303"]')
+    lab.sees('[data-lrp-transition="m:tfull"][data-broken]')
+    lab.find(".cm-content").focus()
+    lab.page.keyboard.press("F8")  # to the next finding, its card open
+    lab.sees(".cm-diagnosticAction").click()
+    lab.misses('[data-lrp-issue="LRP303"]')
+    lab.misses('[data-lrp-transition="m:tfull"][data-broken]')
+    assert "-> rest tfull" in lab.text
+
+
+def test_a_state_is_renamed_everywhere_and_stays_active(open_lab):
+    lab = open_lab(COUNTER)
+    lab.goes_on()
+    counted = int(lab.value("m/n"))
+    lab.select("(state count")  # the cursor is at the end of the name
+    lab.page.keyboard.press("F2")
+    field = lab.sees(".lrp-rename input")
+    field.fill("work")
+    field.press("Enter")
+    lab.is_active("m/work")
+    assert "(on full work -> rest tfull)" in lab.text
+    assert int(lab.value("m/n")) >= counted
+
+
+def test_members_of_the_robot_are_completed_with_their_values(open_lab):
+    lab = open_lab(FOLLOWER, "follower --world line")
+    lab.type_after("robot.light.data < lightlim - 10", " and robot.bump")
+    option = lab.sees(".cm-tooltip-autocomplete [role=option]")
+    assert "bumper" in option.inner_text()
+    lab.page.keyboard.press("Escape")

@@ -1,0 +1,70 @@
+"""What a lab looks like: in the dark, to a screen reader, and on paper."""
+
+import base64
+import json
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+from e2e.programs import COUNTER, FOLLOWER
+
+AXE = Path(__file__).parents[2] / "js" / "node_modules" / "axe-core" / "axe.min.js"
+
+
+def test_the_lab_is_dark_where_jupyterlab_is(open_lab):
+    lab = open_lab(COUNTER)
+    lab.sees(':scope[data-theme="light"]')
+    lab.notebook.command("apputils:change-theme", theme="JupyterLab Dark")
+    lab.sees(':scope[data-theme="dark"]')
+    for part in ("editor", "graph", "variables"):
+        red, green, blue = ink(lab, part)
+        assert min(red, green, blue) > 128, part
+    lab.notebook.command("apputils:change-theme", theme="JupyterLab Light")
+    lab.sees(':scope[data-theme="light"]')
+    assert max(ink(lab, "editor")) < 128
+
+
+def ink(lab, part):
+    """Red, green and blue of a part's text."""
+    color = lab.sees(f'[data-lrp="{part}"]').evaluate("part => getComputedStyle(part).color")
+    return [float(number) for number in color[color.index("(") + 1 : -1].split(",")[:3]]
+
+
+@pytest.mark.parametrize("theme", ["Light", "Dark"])
+def test_axe_finds_nothing_serious(open_lab, theme):
+    if not AXE.exists() and not os.environ.get("CI"):
+        pytest.skip("axe-core is not installed: `npm ci` in js")
+    lab = open_lab(FOLLOWER, "follower --world line")
+    if theme == "Dark":
+        lab.notebook.command("apputils:change-theme", theme="JupyterLab Dark")
+        lab.sees(':scope[data-theme="dark"]')
+    lab.type_after("(state end", "ing")  # a program with findings has more to look at
+    lab.sees("[data-lrp-issue]")
+    lab.pause()
+    lab.page.evaluate(AXE.read_text())
+    found = lab.root.evaluate(
+        "async root => (await axe.run(root, { resultTypes: ['violations'] })).violations"
+        ".filter(({ impact }) => impact === 'serious' || impact === 'critical')"
+        ".map(({ id, nodes }) => [id, nodes.map(({ target, failureSummary }) => [target, failureSummary])])"
+    )
+    assert found == [], json.dumps(found, indent=1)
+
+
+def test_a_saved_notebook_shows_graph_and_text_where_no_kernel_runs(open_lab, tmp_path):
+    lab = open_lab(FOLLOWER, "follower --world line")
+    lab.goes_on()
+    lab.notebook.save()
+    bundle = json.loads(lab.notebook.path.read_text())["cells"][1]["outputs"][0]["data"]
+    assert "".join(bundle["text/plain"]) == FOLLOWER
+    command = [sys.executable, "-W", "ignore", "-m", "nbconvert", "--to", "html", lab.notebook.path.name]
+    env = {**os.environ, "JUPYTER_CONFIG_DIR": str(tmp_path), "IPYTHONDIR": str(tmp_path)}
+    subprocess.run([*command, "--output-dir", tmp_path], cwd=lab.notebook.path.parent, env=env, check=True)
+    html = (tmp_path / "notebook.html").read_text()
+    (picture,) = re.findall(r'src="data:image/svg\+xml;base64,([^"]+)"', html)
+    shown = "".join(ElementTree.fromstring(base64.b64decode(picture)).itertext())
+    for word in ("follower", "moving", "looking", "tlooking"):
+        assert word in shown
