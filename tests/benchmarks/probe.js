@@ -1,0 +1,40 @@
+// What a page does to measure itself: times from an event of the browser to the picture that shows its effect.
+window.probe = {
+  keys: [],
+  paint: () => new Promise(done => requestAnimationFrame(() => {
+    const channel = new MessageChannel();
+    channel.port1.onmessage = () => done(performance.now());
+    channel.port2.postMessage(0);
+  })),
+  wall: time => performance.timeOrigin + time,
+  // From every key until something is painted.
+  watchKeys(element) {
+    element.addEventListener("keydown", async event => {
+      this.keys.push(await this.paint() - event.timeStamp);
+    }, true);
+  },
+  // From the next event of a kind until a condition holds in the lab, and is painted.
+  arm(kind, root, condition) {
+    this.outcome = new Promise(done => addEventListener(kind, event => {
+      const holds = async () => {
+        if (!condition(root)) return;
+        watcher.disconnect();
+        done([this.wall(event.timeStamp), this.wall(await this.paint())]);
+      };
+      const watcher = new MutationObserver(holds);
+      watcher.observe(root, { subtree: true, childList: true, attributes: true, characterData: true });
+      holds();
+    }, { capture: true, once: true }));
+  },
+  // When which state was first painted as active.
+  watchStates(root, machine) {
+    this.states = [];
+    new MutationObserver(changes => {
+      for (const { target } of changes) {
+        const path = target.getAttribute("data-lrp-state") ?? "";
+        if (!path.startsWith(machine) || !target.hasAttribute("data-active")) continue;
+        this.paint().then(now => this.states.push([path, this.wall(now)]));
+      }
+    }).observe(root, { subtree: true, attributeFilter: ["data-active"] });
+  },
+};

@@ -1,0 +1,48 @@
+"""What comes over the websocket of a kernel: the messages of the lab among it."""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+
+class Wire:
+    """Counts the messages that reach a page, and adds up what they tell of firings."""
+
+    def __init__(self, page: Any) -> None:
+        self.count = self.size = self.largest = 0
+        self.fired: dict[str, dict[str, int]] = {}
+        page.on("websocket", lambda socket: socket.on("framereceived", self._take))
+
+    def _take(self, payload: str | bytes) -> None:
+        content = content_of(payload)
+        if content is None:
+            return
+        self.count += 1
+        self.size += len(payload)
+        self.largest = max(self.largest, len(payload))
+        message = content.get("data", {}).get("content") or {}
+        frame = message.get("frame") if message.get("type") == "snapshot" else message
+        if isinstance(frame, dict) and frame.get("type") == "frame":
+            self.fired.update(frame.get("fired", {}))
+
+    def measure(self, act: Callable[[], object]) -> tuple[int, int, int]:
+        """Messages, bytes, and the largest of them, while something is done."""
+        count, size, self.largest = self.count, self.size, 0
+        act()
+        return self.count - count, self.size - size, self.largest
+
+
+def content_of(payload: str | bytes) -> dict[str, Any] | None:
+    """Content of a `comm_msg`; None for anything else.
+
+    In protocol ``v1.kernel.websocket.jupyter.org`` a message is a table of offsets (8 bytes each, their
+    number first) and channel, header, parent, metadata, content, buffers one behind the other.
+    """
+    if isinstance(payload, str) or b"comm_msg" not in payload:
+        return None
+    number = int.from_bytes(payload[:8], "little")
+    offsets = [int.from_bytes(payload[8 * (i + 1) : 8 * (i + 2)], "little") for i in range(number)]
+    if json.loads(payload[offsets[1] : offsets[2]])["msg_type"] != "comm_msg":
+        return None
+    content: dict[str, Any] = json.loads(payload[offsets[4] : offsets[5]])
+    return content
