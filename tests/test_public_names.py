@@ -44,4 +44,4 @@ def test_importing_the_package_imports_no_module_of_jupyter():
 
 def test_the_bare_interpreter_imports_neither_clock_nor_thread_nor_physics():
     loaded = imports("from lrp_jupyter import Interpreter, parse")
-    assert not loaded & {"IPython", "ipywidgets", "anywidget", "traitlets", "networkx", "pymunk", "igraph"}
+    assert not loaded & {"IPython", "ipywidgets", "anywidget", "traitlets", "networkx", "pymunk"}

@@ -12,9 +12,8 @@ from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from typing import NamedTuple
 
-import igraph
-
 from lrp_jupyter.views.graph import ANY
+from lrp_jupyter.views.ordering import order
 
 __all__ = ["Box", "arrange", "free_place", "is_dense", "layers", "left_of"]
 
@@ -197,7 +196,7 @@ def _layered(
 ) -> dict[str, Point]:
     names = [*([ANY] if ANY in sizes else []), *states]
     level = layers(names, links, starts or states[:1])
-    across = _sugiyama(names, links, level)
+    across = order(names, links, level)
     if ANY in across and 2 * across[ANY] > min(across.values()) + max(across.values()):
         across = {name: -x for name, x in across.items()}  # `*` will stand at the left
     by_level: dict[int, list[str]] = {}
@@ -294,19 +293,6 @@ def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:
         return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
 
     return turn(a, b, c) * turn(a, b, d) < 0 and turn(c, d, a) * turn(c, d, b) < 0
-
-
-def _sugiyama(names: Sequence[str], links: Iterable[Link], level: Mapping[str, int]) -> dict[str, float]:
-    """Order the nodes inside their layers; the result is across the layers, in units of one place."""
-    index = {name: i for i, name in enumerate(names)}
-    edges = {
-        tuple(sorted((index[a], index[b]), key=lambda i: level[names[i]]))
-        for a, b in links
-        if level[a] != level[b]
-    }
-    graph = igraph.Graph(n=len(names), edges=sorted(edges), directed=True)
-    placed = graph.layout_sugiyama(layers=[level[name] for name in names], hgap=1, vgap=1, maxiter=200)
-    return {name: placed[i][0] for i, name in enumerate(names)}
 
 
 def _fold(
