@@ -24,8 +24,12 @@ Record = tuple[Any, ...]
 """``(activation, state, entered, children)`` or ``(cell, value)`` before, or ``(snapshot,)``."""
 
 
+EDITS = 300
+"""Snapshots that are kept: each holds on to a whole program, and people type for hours."""
+
+
 class Journal:
-    """Whole ticks, the last `bound` of them.
+    """Whole ticks, the last `bound` of them, and no more than the last :data:`EDITS` with a snapshot.
 
     ``log`` collects what was done since the end of the last tick, whose time is `now`; at the end of
     a tick it is closed together with that time.
@@ -35,6 +39,9 @@ class Journal:
         self._entries: deque[tuple[float, list[Record]]] = deque(maxlen=bound)
         self.log: list[Record] = []
         self.now = 0.0
+        self._closed = 0
+        self._snapshots: deque[int] = deque()  # numbers of the entries that hold one
+        self._has_snapshot = False
 
     def __len__(self) -> int:
         """How many ticks can be undone."""
@@ -44,12 +51,21 @@ class Journal:
         """Remember everything, before a change that is not one of a tick."""
         if not any(isinstance(record[0], Snapshot) for record in self.log):  # one undoes all that follows
             self.log.append((Snapshot(run),))
+            self._has_snapshot = True
 
     def close(self, now: float) -> None:
         """End a tick."""
         self._entries.append((self.now, self.log))
         self.log = []
         self.now = now
+        self._closed += 1
+        if self._has_snapshot:
+            self._has_snapshot = False
+            self._snapshots.append(self._closed)
+            if len(self._snapshots) > EDITS:
+                kept = self._closed - self._snapshots.popleft()
+                while len(self._entries) > kept:
+                    self._entries.popleft()
 
     def undo(self, run: Run, ticks: int) -> None:
         """Undo what came after the last tick, then `ticks` ticks, then what came before those.
@@ -66,6 +82,9 @@ class Journal:
         for _ in range(ticks):
             self.now, self.log = self._entries.pop()
             run.ticks -= 1
+            self._closed -= 1
+            while self._snapshots and self._snapshots[-1] > self._closed:
+                self._snapshots.pop()
             self._undo_log(run)
         run.now = self.now
 
@@ -78,6 +97,7 @@ class Journal:
             else:
                 put(what, before[0])
         self.log = []
+        self._has_snapshot = False
 
 
 def put(cell: CellType, value: object) -> None:

@@ -167,3 +167,23 @@ def test_an_observer_hears_of_a_second_run_as_of_the_first():
     for tick in range(2, 7):
         i.step(tick / 10)
     assert seen == first
+
+
+def test_the_journal_holds_on_to_no_more_than_some_hundred_programs(monkeypatch):
+    monkeypatch.setattr("lrp_jupyter.interpreter.journal.EDITS", 3)
+    text = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
+    i = started(text, ticks=0)
+    for tick in range(10):  # the start is a snapshot too, and so is every edit
+        i.step(tick / 10)
+        if tick in (2, 4, 6, 8):
+            i.patch(parse(text + f"; {tick}"))
+    assert i.journal == 6, "back to the edit before the last three"
+    i.rewind(6)
+    assert (i.variables["n"], i.program.text) == (3, text + "; 2")
+    for tick in range(4, 8):
+        i.step(tick / 10)
+        i.patch(parse(text + f"; again {tick}"))
+    i.step(0.8)
+    assert i.journal == 3
+    i.rewind(3)
+    assert i.variables["n"] == 5
