@@ -153,6 +153,7 @@ export interface PanelField {
   value: string;
   choices: string[];
   unit: string;
+  press: string;
 }
 
 export interface PanelButton {
@@ -173,6 +174,7 @@ export interface PanelQuestion {
   key: string;
   text: string;
   default: string;
+  button: string;
 }
 
 export interface PanelView {

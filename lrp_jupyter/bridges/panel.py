@@ -20,7 +20,11 @@ __all__ = ["STOP", "Button", "Field", "Panel", "Question", "Table"]
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """Something to see (kind ``"value"``) or to fill in; what was filled in comes with each button."""
+    """Something to see (kind ``"value"``) or to fill in; what was filled in comes with each button.
+
+    A text may have `choices` as well: they are offered. To take one of them presses the button `press`,
+    with the choice as its row.
+    """
 
     key: str
     label: str
@@ -28,6 +32,7 @@ class Field:
     value: str = ""
     choices: tuple[str, ...] = ()
     unit: str = ""
+    press: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,12 +67,14 @@ class Table:
 class Question:
     """Something that the bridge needs to know: comes back as ``bridge.answer(key, value)``.
 
-    On the command line the key is the option: ``--host`` answers the question ``host``.
+    On the command line the key is the option: ``--host`` answers the question ``host``. In the lab the
+    answer is given with a button.
     """
 
     key: str
     text: str
     default: str = ""
+    button: str = "Connect"
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,13 +6,13 @@ Paper: §7.1, figure 4 (the publishers and subscriptions, and the buttons to cre
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table
 from lrp_jupyter.bridges.ros_channel import Channel
+from lrp_jupyter.bridges.ros_gist import gist
 from lrp_jupyter.bridges.ros_setup import Direction, Wire, check_type
 from lrp_jupyter.errors import BridgeError
 
@@ -55,7 +55,7 @@ class Console:
                 Field("backend", "Connected by", value=bridge.backend),
                 Field("address", "Address", value=bridge.address),
                 Field("variable", "Variable", "text", draft.variable),
-                Field("topic", "Topic", "text", draft.topic, names),
+                Field("topic", "Topic", "text", draft.topic, names, press="pick"),
                 Field("type", "Type", "text", draft.type, tuple(sorted(set(topics.values())))),
                 Field("setup", "Set-up file", "text", bridge.wiring.path),
             ),
@@ -85,7 +85,7 @@ class Console:
             ),
             questions=(
                 Question("host", "Address of the robot (`host` or `host:port`)", bridge.address),
-                Question("setup", "File with the set-up", bridge.wiring.path),
+                Question("setup", "File with a set-up", bridge.wiring.path, "Load"),
             ),
         )
 
@@ -123,7 +123,8 @@ def _row(channel: Channel) -> tuple[str, ...]:
     shown = channel.problem or channel.waiting
     if not shown:
         message = channel.latest.value if channel.latest is not None else channel.last_sent
-        shown = _short.repr(message) if message is not None else "no data yet"
+        nothing = "no data yet" if wire.direction == "subscription" else "nothing sent yet"
+        shown = nothing if message is None else gist(message)
     return (
         wire.variable,
         wire.direction,
@@ -133,7 +134,3 @@ def _row(channel: Channel) -> tuple[str, ...]:
         "" if age is None else f"{age:.1f}",
         shown,
     )
-
-
-_short = reprlib.Repr()
-_short.maxother = 120

@@ -233,7 +233,7 @@ class BridgeView(TypedDict):
 
 
 class PanelField(TypedDict):
-    """One field of a bridge's panel; kind ``value`` is shown only."""
+    """One field of a bridge's panel; kind ``value`` is shown only. To take a choice may `press` a button."""
 
     key: str
     label: str
@@ -241,6 +241,7 @@ class PanelField(TypedDict):
     value: str
     choices: list[str]
     unit: str
+    press: str
 
 
 class PanelButton(TypedDict):
@@ -267,6 +268,7 @@ class PanelQuestion(TypedDict):
     key: str
     text: str
     default: str
+    button: str
 
 
 class PanelView(TypedDict):

@@ -532,7 +532,8 @@ def test_a_panel_is_plain_data() -> None:
     assert data["buttons"] == [{"key": "stop", "label": "Stop robot"}]
     assert data["fields"][0]["kind"] == "number"
     assert data["tables"][0]["rows"] == [["odom", "Odometry"]]
-    assert data["questions"][0] == {"key": "host", "text": "Address", "default": "127.0.0.1"}
+    question = {"key": "host", "text": "Address", "default": "127.0.0.1", "button": "Connect"}
+    assert data["questions"] == [question]
 
 
 def test_a_table_has_a_key_and_a_text_for_each_column_in_every_row() -> None:

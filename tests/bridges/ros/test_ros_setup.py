@@ -122,7 +122,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
         ({"host": "robot:x"}, "is no address"),
         ({"port": "0"}, "is no address"),
         ({"hots": "robot"}, "Did you mean `host`"),
-        ({"patience": "long"}, "`patience` must be a number"),
+        ({"patience": "long"}, "`patience=long` is not a number"),
     ],
 )
 def test_a_wrong_option_is_refused(options: dict[str, Any], sentence: str) -> None:
@@ -273,11 +273,11 @@ def test_the_panel_shows_every_connection_with_rate_age_and_value(
     assert rows(ros)["light"]["value"] == "no data yet"
     for value in range(5):
         graph.say("/light", data=value)
-    until(lambda: rows(ros)["light"]["value"] == "UInt8(data=4)")
+    until(lambda: rows(ros)["light"]["value"] == "4")
     assert float(rows(ros)["light"]["rate (Hz)"]) > 1
     assert float(rows(ros)["light"]["age (s)"]) < 2
     ros.robot.move(linear=0.2)
-    assert rows(ros)["move"]["value"].startswith("Twist(linear=")
+    assert rows(ros)["move"]["value"] == "linear.x=0.2"
     assert rows(ros)["move"]["direction"] == "publisher"
 
 

@@ -23,6 +23,7 @@ from lrp_jupyter.bridges.ros_definitions import (
     from_rosapi,
     parse_field,
 )
+from lrp_jupyter.bridges.ros_gist import gist
 from lrp_jupyter.bridges.ros_types import Types
 from lrp_jupyter.errors import BridgeError
 
@@ -247,3 +248,30 @@ def test_every_type_known_from_the_start_is_complete() -> None:
     for name in KNOWN:
         assert types.knows(name), name
         types.form(name).decode(types.message(name)().as_dict())
+
+
+@pytest.mark.parametrize(
+    ("type_", "fields", "line"),
+    [
+        ("std_msgs/UInt8", {"data": 7}, "7"),
+        ("std_msgs/String", {"data": "hello"}, "'hello'"),
+        (
+            "geometry_msgs/Twist",
+            {"linear": {"x": 0.25}, "angular": {"z": -1.0}},
+            "linear.x=0.25, angular.z=-1",
+        ),
+        (
+            "nav_msgs/Odometry",
+            {"pose": {"pose": {"position": {"x": 1.25, "y": 2.0}}}},
+            "x=1.25, y=2, theta=0",
+        ),
+    ],
+)
+def test_a_message_is_told_in_a_line(type_: str, fields: dict[str, Any], line: str) -> None:
+    assert gist(Types().form(type_).decode(fields)) == line
+
+
+def test_a_message_to_send_is_told_by_what_is_set() -> None:
+    twist = Types().message("geometry_msgs/Twist")
+    assert gist(twist(linear=0.2)) == "linear.x=0.2"
+    assert gist(twist()).startswith("linear.x=0, linear.y=0")
