@@ -175,7 +175,8 @@ def member_values(bridge: Bridge) -> dict[str, str]:
 def _members(bridge: Bridge) -> Iterator[Member]:
     def inside(member: Member, depth: int) -> Iterator[Member]:
         yield member
-        for field in member.fields if depth else ():
+        # what a command takes is nothing to read
+        for field in member.fields if depth and member.kind == "variable" else ():
             yield from inside(field, depth - 1)
 
     for member in bridge.members():

@@ -19,6 +19,7 @@ from lrp_jupyter.language.checks.scope import resolve
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.rename import references as find_references
+from lrp_jupyter.widgets.fields import arguments_of, fields_of
 from lrp_jupyter.widgets.inspecting import inspect_element
 from lrp_jupyter.widgets.paths import id_of
 from lrp_jupyter.widgets.protocol import (
@@ -68,10 +69,21 @@ def _inspected(request: Inspect) -> Inspect:
 
 
 def complete(connection: Connection, request: Complete) -> list[Option]:
-    """Complete a name, or a member of what stands before the last dot."""
-    before, dot, begun = request["prefix"].rpartition(".")
+    """Complete a name, or a member of what stands before the last dot.
+
+    ``robot.move().`` asks for the fields of the message that a command sends, ``robot.move(`` for its
+    arguments.
+    """
+    robot, prefix = connection.session.bridge, request["prefix"]
+    command, bracket, argument = prefix.partition("(")
+    if bracket and not argument.startswith(")"):
+        return [each for each in arguments_of(robot, command) if each["label"].startswith(argument)]
+    before, dot, begun = prefix.rpartition(".")
     if not dot:
         return _names(connection, begun)
+    fields = fields_of(robot, before)
+    if fields is not None:
+        return [each for each in fields if each["label"].startswith(begun)]
     try:
         options: list[Option] = connection.session.call(
             lambda: _members(_value_of(connection, before, request["scope"]), begun)

@@ -130,3 +130,10 @@ def test_states_transitions_machines_events_and_the_robot_can_be_inspected(lab, 
     assert any("light" in facet["label"] for facet in inspect(page, "robot")["inspect"]["facets"])
     for kind, path in [("state", "m/x"), ("transition", "m:x"), ("event", "m/x"), ("machine", "x")]:
         assert "no" in inspect(page, kind, path)["error"]
+
+
+def test_what_a_command_takes_and_sends_completes_before_it_is_sent(page):
+    assert {"linear", "angular"} <= options(page, "robot.move().").keys()
+    assert options(page, "robot.move().linear.").keys() == {"x", "y", "z"}
+    assert "linear_x=" in options(page, "robot.move(lin")
+    assert "angular_z=" not in options(page, "robot.move(lin")

@@ -1,0 +1,74 @@
+"""Fields of readings and messages complete by their types: no robot needs to have said anything yet."""
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.message import Twist
+from lrp_jupyter.bridges.ros_types import Types
+from lrp_jupyter.widgets.fields import arguments_of, fields_of
+from lrp_jupyter.widgets.pictures import bridge_view
+
+
+class Far(Bridge):
+    """A robot that has not said anything."""
+
+    name = "test-far"
+
+    def open_interface(self):
+        odometry = Types().form("nav_msgs/Odometry").kind
+        self.add_variable("odom", lambda: None, "where it is", type=odometry)
+        self.add_variable("light.data", lambda: 7, "0 dark", unit="grey")
+        self.add_method("move", lambda message: None, "drive", message=Twist)
+        self.add_method("motor.turn", self.turn, "turn")
+
+    def turn(self, speed, brake=True):
+        """Turn the motor."""
+
+
+@pytest.fixture
+def far():
+    bridge = Far()
+    bridge.open()
+    yield bridge
+    bridge.close()
+
+
+def labels(options):
+    return [option["label"] for option in options]
+
+
+def test_a_reading_that_has_not_arrived_has_the_fields_of_its_type(far):
+    assert {"x", "y", "theta", "pose", "twist"} <= set(labels(fields_of(far, "robot.odom")))
+    position = fields_of(far, "robot.odom.pose.pose.position")
+    assert [(option["label"], option["detail"]) for option in position] == [(n, "float") for n in "xyz"]
+
+
+def test_a_part_of_the_robot_has_its_members_with_their_values(far):
+    far.refresh()
+    (data,) = fields_of(far, "robot.light")
+    assert (data["label"], data["detail"], data["info"]) == ("data", "7", "0 dark")
+
+
+def test_the_message_of_a_command_has_the_fields_of_its_type(far):
+    assert labels(fields_of(far, "robot.move()")) == ["linear", "angular"]
+    assert labels(fields_of(far, "robot.move().linear")) == ["x", "y", "z"]
+    assert fields_of(far, "robot.move().lineer") is None
+
+
+def test_a_command_itself_has_no_fields(far):
+    assert fields_of(far, "robot.move") == []
+    assert fields_of(far, "robot.move.linear") == []
+    assert not [member for member in bridge_view(far)["members"] if member["name"].startswith("move.")]
+
+
+def test_other_chains_are_not_known_here(far):
+    assert fields_of(far, "math") is None
+    assert fields_of(far, "robot") is None
+    assert fields_of(far, "robot.light.data") is None, "a number: Python knows it better"
+
+
+def test_a_command_takes_its_arguments_in_short_and_in_long(far):
+    names = labels(arguments_of(far, "robot.move"))
+    assert {"linear_x=", "angular_z="} <= set(names)
+    assert labels(arguments_of(far, "robot.motor.turn")) == ["speed=", "brake="]
+    assert arguments_of(far, "robot.nothing") == arguments_of(far, "print") == []
