@@ -1,6 +1,9 @@
 """The panels of real robots: a ROS robot behind a server of topics, and an emulated EV3 brick."""
 
+import json
+import socket
 import threading
+from pathlib import Path
 
 import pytest
 from bridges.ev3.brick import Brick
@@ -9,11 +12,23 @@ from e2e.programs import COUNTER
 
 from lrp_jupyter.bridges.ros_definitions import KNOWN
 
+SETUP = json.loads((Path(__file__).parents[1] / "bridges" / "ros" / "follower.json").read_text())
 DRIVE = """\
+(var hang := [False])
 (machine m
-  (state a (running [robot.move(linear=0.1)])))
+  (state a
+    (running [robot.move(linear=0.1)] [
+      while hang: pass])))
 (spawn m a)
 """
+MESSAGES = """\
+(machine m
+  (state a (running [robot.move(lambda msg: msg)]))
+  (state b (running [robot.odom]))
+  (state c (running [robot.move()])))
+(spawn m b)
+"""
+PATIENCE = 20  # s for what the test's side hears of the page
 
 
 class RosRobot:
@@ -32,11 +47,22 @@ class RosRobot:
         self._speaker = threading.Thread(target=self._speak, name="topics")
         self._speaker.start()
         self.server = RosbridgeServer(self.graph)
+        self.port = self.server.port
 
     def _speak(self):
         while not self._gone.wait(0.1):
             self.graph.say("/light", data=self.light)
             self.graph.say("/odom", pose={"pose": {"position": {"x": 1.25, "y": 0.5, "z": 0.0}}})
+
+    @property
+    def speeds(self):
+        return [values["linear"]["x"] for topic, values in self.graph.heard if topic == "/cmd_vel"]
+
+    def die(self):
+        self.server.close()
+
+    def come_back(self):
+        self.server = RosbridgeServer(self.graph, self.port)
 
     def close(self):
         self._gone.set()
@@ -52,6 +78,18 @@ def ros():
 
 
 @pytest.fixture
+def open_ros(open_lab, ros, tmp_path):
+    """Open a lab on the ROS robot, with everything connected or nothing."""
+
+    def open_ros(program, connected=True):
+        setup = tmp_path / "robot.json"
+        setup.write_text(json.dumps(SETUP if connected else {"version": 1}))
+        return open_lab(program, f"m --bridge ros --host 127.0.0.1 --port {ros.port} --setup {setup}")
+
+    return open_ros
+
+
+@pytest.fixture
 def brick():
     brick = Brick()
     brick.sensors[0].type, brick.sensors[0].values = 16, {0: 0.0, 1: 3.0}
@@ -62,19 +100,238 @@ def brick():
     assert brick.violations == []
 
 
-def test_ros_look(open_lab, ros):
-    lab = open_lab(DRIVE, f"m --bridge ros --host 127.0.0.1 --port {ros.server.port}")
-    lab.page.wait_for_timeout(1500)
-    lab.root.screenshot(path="/tmp/ros1.png")
-    w=lab.find('[data-lrp="world"]')
-    w.screenshot(path="/tmp/ros1w.png")
-    print(w.inner_text())
+@pytest.fixture
+def open_brick(open_lab, brick):
+    """Open a lab on the brick, or on one whose address is not known."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.bind(("127.0.0.1", 0))
+        beacon = probe.getsockname()[1]
+
+    def open_brick(program=COUNTER, host="--host 127.0.0.1"):
+        return open_lab(program, f"m --bridge ev3 {host} --port {brick.port} --beacon_port {beacon}")
+
+    return open_brick
 
 
-def test_ev3_look(open_lab, brick):
-    lab = open_lab(COUNTER, f"m --bridge ev3 --host 127.0.0.1 --port {brick.port}")
-    lab.page.wait_for_timeout(1500)
-    lab.root.screenshot(path="/tmp/ev1.png")
-    w=lab.find('[data-lrp="world"]')
-    w.screenshot(path="/tmp/ev1w.png")
-    print(w.inner_text())
+def wait_until(holds, what):
+    """Wait for something on this side of the network."""
+    tick = threading.Event()
+    for _ in range(PATIENCE * 50):
+        if holds():
+            return
+        tick.wait(0.02)
+    raise AssertionError(f"{what} did not come in {PATIENCE} s")
+
+
+def row(key):
+    return f'[data-row="{key}"]'
+
+
+def cell(key, column):
+    return f'{row(key)} [data-column="{column}"]'
+
+
+def field(lab, key):
+    return lab.sees(f'[data-field="{key}"]')
+
+
+def press(lab, action, key=""):
+    lab.sees(f'{row(key) if key else ""} [data-lrp-action="panel-{action}"]').click()
+
+
+def arm(lab):
+    press(lab, "arm")
+    lab.until("note => note.hidden", ".lrp-disarmed")
+
+
+# -- ROS -------------------------------------------------------------------------------------------
+
+
+def test_publishers_and_subscriptions_are_listed_with_rate_age_and_value(open_ros, ros):
+    lab = open_ros(DRIVE)
+    lab.reads(cell("light", "value"), "200")
+    lab.reads(cell("light", "type"), "std_msgs/UInt8")
+    lab.reads(cell("odom", "value"), "x=1.25, y=0.5, theta=0")
+    lab.until("cell => Number(cell.textContent) > 2", cell("light", "rate (Hz)"))
+    lab.until("cell => Number(cell.textContent) < 2", cell("light", "age (s)"))
+    lab.reads(cell("bumper", "value"), "no data yet")
+    lab.reads(cell("move", "direction"), "publisher")
+    ros.light = 20
+    lab.until("cell => cell.textContent === '20'", cell("light", "value"))
+    assert ros.speeds == [], "a lab on hardware opens disarmed"
+    arm(lab)
+    wait_until(lambda: 0.1 in ros.speeds, "a command")
+    lab.reads(cell("move", "value"), "linear.x=0.1")
+
+
+def test_a_topic_is_picked_its_type_filled_in_and_the_row_removed_again(open_ros, ros):
+    lab = open_ros(COUNTER, connected=False)
+    press(lab, "pick", "/odom")
+    lab.until("input => input.value === 'nav_msgs/Odometry'", '[data-field="type"]')
+    assert field(lab, "variable").input_value() == "odom"
+    press(lab, "subscribe")
+    lab.reads(cell("odom", "value"), "x=1.25")
+    lab.until("input => input.value === ''", '[data-field="topic"]')
+
+    field(lab, "variable").fill("eye")
+    assert lab.find("datalist option").evaluate_all("all => all.map(one => one.value)")[:3] == [
+        "/cmd_vel",
+        "/light",
+        "/odom",
+    ]
+    field(lab, "topic").fill("/light")  # one of the list: its type is filled in
+    lab.until("input => input.value === 'std_msgs/UInt8'", '[data-field="type"]')
+    press(lab, "subscribe")
+    lab.reads(cell("eye", "value"), "200")
+
+    field(lab, "variable").fill("dri")
+    lab.goes_on()
+    assert field(lab, "variable").input_value() == "dri", "what is typed is left alone"
+    field(lab, "variable").fill("drive")
+    field(lab, "topic").fill("/cmd_vel")
+    press(lab, "publish")
+    lab.reads(cell("drive", "type"), "geometry_msgs/Twist")
+    press(lab, "remove", "odom")
+    lab.misses(row("odom"))
+    wait_until(lambda: {topic for topic, _ in ros.graph.listeners} == {"/light"}, "the end of /odom")
+
+
+def test_what_cannot_be_connected_is_said(open_ros):
+    lab = open_ros(COUNTER, connected=False)
+    field(lab, "variable").fill("my light")
+    field(lab, "topic").fill("/light")
+    press(lab, "subscribe")
+    lab.reads(".lrp-toast", "cannot be written after")
+    assert field(lab, "variable").input_value() == "my light", "it can be corrected"
+
+
+def test_a_dead_server_is_shown_and_everything_comes_back_with_it(open_ros, ros):
+    lab = open_ros(DRIVE)
+    lab.reads(cell("light", "value"), "200")
+    ros.die()
+    lab.sees('.lrp-state .lrp-dot[data-status="lost"]')
+    lab.reads(".lrp-sentence", str(ros.port))
+    lab.goes_on()
+    ros.come_back()
+    lab.misses('.lrp-state .lrp-dot[data-status="lost"]')
+    ros.light = 33
+    lab.reads(cell("light", "value"), "33")
+
+
+def test_another_address_is_connected_from_the_panel(open_ros, ros):
+    lab = open_ros(DRIVE)
+    lab.reads(cell("light", "value"), "200")
+    other = RosRobot()
+    other.light = 77
+    try:
+        lab.sees(".lrp-questions summary").click()
+        lab.sees('[data-question="host"]').fill(f"127.0.0.1:{other.port}")
+        lab.sees('[data-lrp-action="answer-host"]').click()
+        lab.reads(cell("light", "value"), "77")
+        lab.reads('[data-show="address"]', f"127.0.0.1:{other.port}")
+        wait_until(lambda: not ros.graph.listeners, "the end of the first connection")
+    finally:
+        other.close()
+
+
+def test_stop_robot_works_while_a_block_hangs(open_ros, ros):
+    lab = open_ros(DRIVE)
+    arm(lab)
+    wait_until(lambda: 0.1 in ros.speeds, "a command")
+    lab.replace("[False]", "[True]")
+    lab.sees(':scope[data-lrp-status="hung"]')
+    ros.graph.heard.clear()
+    press(lab, "stop")
+    wait_until(lambda: ros.speeds, "the command to stop")
+    assert set(ros.speeds) == {0.0}
+
+
+@pytest.mark.parametrize(
+    ("place", "typed", "offered"),
+    [
+        ("msg: msg", ".lin", {"linear"}),
+        ("msg: msg", ".linear.", {"x", "y", "z"}),
+        ("robot.odom", ".", {"x", "y", "theta", "pose", "twist"}),
+        ("robot.odom", ".pose.pose.position.", {"x", "y", "z"}),
+        ("c (running [robot.move(", "ang", {"angular_z="}),
+    ],
+)
+def test_completion_knows_the_fields_of_messages_from_their_types(open_ros, ros, place, typed, offered):
+    lab = open_ros(MESSAGES)
+    lab.type_after(place, typed)
+    lab.until(
+        "(list, labels) => labels.every(label =>"
+        " [...list.querySelectorAll('.cm-completionLabel')].some(one => one.textContent === label))",
+        ".cm-tooltip-autocomplete",
+        sorted(offered),
+    )
+
+
+# -- EV3 -------------------------------------------------------------------------------------------
+
+
+def test_every_motor_and_sensor_of_a_brick_is_there_with_its_values(open_brick, brick):
+    lab = open_brick()
+    for motor in ("motorA", "motorB", "motorC", "motorD"):
+        lab.reads(cell(motor, "type"), "large motor")
+    lab.reads(cell("sensor1", "type"), "touch")
+    lab.reads(cell("sensor2", "value"), "42")
+    lab.reads(cell("sensor2", "unit"), "%")
+    lab.reads(cell("sensor3", "value"), "25.5")
+    lab.reads(cell("sensor4", "type"), "nothing")
+    lab.reads('[data-show="battery"]', "87 %")
+    brick.sensors[0].values[0] = 1.0
+    lab.until("cell => cell.textContent === '1'", cell("sensor1", "value"))
+    press(lab, "next_mode", "sensor2")
+    lab.reads(cell("sensor2", "mode"), "ambient")
+    lab.until("cell => cell.textContent === '7'", cell("sensor2", "value"))
+
+
+def test_motors_are_turned_by_hand_and_all_stopped_at_once(open_brick, brick):
+    lab = open_brick()
+    lab.reads(cell("motorA", "type"), "large motor")
+    press(lab, "forward", "motorA")
+    lab.goes_on()
+    assert brick.motors[0].turning == 0, "a lab on hardware opens disarmed"
+    arm(lab)
+    field(lab, "speed").fill("30")
+    press(lab, "forward", "motorA")
+    wait_until(lambda: brick.motors[0].turning == 30, "motor A")
+    press(lab, "backward", "motorD")
+    wait_until(lambda: brick.motors[3].turning == -30, "motor D")
+    lab.until("cell => Number(cell.textContent) > 20", cell("motorA", "count (deg)"))
+    lab.reads(cell("motorD", "speed (%)"), "-30")
+    press(lab, "halt", "motorA")
+    wait_until(lambda: brick.motors[0].turning == 0, "the end of motor A")
+    assert brick.motors[3].turning == -30
+    press(lab, "reset_count", "motorA")
+    lab.until("cell => cell.textContent === '0'", cell("motorA", "count (deg)"))
+    press(lab, "stop")
+    wait_until(lambda: brick.motors[3].turning == 0, "the end of motor D")
+    lab.ready("paused")
+
+
+def test_the_address_of_a_brick_is_asked_and_a_wrong_one_refused(open_brick, brick):
+    lab = open_brick(host="")
+    lab.until("dialog => dialog.open", ".lrp-questions")
+    host = lab.sees('[data-question="host"]')
+    host.fill("not an address")
+    host.press("Enter")
+    lab.reads(".lrp-toast", "is no address of a brick")
+    host.fill("127.0.0.1")
+    host.press("Enter")
+    lab.reads(".lrp-sentence", "SLOWPOKE")
+    lab.until("dialog => !dialog.open", ".lrp-questions")
+    lab.reads(cell("sensor3", "value"), "25.5")
+
+
+def test_a_brick_that_is_lost_is_found_again(open_brick, brick):
+    lab = open_brick()
+    lab.reads(cell("sensor3", "value"), "25.5")
+    brick.unplug()
+    lab.until("dot => ['stale', 'lost'].includes(dot.dataset.status)", ".lrp-state .lrp-dot")
+    lab.goes_on()
+    brick.plug_in()
+    lab.sees('.lrp-state .lrp-dot[data-status="connected"]')
+    brick.sensors[2].values[0] = 11.5
+    lab.reads(cell("sensor3", "value"), "11.5")

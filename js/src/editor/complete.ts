@@ -29,7 +29,8 @@ const FORMS: Record<string, [template: string, detail: string, inside: string]> 
   onresume: ["onresume [#{}]", "when resumed", "Program"],
 };
 
-const PATIENCE = 250; // ms
+const PATIENCE = 250; // ms to wait for the kernel with what is known here,
+const LONGER = 2000; // and with nothing
 
 export function completion(lab: Lab): Extension {
   return autocompletion({
@@ -106,10 +107,23 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
   const prefix = chain?.text ?? "";
   if (/^\d/.test(prefix)) return null;
   const from = context.pos - (prefix.length - (prefix.lastIndexOf(".") + 1));
-  const own = prefix.includes(".") ? members(lab, prefix) : [...variables(lab, context, scope), ROBOT];
-  const reply = await soon(lab.ask({ type: "complete", prefix, scope }));
+  const before = context.state.sliceDoc(Math.max(0, from - NEAR), from);
+  const command = filledBy(prefix, before);
+  const own = command
+    ? []
+    : prefix.includes(".")
+      ? members(lab, prefix)
+      : [...variables(lab, context, scope), ROBOT];
+  const taking = prefix.includes(".") ? null : TAKING.exec(before);
+  const questions = [command ?? prefix, ...(taking ? [`robot.${taking[1]}(${prefix}`] : [])];
+  const begun = prefix.slice(prefix.lastIndexOf(".") + 1);
+  const patience = own.some(({ label }) => label.startsWith(begun)) ? PATIENCE : LONGER;
+  const replies = questions.map((question) =>
+    soon(lab.ask({ type: "complete", prefix: question, scope }), patience),
+  );
+  const [names, taken] = await Promise.all(replies);
   const known = new Set(own.map(({ label }) => label));
-  const more = (reply?.options ?? [])
+  const more = [...(taken?.options ?? []), ...(names?.options ?? [])]
     .filter(({ label }) => !known.has(label))
     .map(({ label, kind, detail, info }) => ({
       label,
@@ -122,8 +136,21 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
 }
 
 /** What the kernel has to say, if it says it soon: a busy one shall not keep the rest back. */
-function soon<T>(reply: Promise<T>): Promise<T | null> {
-  return Promise.race([reply, new Promise<null>((resolve) => setTimeout(() => resolve(null), PATIENCE))]);
+function soon<T>(reply: Promise<T>, patience: number): Promise<T | null> {
+  return Promise.race([reply, new Promise<null>((resolve) => setTimeout(() => resolve(null), patience))]);
+}
+
+const NEAR = 1000; // characters in which a message gets its name
+/** In the brackets of a command, where an argument begins. */
+const TAKING = /\brobot\.([\w.]+)\((?:[^()]*,)?\s*$/;
+
+/** `msg.linear.` is `robot.move().linear.` where `msg` is the message that a command fills. */
+function filledBy(prefix: string, before: string): string | null {
+  const [name, ...rest] = prefix.split(".");
+  if (!rest.length || name === "robot") return null;
+  const given = `robot\\.([\\w.]+)\\(\\s*lambda\\s+${name}\\s*:|with\\s+robot\\.([\\w.]+)\\s+as\\s+${name}\\s*:`;
+  const last = [...before.matchAll(new RegExp(given, "g"))].at(-1);
+  return last ? `robot.${last[1] ?? last[2]}().${rest.join(".")}` : null;
 }
 
 const ROBOT: Completion = { label: "robot", type: "variable", detail: "the robot", boost: 1 };

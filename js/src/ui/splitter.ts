@@ -19,9 +19,8 @@ interface Options {
 export function splitter(options: Options): HTMLElement {
   const { name, label, direction, min, max, whole, reversed = false } = options;
   const columns = direction === "columns";
-  let value = options.value;
   const set = (wanted: number) => {
-    value = Math.min(max, Math.max(min, wanted));
+    const value = Math.min(max, Math.max(min, wanted));
     whole.style.setProperty(name, `${value}%`);
     bar.setAttribute("aria-valuenow", String(Math.round(value)));
   };
@@ -53,9 +52,10 @@ export function splitter(options: Options): HTMLElement {
       if (event.key !== less && event.key !== more) return;
       event.preventDefault();
       event.stopPropagation();
+      const value = Number.parseFloat(whole.style.getPropertyValue(name)); // others may have set it too
       set(value + (event.key === more ? 2 : -2) * (reversed ? -1 : 1));
     },
   });
-  set(value);
+  set(options.value);
   return bar;
 }

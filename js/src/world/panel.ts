@@ -1,62 +1,197 @@
 /** A bridge's panel, drawn from plain data: fields, tables, buttons, questions. Paper: §7.1, §7.2, §7.3. */
 
-import type { PanelButton, PanelField, PanelQuestion, PanelTable, PanelView } from "../protocol";
+import type { PanelButton, PanelQuestion, PanelView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
-import { h } from "../ui/dom";
+import { h, setAttribute, setText } from "../ui/dom";
+import { prose } from "../ui/prose";
+import { type Inputs, inputs, values } from "./fields";
+import { type Table, tableOf } from "./table";
+
+/** The sentence of the status stands at the head, whatever the bridge. */
+const AT_THE_HEAD = "status";
 
 export function bridgePanel(lab: Lab): HTMLElement {
   const { store } = lab;
   const body = h("div", { class: "lrp-bridge-panel" });
   let shape = "";
-  store.watch(["panel", "snapshot"], () => {
+  let parts: Parts | null = null;
+  store.watch(["panel", "bridge", "snapshot"], () => {
     const { panel } = store.state;
     body.hidden = !panel;
     if (!panel) return;
     const now = shapeOf(panel);
-    if (now === shape) refresh(body, panel);
-    else body.replaceChildren(...build(panel, lab, body));
+    if (!parts || now !== shape) {
+      parts = build(panel, lab, body);
+      body.replaceChildren(...parts.elements);
+    }
     shape = now;
+    parts.refresh(panel);
   });
   return body;
 }
 
-/** Everything but values: while that stays, what the person has typed into fields stays too. */
-function shapeOf(panel: PanelView): string {
-  return JSON.stringify({
-    ...panel,
-    fields: panel.fields.map((field) => ({ ...field, value: "" })),
-    tables: panel.tables.map((table) => ({ ...table, rows: [] })),
-  });
+/** What there is, without what it says: while that stays, the elements stay, and what was typed into them. */
+function shapeOf({ title, fields, tables, buttons, questions }: PanelView): string {
+  return JSON.stringify([
+    title,
+    fields.map(({ key, kind, label, unit, press }) => [key, kind, label, unit, press]),
+    tables.map(({ key, title: name, columns, buttons: each }) => [key, name, columns, each]),
+    buttons,
+    questions.map(({ key, text }) => [key, text]),
+  ]);
 }
 
-function values(body: HTMLElement): Record<string, string> {
-  const all: Record<string, string> = {};
-  for (const input of body.querySelectorAll<HTMLInputElement | HTMLSelectElement>("[data-field]")) {
-    const on = input instanceof HTMLInputElement && input.type === "checkbox";
-    all[input.dataset.field!] = on ? String(input.checked) : input.value;
-  }
-  return all;
+interface Parts {
+  elements: HTMLElement[];
+  refresh(panel: PanelView): void;
 }
 
-function build(panel: PanelView, lab: Lab, body: HTMLElement): HTMLElement[] {
-  const press = (key: string, row?: string) =>
-    void lab.act("panel", { key, values: values(body), ...(row === undefined ? {} : { row }) });
-  return [
-    ...panel.questions.map((question) => questionForm(question, lab)),
-    h("div", { class: "lrp-fields" }, ...panel.fields.map(fieldRow)),
-    ...panel.tables.map((table) => tableOf(table, press)),
-    h("div", { class: "lrp-row" }, ...panel.buttons.map((one) => pressable(one, () => press(one.key)))),
-  ];
+/** From above: the state, the questions, the first table with what is filled in for it, the other tables. */
+function build(panel: PanelView, lab: Lab, body: HTMLElement): Parts {
+  const press = async (key: string, row?: string) => {
+    const known = row === undefined ? {} : { row };
+    return lab.act("panel", { key, values: values(body), ...known });
+  };
+  const state = head(panel, lab, press);
+  const facts = factList();
+  const asked = panel.questions.length ? questions(panel.questions, lab) : null;
+  const filled: Inputs = inputs(panel, (key, row) => void press(key, row));
+  const pressed = async (key: string) => {
+    if (!(await press(key))) filled.clear();
+  };
+  const others = panel.buttons.filter(({ key }) => key !== "stop");
+  const form = h(
+    "div",
+    { class: "lrp-form" },
+    filled.element,
+    h("div", { class: "lrp-row" }, ...others.map((one) => pressable(one, () => void pressed(one.key)))),
+  );
+  const tables: Table[] = panel.tables.map((table) =>
+    tableOf(table, (one, row) => pressable(one, () => void press(one.key, row))),
+  );
+  const [first, ...more] = tables;
+  return {
+    elements: [
+      state.element,
+      facts.element,
+      asked?.element,
+      first?.element,
+      form,
+      ...more.map((t) => t.element),
+    ].filter((element): element is HTMLElement => Boolean(element)),
+    refresh(now) {
+      state.refresh();
+      facts.refresh(now);
+      asked?.refresh(now.questions);
+      filled.refresh(now);
+      now.tables.forEach((table, index) => {
+        tables[index]?.refresh(table);
+      });
+    },
+  };
 }
 
 function pressable({ key, label }: PanelButton, onclick: () => void): HTMLButtonElement {
   return button({ label, title: label, action: `panel-${key}`, onclick });
 }
 
-function questionForm({ key, text, default: value }: PanelQuestion, lab: Lab): HTMLElement {
-  const input = h("input", { class: "lrp-input", value, "data-field": key });
-  return h(
+/** How the connection is, and the runstop; commands that are not sent are said here. */
+function head(panel: PanelView, lab: Lab, press: (key: string) => unknown) {
+  const dot = h("span", { class: "lrp-dot", "aria-hidden": "true" });
+  const sentence = h("p", { class: "lrp-sentence", "data-show": AT_THE_HEAD });
+  const stop = panel.buttons.find(({ key }) => key === "stop");
+  const disarmed = h(
+    "p",
+    { class: "lrp-disarmed" },
+    h("span", {}, "Disarmed: commands are not sent."),
+    button({
+      label: "Arm",
+      title: "Let commands move the robot",
+      action: "panel-arm",
+      onclick: () => void lab.act("armed", { on: true }),
+    }),
+  );
+  const stopButton =
+    stop &&
+    button({
+      label: stop.label,
+      icon: "stop",
+      title: stop.label,
+      action: "panel-stop",
+      onclick: () => void press("stop"),
+    });
+  stopButton?.classList.add("lrp-stop");
+  const element = h("div", { class: "lrp-state" }, dot, sentence, stopButton, disarmed);
+  return {
+    element,
+    refresh() {
+      const { bridge } = lab.store.state;
+      setAttribute(dot, "data-status", bridge.status);
+      if (sentence.dataset.sentence !== bridge.sentence) sentence.replaceChildren(...prose(bridge.sentence));
+      sentence.dataset.sentence = bridge.sentence;
+      disarmed.hidden = !bridge.hardware || bridge.armed;
+    },
+  };
+}
+
+/** What is only to be seen, in a line as long as there is room. */
+function factList() {
+  const element = h("div", { class: "lrp-facts" });
+  return {
+    element,
+    refresh({ fields }: PanelView) {
+      const shown = fields.filter(({ key, kind, value }) => kind === "value" && key !== AT_THE_HEAD && value);
+      while (element.children.length < shown.length)
+        element.append(h("span", { class: "lrp-fact" }, h("span", { class: "lrp-faint" }), h("output")));
+      while (element.children.length > shown.length) element.lastElementChild!.remove();
+      shown.forEach(({ key, label, value, unit }, index) => {
+        const [name, text] = element.children[index]!.children;
+        setText(name!, label);
+        setText(text!, unit ? `${value} ${unit}` : value);
+        setAttribute(text!, "data-show", key);
+      });
+    },
+  };
+}
+
+/** The dialog for what a bridge has to know: open until it knows the first thing and is connected. */
+function questions(all: PanelQuestion[], lab: Lab) {
+  const forms = all.map((question) => questionForm(question, lab));
+  const element = h(
+    "details",
+    { class: "lrp-questions" },
+    h("summary", {}, "Connection"),
+    ...forms.map((form) => form.element),
+  );
+  let asked: boolean | null = null;
+  return {
+    element,
+    refresh(now: PanelQuestion[]) {
+      const { status } = lab.store.state.bridge;
+      const asks = status === "disconnected" || status === "connecting" || !now[0]?.default;
+      if (asks !== asked) element.open = asks;
+      asked = asks;
+      now.forEach((question, index) => {
+        forms[index]?.refresh(question);
+      });
+    },
+  };
+}
+
+function questionForm({ key, text, button: label }: PanelQuestion, lab: Lab) {
+  const input = h("input", {
+    class: "lrp-input",
+    "data-question": key,
+    spellcheck: "false",
+    onkeydown: (event: KeyboardEvent) => {
+      if (event.key !== "Enter") return;
+      event.preventDefault(); // in a notebook Enter does not submit by itself
+      element.requestSubmit();
+    },
+  });
+  let told: string | null = null;
+  const element = h(
     "form",
     {
       class: "lrp-question",
@@ -65,76 +200,14 @@ function questionForm({ key, text, default: value }: PanelQuestion, lab: Lab): H
         void lab.act("panel", { key, values: { [key]: input.value } });
       },
     },
-    h("label", {}, text, input),
-    h("button", { class: "lrp-button lrp-primary", "data-lrp-action": `answer-${key}` }, "Connect"),
+    h("label", {}, h("span", {}, ...prose(text)), input),
+    h("button", { class: "lrp-button lrp-primary", "data-lrp-action": `answer-${key}` }, label),
   );
-}
-
-function fieldRow(field: PanelField): HTMLElement {
-  return h(
-    "label",
-    { class: "lrp-field" },
-    h("span", {}, field.label),
-    control(field),
-    field.unit && h("span", { class: "lrp-faint" }, field.unit),
-  );
-}
-
-function control({ key, kind, value, choices }: PanelField): HTMLElement {
-  if (kind === "value") return h("output", { "data-show": key }, value);
-  if (kind === "switch")
-    return h("input", { type: "checkbox", checked: value === "true", "data-field": key });
-  if (kind === "choice") {
-    const list = choices.map((choice) => h("option", { value: choice, selected: choice === value }, choice));
-    return h("select", { class: "lrp-select", "data-field": key }, ...list);
-  }
-  return h("input", {
-    class: "lrp-input",
-    type: kind === "number" ? "number" : "text",
-    value,
-    "data-field": key,
-  });
-}
-
-function tableOf(table: PanelTable, press: (key: string, row: string) => void): HTMLElement {
-  const head = h(
-    "tr",
-    {},
-    ...table.columns.map((name) => h("th", { scope: "col" }, name)),
-    table.buttons.length ? h("td") : null,
-  );
-  const rows = table.rows.map((cells, index) => {
-    const row = table.keys[index] ?? "";
-    const buttons = table.buttons.map((one) => pressable(one, () => press(one.key, row)));
-    return h(
-      "tr",
-      { "data-row": row },
-      ...cells.map((cell) => h("td", {}, cell)),
-      buttons.length ? h("td", {}, ...buttons) : null,
-    );
-  });
-  return h(
-    "table",
-    { class: "lrp-table", "data-table": table.key },
-    h("caption", {}, table.title),
-    h("thead", {}, head),
-    h("tbody", {}, ...rows),
-  );
-}
-
-/** New values into what stands there. */
-function refresh(body: HTMLElement, panel: PanelView): void {
-  for (const { key, value } of panel.fields) {
-    const output = body.querySelector(`[data-show="${CSS.escape(key)}"]`);
-    if (output && output.textContent !== value) output.textContent = value;
-  }
-  for (const table of panel.tables) {
-    const rows = body.querySelectorAll(`[data-table="${CSS.escape(table.key)}"] tbody tr`);
-    table.rows.forEach((cells, index) => {
-      cells.forEach((cell, column) => {
-        const place = rows[index]?.children[column];
-        if (place && place.textContent !== cell) place.textContent = cell;
-      });
-    });
-  }
+  return {
+    element,
+    refresh({ default: value }: PanelQuestion) {
+      if (value !== told) input.value = value;
+      told = value;
+    },
+  };
 }

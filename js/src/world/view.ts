@@ -98,11 +98,12 @@ export function worldView(lab: Lab): WorldPart {
     membersCard(lab),
   );
   useTools(stage, lab, () => tool);
-  store.watch(["world", "snapshot"], () => {
+  store.watch(["world", "panel", "snapshot"], () => {
     const { world } = store.state;
     stage.show(world);
     view.hidden = !world;
     element.toggleAttribute("data-worldless", !world);
+    makeRoom(element, !world && Boolean(store.state.panel));
     setText(heading, world ? "World" : "Robot");
   });
   store.watch(["choices", "world"], () => {
@@ -138,6 +139,13 @@ export function worldView(lab: Lab): WorldPart {
       showTime();
     },
   };
+}
+
+/** A panel of a robot says more than a picture of a world, and gets more of its column. */
+function makeRoom(element: HTMLElement, wanted: boolean): void {
+  if (element.hasAttribute("data-roomy") === wanted) return;
+  element.toggleAttribute("data-roomy", wanted);
+  element.parentElement?.style.setProperty("--lrp-share-world", wanted ? "68%" : "46%");
 }
 
 function palette(root: HTMLElement): Palette {

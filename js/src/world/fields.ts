@@ -1,0 +1,91 @@
+/** The fields of a panel that a person fills in. What was typed stays, until the bridge says otherwise. */
+
+import type { PanelField, PanelView } from "../protocol";
+import { h } from "../ui/dom";
+
+type Input = HTMLInputElement | HTMLSelectElement;
+
+export interface Inputs {
+  element: HTMLElement;
+  refresh(panel: PanelView): void;
+  /** Forget texts that the bridge knows nothing of: they were for a button that was pressed. */
+  clear(): void;
+}
+
+/** Everything that is filled in, by key. */
+export function values(body: HTMLElement): Record<string, string> {
+  const all: Record<string, string> = {};
+  for (const input of body.querySelectorAll<Input>("[data-field]")) all[input.dataset.field!] = read(input);
+  return all;
+}
+
+export function inputs(panel: PanelView, press: (key: string, row: string) => void): Inputs {
+  const element = h("div", { class: "lrp-fields" });
+  const controls = new Map<string, Input>();
+  const offers = new Map<string, HTMLDataListElement>();
+  const told = new Map<string, string>();
+  for (const field of panel.fields) {
+    if (field.kind === "value") continue;
+    const input = control(field);
+    controls.set(field.key, input);
+    const offer = field.kind === "text" && field.choices ? h("datalist", { id: freshId() }) : null;
+    if (offer) {
+      offers.set(field.key, offer);
+      input.setAttribute("list", offer.id);
+      input.addEventListener("input", () => {
+        const taken = [...offer.options].some(({ value }) => value === read(input));
+        if (field.press && taken) press(field.press, read(input));
+      });
+    }
+    const unit = field.unit && h("span", { class: "lrp-faint" }, field.unit);
+    element.append(h("label", { class: "lrp-field" }, h("span", {}, field.label), input, unit, offer));
+  }
+  return {
+    element,
+    refresh({ fields }) {
+      for (const { key, kind, value, choices } of fields) {
+        const input = controls.get(key);
+        if (!input) continue;
+        offers.get(key)?.replaceChildren(...options(choices, offers.get(key)!));
+        if (kind === "choice") (input as HTMLSelectElement).replaceChildren(...options(choices, input));
+        if (value !== told.get(key)) write(input, value);
+        told.set(key, value);
+      }
+    },
+    clear() {
+      for (const [key, input] of controls)
+        if (input instanceof HTMLInputElement && input.type === "text" && !told.get(key)) input.value = "";
+    },
+  };
+}
+
+let count = 0;
+
+function freshId(): string {
+  count += 1;
+  return `lrp-choices-${count}-${Math.random().toString(36).slice(2)}`;
+}
+
+/** Those that stand there already, if they are still right: an open list is not disturbed. */
+function options(choices: string[], list: Element): Element[] {
+  const old = [...list.children];
+  const same =
+    old.length === choices.length && old.every((one, i) => one.getAttribute("value") === choices[i]);
+  return same ? old : choices.map((value) => h("option", { value }, list.tagName === "SELECT" && value));
+}
+
+function read(input: Input): string {
+  return input instanceof HTMLInputElement && input.type === "checkbox" ? String(input.checked) : input.value;
+}
+
+function write(input: Input, value: string): void {
+  if (input instanceof HTMLInputElement && input.type === "checkbox") input.checked = value === "true";
+  else input.value = value;
+}
+
+function control({ key, kind }: PanelField): Input {
+  if (kind === "switch") return h("input", { type: "checkbox", "data-field": key });
+  if (kind === "choice") return h("select", { class: "lrp-select", "data-field": key });
+  const type = kind === "number" ? "number" : "text";
+  return h("input", { class: "lrp-input", type, spellcheck: "false", "data-field": key });
+}

@@ -1,0 +1,106 @@
+// @vitest-environment happy-dom
+import { describe, expect, it, vi } from "vitest";
+import type { PanelField, PanelTable, PanelView } from "../src/protocol";
+import { h } from "../src/ui/dom";
+import { inputs, values } from "../src/world/fields";
+import { tableOf } from "../src/world/table";
+
+function field(key: string, more: Partial<PanelField> = {}): PanelField {
+  return { key, label: key, kind: "text", value: "", choices: [], unit: "", press: "", ...more };
+}
+
+function panel(...fields: PanelField[]): PanelView {
+  return { title: "", fields, tables: [], buttons: [], questions: [] };
+}
+
+function drawn(view: PanelView, press: (key: string, row: string) => void = () => {}) {
+  const filled = inputs(view, press);
+  filled.refresh(view);
+  const input = (key: string) => filled.element.querySelector<HTMLInputElement>(`[data-field="${key}"]`)!;
+  return { ...filled, input };
+}
+
+describe("the fields of a panel", () => {
+  it("keep what was typed until the bridge says something else", () => {
+    const { input, refresh, element } = drawn(panel(field("topic"), field("speed", { value: "50" })));
+    input("topic").value = "/od";
+    refresh(panel(field("topic"), field("speed", { value: "50" })));
+    expect(values(element)).toEqual({ topic: "/od", speed: "50" });
+    refresh(panel(field("topic", { value: "/odom" }), field("speed", { value: "50" })));
+    expect(input("topic").value).toBe("/odom");
+  });
+
+  it("are emptied after their button, but for those that the bridge fills in", () => {
+    const { input, clear, refresh } = drawn(panel(field("topic"), field("file", { value: "a.json" })));
+    input("topic").value = "/odom";
+    clear();
+    refresh(panel(field("topic"), field("file", { value: "a.json" })));
+    expect([input("topic").value, input("file").value]).toEqual(["", "a.json"]);
+  });
+
+  it("press their button when one of the choices is taken", () => {
+    const press = vi.fn();
+    const { input } = drawn(panel(field("topic", { choices: ["/odom"], press: "pick" })), press);
+    for (const typed of ["/od", "/odom"]) {
+      input("topic").value = typed;
+      input("topic").dispatchEvent(new Event("input"));
+    }
+    expect(press.mock.calls).toEqual([["pick", "/odom"]]);
+  });
+
+  it("are switches and lists, too", () => {
+    const { element, input } = drawn(
+      panel(
+        field("on", { kind: "switch", value: "true" }),
+        field("mode", { kind: "choice", choices: ["a", "b"], value: "b" }),
+      ),
+    );
+    expect(values(element)).toEqual({ on: "true", mode: "b" });
+    input("on").checked = false;
+    expect(values(element).on).toBe("false");
+  });
+});
+
+describe("a table of a panel", () => {
+  const table: PanelTable = {
+    key: "motors",
+    title: "Motors",
+    columns: ["motor", "type", "count (deg)"],
+    keys: ["a", "b"],
+    rows: [
+      ["a", "large motor", "12"],
+      ["b", "", ""],
+    ],
+    buttons: [{ key: "stop", label: "Stop" }],
+  };
+
+  it("names the columns of numbers in its cards", () => {
+    const { element, refresh } = tableOf(table, ({ label }) => h("button", {}, label));
+    refresh(table);
+    const cells = [...element.querySelectorAll("[data-row=a] td[data-column]")];
+    expect(cells.map((cell) => cell.getAttribute("data-label"))).toEqual([null, null, "count (deg)"]);
+  });
+
+  it("keeps the rows that stay, with the focus in them", () => {
+    const { element, refresh } = tableOf(table, ({ label }) => h("button", {}, label));
+    refresh(table);
+    const row = element.querySelector("[data-row=b]");
+    refresh({
+      ...table,
+      keys: ["c", "b"],
+      rows: [
+        ["c", "", ""],
+        ["b", "touch", "1"],
+      ],
+    });
+    expect(element.querySelector("[data-row=b]")).toBe(row);
+    expect(row?.textContent).toContain("touch");
+    expect(element.querySelector("[data-row=a]")).toBeNull();
+  });
+
+  it("says when there is nothing in it", () => {
+    const { element, refresh } = tableOf(table, ({ label }) => h("button", {}, label));
+    refresh({ ...table, keys: [], rows: [] });
+    expect(element.querySelector<HTMLElement>(".lrp-empty")?.hidden).toBe(false);
+  });
+});
