@@ -6,9 +6,9 @@ import sys
 import lrp_jupyter
 
 PUBLIC = """
-Bridge BridgeError Controls Editor Frame Interpreter Issue Issues LRPError LRPSyntaxError Lab Machine NoDataYet
-Program Session SessionClosedError SimBridge SimView StateGraph UnknownElementError Variables VirtualClock World
-check diff grade parse state_graph to_source
+Bridge BridgeError Controls Editor Frame Interpreter Issue Issues LRPError LRPSyntaxError Lab Machine
+NoDataYet Program Session SessionClosedError SimBridge SimView StateGraph UnknownElementError Variables
+VirtualClock World check diff grade parse state_graph to_source
 """
 
 
