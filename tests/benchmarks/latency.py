@@ -27,7 +27,7 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 import texts
 from e2e.jupyter import FLAGS, chromium, jupyter, lacking
-from e2e.pages import APP, LabPage, NotebookPage
+from e2e.pages import LabPage, NotebookPage
 from wire import Wire
 
 JS = Path(__file__).parents[2] / "js"
@@ -45,7 +45,7 @@ PROGRAM = f"""{CALM}
 (machine probe (state here) (state q))
 (spawn probe here)
 """
-SLOW_CELL = "import time\nfor _ in range({}):\n    time.sleep(0.1)\n"
+SLOW_CELL = "import time\nprint(0)\nfor _ in range({}):\n    time.sleep(0.1)\n"
 PROBE = (Path(__file__).parent / "probe.js").read_text()
 WATCH = (Path(__file__).parent / "watch.py").read_text()
 
@@ -76,7 +76,7 @@ class Bench:
             "%load_ext lrp_jupyter",
             f"%%lrp m --world line\n{PROGRAM}",
             WATCH,
-            SLOW_CELL.format(10 * seconds),
+            SLOW_CELL.format(max(50, 10 * seconds)),
         ]
         server.write(self.notebook.name, cells)
         self.notebook.show()
@@ -222,8 +222,8 @@ class Bench:
 
     def obey_while_a_cell_runs(self) -> None:
         self.notebook.begin_cell(3)
-        self.page.wait_for_function(f"{APP}.sessionContext.session.kernel.status === 'busy'")
-        self.obey(", a cell runs for long", 5)
+        self.notebook.prints(3)
+        self.obey(", a cell runs for long", few(self.times))
         self.look_at("probe")
         self.lab.select("(state q")
         self.page.keyboard.press("ArrowRight")
@@ -287,7 +287,7 @@ class Bench:
         self.page.bring_to_front()
         ends = f"const end = Date.now() + {seconds * 1000}; while (Date.now() < end);"
         other.evaluate(f"setTimeout(() => {{ {ends} }}, 0)")
-        self.obey(", another tab is blocked", 5)
+        self.obey(", another tab is blocked", few(self.times))
         other.wait_for_function("true")
         caught_up = time.time()
         tick = self.lab.tick
@@ -297,7 +297,7 @@ class Bench:
         )
         session = context.new_cdp_session(other)
         session.send("Page.setWebLifecycleState", {"state": "frozen"})
-        self.obey(", another tab is hidden and frozen", 5)
+        self.obey(", another tab is hidden and frozen", few(self.times))
         session.send("Page.setWebLifecycleState", {"state": "active"})
         other.close()
 
@@ -336,6 +336,11 @@ class Bench:
                 )
 
 
+def few(times: int) -> int:
+    """How often something is done that takes its time."""
+    return max(2, times // 12)
+
+
 def keys(page: Any, times: int, first: str = "") -> list[float]:
     """Type digits where the cursor is; milliseconds until each is painted."""
     if first:
@@ -357,7 +362,7 @@ def main() -> None:
     options = parser.parse_args()
     if lacking():
         sys.exit(f"There is no {lacking()}.")
-    times, seconds = (8, 2) if options.quick else (60, 10)
+    times, seconds = (8, 1) if options.quick else (60, 10)
     from playwright.sync_api import sync_playwright
 
     with (

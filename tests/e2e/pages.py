@@ -60,6 +60,10 @@ class NotebookPage:
         self.begin_cell(index)
         self.page.wait_for_function(f"{model}.executionCount !== null")
 
+    def prints(self, index):
+        """Wait until a cell has shown something: then it runs, or did."""
+        self.page.wait_for_function(f"{APP}.content.widgets[{index}].model.outputs.length > 0")
+
     def write_cell(self, index, source):
         self.page.evaluate(
             f"([index, source]) => {APP}.content.widgets[index].model.sharedModel.setSource(source)",

@@ -35,6 +35,7 @@ EYE = """\
 LONG = """\
 import pathlib
 import time
+print("begun")
 end = time.monotonic() + 60
 while not pathlib.Path("go").exists() and time.monotonic() < end:
     time.sleep(0.02)

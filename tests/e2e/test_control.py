@@ -1,6 +1,5 @@
 """The program is told what to do: by buttons, menus, keys, fields and the hand."""
 
-from e2e.pages import APP
 from e2e.programs import COUNTER, EYE, FOLLOWER, LONG, VISITS
 
 
@@ -97,7 +96,7 @@ def test_stop_pause_and_edits_are_obeyed_while_a_cell_runs_for_long(open_lab):
     notebook = lab.notebook
     folder = notebook.path.parent
     notebook.begin_cell(2)
-    notebook.page.wait_for_function(f"{APP}.sessionContext.session.kernel.status === 'busy'")
+    notebook.prints(2)
     lab.do("stop")
     lab.ready("paused")
     lab.do("run")
