@@ -4,18 +4,15 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
-import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.widgets import protocol
 
 PYTHON = Path(protocol.__file__).parent
-TYPESCRIPT = PYTHON.parents[1] / "js" / "src"
+TYPESCRIPT = Path(__file__).parents[2] / "js" / "src"
 FILES = ("nouns", "protocol")
 SIMPLE = {"str": "string", "int": "number", "float": "number", "bool": "boolean", "None": "null"}
-
-pytestmark = pytest.mark.skipif(not TYPESCRIPT.exists(), reason="needs a checkout")
 
 
 def as_typescript(node: ast.expr) -> str:
