@@ -314,7 +314,7 @@ def test_the_runstop_works_on_any_thread_while_a_reading_hangs(
     thread.start()
     thread.join(2)
     assert took[0] < 0.3
-    until(lambda: sent(brick)[-1] == STOP_ALL)
+    until(lambda: sent(brick)[-1:] == [STOP_ALL])
 
 
 def test_a_runstop_that_cannot_reach_the_brick_says_so(
