@@ -122,7 +122,7 @@ def test_ctrl_c_stops_the_robot_with_a_last_command_of_zero(
     told, complaints = run.communicate(timeout=20)
     assert (run.returncode, complaints) == (130, "")
     assert "m/a active" in told.splitlines()[-1]
-    until(lambda: speeds(graph)[-1] == 0.0)
+    until(lambda: speeds(graph)[-1:] == [0.0])
 
 
 def test_a_reading_of_the_robot_ends_the_run(

@@ -230,7 +230,7 @@ def test_a_server_that_hangs_gets_no_pile_of_commands(
     before = len(commands(graph))
     wire.release()
     until(lambda: driver.status.state is not Connection.LOST)
-    until(lambda: commands(graph)[-1] == 0.0)
+    until(lambda: commands(graph)[-1:] == [0.0])
     assert len(commands(graph)) - before <= sent + 3
 
 
@@ -433,7 +433,7 @@ def test_the_stop_button_works_while_the_program_hangs(driver: RosBridge, graph:
     try:
         until(lambda: commands(graph) == [0.2])
         driver.press("stop")
-        until(lambda: commands(graph)[-1] == 0.0, 0.4)
+        until(lambda: commands(graph)[-1:] == [0.0], 0.4)
     finally:
         let_go.set()
         session.close()

@@ -199,11 +199,11 @@ def test_pause_and_stop_send_a_velocity_of_zero(real: Any, connect: Connect, unt
         session.start()
         until(lambda: velocities(lines)[-1:] == [(0.2, 0.0)], 10)
         session.pause()
-        until(lambda: velocities(lines)[-1] == (0.0, 0.0), 10)
+        until(lambda: velocities(lines)[-1:] == [(0.0, 0.0)], 10)
         session.resume()
-        until(lambda: velocities(lines)[-1] == (0.2, 0.0), 10)
+        until(lambda: velocities(lines)[-1:] == [(0.2, 0.0)], 10)
         session.stop_robot()
-        until(lambda: velocities(lines)[-1] == (0.0, 0.0), 10)
+        until(lambda: velocities(lines)[-1:] == [(0.0, 0.0)], 10)
     finally:
         session.close()
 
@@ -295,9 +295,9 @@ def test_a_rosbridge_server_that_dies_and_comes_back_gets_no_old_commands(
     assert reading(ros, "text") is None
     real.start_rosbridge()
     until(lambda: reading(ros, "text"), 15)
-    until(lambda: velocities(lines)[-1] == (0.0, 0.0), 10)  # it may have driven on all the time
+    until(lambda: velocities(lines)[-1:] == [(0.0, 0.0)], 10)  # it may have driven on all the time
     ros.robot.move(linear=0.3)
-    until(lambda: velocities(lines)[-1] == (0.3, 0.0), 10)
+    until(lambda: velocities(lines)[-1:] == [(0.3, 0.0)], 10)
     assert velocities(lines) == [(0.1, 0.0), (0.0, 0.0), (0.3, 0.0)]
 
 

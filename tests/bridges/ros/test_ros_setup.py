@@ -216,7 +216,7 @@ def test_a_publisher_that_is_taken_away_stops_what_it_moved(ros: RosBridge, grap
     ros.robot.move(linear=0.2)
     until(lambda: graph.heard)
     ros.publish("move", "/other", "geometry_msgs/Twist")
-    until(lambda: graph.heard[-1] == ("/cmd_vel", ros.nodes.table["move"].standstill().as_dict()))
+    until(lambda: graph.heard[-1:] == [("/cmd_vel", ros.nodes.table["move"].standstill().as_dict())])
 
 
 def test_limits_bring_a_command_back(ros: RosBridge, graph: Any, until: Any) -> None:
