@@ -1,10 +1,15 @@
-"""A real JupyterLab and a real browser: one server and one browser for all tests, a kernel for each."""
+"""A real JupyterLab and a real browser: one server and one browser for these tests, a kernel for each.
+
+They end with the last test of this folder, because Playwright runs an event loop in the main
+thread as long as it lives, and other tests have one of their own.
+"""
 
 import os
 from functools import partial
 from pathlib import Path
 
 import pytest
+
 from e2e.jupyter import FLAGS, chromium, jupyter, lacking
 from e2e.pages import NotebookPage, close_all
 
@@ -20,14 +25,14 @@ def pytest_collection_modifyitems(items):
                 item.add_marker(pytest.mark.skip(reason=f"there is no {lacking()}"))
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def server(tmp_path_factory):
     assert not lacking(), f"there is no {lacking()}"
     with jupyter(tmp_path_factory.mktemp("jupyter")) as server:
         yield server
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def context(server):
     """A browser whose cache knows JupyterLab after the first test."""
     from playwright.sync_api import sync_playwright

@@ -1,38 +1,17 @@
 """Somebody opens the first notebook, runs two cells, and types: in a real JupyterLab and a real browser."""
 
-from __future__ import annotations
-
-import os
 import shutil
+from pathlib import Path
 
-import pytest
-from e2e.jupyter import FLAGS, chromium, jupyter, lacking
 from e2e.pages import NotebookPage
-from execution import NOTEBOOKS
 
-pytestmark = [
-    pytest.mark.browser,
-    pytest.mark.skipif(bool(lacking()) and not os.environ.get("CI"), reason=f"there is no {lacking()}"),
-]
 FIRST = "00-hello-live-robot.ipynb"
+NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
 
 
-@pytest.fixture
-def notebook(tmp_path):
-    from playwright.sync_api import sync_playwright
-
-    assert not lacking(), f"there is no {lacking()}"
-    with jupyter(tmp_path) as server, sync_playwright() as playwright:
-        shutil.copy(NOTEBOOKS / FIRST, server.root)
-        browser = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
-        page = browser.new_page(viewport={"width": 1600, "height": 1000})
-        page.set_default_timeout(30_000)
-        yield NotebookPage(page, server, FIRST).show()
-        server.end_kernels()
-        browser.close()
-
-
-def test_the_first_notebook_keeps_its_promises(notebook):
+def test_the_first_notebook_keeps_its_promises(page, server):
+    shutil.copy(NOTEBOOKS / FIRST, server.root)
+    notebook = NotebookPage(page, server, FIRST).show()
     notebook.begin_cell(1)
     notebook.begin_cell(2)
     lab = notebook.lab().ready()
