@@ -161,6 +161,7 @@ export type FromPage = Hello | Bye | Text | Credit | Request | Command;
 
 /* ------------------------------------------------------------------ kernel -> page */
 
+/** If something moved in the world, one binary buffer comes with it, read by `world/poses.ts`. */
 export interface Frame {
   type: "frame";
   view: string;
@@ -189,6 +190,7 @@ export interface Frame {
   settings?: SettingsView;
   conflict?: ConflictView | null;
   layouts?: Record<string, Layout>;
+  ink?: InkView;
 }
 
 export interface Answer {
@@ -226,14 +228,6 @@ export interface WorldMessage {
   type: "world";
   view: string;
   world: WorldView | null;
-}
-
-/** Comes with one binary buffer, read by `world/poses.ts`. */
-export interface Poses {
-  type: "poses";
-  view: string;
-  frame: number;
-  ink?: InkView;
 }
 
 export interface Option {
@@ -286,4 +280,4 @@ export interface Reply {
   inspect?: InspectView;
 }
 
-export type FromKernel = Frame | Answer | Snapshot | WorldMessage | Poses | Reply;
+export type FromKernel = Frame | Answer | Snapshot | WorldMessage | Reply;

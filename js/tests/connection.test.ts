@@ -102,13 +102,18 @@ describe("text", () => {
 });
 
 describe("frames", () => {
-  it("are paid for at once", () => {
+  const credits = () => wire.sent.flatMap((message) => (message.type === "credit" ? [message.frame] : []));
+
+  it("are paid for two at a time while many come", () => {
+    for (let frame = 5; frame < 10; frame++) wire.hear({ type: "frame", frame });
+    expect(credits()).toEqual([5, 7, 9]);
+  });
+
+  it("that come one by one are paid for at once", () => {
     wire.hear({ type: "frame", frame: 5 });
-    wire.hear({ type: "poses", frame: 6 });
-    expect(wire.sent.slice(-2)).toEqual([
-      { type: "credit", view: "me", frame: 5 },
-      { type: "credit", view: "me", frame: 6 },
-    ]);
+    wire.wait(1000);
+    wire.hear({ type: "frame", frame: 6 });
+    expect(credits()).toEqual([5, 6]);
   });
 
   it("of other views are none of ours", () => {

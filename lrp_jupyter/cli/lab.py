@@ -6,12 +6,13 @@ import os
 import shutil
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 import typer
 
 from lrp_jupyter.errors import LRPError
 
-__all__ = ["copy_notebooks", "open_lab", "shipped_notebooks"]
+__all__ = ["copy_notebooks", "open_lab", "send_at_once", "shipped_notebooks"]
 
 FIRST = "00-hello-live-robot.ipynb"
 
@@ -65,4 +66,21 @@ def open_lab(folder: Path, browser: bool, options: list[str]) -> None:
         arguments.append("--allow-root")
     from jupyterlab.labapp import main
 
+    send_at_once()
     main(arguments)
+
+
+def send_at_once() -> None:
+    """Have a Jupyter server of this process send each message of a kernel at once.
+
+    It leaves Nagle's algorithm on, which adds tens of milliseconds to every answer of a lab.
+    """
+    from jupyter_server.services.kernels.websocket import KernelWebsocketHandler
+
+    opened: Any = KernelWebsocketHandler.open
+
+    async def open_at_once(self: Any, *arguments: str, **options: str) -> None:
+        self.set_nodelay(True)
+        await opened(self, *arguments, **options)
+
+    KernelWebsocketHandler.open = open_at_once  # type: ignore[method-assign]

@@ -53,6 +53,7 @@ SLOWEST = 0.01
 
 _FREE = 0.0005  # wall seconds that a free-running loop keeps the interpreter lock
 _FRAMES = 60.0  # frames per wall second, at most
+_PICTURES = 30.0  # of a world that moves between two ticks, per wall second
 _ROUNDING = 1e-6  # s
 
 
@@ -226,7 +227,9 @@ class Loop:
             return self.now
         if self._step is None:
             return self.due
-        return min(self.due, self.now + max(self._step, self.clock.speed / 30))
+        ahead = self.due - self.now  # in equal parts, so that none ends just before the tick
+        parts = math.floor(ahead / max(self._step, self.clock.speed / _PICTURES) + _ROUNDING)
+        return self.now + ahead / max(1, parts)
 
     def tick(self) -> None:
         """One tick, now; the next one is due a period later."""

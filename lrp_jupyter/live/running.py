@@ -74,6 +74,7 @@ class Running:
         )
         self._changed = threading.Condition()
         self._news = 0  # grows whenever a waiting caller should look again
+        self._listeners: tuple[Callable[[], None], ...] = ()
         self._frame = Frame(program=program, rate=rate)
         self._loop = Loop(
             interpreter,
@@ -309,6 +310,18 @@ class Running:
             with self._changed:
                 self._changed.wait_for(lambda seen=news: self._news != seen, min(left, 3600))  # type: ignore[misc]
 
+    def listen(self, callback: Callable[[], None]) -> Callable[[], None]:
+        """Call `callback` whenever there is a new frame; return what ends that.
+
+        It is called on the thread that brings the news, and must not wait there.
+        """
+        self._listeners = (*self._listeners, callback)
+
+        def unlisten() -> None:
+            self._listeners = tuple(other for other in self._listeners if other is not callback)
+
+        return unlisten
+
     # -- inside ----------------------------------------------------------------------------------
 
     def submit(self, command: do.Command) -> Future[Any]:
@@ -344,6 +357,8 @@ class Running:
         with self._changed:
             self._news += 1
             self._changed.notify_all()
+        for listener in self._listeners:
+            listener()
 
 
 def _count(visits: dict[Path, int], state: str | Path) -> int:

@@ -28,7 +28,7 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.acts import carry_out
 from lrp_jupyter.widgets.choices import choices
-from lrp_jupyter.widgets.feed import scene_of, send_world
+from lrp_jupyter.widgets.feed import has_moved, movement, scene_of, send_world
 from lrp_jupyter.widgets.protocol import FromPage
 from lrp_jupyter.widgets.replies import Reply
 from lrp_jupyter.widgets.requests import answer_request
@@ -45,8 +45,8 @@ _SLOW_PATIENCE = 20.0  # for what talks to a robot first
 _SLOW = ("bridge", "panel", "run")
 _LATE = 0.25  # s after which a text is answered though it is not applied yet
 _HEARTBEAT = 1.0
-_URGENT, _CALM = 0.030, 0.1  # s between two frames, at least
-_ROUND, _REST = 1 / 60, 0.1  # s between two looks while something runs, and while nothing does
+_URGENT, _CALM = 0.015, 0.09  # s between two frames, at least: ten ticks a second come through
+_ROUND, _REST = 0.01, 0.1  # s until the next look if something is left to send, and if nobody calls
 _REFRESH, _REFRESH_HARDWARE = 0.2, 1.0  # s between two readings of what no program reads
 
 
@@ -88,6 +88,8 @@ class Connection:
         self._worker: ThreadPoolExecutor | None = None
         self._publisher: threading.Thread | None = None
         self._refreshed: tuple[float, Future[Any] | None] = (float("-inf"), None)
+        self._left = False  # whether a view is owed something
+        self._unlisten: Callable[[], None] = lambda: None
         self.use(session)
 
     @property
@@ -98,7 +100,9 @@ class Connection:
     def use(self, session: Session) -> None:
         """Show another session from now on; views get everything anew."""
         with self._lock:
+            self._unlisten()
             self.session = session
+            self._unlisten = session.listen(self._wake.set)
             if session.status != "closed":
                 session.ask(do.Call(session.interpreter.watch_events))
             self._sight = Sight(session)
@@ -243,8 +247,7 @@ class Connection:
     def _pace(self) -> float:
         if not self._views:
             return _HEARTBEAT
-        busy = self._replies or self.texts.waiting or self.session.status == "running"
-        return _ROUND if busy else _REST
+        return _ROUND if self._left or self._replies or self.texts.waiting else _REST
 
     def _guarded_round(self) -> None:
         try:
@@ -260,9 +263,9 @@ class Connection:
                 self._answer(written)
             self._answer_commands(now)
             self._drop_the_gone(now)
-            self._send_frames(now)
             for view in self._views.values():
                 send_world(view, self.session, now)
+            self._send_frames(now)
         self.texts.save()
         self._refresh(now)
 
@@ -326,15 +329,21 @@ class Connection:
 
     def _send_frames(self, now: float) -> None:
         due = [view for view in self._views.values() if view.may(now) and now - view.framed >= _URGENT]
+        self._left = len(due) < len(self._views)
         look = self._look() if due else {}
         for view in due:
-            told = changes(view.sent, look, self._lines_since)
-            if told and not is_urgent(told) and now - view.framed < _CALM:
+            told, buffers = changes(view.sent, look, self._lines_since), None
+            moved = has_moved(view, self.session)
+            news = bool(told or moved)
+            urgent = is_urgent(told) or (moved and self.session.status != "running")  # it is dragged
+            if not urgent and now - view.framed < (_CALM if news else _HEARTBEAT):
+                self._left |= news
                 continue
-            if not told and now - view.framed < _HEARTBEAT:
-                continue
+            if moved:
+                ink, buffers = movement(view, self.session)
+                told |= ink
             view.sent, view.framed = look, now
-            view.send({"type": "frame", "frame": view.number(), **told})
+            view.send({"type": "frame", "frame": view.number(), **told}, buffers)
 
     def _snapshot(self, view: View) -> None:
         """Send everything; the view then knows the present look."""
@@ -375,6 +384,7 @@ class Connection:
         if self.closed:
             return
         self.session.close()
+        self._unlisten()
         self.closed = True
         self._wake.set()
         if self._publisher is not None and self._publisher is not threading.current_thread():

@@ -37,7 +37,7 @@ def pack_poses(
     robots: Iterable[tuple[float, float, float, bool, bool, float, Sequence[float], Sequence[float]]],
     solids: Iterable[tuple[float, float, float]] = (),
 ) -> bytes:
-    """Write the buffer of a `Poses` message.
+    """Write the buffer of a `Frame` message.
 
     Little endian: the world's time as float64, then float32: for each robot x, y (m), theta (rad), flags,
     speed (m/s), its light values, its distances (m, inf for nothing); then for each solid with `push`, in

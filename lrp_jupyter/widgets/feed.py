@@ -9,9 +9,9 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.scene import poses, strokes_of, world_view
 from lrp_jupyter.widgets.view import View
 
-__all__ = ["scene_of", "send_world"]
+__all__ = ["has_moved", "movement", "scene_of", "send_world"]
 
-_POSES, _WORLD = 0.040, 0.1  # s between two of a kind, at least
+_WORLD = 0.1  # s between two descriptions, at least
 
 
 def scene_of(session: Session) -> object:
@@ -23,24 +23,30 @@ def scene_of(session: Session) -> object:
 
 
 def send_world(view: View, session: Session, now: float) -> None:
-    """Send a view what of the world it does not know yet, if it shows one and may be sent something."""
-    if not view.shows_world:
+    """Send a view the description of the world, if it shows one and knows another."""
+    scene = scene_of(session)
+    if not view.shows_world or scene == view.scene or now - view.drawn < _WORLD:
         return
-    bridge, picture, scene = session.bridge, session.frame.robot, scene_of(session)
-    if scene != view.scene:
-        if now - view.drawn < _WORLD:
-            return
-        view.scene, view.drawn = scene, now
-        view.forget_world()
-        view.send({"type": "world", "world": world_view(bridge, picture)})
-    if not isinstance(bridge, SimBridge) or not isinstance(picture, SimPicture):
-        return
-    if picture == view.picture or now - view.posed < _POSES or not view.may(now):
-        return
-    view.picture, view.posed = picture, now
-    message: dict[str, Any] = {"type": "poses", "frame": view.number()}
-    if picture.marks != view.marks:
-        strokes = strokes_of(bridge.simulation.floor.marks[view.marks : picture.marks])
-        message["ink"] = {"first": view.strokes, "strokes": strokes}
-        view.marks, view.strokes = picture.marks, view.strokes + len(strokes)
-    view.send(message, [poses(bridge, picture)])
+    view.scene, view.drawn = scene, now
+    view.forget_world()
+    view.send({"type": "world", "world": world_view(session.bridge, session.frame.robot)})
+
+
+def has_moved(view: View, session: Session) -> bool:
+    """Whether something moved in the world that the view shows, since it was told last."""
+    picture = session.frame.robot
+    return view.shows_world and isinstance(picture, SimPicture) and picture != view.picture
+
+
+def movement(view: View, session: Session) -> tuple[dict[str, Any], list[bytes]]:
+    """Give what a frame tells of the world: the field of new ink, and the buffer of the poses."""
+    bridge, picture = session.bridge, session.frame.robot
+    assert isinstance(bridge, SimBridge)
+    assert isinstance(picture, SimPicture)
+    view.picture = picture
+    if picture.marks == view.marks:
+        return {}, [poses(bridge, picture)]
+    strokes = strokes_of(bridge.simulation.floor.marks[view.marks : picture.marks])
+    ink = {"first": view.strokes, "strokes": strokes}
+    view.marks, view.strokes = picture.marks, view.strokes + len(strokes)
+    return {"ink": ink}, [poses(bridge, picture)]

@@ -10,11 +10,13 @@ comm's messages reach all views of its widget, so each looks for its own name an
 kernel keeps for each view what it has sent and how much credit is left, and forgets it at ``bye``.
 
 **Flow.** A view says `Hello` and gets one `Snapshot` (and a `WorldMessage`, if it shows a world). From then
-on it gets `Frame` and `Poses` messages, each at most 30 times a second and each holding what changed since
-the last one *sent to this view*. Every one carries a number, which the page sends back at once as
-`Credit`; the kernel sends only while fewer than three are on their way (both kinds share the count).
-While nothing changes, an empty frame once a second is the heartbeat. Everything that must not be lost in a
-frame left out is cumulative: counts of entries, firings, issues, restarts.
+on it gets `Frame` messages, at most 30 a second, each holding what changed since the last one *sent to this
+view*. Every one carries a number, which the page sends back as `Credit` for it and all before it; the
+kernel sends only while fewer than three are on their way. The page pays for two at a time, because the
+kernel reports itself busy and idle for each message that it gets, and the host draws that; a frame that
+comes alone is paid for at once. While nothing changes, an empty frame once a second is the heartbeat.
+Everything that must not be lost in a frame left out is cumulative: counts of entries, firings, issues,
+restarts.
 
 **Text.** A view sends the whole text with a number of its own, ``seq``; one is on its way at a time, the
 newest wins. The kernel gives each text a revision and answers to *all* views of the session: with ``seq``
@@ -70,7 +72,7 @@ class Text(TypedDict):
 
 
 class Credit(TypedDict):
-    """The frame or poses with this number arrived. Frames and poses share one count."""
+    """The frame with this number arrived, and with it all before it."""
 
     type: Literal["credit"]
     view: str
@@ -239,7 +241,11 @@ class Frame(TypedDict):
     ``issues``      new or changed ones; ``gone``: ids of those cleared
     ``hung``        None once the block returned
     ``layouts``     machine path -> layout, those that changed (dragged, arranged)
+    ``ink``         new trails and drawings of the world
     =============== =====================================================================================
+
+    If something moved in the world, one buffer comes with it: where everything is now, made by
+    `pack_poses`; 36 bytes for one robot.
     """
 
     type: Literal["frame"]
@@ -269,6 +275,7 @@ class Frame(TypedDict):
     settings: NotRequired[SettingsView]
     conflict: NotRequired[ConflictView | None]
     layouts: NotRequired[dict[str, Layout]]
+    ink: NotRequired[InkView]
 
 
 class Answer(TypedDict):
@@ -321,15 +328,6 @@ class WorldMessage(TypedDict):
     type: Literal["world"]
     view: str
     world: WorldView | None
-
-
-class Poses(TypedDict):
-    """Where everything is now: one buffer, made by `pack_poses`; 36 bytes for one robot."""
-
-    type: Literal["poses"]
-    view: str
-    frame: int
-    ink: NotRequired[InkView]
 
 
 class Option(TypedDict):
@@ -394,4 +392,4 @@ class Reply(TypedDict):
     inspect: NotRequired[InspectView]
 
 
-FromKernel = Frame | Answer | Snapshot | WorldMessage | Poses | Reply
+FromKernel = Frame | Answer | Snapshot | WorldMessage | Reply

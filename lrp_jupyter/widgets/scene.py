@@ -80,7 +80,7 @@ def _zone(zone: Zone) -> protocol.Zone:
 
 
 def poses(bridge: SimBridge, picture: SimPicture) -> bytes:
-    """Tell where everything is, as the buffer of a `Poses` message."""
+    """Tell where everything is, as the buffer of a `Frame` message."""
     robots: list[Any] = []
     for robot, spec in zip(picture.robots, bridge.world.robots, strict=False):
         lights: list[float] = [*robot.lights, *[math.nan] * len(spec.light)]

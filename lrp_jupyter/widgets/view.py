@@ -10,7 +10,7 @@ from lrp_jupyter.widgets.sight import Look
 __all__ = ["WINDOW", "Send", "View"]
 
 WINDOW = 3
-"""Frames and poses that may be on their way to a view."""
+"""Frames that may be on their way to a view."""
 
 _PER_SECOND = 30.0
 _BURST = 3.0
@@ -42,7 +42,7 @@ class View:
         self.picture: object = None
         self.marks = 0
         self.strokes = 0
-        self.framed = self.posed = self.drawn = float("-inf")  # when the last of each was sent
+        self.framed = self.drawn = float("-inf")  # when the last frame, the last world was sent
         self._send = send
         self._number = 0
         self._on_their_way: set[int] = set()
@@ -56,7 +56,7 @@ class View:
 
     @property
     def has_credit(self) -> bool:
-        """Whether frames and poses may be sent."""
+        """Whether frames may be sent."""
         return len(self._on_their_way) < WINDOW
 
     def credit(self, number: int, now: float) -> None:
@@ -69,13 +69,13 @@ class View:
         return not self.has_credit and now - self._heard > _GONE_AFTER
 
     def may(self, now: float) -> bool:
-        """Whether a frame or poses may be sent now: there is credit, and not too much came before."""
+        """Whether a frame may be sent now: there is credit, and not too much came before."""
         tokens, since = self._tokens
         self._tokens = min(_BURST, tokens + (now - since) * _PER_SECOND), now
         return self.has_credit and self._tokens[0] >= 1.0
 
     def number(self) -> int:
-        """Give a number to the next frame or poses, and count it as sent."""
+        """Give a number to the next frame, and count it as sent."""
         self._number += 1
         self._on_their_way.add(self._number)
         tokens, since = self._tokens

@@ -1,11 +1,25 @@
 // What a page does to measure itself: times from an event of the browser to the picture that shows its effect.
 window.probe = {
   keys: [],
-  paint: () => new Promise(done => requestAnimationFrame(() => {
-    const channel = new MessageChannel();
-    channel.port1.onmessage = () => done(performance.now());
-    channel.port2.postMessage(0);
-  })),
+  picture: null,
+  // When the present state of the page is painted: a change made by a callback of a frame is in that frame.
+  paint() {
+    return this.picture ?? new Promise(done => requestAnimationFrame(() => done(this.picture)));
+  },
+  watchFrames() {
+    const next = window.requestAnimationFrame.bind(window);
+    window.requestAnimationFrame = callback => next(time => {
+      this.picture ??= new Promise(done => {
+        const channel = new MessageChannel();
+        channel.port1.onmessage = () => {
+          this.picture = null;
+          done(performance.now());
+        };
+        channel.port2.postMessage(0);
+      });
+      callback(time);
+    });
+  },
   wall: time => performance.timeOrigin + time,
   // From every key until something is painted.
   watchKeys(element) {
@@ -38,3 +52,4 @@ window.probe = {
     }).observe(root, { subtree: true, attributeFilter: ["data-active"] });
   },
 };
+probe.watchFrames();

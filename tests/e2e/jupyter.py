@@ -33,19 +33,7 @@ QUIET = {
     "@jupyterlab/apputils-extension/notification.jupyterlab-settings": {"fetchNews": "false"},
     "@jupyterlab/docmanager-extension/plugin.jupyterlab-settings": {"autosave": False},
 }
-# jupyter_server leaves Nagle's algorithm on, which adds tens of milliseconds to each answer.
-CONFIG = """
-import socket
-from jupyter_server.services.kernels.websocket import KernelWebsocketHandler
-
-before = KernelWebsocketHandler.open
-
-async def open(self, *arguments, **options):
-    self.ws_connection.stream.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-    await before(self, *arguments, **options)
-
-KernelWebsocketHandler.open = open
-"""
+CONFIG = "from lrp_jupyter.cli.lab import send_at_once; send_at_once()"  # as `lrp lab` does
 
 
 def chromium():

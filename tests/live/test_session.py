@@ -129,6 +129,17 @@ def test_a_step_is_one_tick_and_one_period(session):
     assert (counting.frame.tick, counting.frame.time, counting.frame.status) == (2, 0.5, "paused")
 
 
+def test_who_listens_is_told_that_there_is_a_new_frame_until_he_goes(session):
+    lab = session(BLINK)
+    ticks = []
+    unlisten = lab.listen(lambda: ticks.append(lab.frame.tick))
+    lab.step()
+    assert ticks[-1] == 1
+    unlisten()
+    lab.step()
+    assert ticks[-1] == 1
+
+
 def test_a_block_may_pause_its_own_session_and_the_tick_is_completed(session):
     names = {}
     pausing = session(

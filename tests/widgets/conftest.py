@@ -39,7 +39,7 @@ class Page:
             return
         self.messages.append(message)
         self.buffers.append(buffers)
-        frame = message["frame"] if message["type"] in ("frame", "poses") else None
+        frame = message["frame"] if message["type"] == "frame" else None
         frame = message["frame"]["frame"] if message["type"] == "snapshot" else frame
         if frame is not None and self.pays:
             self.say("credit", frame=frame)

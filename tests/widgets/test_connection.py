@@ -114,14 +114,13 @@ def test_credit_of_a_view_shows_that_somebody_watches(bench):
     assert "nobody has watched" in lab.session.frame.reason
 
 
-def test_poses_come_as_numbers_with_credits_of_the_same_count(bench):
+def test_poses_come_with_a_frame_as_numbers(bench):
     lab = bench(MOVER, bridge="sim", world="line")
     page = lab.page()
     lab.session.step()
     lab.publish()
-    numbers = [m["frame"] for m in page.messages if m["type"] in ("frame", "poses")]
-    assert numbers == [2, 3]
-    (buffer,) = page.buffers[[m["type"] for m in page.messages].index("poses")]
+    assert [frame["frame"] for frame in page.all("frame")] == [2]
+    (buffer,) = page.buffers[-1]
     time, x, y, *_ = struct.unpack(f"<d{(len(buffer) - 8) // 4}f", buffer)
     assert time == pytest.approx(0.1)
     assert (x, y) != lab.session.bridge.world.robots[0].pose[:2]
@@ -132,8 +131,8 @@ def test_only_parts_that_show_the_world_get_poses(bench):
     graph = lab.page("graph", part="graph")
     lab.session.step()
     lab.publish()
-    assert not graph.all("poses")
     assert graph.all("frame")
+    assert not any(graph.buffers)
 
 
 def test_a_world_is_described_with_all_that_a_page_draws(bench):
@@ -149,7 +148,7 @@ def test_what_is_dragged_while_paused_is_seen(bench):
     page = lab.page()
     lab.publish()
     assert page.do("drag_robot", index=0, pose=[1.0, 0.5, 0.0]) is None
-    buffer = page.buffers[[m["type"] for m in page.messages].index("poses", -1)][0]
+    (buffer,) = page.buffers[-1]
     assert struct.unpack_from("<dff", buffer)[1:] == (1.0, 0.5)
     assert page.do("drag_solid", index=0, pose=[2.0, 0.5, 0.0]) is None
     assert page.last("world")["world"]["solids"][0]["box"][:2] == [2.0, 0.5]
@@ -161,17 +160,17 @@ def test_trails_and_drawings_come_as_ink_that_is_added_to(bench):
     page = lab.page()
     lab.publish()
     assert page.do("stroke", points=[[0.2, 0.2], [0.4, 0.2], [0.4, 0.4]], width=0.03, grey=0) is None
-    ink = page.last("poses")["ink"]
+    ink = page.last("frame")["ink"]
     assert ink == {
         "first": 0,
         "strokes": [{"path": [(0.2, 0.2), (0.4, 0.2), (0.4, 0.4)], "width": 0.03, "grey": 0}],
     }
     page.do("stroke", points=[[1.0, 0.2], [1.4, 0.2]], width=0.03, grey=0)
-    assert page.last("poses")["ink"]["first"] == 1
+    assert page.last("frame")["ink"]["first"] == 1
     page.do("reset_world")
     lab.publish()
     assert page.last("world")["world"]["name"] == "empty"
-    assert "ink" not in page.last("poses")
+    assert "ink" not in page.last("frame")
 
 
 def test_what_blocks_print_is_told_once_and_in_order(bench):

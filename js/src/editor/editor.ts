@@ -27,12 +27,13 @@ import { showDiagnostics } from "./diagnostics";
 import { hangingIndent } from "./hanging";
 import { hover } from "./hover";
 import { keys } from "./keys";
-import { live, liveChanged } from "./live";
+import { live, liveChanged, marksOf } from "./live";
 import { goToDefinition, navigation, rename } from "./navigate";
 import { reveal, select } from "./reveal";
 import { Tracked } from "./tracked";
 
 const PARSE_FOR = 200; // ms: a new text is shown in its colours at once
+const VALUES_AFTER = 200; // ms: nobody reads values that change faster, and each change lays out the page
 
 /** Where cards may be: not cut off by the panel, nor below the window. */
 function visiblePart(root: HTMLElement): { left: number; top: number; right: number; bottom: number } {
@@ -48,6 +49,8 @@ export class Editor {
   private readonly running = new Tracked();
   private began = false;
   private values = true;
+  private marks = "";
+  private redrawing = 0;
 
   constructor(
     private readonly lab: Lab,
@@ -58,7 +61,7 @@ export class Editor {
     store.watch(["findings", "issues", "revision"], () => {
       if (this.began) showDiagnostics(this.view, store.state, this.answered, this.running);
     });
-    store.watch(["lit", "active", "fired", "variables", "events", "program"], () => this.redraw());
+    store.watch(["lit", "fired", "variables", "events", "program"], () => this.follow());
   }
 
   private extensions(): Extension {
@@ -181,7 +184,17 @@ export class Editor {
     this.redraw();
   }
 
+  /** Draw the program's run: its marks at once, values alone now and then. */
+  private follow(): void {
+    const marks = marksOf(this.lab.store.state);
+    if (marks !== this.marks) this.redraw();
+    else this.redrawing ||= window.setTimeout(() => this.redraw(), VALUES_AFTER);
+    this.marks = marks;
+  }
+
   private redraw(): void {
+    clearTimeout(this.redrawing);
+    this.redrawing = 0;
     this.view.dispatch({ effects: liveChanged.of(null) });
   }
 

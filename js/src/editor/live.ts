@@ -49,6 +49,11 @@ class ValueWidget extends WidgetType {
 const activeLine = Decoration.line({ class: "lrp-line-active" });
 const firedMark = Decoration.mark({ class: "lrp-text-fired" });
 
+/** What of a state shows in the text beside the values: if it is the same, so are the marks. */
+export function marksOf({ lit, fired, program }: LabState): string {
+  return [...lit, ...program.machines.map(({ path }) => lastFired(fired, path))].join(" ");
+}
+
 /** Draws what `state` says; `values` tells whether the values are wanted. */
 export function live(state: LabState, values: () => boolean) {
   return ViewPlugin.fromClass(

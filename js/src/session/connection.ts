@@ -42,13 +42,16 @@ export const realClock: Clock = {
 export const BUSY_AFTER = 300;
 export const LOST_AFTER = 3000;
 const GONE_AFTER = 1500;
+/** Frames paid for at a time, fewer than may be on their way; one that comes so late (ms) alone. */
+const PAY_FOR = 2;
+const PAY_AFTER = 500;
 
 type Ask = Omit<Complete, "view" | "id"> | Omit<Hover, "view" | "id"> | Omit<References, "view" | "id">;
 type Question = Ask | Omit<Inspect, "view" | "id">;
 export type Details = Omit<Command, "type" | "view" | "id" | "do">;
 
 export interface Listener {
-  /** A message for this view, with its buffers; poses too. */
+  /** A message for this view, with its buffers: where things are in the world. */
   message(message: FromKernel, buffers: DataView[]): void;
   link(link: Link): void;
   /** The newest text goes on its way now. */
@@ -71,6 +74,8 @@ export class Connection {
   private asked: number;
   private readonly waiting = new Map<number, { since: number; resolve: (reply: Reply) => void }>();
   private textSince = 0;
+  private unpaid = 0;
+  private paid = Number.NEGATIVE_INFINITY;
   private readonly stop: () => void;
 
   constructor(
@@ -150,20 +155,27 @@ export class Connection {
     if (!message || message.view !== this.view) return;
     this.heard = this.clock.now();
     this.doubted = Number.POSITIVE_INFINITY;
-    if (message.type === "frame" || message.type === "poses") {
-      this.send({ type: "credit", view: this.view, frame: message.frame });
-    }
+    if (message.type === "frame") this.pay(message.frame);
     if (message.type === "reply") this.settle(message);
     if (message.type === "answer") this.answered(message);
     if (message.type === "snapshot") {
       this.base = message.revision;
-      this.send({ type: "credit", view: this.view, frame: message.frame.frame });
+      this.pay(message.frame.frame);
     }
     this.look();
     this.listener.message(message, buffers);
     if (message.type === "answer" && message.seq) this.next();
     if (message.type === "snapshot") this.restart(message.text);
   };
+
+  /** Every message makes the kernel say "busy" and "idle", which its host draws: pay for two at a time. */
+  private pay(frame: number): void {
+    this.unpaid += 1;
+    if (this.unpaid < PAY_FOR && this.heard - this.paid < PAY_AFTER) return;
+    this.unpaid = 0;
+    this.paid = this.heard;
+    this.send({ type: "credit", view: this.view, frame });
+  }
 
   private readonly doubt = (): void => {
     this.doubted = this.clock.now();

@@ -166,6 +166,7 @@ function mergeFrame(
     events,
     members,
     layouts,
+    ink: _drawnByTheWorld,
     ...rest
   } = frame;
   const { issues, gone, printed, ...plain } = rest;

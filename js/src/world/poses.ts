@@ -1,4 +1,4 @@
-/** The buffer of a `Poses` message, written by `pack_poses` in `lrp_jupyter/widgets/protocol.py`. */
+/** The buffer of a `Frame` message, written by `pack_poses` in `lrp_jupyter/widgets/protocol.py`. */
 
 import type { Pose } from "../protocol";
 import type { FullWorld } from "./complete";

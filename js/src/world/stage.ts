@@ -6,7 +6,8 @@ import { complete, completeStroke, type FullStroke, type FullWorld } from "./com
 import { type Palette, paintFloor, paintMovers, paintStroke } from "./paint";
 import { between, firstPoses, type Snapshot } from "./poses";
 
-const SPAN = 60; // ms over which a new pose is approached at most
+const SPAN = 110; // ms over which a new pose is approached at most: they come ten times a second
+const CALM = 30; // ms between two pictures at least: more of them nobody sees, and typing needs the time
 
 export class Stage {
   readonly canvas = document.createElement("canvas");
@@ -23,6 +24,7 @@ export class Stage {
   private arrived = 0;
   private span = 1;
   private scheduled = 0;
+  private painted = 0;
 
   constructor(private readonly readPalette: () => Palette) {
     this.palette = readPalette();
@@ -128,10 +130,17 @@ export class Stage {
   }
 
   wake(): void {
-    if (!this.scheduled) this.scheduled = requestAnimationFrame((now) => this.picture(now));
+    if (this.scheduled) return;
+    const soon = () => {
+      this.scheduled = requestAnimationFrame((now) => this.picture(now));
+    };
+    const early = this.painted + CALM - performance.now();
+    if (early > 0 && !this.floorStale) this.scheduled = window.setTimeout(soon, early);
+    else soon();
   }
 
   close(): void {
+    clearTimeout(this.scheduled);
     cancelAnimationFrame(this.scheduled);
   }
 
@@ -146,6 +155,7 @@ export class Stage {
     this.scheduled = 0;
     const c = this.canvas.getContext("2d");
     if (!c || !this.canvas.width) return;
+    this.painted = now;
     if (this.floorStale) this.paintLayer();
     c.setTransform(1, 0, 0, 1, 0, 0);
     c.clearRect(0, 0, this.canvas.width, this.canvas.height);

@@ -132,10 +132,11 @@ export function worldView(lab: Lab): WorldPart {
     message(message, buffers) {
       if (message.type === "snapshot") stage.show(message.world);
       if (message.type === "world") stage.show(message.world);
-      if (message.type !== "poses" || !stage.world) return;
+      if (message.type !== "frame" || !stage.world) return;
       if (message.ink) stage.draw(message.ink.first, message.ink.strokes);
       const poses = buffers[0] && readPoses(stage.world, buffers[0]);
-      if (poses) stage.move(poses, performance.now());
+      if (!poses) return;
+      stage.move(poses, performance.now());
       showTime();
     },
   };
