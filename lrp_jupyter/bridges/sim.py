@@ -10,6 +10,7 @@ Paper: §3.2, §4 (the world that the line follower drives in).
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
@@ -143,6 +144,13 @@ class SimBridge(Bridge):
             self.add_variable(
                 "light.data", self._light, "brightness of the floor: 0 black ... 255 white", type=int
             )
+        if len(spec.light) > 1:
+            self.add_variable(
+                "light.all",
+                lambda: self._robot.readings.lights,
+                "brightness below each sensor: " + ", ".join(map(_place, spec.light)),
+                type=tuple,
+            )
         if spec.bumper:
             self.add_variable(
                 "bumper.data", lambda: self._robot.readings.bumper, "1 pressed, 0 free", type=int
@@ -151,9 +159,18 @@ class SimBridge(Bridge):
             self.add_variable(
                 "distance.data",
                 self._distance,
-                "to the next solid ahead; inf: nothing in reach",
+                f"to the next solid {_bearing(spec.distance[0][0])}; inf: nothing in reach",
                 "m",
                 type=float,
+            )
+        if len(spec.distance) > 1:
+            self.add_variable(
+                "distance.all",
+                lambda: self._robot.readings.distances,
+                "to the next solid along each ray: "
+                + ", ".join(_bearing(angle) for angle, _ in spec.distance),
+                "m",
+                type=tuple,
             )
         self.add_variable(
             "gyro.data", lambda: self._robot.readings.gyro, "angle turned since the start", "rad", type=float
@@ -339,6 +356,15 @@ _ODOM = (
     ("y", "m", "way driven to the left of the heading at the start, by the wheels"),
     ("theta", "rad", "angle turned since the start, by the wheels"),
 )
+
+
+def _bearing(angle: float) -> str:
+    degrees = round(math.degrees(angle))
+    return f"{abs(degrees)}° {'left' if degrees > 0 else 'right'}" if degrees else "ahead"
+
+
+def _place(place: tuple[float, float]) -> str:
+    return f"({place[0]:g}, {place[1]:g})"
 
 
 def _checked_noise(noise: Noise | Mapping[str, float] | None) -> Noise | None:

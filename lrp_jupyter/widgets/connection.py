@@ -45,8 +45,8 @@ _SLOW_PATIENCE = 20.0  # for what talks to a robot first
 _SLOW = ("bridge", "panel", "run")
 _LATE = 0.25  # s after which a text is answered though it is not applied yet
 _HEARTBEAT = 1.0
-_URGENT, _CALM = 0.015, 0.09  # s between two frames, at least: ten ticks a second come through
-_ROUND, _REST = 0.01, 0.1  # s until the next look if something is left to send, and if nobody calls
+_URGENT, _CALM = 0.015, 0.08  # s between two frames, at least: ten ticks a second come through
+_ROUND, _REST = 0.01, 0.1  # s until the next look if something urgent is owed, and if nobody calls
 _REFRESH, _REFRESH_HARDWARE = 0.2, 1.0  # s between two readings of what no program reads
 
 
@@ -88,7 +88,7 @@ class Connection:
         self._worker: ThreadPoolExecutor | None = None
         self._publisher: threading.Thread | None = None
         self._refreshed: tuple[float, Future[Any] | None] = (float("-inf"), None)
-        self._left = False  # whether a view is owed something
+        self._left = False  # whether a view may be owed something urgent
         self._unlisten: Callable[[], None] = lambda: None
         self.use(session)
 
@@ -337,8 +337,7 @@ class Connection:
             news = bool(told or moved)
             urgent = is_urgent(told) or (moved and self.session.status != "running")  # it is dragged
             if not urgent and now - view.framed < (_CALM if news else _HEARTBEAT):
-                self._left |= news
-                continue
+                continue  # what is calm comes with the next tick
             if moved:
                 ink, buffers = movement(view, self.session)
                 told |= ink

@@ -61,6 +61,21 @@ def test_a_robot_without_sensors_offers_none() -> None:
         sim.robot.light  # noqa: B018
 
 
+def test_a_robot_with_several_sensors_of_a_kind_offers_all_in_their_order() -> None:
+    rich = {
+        "pose": [0.5, 1, 0],
+        "light": [[0.06, 0.02], [0.06, -0.02]],
+        "distance": [[0, 3], [math.pi / 2, 3]],
+    }
+    floor = {"grey": 255, "strokes": [{"path": [[0.4, 0.98], [1, 0.98]], "width": 0.02}]}
+    sim = SimBridge({"version": 1, "size": [2, 2], "floor": floor, "robots": [rich]})
+    sim.open()
+    assert sim.robot.light.all == (255, 0)
+    assert sim.robot.distance.all == pytest.approx((1.42, 0.92))
+    assert sim.robot.distance.data == sim.robot.distance.all[0]
+    assert sim.describe("distance.all").doc == "to the next solid along each ray: ahead, 90° left"
+
+
 def test_driving_for_a_second_covers_the_way(sim: SimBridge) -> None:
     drive(sim, 10, linear=0.1)
     sim.begin_tick(1.0, PERIOD)

@@ -90,6 +90,37 @@ SOLVED = {
           (state done (onentry [robot.stop()]))
           (on [robot.odom.x > 1.75] pushing -> done))
         (spawn m pushing)""",
+    "wall follower": """
+        (var keep := [0.2])
+        (event open [robot.distance.all[1] > 2 * keep])
+        (event wall [robot.distance.all[1] < 2 * keep])
+        (event close [robot.distance.data < keep])
+        (machine follower
+          (state along (running [robot.move(linear=0.1, angular=2 * (robot.distance.all[1] - keep))]))
+          (state passing (running [robot.move(linear=0.1)]))
+          (state round (running [robot.move(linear=0.1, angular=0.35)]))
+          (state away (running [robot.move(angular=-0.8)]))
+          (on close *-> away)
+          (ontime 500 away -> along)
+          (on open along -> passing)
+          (ontime 1200 passing -> round)
+          (on wall round -> along))
+        (spawn follower along)""",
+    "maze": """
+        (var keep := [0.15])
+        (machine mouse
+          (event open [robot.distance.all[1] > 0.3])
+          (event wall [robot.distance.all[1] < 0.25])
+          (event blocked [robot.distance.data < 0.12])
+          (event free [robot.distance.data > 0.3])
+          (state along (running [robot.move(linear=0.15, angular=3 * (robot.distance.all[1] - keep))]))
+          (state round (running [robot.move(linear=0.12, angular=0.6)]))
+          (state away (running [robot.move(angular=-1)]))
+          (on blocked {along round} -> away)
+          (on open along -> round)
+          (on wall round -> along)
+          (on free away -> along))
+        (spawn mouse along)""",
     "edit it live": [
         "(var v := [0.1])\n" + DRIVE.replace("0.2", "v"),
         "(var v := [0.2])\n" + DRIVE.replace("0.2", "v"),

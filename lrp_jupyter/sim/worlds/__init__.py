@@ -26,6 +26,7 @@ __all__ = ["BUNDLED", "DESCRIPTIONS", "load"]
 
 _QUARTER = math.pi / 2
 _EIGHTH = math.pi / 4
+_AROUND = ((0.0, 2.0), (_QUARTER, 2.0), (-_QUARTER, 2.0))  # rays ahead, to the left, to the right
 
 
 def _empty() -> World:
@@ -106,7 +107,7 @@ def _maze() -> World:
             for run in re.finditer(r"--(?:[+]--)*", text):
                 first, last = (run.start() - 1) / 3, run.end() / 3
                 solids.append(Box(((first + last) / 2 * cell, y, (last - first) * cell + thick, thick)))
-    robot = RobotSpec((cell / 2, height - cell / 2, 0))
+    robot = RobotSpec((cell / 2, height - cell / 2, 0), distance=_AROUND)
     zones = {"goal": CircleZone((width - cell / 2, cell / 2, 0.2))}
     return World(name="maze", size=(width, height), solids=tuple(solids), robots=(robot,), zones=zones)
 
@@ -146,8 +147,7 @@ def _walls() -> World:
         Disc((0.6, 1.5, 0.12), name="pillar"),
         Disc((2.5, 0.5, 0.12), name="other pillar"),
     )
-    rays = ((0.0, 2.0), (math.pi / 2, 2.0), (-math.pi / 2, 2.0))
-    robot = RobotSpec((0.5, 0.5, 0), distance=rays)
+    robot = RobotSpec((0.5, 0.5, 0), distance=_AROUND)
     return World(name="walls", size=(3, 2), solids=solids, robots=(robot,))
 
 
