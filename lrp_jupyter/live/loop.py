@@ -154,8 +154,8 @@ class Loop:
         self.clock.rebase(self.now)
 
     def measure(self) -> None:
-        """Measure the achieved rate from now on."""
-        self._measured = (perf_counter(), self.interpreter.tick, self.now)
+        """Measure the achieved rate from now on; a tick that is due at once belongs to no period yet."""
+        self._measured = (perf_counter(), self.interpreter.tick + (self.due <= self.now), self.now)
 
     def advance(self, seconds: float) -> None:
         """Let time pass, without a tick; a simulated world moves, by whole steps."""

@@ -6,25 +6,23 @@ import os
 import re
 import subprocess
 import sys
-from pathlib import Path
 from xml.etree import ElementTree
 
 import pytest
-from e2e.programs import COUNTER, FOLLOWER
 
-AXE = Path(__file__).parents[2] / "js" / "node_modules" / "axe-core" / "axe.min.js"
+from e2e import axe
+from e2e.axe import choose_theme
+from e2e.programs import COUNTER, FOLLOWER
 
 
 def test_the_lab_is_dark_where_jupyterlab_is(open_lab):
     lab = open_lab(COUNTER)
-    lab.sees(':scope[data-theme="light"]')
-    lab.notebook.command("apputils:change-theme", theme="JupyterLab Dark")
-    lab.sees(':scope[data-theme="dark"]')
+    choose_theme(lab, "light")
+    choose_theme(lab, "dark")
     for part in ("editor", "graph", "variables"):
         red, green, blue = ink(lab, part)
         assert min(red, green, blue) > 128, part
-    lab.notebook.command("apputils:change-theme", theme="JupyterLab Light")
-    lab.sees(':scope[data-theme="light"]')
+    choose_theme(lab, "light")
     assert max(ink(lab, "editor")) < 128
 
 
@@ -34,24 +32,14 @@ def ink(lab, part):
     return [float(number) for number in color[color.index("(") + 1 : -1].split(",")[:3]]
 
 
-@pytest.mark.parametrize("theme", ["Light", "Dark"])
+@pytest.mark.parametrize("theme", ["light", "dark"])
 def test_axe_finds_nothing_serious(open_lab, theme):
-    if not AXE.exists() and not os.environ.get("CI"):
-        pytest.skip("axe-core is not installed: `npm ci` in js")
     lab = open_lab(FOLLOWER, "follower --world line")
-    if theme == "Dark":
-        lab.notebook.command("apputils:change-theme", theme="JupyterLab Dark")
-        lab.sees(':scope[data-theme="dark"]')
+    choose_theme(lab, theme)
     lab.type_after("(state end", "ing")  # a program with findings has more to look at
     lab.sees("[data-lrp-issue]")
     lab.pause()
-    lab.page.evaluate(AXE.read_text())
-    found = lab.root.evaluate(
-        "async root => (await axe.run(root, { resultTypes: ['violations'] })).violations"
-        ".filter(({ impact }) => impact === 'serious' || impact === 'critical')"
-        ".map(({ id, nodes }) => [id, nodes.map(({ target, failureSummary }) => [target, failureSummary])])"
-    )
-    assert found == [], json.dumps(found, indent=1)
+    axe.finds_nothing_serious(lab)
 
 
 def test_a_saved_notebook_shows_graph_and_text_where_no_kernel_runs(open_lab, tmp_path):

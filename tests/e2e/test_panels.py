@@ -8,8 +8,9 @@ from pathlib import Path
 import pytest
 from bridges.ev3.brick import Brick
 from bridges.ros.rosbridge_server import MemoryGraph, RosbridgeServer
-from e2e.programs import COUNTER
 
+from e2e import axe
+from e2e.programs import COUNTER
 from lrp_jupyter.bridges.ros_definitions import KNOWN
 
 SETUP = json.loads((Path(__file__).parents[1] / "bridges" / "ros" / "follower.json").read_text())
@@ -267,6 +268,14 @@ def test_completion_knows_the_fields_of_messages_from_their_types(open_ros, ros,
     )
 
 
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_serious_in_the_panel_of_a_ros_robot(open_ros, theme):
+    lab = open_ros(DRIVE)
+    lab.reads(cell("light", "value"), "200")
+    axe.choose_theme(lab, theme)
+    axe.finds_nothing_serious(lab)
+
+
 # -- EV3 -------------------------------------------------------------------------------------------
 
 
@@ -285,6 +294,14 @@ def test_every_motor_and_sensor_of_a_brick_is_there_with_its_values(open_brick, 
     press(lab, "next_mode", "sensor2")
     lab.reads(cell("sensor2", "mode"), "ambient")
     lab.until("cell => cell.textContent === '7'", cell("sensor2", "value"))
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_serious_in_the_panel_of_a_brick(open_brick, theme):
+    lab = open_brick()
+    lab.reads(cell("sensor3", "value"), "25.5")
+    axe.choose_theme(lab, theme)
+    axe.finds_nothing_serious(lab)
 
 
 def test_motors_are_turned_by_hand_and_all_stopped_at_once(open_brick, brick):
