@@ -7,15 +7,14 @@ inside one command between two ticks) and nothing in it knows of edits. Paper: Â
 from __future__ import annotations
 
 import builtins
-import traceback as tracebacks
 from collections.abc import Callable, Iterable, Mapping
-from itertools import islice
-from types import CellType, TracebackType
+from types import CellType
 from typing import Any
 
 from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
-from lrp_jupyter.interpreter.issues import Issue, IssueKind, Issues
+from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, make_issue
+from lrp_jupyter.interpreter.issues import IssueKind, Issues
 from lrp_jupyter.interpreter.journal import Journal
 from lrp_jupyter.interpreter.linker import (
     Broken,
@@ -25,12 +24,10 @@ from lrp_jupyter.interpreter.linker import (
     SpawnPlan,
     StatePlan,
     VariablePlan,
-    show_in_tracebacks,
 )
 from lrp_jupyter.interpreter.tree import (
     Activation,
     Edge,
-    Fault,
     Row,
     Scope,
     bind_block,
@@ -311,32 +308,24 @@ class Run:
         if isinstance(error, KeyboardInterrupt):  # raised when the tick is complete, so that it is whole
             self.interrupted = error
             self.attention = True
-            return
-        if isinstance(error, Fault):
+        elif isinstance(error, Fault):
             self.report(site, error.kind, str(error))
-            return
-        if isinstance(error, NoDataYet):
+        elif isinstance(error, NoDataYet):
             if site.element.kind not in ("event", "transition"):  # there it just does not occur
                 self.report(site, "no data yet", str(error))
-            return
-        self.last_exception = error
-        kind: IssueKind = "exception"
-        message = _message(error)
-        if isinstance(error, NameError) and not isinstance(error, UnboundLocalError) and error.name:
-            kind, message = "unknown variable", _name_error(error)
-        self.report(site, kind, message, error)
+        else:
+            self.last_exception = error
+            self.report(site, *kind_and_message(error), error)
 
     def report(self, site: Site, kind: IssueKind, message: str, error: BaseException | None = None) -> None:
         """Record or count an issue."""
-        trace = self._innermost(error)
-
-        def make() -> Issue:
-            line, column = self._place(site, trace)
-            text = "".join(self._traceback(error).format()) if error is not None else ""
-            return Issue(kind, site.element, message, line, column, text, self.ticks, self.ticks)
-
-        line = trace.tb_lineno if trace is not None else 0
-        issue = self.issues.report((*site[:2], kind), make, message, self.ticks, line)
+        issue = self.issues.report(
+            (*site[:2], kind),
+            lambda: make_issue(self.program, site, kind, message, self.ticks, error),
+            message,
+            self.ticks,
+            line_of(self.program, error),
+        )
         if issue is not None:
             self.stale = self.new_issue = self.attention = True
             self.emit("issue", site.element.path, issue)
@@ -346,33 +335,6 @@ class Run:
         boolean = is_boolean(value)
         self.issues.resolve(lambda key, _: key[:2] == site[:2] and (boolean or key[2] != "not boolean"))
         self.stale = self.attention = True
-
-    def _traceback(self, error: BaseException) -> tracebacks.TracebackException:
-        """Give the traceback of a fault from its block on."""
-        show_in_tracebacks(self.program)  # another program may have the same name
-        trace = error.__traceback__
-        while trace is not None and trace.tb_frame.f_code.co_filename != self.program.filename:
-            trace = trace.tb_next
-        return tracebacks.TracebackException(type(error), error, trace, compact=True)
-
-    def _innermost(self, error: BaseException | None) -> TracebackType | None:
-        """Find where a fault came to be, as far in as the program's text goes."""
-        found = None
-        trace = error.__traceback__ if error is not None else None
-        while trace is not None:
-            if trace.tb_frame.f_code.co_filename == self.program.filename:
-                found = trace
-            trace = trace.tb_next
-        return found
-
-    def _place(self, site: Site, trace: TracebackType | None) -> tuple[int, int]:
-        """Where a fault stands: there if it is known, else at its element."""
-        place = None
-        if trace is not None:
-            positions = trace.tb_frame.f_code.co_positions()
-            _, _, column, _ = next(islice(positions, trace.tb_lasti // 2, None))
-            place = self.program.place_of_bytes(trace.tb_lineno, column or 0)
-        return place or self.program.place(site.offset)
 
     def rebind(self) -> None:
         """Throw all rows away: what they were bound to has changed."""
@@ -416,15 +378,3 @@ class Run:
 
 def _same(old: object, new: object) -> bool:
     return type(old) is type(new) and type(new) in (int, float, str, bytes, complex) and old == new
-
-
-def _message(error: BaseException) -> str:
-    """Write the kind and the first line of an exception; not its notes, nor what a SyntaxError quotes."""
-    lines = tracebacks.format_exception_only(error)
-    return next(line for line in lines if not line.startswith(" ")).splitlines()[0]
-
-
-def _name_error(error: NameError) -> str:
-    if "free variable" in str(error) or "enclosing scope" in str(error):
-        return f"`{error.name}` has no value"
-    return f"there is no `{error.name}`: neither a variable in scope nor a name of Python's"

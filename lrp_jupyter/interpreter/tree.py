@@ -16,7 +16,7 @@ from types import CellType
 from typing import TYPE_CHECKING
 
 from lrp_jupyter.interpreter.events import UNSET
-from lrp_jupyter.interpreter.issues import IssueKind
+from lrp_jupyter.interpreter.faults import Fault
 from lrp_jupyter.interpreter.linker import (
     BlockPlan,
     Broken,
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
 __all__ = [
     "Activation",
     "Edge",
-    "Fault",
     "Row",
     "Scope",
     "bind_block",
@@ -47,14 +46,6 @@ __all__ = [
 ]
 
 Call = Callable[[], object]
-
-
-class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter only)
-    """A fault that is none of Python's: it carries its kind."""
-
-    def __init__(self, kind: IssueKind, message: str) -> None:
-        self.kind = kind
-        super().__init__(message)
 
 
 class Scope:

@@ -1,0 +1,89 @@
+"""From an exception of a block to an issue: what it is, what it says, where it stands.
+
+A pure matter of the exception and the program's text: nothing here runs anything, and what an
+issue means for a run is decided there. Paper: §6.2.
+"""
+
+from __future__ import annotations
+
+import traceback as tracebacks
+from itertools import islice
+from types import TracebackType
+
+from lrp_jupyter.interpreter.issues import Issue, IssueKind
+from lrp_jupyter.interpreter.linker import Site, show_in_tracebacks
+from lrp_jupyter.language.program import Program
+
+__all__ = ["Fault", "kind_and_message", "line_of", "make_issue"]
+
+
+class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter only)
+    """A fault that is none of Python's: it carries its kind."""
+
+    def __init__(self, kind: IssueKind, message: str) -> None:
+        self.kind = kind
+        super().__init__(message)
+
+
+def kind_and_message(error: BaseException) -> tuple[IssueKind, str]:
+    """Say in a sentence what an exception of Python's means to who wrote the program."""
+    if isinstance(error, NameError) and not isinstance(error, UnboundLocalError) and error.name:
+        return "unknown variable", _name_error(error)
+    return "exception", _first_line(error)
+
+
+def line_of(program: Program, error: BaseException | None) -> int:
+    """Line of the program in which an exception came to be, from 1; 0 if that is not known."""
+    trace = _innermost(program, error)
+    return trace.tb_lineno if trace is not None else 0
+
+
+def make_issue(
+    program: Program, site: Site, kind: IssueKind, message: str, tick: int, error: BaseException | None
+) -> Issue:
+    """Make the issue of a fault, with its place in the text and the traceback of its exception."""
+    line, column = _place(program, site, _innermost(program, error))
+    text = "".join(_traceback(program, error).format()) if error is not None else ""
+    return Issue(kind, site.element, message, line, column, text, tick, tick)
+
+
+def _first_line(error: BaseException) -> str:
+    """Write the kind and the first line of an exception; not its notes, nor what a SyntaxError quotes."""
+    lines = tracebacks.format_exception_only(error)
+    return next(line for line in lines if not line.startswith(" ")).splitlines()[0]
+
+
+def _name_error(error: NameError) -> str:
+    if "free variable" in str(error) or "enclosing scope" in str(error):
+        return f"`{error.name}` has no value"
+    return f"there is no `{error.name}`: neither a variable in scope nor a name of Python's"
+
+
+def _traceback(program: Program, error: BaseException) -> tracebacks.TracebackException:
+    """Give the traceback of a fault from its block on."""
+    show_in_tracebacks(program)  # another program may have the same name
+    trace = error.__traceback__
+    while trace is not None and trace.tb_frame.f_code.co_filename != program.filename:
+        trace = trace.tb_next
+    return tracebacks.TracebackException(type(error), error, trace, compact=True)
+
+
+def _innermost(program: Program, error: BaseException | None) -> TracebackType | None:
+    """Find where a fault came to be, as far in as the program's text goes."""
+    found = None
+    trace = error.__traceback__ if error is not None else None
+    while trace is not None:
+        if trace.tb_frame.f_code.co_filename == program.filename:
+            found = trace
+        trace = trace.tb_next
+    return found
+
+
+def _place(program: Program, site: Site, trace: TracebackType | None) -> tuple[int, int]:
+    """Where a fault stands: there if it is known, else at its element."""
+    place = None
+    if trace is not None:
+        positions = trace.tb_frame.f_code.co_positions()
+        _, _, column, _ = next(islice(positions, trace.tb_lasti // 2, None))
+        place = program.place_of_bytes(trace.tb_lineno, column or 0)
+    return place or program.place(site.offset)
