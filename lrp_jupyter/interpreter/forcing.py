@@ -8,9 +8,10 @@ the way to the target is the only thing that is made.
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
 from lrp_jupyter.interpreter.tree import Activation, Row
 from lrp_jupyter.language.program import Path, path_text
@@ -18,7 +19,9 @@ from lrp_jupyter.language.program import Path, path_text
 if TYPE_CHECKING:
     from lrp_jupyter.interpreter.run import Run
 
-__all__ = ["find_state", "force"]
+__all__ = ["How", "find_state", "force"]
+
+How = Literal["transition", "teleport"]
 
 
 def find_state(run: Run, path: Path) -> StatePlan:
@@ -40,8 +43,18 @@ def find_state(run: Run, path: Path) -> StatePlan:
     return state
 
 
-def force(run: Run, target: StatePlan, *, blocks: bool) -> None:
-    """Make `target` active; `blocks`: run the onexit and onentry actions on the way."""
+def force(run: Run, target: StatePlan, how: How) -> None:
+    """Make `target` active; a transition runs the onexit and onentry actions on the way."""
+    run.remember()
+    before = len(run.events)
+    _go(run, target, blocks=how == "transition")
+    if run.observers:  # only now it is known which way the target was spawned
+        where = (*run.live[target.path[:-1]].path, target.name)
+        run.events.insert(before, TraceEvent("forced", where, run.ticks, run.now, how))
+
+
+def _go(run: Run, target: StatePlan, *, blocks: bool) -> None:
+    """Leave what is in the way, then enter what lies on it; `blocks`: with their actions."""
     way = [target]
     while (outer := run.plan.state(way[0].path[:-2])) is not None:
         way.insert(0, outer)

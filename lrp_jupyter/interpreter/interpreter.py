@@ -29,55 +29,23 @@ Everything acts between ticks and before the call returns. An interpreter belong
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Callable, Iterator, Mapping
-from types import MappingProxyType
+from collections.abc import Callable, Mapping
 from typing import Any, Literal
 
-from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
-from lrp_jupyter.interpreter.forcing import find_state, force
-from lrp_jupyter.interpreter.issues import Issue, Issues
-from lrp_jupyter.interpreter.linker import BlockPlan, Plan, link, show_in_tracebacks
+from lrp_jupyter.interpreter.carrying import carry_issues
+from lrp_jupyter.interpreter.events import Observer
+from lrp_jupyter.interpreter.forcing import How, find_state, force
+from lrp_jupyter.interpreter.issues import Issues
+from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, Renaming, adopt, decide
 from lrp_jupyter.interpreter.run import Run
-from lrp_jupyter.interpreter.tree import Scope, bind_block, content
-from lrp_jupyter.language.blocks import bind, compile_block, facts_of
+from lrp_jupyter.interpreter.tree import bind_block
+from lrp_jupyter.interpreter.variables import Variables, as_path, assign
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.language.program import Block, Element, Path, Program, path_text
+from lrp_jupyter.language.program import Path, Program
 
 __all__ = ["Interpreter", "Variables"]
-
-
-class Variables(Mapping[Path, object]):
-    """The living variables and their values, by path: ``("follower", "nobump")``.
-
-    A path may also be written as text, ``"follower/nobump"``. Variables that have no value (their
-    initialiser failed) are absent.
-    """
-
-    def __init__(self, run: Run) -> None:
-        self._run = run
-
-    def __getitem__(self, path: Path | str) -> object:
-        scope, name = find_variable(self._run, path)
-        value = content(scope.own[name])
-        if value is UNSET:
-            raise UnknownElementError(f"variable `{path_text(_path(path))}` has no value")
-        return value
-
-    def __iter__(self) -> Iterator[Path]:
-        for scope in self._run.live.values():
-            for name, cell in scope.own.items():
-                if content(cell) is not UNSET:
-                    yield (*scope.path, name)
-
-    def __len__(self) -> int:
-        return sum(1 for _ in self)
-
-    def __repr__(self) -> str:
-        return repr({path_text(path): value for path, value in self.items()})
 
 
 class Interpreter:
@@ -164,7 +132,7 @@ class Interpreter:
 
     def entered(self, path: Path | str) -> float | None:
         """When the active state with this path (as spawned) was entered, seconds; else None."""
-        wanted = _path(path)
+        wanted = as_path(path)
         acts = (act for root in self._run.roots for act in root.walk())
         return next((act.entered for act in acts if act.full_path == wanted), None)
 
@@ -184,19 +152,7 @@ class Interpreter:
 
         Observers are called in order when a tick or a command is over, on the interpreter's thread.
         """
-        run = self._run
-        if not run.watched:
-            for scope in run.live.values():
-                scope.sync()
-        run.observers.append(callback)
-        run.watched = run.attention = True
-
-        def unsubscribe() -> None:
-            if callback in run.observers:
-                run.observers.remove(callback)
-            run.watched = run.journal is not None or bool(run.observers)
-
-        return unsubscribe
+        return self._run.observe(callback)
 
     # ---- the tick ---------------------------------------------------------------------------
 
@@ -275,7 +231,7 @@ class Interpreter:
         if decision.apply:
             run.remember()
             show_in_tracebacks(program)
-            self._carry_issues(run.plan, plan, changes.removed + changes.changed)
+            carry_issues(run.issues, run.plan, plan, changes.removed + changes.changed)
             if decision.restart:
                 run.plan = plan
                 self._restart(decision.reason or "")
@@ -313,13 +269,13 @@ class Interpreter:
         self._advance(now)
         from lrp_jupyter.language.rename import rename
 
-        where = _path(path)
+        where = as_path(path)
         program = parse(rename(self.program, kind, where, new_name), self.program.filename)
         plan = link(program)
         changes = diff(run.plan.program, program)
         run.remember()
         names = dict(zip(run.plan.places, plan.places, strict=True))  # the same parts in the same order
-        self._carry_issues(run.plan, plan, (), names)
+        carry_issues(run.issues, run.plan, plan, names=names)
         show_in_tracebacks(program)
         adopt(run, plan, Renaming(kind, where, new_name))
         run.emit("patched", (), Patch(changes, True))
@@ -336,17 +292,8 @@ class Interpreter:
         Exception
             Whatever the expression raises; the variable keeps its value.
         """
-        run = self._run
         self._advance(now)
-        scope, name = find_variable(run, path)
-        text = expression.strip()
-        fault = facts_of(text).fault
-        if fault is not None:
-            raise SyntaxError(fault.message)
-        ast.parse(text, "<expression>", "eval")  # an expression, not statements
-        code = compile_block(Block(text), frozenset(scope.cells), "<expression>")
-        value = bind(code, run.namespace, scope.cells)()
-        scope.own[name].cell_contents = value
+        assign(self._run, path, expression)
         self._done()
 
     def transition_to(self, path: Path | str, now: float | None = None) -> None:
@@ -369,16 +316,10 @@ class Interpreter:
         """
         self._force("teleport", path, now)
 
-    def _force(self, how: Literal["transition", "teleport"], path: Path | str, now: float | None) -> None:
+    def _force(self, how: How, path: Path | str, now: float | None) -> None:
         run = self._run
         self._advance(now)
-        target = find_state(run, _path(path))
-        run.remember()
-        before = len(run.events)
-        force(run, target, blocks=how == "transition")
-        if run.observers:  # only now it is known which way the target was spawned
-            where = (*run.live[target.path[:-1]].path, target.name)
-            run.events.insert(before, TraceEvent("forced", where, run.ticks, run.now, how))
+        force(run, find_state(run, as_path(path)), how)
         self._done()
 
     def reset(self, now: float | None = None) -> None:
@@ -427,11 +368,7 @@ class Interpreter:
         before = run.plan
         run.journal.undo(run, ticks)
         if run.plan is not before:
-            self._carry_issues(before, run.plan, ())
-        acts = [act for root in run.roots for act in root.walk()]
-        run.live = {(): run.globals, **{act.machine.path: act for act in acts}}
-        for scope in run.live.values():
-            scope.sync()
+            carry_issues(run.issues, before, run.plan)
         show_in_tracebacks(self.program)
         run.rebind()
 
@@ -458,63 +395,3 @@ class Interpreter:
             name = site.element.path[-1]
             message = f"{site.element.kind} `{name}` is defined twice here: the first one counts"
             run.report(site, "defined twice", message)
-
-    def _carry_issues(
-        self,
-        old: Plan,
-        plan: Plan,
-        gone: tuple[Element, ...],
-        names: Mapping[Element, Element] = MappingProxyType({}),
-    ) -> None:
-        """Resolve the issues of what is gone, changed or repaired; move the others with the text.
-
-        `names` are those that an explicit rename gives.
-        """
-        issues = self._run.issues
-        twice = {site.element: site.offset for site in plan.duplicates}
-
-        def over(issue: Issue) -> bool:
-            element = names.get(issue.element, issue.element)
-            inside = any(
-                element == other
-                or (other.kind in ("machine", "state") and element.path[: len(other.path)] == other.path)
-                for other in gone
-            )
-            dangled = (issue.element, issue.kind) in old.dangling
-            repaired = (dangled and (element, issue.kind) not in plan.dangling) or (
-                issue.kind == "defined twice" and element not in twice
-            )
-            return inside or repaired or element not in plan.places
-
-        def place(issue: Issue) -> tuple[int, int]:
-            element = names.get(issue.element, issue.element)
-            if issue.kind == "defined twice" and element in twice:
-                return plan.program.place(twice[element])
-            before, after = old.places.get(issue.element), plan.places.get(element)
-            if before is None or after is None:
-                return issue.line, issue.column
-            (line, column), (new_line, new_column) = old.program.place(before), plan.program.place(after)
-            same_line = issue.line == line
-            return issue.line + new_line - line, issue.column + (new_column - column if same_line else 0)
-
-        issues.resolve(lambda _, issue: over(issue))
-        issues.move(place, names)
-
-
-def _path(path: Path | str) -> Path:
-    return tuple(path.split("/")) if isinstance(path, str) else tuple(path)
-
-
-def find_variable(run: Run, path: Path | str) -> tuple[Scope, str]:
-    """Find the living scope of a variable and its name.
-
-    Raises
-    ------
-    UnknownElementError
-        If no such variable lives now.
-    """
-    *where, name = _path(path) or ("",)
-    for key, scope in run.live.items():
-        if tuple(where) in (scope.path, key) and name in scope.own:  # as spawned, or as defined
-            return scope, name
-    raise UnknownElementError(f"no variable `{path_text(_path(path))}` lives now")

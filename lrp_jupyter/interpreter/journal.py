@@ -87,6 +87,9 @@ class Journal:
                 self._snapshots.pop()
             self._undo_log(run)
         run.now = self.now
+        run.live = {(): run.globals, **{act.machine.path: act for root in run.roots for act in root.walk()}}
+        for scope in run.live.values():
+            scope.sync()
 
     def _undo_log(self, run: Run) -> None:
         for what, *before in reversed(self.log):

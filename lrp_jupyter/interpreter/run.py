@@ -346,6 +346,21 @@ class Run:
 
     # ---- what others are told ---------------------------------------------------------------
 
+    def observe(self, callback: Observer) -> Callable[[], None]:
+        """Tell `callback` of every event from now on; return what ends that."""
+        if not self.watched:
+            for scope in self.live.values():
+                scope.sync()
+        self.observers.append(callback)
+        self.watched = self.attention = True
+
+        def unsubscribe() -> None:
+            if callback in self.observers:
+                self.observers.remove(callback)
+            self.watched = self.journal is not None or bool(self.observers)
+
+        return unsubscribe
+
     def emit(self, kind: str, path: Path, data: object = None) -> None:
         """Note an event for the observers; they are told when the tick or command is over."""
         if self.observers:

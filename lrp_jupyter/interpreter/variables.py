@@ -1,0 +1,86 @@
+"""The variables of a run, by path: to look at, and to assign from outside."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.events import UNSET
+from lrp_jupyter.interpreter.run import Run
+from lrp_jupyter.interpreter.tree import Scope, content
+from lrp_jupyter.language.blocks import bind, compile_block, facts_of
+from lrp_jupyter.language.program import Block, Path, path_text
+
+__all__ = ["Variables", "as_path", "assign", "find_variable"]
+
+
+class Variables(Mapping[Path, object]):
+    """The living variables and their values, by path: ``("follower", "nobump")``.
+
+    A path may also be written as text, ``"follower/nobump"``. Variables that have no value (their
+    initialiser failed) are absent.
+    """
+
+    def __init__(self, run: Run) -> None:
+        self._run = run
+
+    def __getitem__(self, path: Path | str) -> object:
+        scope, name = find_variable(self._run, path)
+        value = content(scope.own[name])
+        if value is UNSET:
+            raise UnknownElementError(f"variable `{path_text(as_path(path))}` has no value")
+        return value
+
+    def __iter__(self) -> Iterator[Path]:
+        for scope in self._run.live.values():
+            for name, cell in scope.own.items():
+                if content(cell) is not UNSET:
+                    yield (*scope.path, name)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
+
+    def __repr__(self) -> str:
+        return repr({path_text(path): value for path, value in self.items()})
+
+
+def as_path(path: Path | str) -> Path:
+    """Give a path that may be written as text."""
+    return tuple(path.split("/")) if isinstance(path, str) else tuple(path)
+
+
+def find_variable(run: Run, path: Path | str) -> tuple[Scope, str]:
+    """Find the living scope of a variable and its name.
+
+    Raises
+    ------
+    UnknownElementError
+        If no such variable lives now.
+    """
+    *where, name = as_path(path) or ("",)
+    for key, scope in run.live.items():
+        if tuple(where) in (scope.path, key) and name in scope.own:  # as spawned, or as defined
+            return scope, name
+    raise UnknownElementError(f"no variable `{path_text(as_path(path))}` lives now")
+
+
+def assign(run: Run, path: Path | str, expression: str) -> None:
+    """Assign the value of a Python expression, evaluated in the variable's scope.
+
+    Raises
+    ------
+    UnknownElementError
+        If no such variable lives now.
+    Exception
+        Whatever the expression raises; the variable keeps its value.
+    """
+    scope, name = find_variable(run, path)
+    text = expression.strip()
+    fault = facts_of(text).fault
+    if fault is not None:
+        raise SyntaxError(fault.message)
+    ast.parse(text, "<expression>", "eval")  # an expression, not statements
+    code = compile_block(Block(text), frozenset(scope.cells), "<expression>")
+    value = bind(code, run.namespace, scope.cells)()
+    scope.own[name].cell_contents = value
