@@ -28,7 +28,6 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.acts import carry_out
 from lrp_jupyter.widgets.choices import choices
-from lrp_jupyter.widgets.feed import has_moved, movement, scene_of, send_world
 from lrp_jupyter.widgets.protocol import FromPage
 from lrp_jupyter.widgets.replies import Reply
 from lrp_jupyter.widgets.requests import answer_request
@@ -36,6 +35,7 @@ from lrp_jupyter.widgets.scene import world_view
 from lrp_jupyter.widgets.sight import PRINTED, Sight, changes, is_urgent
 from lrp_jupyter.widgets.texts import Texts, Written
 from lrp_jupyter.widgets.view import Send, View
+from lrp_jupyter.widgets.world_feed import has_moved, movement, scene_of, send_world
 
 __all__ = ["Connection"]
 

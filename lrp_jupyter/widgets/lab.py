@@ -23,7 +23,7 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.choices import program_names, program_text
 from lrp_jupyter.widgets.connection import Connection
-from lrp_jupyter.widgets.snapshots import pictures
+from lrp_jupyter.widgets.still import pictures
 
 __all__ = ["Controls", "Editor", "Issues", "Lab", "Part", "SimView", "StateGraph", "Tree", "Variables"]
 

@@ -17,8 +17,8 @@ from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.views.paths import Paths
 from lrp_jupyter.widgets.paths import id_of
-from lrp_jupyter.widgets.pictures import bridge_view, issue_view, member_values, panel_view, value_view
 from lrp_jupyter.widgets.protocol import RestartView
+from lrp_jupyter.widgets.telling import bridge_view, issue_view, member_values, panel_view, value_view
 
 __all__ = ["PRINTED", "Look", "Sight", "changes", "is_urgent"]
 

@@ -20,7 +20,7 @@ from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.views.shapes import Layout
 from lrp_jupyter.widgets.drawings import Drawings
-from lrp_jupyter.widgets.pictures import difference_view, finding_view, program_view
+from lrp_jupyter.widgets.telling import difference_view, finding_view, program_view
 from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, ProgramView
 
 __all__ = ["Texts", "Written"]

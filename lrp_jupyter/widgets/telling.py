@@ -1,4 +1,4 @@
-"""Nouns of the core, told as messages: programs, findings, issues, differences, bridges, values."""
+"""What the package knows, told in the nouns of messages: programs, findings, issues, bridges, values."""
 
 from __future__ import annotations
 
