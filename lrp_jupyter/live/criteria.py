@@ -7,7 +7,7 @@ criteria; a teacher writes more of them as ``Criterion(sentence, judge)``.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
 from lrp_jupyter.live.recording import Recording, Sample
@@ -80,13 +80,10 @@ def visits(*zones: str) -> Criterion:
     """Ask that it comes to these zones, in this order."""
 
     def judge(run: Recording) -> tuple[bool, str]:
-        after, reason = -1.0, ""
-        for zone in zones:
-            found = next((sample for sample in run.inside(zone) if sample.time > after), None)
-            if found is None:
-                return False, f"it never came to `{zone}`" + (f" {reason}" if reason else "")
-            after, reason = found.time, f"after {found.time:.1f} s"
-        return True, f"it was there {reason}"
+        missing, when = _one_after_another(zones, run.inside)
+        if missing is None:
+            return True, f"it was there {when}"
+        return False, f"it never came to `{missing}` {when}".rstrip()
 
     return Criterion("comes to " + ", then ".join(f"`{zone}`" for zone in zones), judge)
 
@@ -127,13 +124,10 @@ def touches(*solids: str) -> Criterion:
     """Ask that it touches these solids, in this order."""
 
     def judge(run: Recording) -> tuple[bool, str]:
-        after, reason = -1.0, ""
-        for solid in solids:
-            found = next((sample for sample in run.touches(solid) if sample.time > after), None)
-            if found is None:
-                return False, f"it never touched the {solid}" + (f" {reason}" if reason else "")
-            after, reason = found.time, f"after {found.time:.1f} s"
-        return True, f"it touched it {reason}"
+        missing, when = _one_after_another(solids, run.touches)
+        if missing is None:
+            return True, f"it touched it {when}"
+        return False, f"it never touched the {missing} {when}".rstrip()
 
     return Criterion("touches the " + ", then the ".join(solids), judge)
 
@@ -207,6 +201,19 @@ def no_faults() -> Criterion:
         return False, f"line {issue.line}: {issue.message}"
 
     return Criterion("runs without issues", judge)
+
+
+def _one_after_another(
+    names: Sequence[str], samples_of: Callable[[str], Iterable[Sample]]
+) -> tuple[str | None, str]:
+    """Find a sample of each, in this order; give the first that has none, and when the last was found."""
+    after, when = -1.0, ""
+    for name in names:
+        found = next((sample for sample in samples_of(name) if sample.time > after), None)
+        if found is None:
+            return name, when
+        after, when = found.time, f"after {found.time:.1f} s"
+    return None, when
 
 
 def _angle(difference: float) -> float:

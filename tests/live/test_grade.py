@@ -3,10 +3,10 @@ import pytest
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.live.criteria import Criterion, drives, enters, visits
+from lrp_jupyter.live.criteria import Criterion, drives, enters, touches, visits
 from lrp_jupyter.live.grade import Challenge, challenge, challenges, grade
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.sim.world import CircleZone, RobotSpec, World
+from lrp_jupyter.sim.world import Box, CircleZone, RobotSpec, World
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
 
@@ -224,3 +224,23 @@ def test_a_run_ends_early_when_it_cannot_get_better():
     long = Challenge("way", "", ("empty",), (drives(0.1),), 1000, until=lambda run: run.way > 0.1)
     (attempt,) = grade(DRIVE, long).attempts
     assert attempt.seconds < 2
+
+
+def test_what_is_missing_in_an_order_is_told_with_when_the_one_before_it_came():
+    world = World(
+        size=(2, 1),
+        robots=(RobotSpec((0.3, 0.5, 0)),),
+        solids=(Box((1.5, 0.5, 0.2, 0.2), name="ball"),),
+        zones={"start": CircleZone((0.3, 0.5, 0.05)), "near": CircleZone((0.8, 0.5, 0.05))},
+        name="mine",
+    )
+    told = {
+        visits("start", "near"): "it was there after 2.4 s",
+        visits("near", "start"): "it never came to `start` after 2.4 s",
+        touches("ball"): "it touched it after 5.2 s",
+        touches("ball", "wall"): "it never touched the wall after 5.2 s",
+        touches("wall"): "it never touched the wall",
+    }
+    result = grade(DRIVE, world, criteria=list(told), seconds=8)
+    *reasons, _ = (verdict.reason for verdict in result.attempts[0].verdicts)  # without "no issue"
+    assert reasons == list(told.values())
