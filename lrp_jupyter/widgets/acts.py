@@ -152,21 +152,16 @@ def load(connection: Connection, view: View, command: Command) -> Outcome:
 
 def take(connection: Connection, view: View, command: Command) -> Outcome:
     """Settle a conflict: the cell's text."""
-    conflict = connection.texts.conflict
-    if conflict is not None:
-        connection.texts.conflict = None
-        connection.texts.keep_cell(conflict["text"])
-        connection.write(conflict["text"])
+    text = connection.texts.end_conflict()
+    if text is not None:
+        connection.write(text)
     return None
 
 
 def keep(connection: Connection, view: View, command: Command) -> Outcome:
     """Settle a conflict: the lab's text."""
-    conflict = connection.texts.conflict
-    if conflict is not None:
-        connection.texts.conflict = None
-        connection.texts.keep_cell(conflict["text"])
-        connection.wake()
+    connection.texts.end_conflict()
+    connection.wake()
     return None
 
 

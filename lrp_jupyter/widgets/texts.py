@@ -20,8 +20,8 @@ from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.views.shapes import Layout
 from lrp_jupyter.widgets.drawings import Drawings
-from lrp_jupyter.widgets.telling import difference_view, finding_view, program_view
 from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, ProgramView
+from lrp_jupyter.widgets.telling import difference_view, finding_view, program_view
 
 __all__ = ["Texts", "Written"]
 
@@ -262,6 +262,14 @@ class Texts:
     def keep_cell(self, text: str) -> None:
         """Remember the cell's text, so that it is known later whether it was changed."""
         self._write(text, ".cell")
+
+    def end_conflict(self) -> str | None:
+        """Remember the cell's text as known; give it, or None if there was no conflict."""
+        conflict, self.conflict = self.conflict, None
+        if conflict is None:
+            return None
+        self.keep_cell(conflict["text"])
+        return conflict["text"]
 
     def save(self) -> None:
         """Save the newest accepted text, if it is not saved yet."""
