@@ -138,7 +138,7 @@ class Connection:
         elif message["type"] == "text":
             self.write(message["text"], name, message["seq"])
         elif message["type"] == "command":
-            self._begin(message, lambda: carry_out(self, view, message))
+            self._begin(message, lambda: carry_out(self, message))
         else:
             self._begin(message, partial(self.work, partial(answer_request, self, message)), dict)
 
