@@ -13,18 +13,18 @@ from __future__ import annotations
 
 import math
 import os
-from array import array
 from collections import deque
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from random import Random
-from typing import Any, NamedTuple
+from typing import Any
 
 import pymunk
 
-from lrp_jupyter.sim.floor import LiveFloor, Mark, Paint
+from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.inputs import Draw, Drive, Input, Latch, Pen, PlaceRobot, PlaceSolid, Reset, check_input
-from lrp_jupyter.sim.robot import STEP, Clock, Memory, Motion, Robot, Thing, edge, fresh_space
+from lrp_jupyter.sim.recording import Checkpoint, Moment, Recording, packed, unpack
+from lrp_jupyter.sim.robot import STEP, Clock, Motion, Robot, Thing, edge, fresh_space
 from lrp_jupyter.sim.sensors import Readings, light_spots, sense
 from lrp_jupyter.sim.world import Point, Pose, World
 from lrp_jupyter.sim.worlds import load
@@ -33,39 +33,10 @@ __all__ = ["STEP", "Moment", "Simulation"]
 
 STEPS_PER_SECOND = 100
 CHECKPOINT_STEPS = 1000
-CHECKPOINT_INPUTS = 20_000
-MOST_CHECKPOINTS = 1_000
-MOST_INPUTS = 250_000
 MOST_MARKS = 20_000  # pieces of trails and drawings: a pen runs dry
 PEN_PIECE = 0.005  # m
 TRACK_STEPS = 10
 TRACK_POINTS = 3_000
-
-
-class Moment(NamedTuple):
-    """A point of a run: a step, and the number of inputs that had acted."""
-
-    step: int
-    inputs: int
-
-
-@dataclass(slots=True)
-class _Checkpoint:
-    moment: Moment
-    base: int  # step of the start or last reset
-    robots: list[tuple[Motion, Memory]]
-    solids: list[Motion]
-    random: tuple[Any, ...]
-    marks: list[Mark]
-    mark_count: int
-    between_inputs: bool  # made by an input, so that earlier inputs of its step belong before it
-    inputs: list[tuple[int, Input]] = field(default_factory=list)
-
-    def is_after(self, step: int, inputs: int | None) -> bool:
-        """Whether it comes later than a step (and a number of inputs; none: before all of that step)."""
-        if inputs is None:
-            return self.moment.step > step or (self.moment.step == step and self.between_inputs)
-        return self.moment.step > step or self.moment.inputs > inputs
 
 
 class Simulation:
@@ -104,7 +75,7 @@ class Simulation:
         self._queue: deque[Input] = deque()
         self._inputs = 0
         self._base = 0
-        self._checkpoints: list[_Checkpoint] = []
+        self._recording = Recording()
         self._space = self._start()
         self._checkpoint()
 
@@ -212,7 +183,7 @@ class Simulation:
 
     def _act(self, what: Input) -> None:
         """Record an input and let it act; recorded inputs come here again when they are replayed."""
-        self._checkpoints[-1].inputs.append((self.steps, what))
+        self._recording.note(self.steps, what)
         self._inputs += 1
         match what:
             case Latch():
@@ -240,7 +211,7 @@ class Simulation:
                     self.floor.add(what.stroke(self.floor.grey), self.steps)
             case Reset(drawings):
                 self._reset(drawings)
-        if len(self._checkpoints[-1].inputs) >= CHECKPOINT_INPUTS:
+        if self._recording.wants_checkpoint:
             self._checkpoint(between_inputs=True)
 
     def _latch(self) -> None:
@@ -343,7 +314,7 @@ class Simulation:
     @property
     def earliest(self) -> int:
         """The first step that can still be rewound to."""
-        return self._checkpoints[0].moment.step
+        return self._recording.earliest
 
     def rewind(self, to: Moment | int) -> None:
         """Go back, exactly: what follows is what would have followed then.
@@ -365,16 +336,9 @@ class Simulation:
                 f"cannot rewind to step {step}: only {self.earliest} to {self.steps} can be reached"
             )
         self._queue.clear()
-        index = len(self._checkpoints) - 1
-        while index and self._checkpoints[index].is_after(step, most):
-            index -= 1
-        checkpoint = self._checkpoints[index]
-        del self._checkpoints[index + 1 :]
-        recorded, checkpoint.inputs = checkpoint.inputs, []
+        checkpoint, inputs = self._recording.cut(step, most)
         self._restore(checkpoint)
-        for at, what in recorded:
-            if at > step or (at == step if most is None else self._inputs >= most):
-                break
+        for at, what in inputs:
             self._advance_to(at)
             self._act(what)
         self._advance_to(step)
@@ -386,30 +350,25 @@ class Simulation:
 
     def _checkpoint(self, between_inputs: bool = False) -> None:
         """Record the state, and go on from what is recorded in a space built afresh."""
-        checkpoint = _Checkpoint(
+        checkpoint = Checkpoint(
             moment=self.moment,
             base=self._base,
             robots=[(robot.body.motion(), robot.memory.copy()) for robot in self.robots],
             solids=[thing.body.motion() for thing in self.solids],
-            random=_packed(self._random),
+            random=packed(self._random),
             marks=self.floor.marks,
             mark_count=len(self.floor.marks),
             between_inputs=between_inputs,
         )
-        self._checkpoints.append(checkpoint)
+        self._recording.add(checkpoint)
         self._space = self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)
-        kept = sum(len(old.inputs) for old in self._checkpoints)
-        while len(self._checkpoints) > 1 and (
-            len(self._checkpoints) > MOST_CHECKPOINTS or kept > MOST_INPUTS
-        ):
-            kept -= len(self._checkpoints.pop(0).inputs)
 
-    def _restore(self, checkpoint: _Checkpoint) -> None:
+    def _restore(self, checkpoint: Checkpoint) -> None:
         self._clock.steps, self._inputs = checkpoint.moment
         self._base = checkpoint.base
         del checkpoint.marks[checkpoint.mark_count :]
         self.floor = LiveFloor(self.world.floor, checkpoint.marks)
-        _unpack(self._random, checkpoint.random)
+        unpack(self._random, checkpoint.random)
         for robot, (_, memory) in zip(self.robots, checkpoint.robots, strict=True):
             robot.memory = memory.copy()
         while self.track and self.track[-1][0] > self.steps:
@@ -432,16 +391,3 @@ class Simulation:
         for robot, motion in zip(self.robots, robots, strict=True):
             robot.embody(space, motion)
         return space
-
-
-def _packed(random: Random) -> tuple[Any, ...]:
-    """Return the state of a generator, a tenth of its size."""
-    version, numbers, spare = random.getstate()
-    return version, array("L", numbers).tobytes(), spare
-
-
-def _unpack(random: Random, state: tuple[Any, ...]) -> None:
-    version, packed, spare = state
-    numbers = array("L")
-    numbers.frombytes(packed)
-    random.setstate((version, tuple(numbers), spare))

@@ -15,8 +15,8 @@ from lrp_jupyter.sim import (
     Reset,
     Simulation,
     load,
+    recording,
 )
-from lrp_jupyter.sim import simulation as simulation_module
 from lrp_jupyter.sim.world import Noise
 
 
@@ -185,7 +185,7 @@ def test_a_moment_of_a_future_that_was_undone_is_refused():
 
 
 def test_memory_is_bounded_by_forgetting_the_oldest(monkeypatch):
-    monkeypatch.setattr(simulation_module, "MOST_CHECKPOINTS", 3)
+    monkeypatch.setattr(recording, "MOST_CHECKPOINTS", 3)
     simulation = Simulation("empty")
     simulation.step(5500)
     assert simulation.earliest == 3000
@@ -194,8 +194,8 @@ def test_memory_is_bounded_by_forgetting_the_oldest(monkeypatch):
 
 
 def test_many_inputs_are_bounded_too(monkeypatch):
-    monkeypatch.setattr(simulation_module, "CHECKPOINT_INPUTS", 10)
-    monkeypatch.setattr(simulation_module, "MOST_INPUTS", 50)
+    monkeypatch.setattr(recording, "CHECKPOINT_INPUTS", 10)
+    monkeypatch.setattr(recording, "MOST_INPUTS", 50)
     simulation = Simulation(crowded())
     for _ in range(30):
         simulation.latch()
