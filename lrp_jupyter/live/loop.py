@@ -120,7 +120,7 @@ class Loop:
         """Seconds of the run."""
         self.due = 0.0
         self._shown = -math.inf  # wall time of the last frame
-        self._measured = (perf_counter(), 0, 0.0)  # wall time, tick, time
+        self._measured: tuple[float, int, float] | None = None  # wall time, tick, time
         self._achieved = (0.0, 0.0)  # ticks per second, seconds per second
         self.rate = _checked_rate(rate)
 
@@ -154,8 +154,18 @@ class Loop:
         self.clock.rebase(self.now)
 
     def measure(self) -> None:
-        """Measure the achieved rate from now on; a tick that is due at once belongs to no period yet."""
-        self._measured = (perf_counter(), self.interpreter.tick + (self.due <= self.now), self.now)
+        """Measure the achieved rate from now on, from tick to tick."""
+        self._measured = None
+
+    def _measure(self) -> None:
+        wall = perf_counter()
+        if self._measured is not None:
+            since, tick, time = self._measured
+            span = wall - since
+            if span < 0.5:
+                return
+            self._achieved = ((self.interpreter.tick - tick) / span, (self.now - time) / span)
+        self._measured = (wall, self.interpreter.tick, self.now)
 
     def advance(self, seconds: float) -> None:
         """Let time pass, without a tick; a simulated world moves, by whole steps."""
@@ -242,6 +252,7 @@ class Loop:
             bridge.end_tick(now)
         finally:
             self.ticking = False
+        self._measure()
         behind = now - self.due > LAG
         self.due = now + period if behind or self._step is not None else self.due + period
         if interpreter.paused and self.status == "running":  # at an issue
@@ -284,13 +295,7 @@ class Loop:
 
     def show(self) -> None:
         """Publish a frame of this moment."""
-        wall = perf_counter()
-        since, tick, time = self._measured
-        if wall - since >= 0.5:
-            span = wall - since
-            self._achieved = ((self.interpreter.tick - tick) / span, (self.now - time) / span)
-            self._measured = (wall, self.interpreter.tick, self.now)
-        self._shown = wall
+        self._shown = perf_counter()
         self._publish(self.make_frame())
 
     def make_frame(self) -> Frame:

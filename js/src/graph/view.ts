@@ -15,6 +15,7 @@ import { restartNotice } from "./notice";
 type Mode = "live" | "static" | "hidden";
 const DRAG_FROM = 4; // px of movement that make a press a drag
 const LEGIBLE = 0.5; // a large machine begins at its corner, so that its names can be read
+const NEARLY = 0.8; // rather a bit smaller than cut off
 const TELL_EVERY = 40; // ms between two places of a dragged state
 
 export function graphView(lab: Lab): HTMLElement {
@@ -31,7 +32,7 @@ export function graphView(lab: Lab): HTMLElement {
   const fit = (least = 0) => {
     const [x = 0, y = 0, width = 0, height = 0] = shown?.view ?? [];
     camera.fit({ x, y, width, height }, svg.clientWidth, svg.clientHeight);
-    if (camera.scale < least) camera.corner({ x, y }, least);
+    if (camera.scale < least * NEARLY) camera.corner({ x, y }, least);
     place();
   };
   const redraw = (anew = false) => {
