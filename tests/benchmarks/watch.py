@@ -22,8 +22,8 @@ def load():
     stamps.clear()
     gc.collect()
     pages = int(Path("/proc/self/statm").read_text().split()[1])
-    waiting = len(connection.texts.waiting) + len(connection._replies) + len(session._loop.inbox)
-    on_their_way = [len(view._on_their_way) for view in connection._views.values()]
+    waiting = len(connection.texts.waiting) + len(connection._publisher._replies) + len(session._loop.inbox)
+    on_their_way = [len(view._on_their_way) for view in connection._publisher._views.values()]
     return (
         session.frame.achieved_rate,
         threading.active_count(),
