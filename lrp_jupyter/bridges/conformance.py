@@ -21,20 +21,27 @@ import json
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import partial
-from typing import Any, ClassVar
+from typing import ClassVar
 
 from lrp_jupyter.bridges.bridge import Bridge, Connection, Status
 from lrp_jupyter.bridges.members import MemberError
-from lrp_jupyter.bridges.nodes import Method, Variable
-from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.bridges.probes import (
+    ConformanceError,
+    catch,
+    commands,
+    give,
+    methods,
+    read,
+    require,
+    spy,
+    variables,
+    within,
+)
+from lrp_jupyter.bridges.report import Outcome, Report
+from lrp_jupyter.errors import BridgeError
 
 __all__ = ["BridgeConformance", "ConformanceError", "Outcome", "Report", "check_bridge"]
-
-
-class ConformanceError(AssertionError):
-    """A bridge does not keep what every bridge has to keep."""
 
 
 class BridgeConformance:
@@ -58,19 +65,19 @@ class BridgeConformance:
     def test_it_has_a_name(self) -> None:
         """It has a name by which it can be chosen."""
         name = self.make_bridge().name
-        _require(name.replace("-", "_").isidentifier(), f"{name!r} cannot be typed as the name of a bridge")
+        require(name.replace("-", "_").isidentifier(), f"{name!r} cannot be typed as the name of a bridge")
 
     def test_open_connects_once(self) -> None:
         """Opening twice connects once, and ends in bounded time."""
         bridge = self.make_bridge()
-        calls = _spy(bridge, "open_interface")
+        calls = spy(bridge, "open_interface")
         with self._closing(bridge):
-            _within(self.open_within, "open", bridge.open)
+            within(self.open_within, "open", bridge.open)
             before = set(bridge.nodes.table)
-            _within(self.answer_within, "open, the second time", bridge.open)
-            _require(len(calls) == 1, f"`open_interface` was called {len(calls)} times")
-            _require(set(bridge.nodes.table) == before, "the second `open` changed the members")
-            _require(bridge.is_open, "it is not open after `open`")
+            within(self.answer_within, "open, the second time", bridge.open)
+            require(len(calls) == 1, f"`open_interface` was called {len(calls)} times")
+            require(set(bridge.nodes.table) == before, "the second `open` changed the members")
+            require(bridge.is_open, "it is not open after `open`")
 
     def test_status_is_said_in_a_sentence(self) -> None:
         """Its status is one of the known words, with a sentence, whether open or not."""
@@ -79,23 +86,23 @@ class BridgeConformance:
         with self._opened(bridge):
             self._check_status(bridge)
         self._check_status(bridge)
-        _require(bridge.status.state is Connection.DISCONNECTED, "a closed bridge is disconnected")
+        require(bridge.status.state is Connection.DISCONNECTED, "a closed bridge is disconnected")
 
     def test_close_stops_first_and_once(self) -> None:
         """Closing stops the robot before it lets the connection go; a second time does nothing."""
         bridge = self.make_bridge()
         with self._opened(bridge):
-            calls = _spy(bridge, "stop", "stop_all", "close_interface")
-            _within(self.answer_within, "close", bridge.close)
-            _require(bool(calls) and calls[0].startswith("stop"), "`close` did not stop the robot first")
-            _require(calls.count("close_interface") == 1, "`close` did not call `close_interface` once")
+            calls = spy(bridge, "stop", "stop_all", "close_interface")
+            within(self.answer_within, "close", bridge.close)
+            require(bool(calls) and calls[0].startswith("stop"), "`close` did not stop the robot first")
+            require(calls.count("close_interface") == 1, "`close` did not call `close_interface` once")
             del calls[:]
-            _within(self.answer_within, "close, the second time", bridge.close)
-            _require("close_interface" not in calls, "the second `close` closed again")
+            within(self.answer_within, "close, the second time", bridge.close)
+            require("close_interface" not in calls, "the second `close` closed again")
 
     def test_close_before_open_does_nothing(self) -> None:
         """Closing what was never opened does nothing."""
-        _within(self.answer_within, "close", self.make_bridge().close)
+        within(self.answer_within, "close", self.make_bridge().close)
 
     def test_it_opens_again_after_close(self) -> None:
         """It can be opened again after it was closed, with the same members."""
@@ -103,7 +110,7 @@ class BridgeConformance:
         with self._opened(bridge):
             before = set(bridge.nodes.table)
         with self._opened(bridge):
-            _require(set(bridge.nodes.table) == before, "the second connection has other members")
+            require(set(bridge.nodes.table) == before, "the second connection has other members")
 
     def test_no_thread_is_left(self) -> None:
         """Closing ends every thread that opening started."""
@@ -112,7 +119,7 @@ class BridgeConformance:
             pass
         for thread in set(threading.enumerate()) - before:
             thread.join(self.answer_within)
-            _require(not thread.is_alive(), f"the thread {thread.name!r} runs on after `close`")
+            require(not thread.is_alive(), f"the thread {thread.name!r} runs on after `close`")
 
     # -- members ----------------------------------------------------------------------------------
 
@@ -120,7 +127,7 @@ class BridgeConformance:
         """Every member has a doc, for completion and hover."""
         with self._opened() as bridge:
             bare = [f"`{member.name}`" for member in bridge.members() if not member.doc.strip()]
-            _require(not bare, f"without a doc: {', '.join(bare)}")
+            require(not bare, f"without a doc: {', '.join(bare)}")
 
     def test_views_get_plain_data(self) -> None:
         """Members, panel and picture of the safety can be sent to a page as JSON."""
@@ -143,24 +150,24 @@ class BridgeConformance:
         """Every member is found by its name, and through `robot`."""
         with self._opened() as bridge:
             for member in bridge.members():
-                _require(bridge.describe(member.name).name == member.name, f"`{member.name}` is not found")
+                require(bridge.describe(member.name).name == member.name, f"`{member.name}` is not found")
                 first = member.name.partition(".")[0]
-                _require(first in dir(bridge.robot), f"`{first}` is not listed by dir(robot)")
+                require(first in dir(bridge.robot), f"`{first}` is not listed by dir(robot)")
 
     def test_readings_come_in_time(self) -> None:
         """Every reading comes in bounded time: a value, `NoDataYet` or a `BridgeError`."""
         with self._opened() as bridge:
-            for variable in _variables(bridge):
-                _within(self.answer_within, f"reading `{variable.path}`", partial(_read, variable))
+            for variable in variables(bridge):
+                within(self.answer_within, f"reading `{variable.path}`", partial(read, variable))
 
     def test_one_tick_sees_one_world(self) -> None:
         """A reading does not change within a tick."""
         with self._opened() as bridge:
             bridge.begin_tick(0.0, 0.1)
-            for variable in _variables(bridge):
-                first, second = _read(variable), _read(variable)
+            for variable in variables(bridge):
+                first, second = read(variable), read(variable)
                 same = first is second or first == second or (first != first and second != second)
-                _require(same, f"`{variable.path}` was {first!r}, then {second!r} in the same tick")
+                require(same, f"`{variable.path}` was {first!r}, then {second!r} in the same tick")
             bridge.end_tick(0.0)
 
     def test_an_unknown_member_is_answered_with_the_known_ones(self) -> None:
@@ -170,7 +177,7 @@ class BridgeConformance:
                 bridge.robot.no_such_member  # noqa: B018
             except MemberError as error:
                 missing = [name for name in dir(bridge.robot) if name not in str(error)]
-                _require(not missing, f"the error does not name {', '.join(missing)}")
+                require(not missing, f"the error does not name {', '.join(missing)}")
             except Exception as error:
                 raise ConformanceError(f"an unknown member raises {type(error).__name__}: {error}") from error
             else:
@@ -187,35 +194,35 @@ class BridgeConformance:
     def test_hardware_opens_disarmed(self) -> None:
         """Hardware is disarmed until somebody arms it."""
         with self._opened() as bridge:
-            _require(not (bridge.hardware and bridge.safety.armed), "opening armed it")
+            require(not (bridge.hardware and bridge.safety.armed), "opening armed it")
 
     def test_move_is_a_velocity_command(self) -> None:
         """Whatever is called `move` is a command, under the command watchdog."""
         with self._opened() as bridge:
-            for method in _methods(bridge):
+            for method in methods(bridge):
                 if method.path.rpartition(".")[2] == "move":
-                    _require(method.command and method.velocity, f"`{method.path}` passes by the safety")
+                    require(method.command and method.velocity, f"`{method.path}` passes by the safety")
 
     def test_disarmed_sends_nothing(self) -> None:
         """While it is disarmed commands are recorded, and none is sent."""
         with self._opened() as bridge:
             bridge.disarm()
-            for method in _methods(bridge, commands=True):
+            for method in commands(bridge):
                 recorded = bridge.safety.command_count
-                sent = _catch(method)
-                _command(bridge, method)
-                _require(not sent, f"`{method.path}` was sent")
-                _require(bridge.safety.command_count == recorded + 1, f"`{method.path}` was not recorded")
+                sent = catch(method)
+                give(bridge, method)
+                require(not sent, f"`{method.path}` was sent")
+                require(bridge.safety.command_count == recorded + 1, f"`{method.path}` was not recorded")
 
     def test_armed_sends(self) -> None:
         """Once armed, commands are sent."""
         with self._opened() as bridge:
             bridge.arm()
             bridge.begin_tick(0.0, 0.1)
-            for method in _methods(bridge, commands=True):
-                sent = _catch(method)
-                _command(bridge, method)
-                _require(len(sent) == 1, f"`{method.path}` was sent {len(sent)} times")
+            for method in commands(bridge):
+                sent = catch(method)
+                give(bridge, method)
+                require(len(sent) == 1, f"`{method.path}` was sent {len(sent)} times")
 
     def test_a_stop_holds_for_the_tick(self) -> None:
         """Commands of a tick in which the robot was stopped are not sent any more."""
@@ -223,26 +230,26 @@ class BridgeConformance:
             bridge.arm()
             bridge.begin_tick(0.0, 0.1)
             bridge.stop_all()
-            for method in _methods(bridge, commands=True):
-                sent = _catch(method)
-                _command(bridge, method)
-                _require(not sent, f"`{method.path}` was sent after the stop")
+            for method in commands(bridge):
+                sent = catch(method)
+                give(bridge, method)
+                require(not sent, f"`{method.path}` was sent after the stop")
 
     def test_stop_all_works_on_any_thread(self) -> None:
         """`stop_all` works on another thread, in bounded time, before, while and after it is open."""
         bridge = self.make_bridge()
-        _within(self.answer_within, "stop_all before `open`", bridge.stop_all)
+        within(self.answer_within, "stop_all before `open`", bridge.stop_all)
         with self._opened(bridge):
             for armed in (False, True):
                 (bridge.arm if armed else bridge.disarm)()
-                calls = _spy(bridge, "stop")
-                took = _within(self.answer_within, "stop_all", bridge.stop_all)
+                calls = spy(bridge, "stop")
+                took = within(self.answer_within, "stop_all", bridge.stop_all)
                 notices = bridge.safety.notices
                 why = notices[-1].text if notices else "`stop_all` gave False"
-                _require(took is not False, why)
+                require(took is not False, why)
                 overridden = type(bridge).stop_all is not Bridge.stop_all
-                _require(bool(calls) or overridden, "`stop_all` did not call `stop`")
-        _within(self.answer_within, "stop_all after `close`", bridge.stop_all)
+                require(bool(calls) or overridden, "`stop_all` did not call `stop`")
+        within(self.answer_within, "stop_all after `close`", bridge.stop_all)
 
     def test_pause_stops(self) -> None:
         """A pause of the program stops the robot; going on sends nothing again."""
@@ -251,29 +258,29 @@ class BridgeConformance:
             bridge.on_start()
             bridge.begin_tick(0.0, 0.1)
             bridge.end_tick(0.0)
-            calls = _spy(bridge, "stop", "stop_all")
-            _within(self.answer_within, "on_pause", bridge.on_pause)
-            _require(bool(calls), "`on_pause` did not stop the robot")
-            caught = [_catch(method) for method in _methods(bridge, commands=True)]
-            _within(self.answer_within, "on_resume", bridge.on_resume)
-            _require(not any(caught), "`on_resume` sent a command")
+            calls = spy(bridge, "stop", "stop_all")
+            within(self.answer_within, "on_pause", bridge.on_pause)
+            require(bool(calls), "`on_pause` did not stop the robot")
+            caught = [catch(method) for method in commands(bridge)]
+            within(self.answer_within, "on_resume", bridge.on_resume)
+            require(not any(caught), "`on_resume` sent a command")
 
     def test_silence_stops_a_velocity(self) -> None:
         """A velocity command that is not repeated ends after half a second."""
         with self._opened() as bridge:
-            velocities = [method for method in _methods(bridge, commands=True) if method.velocity]
+            velocities = [method for method in commands(bridge) if method.velocity]
             bridge.arm()
             for start, method in enumerate(velocities):
-                _catch(method)
+                catch(method)
                 now = 10.0 * start
                 bridge.begin_tick(now, 0.1)
                 bridge.safety.moving(method.path, True)
                 bridge.end_tick(now)
-                calls = _spy(bridge, "stop")
+                calls = spy(bridge, "stop")
                 for tick in range(1, 7):
                     bridge.begin_tick(now + tick / 10, 0.1)
                     bridge.end_tick(now + tick / 10)
-                _require(bool(calls), f"`{method.path}` moved on without new commands")
+                require(bool(calls), f"`{method.path}` moved on without new commands")
 
     def test_a_hanging_loop_stops_the_robot(self) -> None:
         """No tick for half a second: the robot is stopped, unless its world stands still with it."""
@@ -282,20 +289,20 @@ class BridgeConformance:
                 return
             bridge.arm()
             bridge.begin_tick(0.0, 0.1)
-            calls = _spy(bridge, "stop", "stop_all")
-            _require(bridge.check_watchdog(0.3) is None, "it was stopped too early")
-            _require(bridge.check_watchdog(0.6) is not None, "the tick watchdog says nothing")
-            _require(bool(calls), "the tick watchdog did not stop the robot")
+            calls = spy(bridge, "stop", "stop_all")
+            require(bridge.check_watchdog(0.3) is None, "it was stopped too early")
+            require(bridge.check_watchdog(0.6) is not None, "the tick watchdog says nothing")
+            require(bool(calls), "the tick watchdog did not stop the robot")
 
     def test_ticks_are_short_and_never_raise(self) -> None:
         """`sense` and `act` end in time and do not fail."""
         with self._opened() as bridge:
             for tick in range(3):
                 now = tick / 10
-                _within(self.answer_within, "sense", partial(bridge.begin_tick, now, 0.1))
-                _within(self.answer_within, "act", partial(bridge.end_tick, now))
+                within(self.answer_within, "sense", partial(bridge.begin_tick, now, 0.1))
+                within(self.answer_within, "act", partial(bridge.end_tick, now))
             faults = [notice.text for notice in bridge.safety.notices if notice.kind == "fault"]
-            _require(not faults, "; ".join(faults))
+            require(not faults, "; ".join(faults))
 
     def test_an_armed_robot_cannot_step_back(self) -> None:
         """Hardware refuses to step back while it is armed."""
@@ -313,14 +320,14 @@ class BridgeConformance:
 
     def _check_status(self, bridge: Bridge) -> None:
         status: object = bridge.status
-        _require(isinstance(status, Status), f"`status` is {status!r}, not a Status")
-        _require(bool(bridge.status.sentence.strip()), "the status has no sentence")
+        require(isinstance(status, Status), f"`status` is {status!r}, not a Status")
+        require(bool(bridge.status.sentence.strip()), "the status has no sentence")
 
     @contextmanager
     def _opened(self, bridge: Bridge | None = None) -> Iterator[Bridge]:
         bridge = bridge or self.make_bridge()
         with self._closing(bridge):
-            _within(self.open_within, "open", bridge.open)
+            within(self.open_within, "open", bridge.open)
             yield bridge
 
     @contextmanager
@@ -328,52 +335,7 @@ class BridgeConformance:
         try:
             yield
         finally:
-            _within(self.open_within, "close", bridge.close)
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """One check: what it is about, and what is wrong (empty if nothing)."""
-
-    check: str
-    problem: str = ""
-
-    @property
-    def passed(self) -> bool:
-        """Whether the bridge keeps it."""
-        return not self.problem
-
-
-@dataclass(frozen=True, slots=True)
-class Report:
-    """What `check_bridge` found; printed, it is a list to read."""
-
-    bridge: str
-    outcomes: tuple[Outcome, ...]
-
-    @property
-    def passed(self) -> bool:
-        """Whether the bridge keeps everything."""
-        return all(outcome.passed for outcome in self.outcomes)
-
-    @property
-    def problems(self) -> tuple[Outcome, ...]:
-        """The checks that failed."""
-        return tuple(outcome for outcome in self.outcomes if not outcome.passed)
-
-    def __bool__(self) -> bool:
-        return self.passed
-
-    def __str__(self) -> str:
-        good = len(self.outcomes) - len(self.problems)
-        lines = [f"{self.bridge}: {good} of {len(self.outcomes)} checks passed"]
-        for outcome in self.outcomes:
-            lines.append(f"  {'ok  ' if outcome.passed else 'FAIL'}  {outcome.check}")
-            if outcome.problem:
-                lines.append(f"        {outcome.problem}")
-        return "\n".join(lines)
-
-    __repr__ = __str__
+            within(self.open_within, "close", bridge.close)
 
 
 def check_bridge(bridge: Bridge | Callable[[], Bridge]) -> Report:
@@ -402,73 +364,3 @@ def check_bridge(bridge: Bridge | Callable[[], Bridge]) -> Report:
         outcomes.append(Outcome((check.__doc__ or name).strip(), problem))
     title = getattr(bridge, "name", None) or getattr(bridge, "__name__", "bridge")
     return Report(f"Bridge `{title}`", tuple(outcomes))
-
-
-def _require(holds: bool, otherwise: str) -> None:
-    if not holds:
-        raise ConformanceError(otherwise)
-
-
-def _within(seconds: float, what: str, function: Callable[[], Any]) -> Any:
-    """Call on another thread, so that what hangs is reported; raise what it raised."""
-    results: list[Any] = []
-    errors: list[BaseException] = []
-
-    def call() -> None:
-        try:
-            results.append(function())
-        except BaseException as error:
-            errors.append(error)
-
-    thread = threading.Thread(target=call, name=f"check {what}", daemon=True)
-    thread.start()
-    thread.join(seconds)
-    _require(not thread.is_alive(), f"{what} took more than {seconds:g} s")
-    if errors:
-        error = errors[0]
-        raise ConformanceError(f"{what} raised {type(error).__name__}: {error}") from error
-    return results[0]
-
-
-def _spy(bridge: Bridge, *names: str) -> list[str]:
-    """Note the calls of a bridge's methods, in their order, and carry them out all the same."""
-    calls: list[str] = []
-
-    def noting(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
-        def note(*args: Any, **kwargs: Any) -> Any:
-            calls.append(name)
-            return function(*args, **kwargs)
-
-        return note
-
-    for name in names:
-        setattr(bridge, name, noting(name, getattr(bridge, name)))
-    return calls
-
-
-def _catch(method: Method) -> list[object]:
-    """Let a method's commands end here instead of at the robot; give what was sent."""
-    sent: list[object] = []
-    method.redirect(sent.append)
-    return sent
-
-
-def _command(bridge: Bridge, method: Method) -> None:
-    """Give a command as a program would, of zeros."""
-    bridge.send(method, method.standstill())
-
-
-def _read(variable: Variable) -> object:
-    try:
-        return variable.read()
-    except (NoDataYet, BridgeError):
-        return None
-
-
-def _variables(bridge: Bridge) -> list[Variable]:
-    return [node for node in bridge.nodes.members() if isinstance(node, Variable)]
-
-
-def _methods(bridge: Bridge, commands: bool = False) -> list[Method]:
-    methods = [node for node in bridge.nodes.members() if isinstance(node, Method)]
-    return [method for method in methods if method.command] if commands else methods

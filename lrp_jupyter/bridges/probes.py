@@ -1,0 +1,109 @@
+"""How the conformance tests look at a bridge: with limits of time, spies, and commands that are caught.
+
+No probe moves the robot.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from typing import Any
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.nodes import Method, Variable
+from lrp_jupyter.errors import BridgeError, NoDataYet
+
+__all__ = [
+    "ConformanceError",
+    "catch",
+    "commands",
+    "give",
+    "methods",
+    "read",
+    "require",
+    "spy",
+    "variables",
+    "within",
+]
+
+
+class ConformanceError(AssertionError):
+    """A bridge does not keep what every bridge has to keep."""
+
+
+def require(holds: bool, otherwise: str) -> None:
+    """Raise a ConformanceError with a sentence where something does not hold."""
+    if not holds:
+        raise ConformanceError(otherwise)
+
+
+def within(seconds: float, what: str, function: Callable[[], Any]) -> Any:
+    """Call on another thread, so that what hangs is reported; raise what it raised."""
+    results: list[Any] = []
+    errors: list[BaseException] = []
+
+    def call() -> None:
+        try:
+            results.append(function())
+        except BaseException as error:
+            errors.append(error)
+
+    thread = threading.Thread(target=call, name=f"check {what}", daemon=True)
+    thread.start()
+    thread.join(seconds)
+    require(not thread.is_alive(), f"{what} took more than {seconds:g} s")
+    if errors:
+        error = errors[0]
+        raise ConformanceError(f"{what} raised {type(error).__name__}: {error}") from error
+    return results[0]
+
+
+def spy(bridge: Bridge, *names: str) -> list[str]:
+    """Note the calls of a bridge's methods, in their order, and carry them out all the same."""
+    calls: list[str] = []
+
+    def noting(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
+        def note(*args: Any, **kwargs: Any) -> Any:
+            calls.append(name)
+            return function(*args, **kwargs)
+
+        return note
+
+    for name in names:
+        setattr(bridge, name, noting(name, getattr(bridge, name)))
+    return calls
+
+
+def catch(method: Method) -> list[object]:
+    """Let a method's commands end here instead of at the robot; give what was sent."""
+    sent: list[object] = []
+    method.redirect(sent.append)
+    return sent
+
+
+def give(bridge: Bridge, method: Method) -> None:
+    """Give a command as a program would, of zeros."""
+    bridge.send(method, method.standstill())
+
+
+def read(variable: Variable) -> object:
+    """Read a variable; None where it cannot be read now."""
+    try:
+        return variable.read()
+    except (NoDataYet, BridgeError):
+        return None
+
+
+def variables(bridge: Bridge) -> list[Variable]:
+    """Give the variables of a bridge."""
+    return [node for node in bridge.nodes.members() if isinstance(node, Variable)]
+
+
+def methods(bridge: Bridge) -> list[Method]:
+    """Give the methods of a bridge."""
+    return [node for node in bridge.nodes.members() if isinstance(node, Method)]
+
+
+def commands(bridge: Bridge) -> list[Method]:
+    """Give those methods of a bridge that make the robot do something."""
+    return [method for method in methods(bridge) if method.command]
