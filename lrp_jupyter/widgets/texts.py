@@ -11,7 +11,7 @@ from collections import deque
 from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass
 from pathlib import Path as FilePath
-from threading import RLock
+from threading import Lock, RLock
 from typing import Any
 
 from lrp_jupyter.language.checks import check
@@ -76,6 +76,7 @@ class Texts:
         self.noun: Program | None = None
         self.folder = None if folder is None else FilePath(folder)
         self._lock = RLock()
+        self._saving = Lock()
         self._session: Session
         self._shown = Program()
         self._shown_view = program_view(self._shown)
@@ -273,10 +274,11 @@ class Texts:
 
     def save(self) -> None:
         """Save the newest accepted text, if it is not saved yet."""
-        text = self._unsaved
-        if text is not None and text != self._saved:
-            self._write(text, ".lrp")
-            self._saved = text
+        with self._saving:  # or one would move away the fresh file of the other
+            text = self._unsaved
+            if text is not None and text != self._saved:
+                self._write(text, ".lrp")
+                self._saved = text
 
     def _write(self, text: str, ending: str) -> None:
         if self.folder is None:
