@@ -20,7 +20,7 @@ from functools import partial
 from time import monotonic
 from typing import Any
 
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, SessionClosedError
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.acts import carry_out
 from lrp_jupyter.widgets.protocol import FromPage
@@ -70,7 +70,8 @@ class Connection:
         """The last traceback of the lab itself; empty while all is well."""
         self.closed = False
         self._clock = clock
-        self._lock = threading.Lock()  # of the worker
+        self._lock = threading.RLock()  # of `closed` and the worker, and of which session it is
+        self._changing = threading.Lock()  # held while another bridge is opened, which may take long
         self._worker: ThreadPoolExecutor | None = None
         self._publisher = Publisher(session, texts, self.report, clock)
 
@@ -149,24 +150,37 @@ class Connection:
         ------
         BridgeError
             There is no such bridge, or its robot cannot be reached; the old one stays.
+        SessionClosedError
+            It was closed meanwhile.
         """
         if self._reopen is None:
             raise BridgeError("This session was made elsewhere: its bridge cannot be changed here.")
-        old, text = self.session, self.texts.text
-        if old.bridge.hardware and old.bridge.name == bridge:
-            old.close()  # a robot lets nobody in while somebody is connected
-        self._publisher.follow(self._reopen(old, bridge, **options))
-        self.options = options
-        old.close()
-        if text != self.texts.text:  # it was held, or no program
-            self.write(text)
+        with self._changing:
+            old, text = self.session, self.texts.text
+            if old.bridge.hardware and old.bridge.name == bridge:
+                old.close()  # a robot lets nobody in while somebody is connected
+            self._use(self._reopen(old, bridge, **options))
+            self.options = options
+            old.close()
+            if text != self.texts.text:  # it was held, or no program
+                self.write(text)
+
+    def _use(self, session: Session) -> None:
+        with self._lock:
+            if not self.closed:
+                self._publisher.follow(session)
+                return
+        session.close()  # nobody else would
+        raise SessionClosedError(f"`{session.name}` was closed meanwhile.")
 
     def work(self, job: Callable[[], Any]) -> Future[Any]:
         """Have something done that may have to wait, in turn, on the worker's thread."""
         with self._lock:
+            if self.closed:
+                raise SessionClosedError(f"`{self.name}` is closed.")
             if self._worker is None:
                 self._worker = ThreadPoolExecutor(1, f"lrp {self.name} worker")
-        return self._worker.submit(contextvars.copy_context().run, job)
+            return self._worker.submit(contextvars.copy_context().run, job)
 
     def report(self, fault: str) -> None:
         """Tell of a fault of the lab, in the lab."""
@@ -198,10 +212,11 @@ class Connection:
 
     def close(self) -> None:
         """Close the session, tell the views, and end the threads; doing it twice does nothing."""
-        if self.closed:
-            return
+        with self._lock:
+            if self.closed:
+                return
+            self.closed = True  # from now on it stays with this session
         self.session.close()
-        self.closed = True
         self._publisher.end()
         if self._worker is not None:
             self._worker.shutdown(wait=False, cancel_futures=True)

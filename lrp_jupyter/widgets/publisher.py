@@ -138,11 +138,13 @@ class Publisher:
 
     def end(self) -> None:
         """End the thread, tell every view how it ended, and save what is not saved."""
-        self._unlisten()
-        self._ended = True
+        with self._lock:
+            self._unlisten()
+            self._ended = True
+            thread = self._thread
         self.wake()
-        if self._thread is not None and self._thread is not threading.current_thread():
-            self._thread.join(2)
+        if thread is not None and thread is not threading.current_thread():
+            thread.join(2)
         try:
             self._say_goodbye()
         except Exception:
