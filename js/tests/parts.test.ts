@@ -1,7 +1,9 @@
 import { describe, expect, it } from "vitest";
+import { entriesOf } from "../src/parts/issues";
 import { positionOf, rateAt, rateText, SLIDER } from "../src/parts/rate";
 import { points } from "../src/parts/spark";
 import { groupsInScope } from "../src/parts/variables";
+import type { FindingView, IssueView } from "../src/protocol";
 import { lightnessOf } from "../src/ui/theme";
 
 describe("the rate slider", () => {
@@ -30,6 +32,35 @@ describe("variables in scope", () => {
   it("are those of the machine, of those around it, and the globals", () => {
     expect(groupsInScope(program, "m/s/n").map(({ machine }) => machine)).toEqual(["m/s/n", "m", ""]);
     expect(groupsInScope(program, "m").map(({ machine }) => machine)).toEqual(["m", ""]);
+  });
+});
+
+describe("the list of issues", () => {
+  const range = (line: number, column: number, end_column: number) => ({
+    line,
+    column,
+    end_line: line,
+    end_column,
+  });
+  const finding = (code: string, place: ReturnType<typeof range>) =>
+    ({ code, severity: "error", message: code, range: place, fix: null }) as FindingView;
+  const issue = (code: string, place: ReturnType<typeof range>, resolved = false) =>
+    ({ id: 1, code, severity: "error", message: code, range: place, resolved, count: 3 }) as IssueView;
+  const codes = (findings: FindingView[], issues: IssueView[]) =>
+    entriesOf(findings, issues).map((entry) => [entry.code, entry.issue?.count ?? 0]);
+
+  it("has a name that means nothing once, as it was found, counted as it was felt", () => {
+    expect(codes([finding("LRP301", range(5, 7, 14))], [issue("LRP603", range(5, 3, 22))])).toEqual([
+      ["LRP301", 3],
+    ]);
+  });
+
+  it.each([
+    ["elsewhere", finding("LRP301", range(6, 7, 14)), issue("LRP603", range(5, 3, 22))],
+    ["of another kind", finding("LRP301", range(5, 7, 14)), issue("LRP601", range(5, 3, 22))],
+    ["resolved", finding("LRP301", range(5, 7, 14)), issue("LRP603", range(5, 3, 22), true)],
+  ])("has an issue %s beside a finding", (_, found, felt) => {
+    expect(codes([found], [felt])).toHaveLength(2);
   });
 });
 

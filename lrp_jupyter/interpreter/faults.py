@@ -10,6 +10,7 @@ import traceback as tracebacks
 from itertools import islice
 from types import TracebackType
 
+from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.issues import Issue, IssueKind
 from lrp_jupyter.interpreter.linker import Site, show_in_tracebacks
 from lrp_jupyter.language.program import Program
@@ -48,7 +49,12 @@ def make_issue(
 
 
 def _first_line(error: BaseException) -> str:
-    """Write the kind and the first line of an exception; not its notes, nor what a SyntaxError quotes."""
+    """Write the kind and the first line of an exception; not its notes, nor what a SyntaxError quotes.
+
+    What this package itself raises is a sentence already, which no kind makes clearer.
+    """
+    if isinstance(error, LRPError):
+        return str(error).partition("\n")[0]
     lines = tracebacks.format_exception_only(error)
     return next(line for line in lines if not line.startswith(" ")).splitlines()[0]
 

@@ -12,8 +12,13 @@ interface Entry {
   severity: Severity;
   message: string;
   range: Range | null;
+  /** Whether the range is of the text that runs, which may be another than the one in the editor. */
+  ofRunning: boolean;
   issue: IssueView | null;
 }
+
+/** Issues of names that mean nothing: `LRP3…` when the text is checked, these when it runs. */
+const UNKNOWN_NAME = /^LRP60[3-6]$/;
 
 export function issuesView(lab: Lab): HTMLElement {
   const { store } = lab;
@@ -34,7 +39,7 @@ export function issuesView(lab: Lab): HTMLElement {
   store.watch(["settings"], () => setSwitch(pause, store.state.settings.pause_on_issue));
   store.watch(["findings", "issues"], () => {
     const { findings, issues } = store.state;
-    const entries = [...findings.map(ofFinding), ...[...issues.values()].map(ofIssue)];
+    const entries = entriesOf(findings, issues.values());
     reconcile(
       list,
       entries,
@@ -50,14 +55,40 @@ export function issuesView(lab: Lab): HTMLElement {
   return element;
 }
 
+/** What is found in the text and felt in the run is one thing, and stands in the list once. */
+export function entriesOf(findings: FindingView[], issues: Iterable<IssueView>): Entry[] {
+  const entries = findings.map(ofFinding);
+  for (const issue of issues) {
+    const same = entries.find((entry) => !entry.issue && !issue.resolved && saysTheSame(issue, entry));
+    if (same) same.issue = issue;
+    else entries.push(ofIssue(issue));
+  }
+  return entries;
+}
+
+function saysTheSame({ code, range: outer }: IssueView, { code: found, range: inner }: Entry): boolean {
+  if (!UNKNOWN_NAME.test(code) || !found.startsWith("LRP3") || !outer || !inner) return false;
+  const begins = inner.line - outer.line || inner.column - outer.column;
+  const ends = outer.end_line - inner.end_line || outer.end_column - inner.end_column;
+  return begins >= 0 && ends >= 0;
+}
+
 function ofFinding(finding: FindingView, index: number): Entry {
   const { code, severity, message, range } = finding;
-  return { key: `${code} ${message} ${index}`, code, severity, message, range, issue: null };
+  return {
+    key: `${code} ${message} ${index}`,
+    code,
+    severity,
+    message,
+    range,
+    ofRunning: false,
+    issue: null,
+  };
 }
 
 function ofIssue(issue: IssueView): Entry {
   const { id, code, severity, message, range } = issue;
-  return { key: `issue ${id}`, code, severity, message, range, issue };
+  return { key: `issue ${id}`, code, severity, message, range, ofRunning: true, issue };
 }
 
 function make(lab: Lab, entry: Entry): HTMLElement {
@@ -68,8 +99,8 @@ function make(lab: Lab, entry: Entry): HTMLElement {
       type: "button",
       class: "lrp-issue-go",
       onclick: () => {
-        const { range, issue } = current.get(item) ?? entry;
-        if (range) lab.goToRange(range, issue !== null);
+        const { range, issue, ofRunning } = current.get(item) ?? entry;
+        if (range) lab.goToRange(range, ofRunning);
         else if (issue) lab.say(issue.message);
       },
     },
