@@ -42,17 +42,16 @@ looks its members up, so that members can come and go while a program holds it.
 
 from __future__ import annotations
 
-import inspect
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Self
 
+from lrp_jupyter.bridges.interface import Interface
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.message import Message, Twist
-from lrp_jupyter.bridges.nodes import Limits, Method, Nodes, Variable
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.robot import Robot, attach
-from lrp_jupyter.bridges.safety import CommandRecord, Notice, Safety
+from lrp_jupyter.bridges.safety import Notice
 from lrp_jupyter.bridges.status import Connection, Status
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
@@ -74,7 +73,7 @@ __all__ = [
 ]
 
 
-class Bridge(ABC):
+class Bridge(Interface, ABC):
     """Base of all bridges; see the module for who calls and who overrides what.
 
     Parameters
@@ -101,10 +100,7 @@ class Bridge(ABC):
         Armed or not, the log of commands and notices.
     """
 
-    name: ClassVar[str]
-    hardware: ClassVar[bool] = True
     time_step: ClassVar[float | None] = None
-    stop_timeout: ClassVar[float | None] = 1.0
     registry: ClassVar[dict[str, type[Bridge]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -116,22 +112,14 @@ class Bridge(ABC):
         Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
 
     def __new__(cls, *_args: object, **_options: object) -> Self:
-        """Make the parts of every bridge; here, as many an ``__init__`` forgets the one above it."""
+        """Begin closed; here, as many an ``__init__`` forgets the one above it."""
         bridge = super().__new__(cls)
-        bridge.nodes = Nodes(lambda path: Robot(bridge, f"{path}."))
-        bridge.latch = 0
-        bridge.safety = Safety(armed=not cls.hardware)
-        bridge.robot = Robot(bridge)
         bridge._ticks = 0
         bridge._status = Status(Connection.DISCONNECTED, f"`{cls.name}` is not open.")
         bridge._is_open = False
         bridge._opened_panel = None
         return bridge
 
-    nodes: Nodes
-    latch: int  # number of the tick that readings are latched for; 0 between ticks
-    safety: Safety
-    robot: Robot
     _ticks: int
     _status: Status
     _is_open: bool
@@ -152,32 +140,23 @@ class Bridge(ABC):
             The robot cannot be reached; the sentence says what to do.
         """
 
-    def close_interface(self) -> None:  # noqa: B027  (a hook)
+    def close_interface(self) -> None:
         """Let the connection go; the robot was stopped before."""
 
-    def stop(self) -> None:
-        """Make the robot stand still. Called on any thread, at any time, also while disarmed.
-
-        Unless overridden: a velocity of zero through every velocity method.
-        """
-        for node in self.nodes.members():
-            if isinstance(node, Method) and node.velocity:
-                node.perform(node.standstill())
-
-    def sense(self, now: float) -> None:  # noqa: B027  (a hook)
+    def sense(self, now: float) -> None:
         """Before a tick: fetch what the readings of this tick are taken from, if that is of use."""
 
-    def act(self, now: float) -> None:  # noqa: B027  (a hook)
+    def act(self, now: float) -> None:
         """After a tick: send what was collected, if commands are not sent at once."""
 
-    def on_start(self) -> None:  # noqa: B027  (a hook)
+    def on_start(self) -> None:
         """Follow the program: it starts, or starts anew."""
 
     def on_pause(self) -> None:
         """Follow the program: it pauses, its ``onpause`` actions are done. Unless overridden: `stop_all`."""
         self.stop_all()
 
-    def on_resume(self) -> None:  # noqa: B027  (a hook)
+    def on_resume(self) -> None:
         """Follow the program: it goes on. Nothing commanded before the pause is sent again."""
 
     def panel(self) -> Panel | None:
@@ -209,7 +188,7 @@ class Bridge(ABC):
         """The bridge's own picture of its robot for views, a frozen value; None where it has none."""
         return None
 
-    def advance(self, seconds: float) -> None:  # noqa: B027  (a hook)
+    def advance(self, seconds: float) -> None:
         """Let the bridge's own world pass `seconds` (whole steps of `time_step`)."""
 
     def moment(self) -> object:
@@ -226,105 +205,6 @@ class Bridge(ABC):
         """
         if self.hardware and self.safety.armed:
             raise BridgeError(f"`{self.name}` is armed: a real robot cannot step back. Disarm it first.")
-
-    # -- members ----------------------------------------------------------------------------------
-
-    def add_variable(
-        self,
-        name: str,
-        getter: Callable[[], object],
-        doc: str = "",
-        unit: str = "",
-        *,
-        type: type | str | None = None,  # noqa: A002  (what a view calls it)
-        age: Callable[[], float | None] | None = None,
-    ) -> None:
-        """Make a reading available as ``robot.<name>``; a second one of that name replaces the first.
-
-        Parameters
-        ----------
-        name : str
-            May be dotted: ``"light.data"`` is ``robot.light.data``.
-        getter : callable
-            Called at most once in a tick. `NoDataYet`, or None as value, means that nothing has
-            arrived yet.
-        doc, unit : str
-        type : type or str, optional
-            Known before the first reading arrives; a class shows its annotated fields.
-        age : callable, optional
-            Seconds since the reading arrived, where the bridge knows better than "when it was read".
-        """
-        self.nodes.add(Variable(self, name, getter, doc or _doc_of(getter), unit, type, age))
-
-    def add_method(
-        self,
-        name: str,
-        function: Callable[..., object],
-        doc: str = "",
-        *,
-        message: type[Message] | None = None,
-        command: bool = True,
-        velocity: bool | None = None,
-        limits: Limits | None = None,
-    ) -> None:
-        """Make a function available as ``robot.<name>(...)``.
-
-        Parameters
-        ----------
-        name : str
-            May be dotted: ``"motorA.stop"``.
-        function : callable
-            Called with the program's arguments or, where `message` is given, with one message.
-        doc : str
-        message : Message class, optional
-            ``message=Twist``: the program may fill it in any of the ways of `lrp_jupyter.bridges.message`.
-        command : bool
-            Whether the robot does something: not sent while disarmed. False for a mere question.
-        velocity : bool, optional
-            Whether the command watchdog applies, which stops the robot if the program does not keep
-            commanding. Unless given: for ``move``.
-        limits : mapping of str to float or (float, float), optional
-            ``{"linear": 0.5}``: numbers beyond are brought back to -0.5 ... 0.5, and that is shown.
-        """
-        is_velocity = name.rpartition(".")[2] == "move" if velocity is None else velocity
-        text = doc or _doc_of(function)
-        self.nodes.add(Method(self, name, function, text, message, command, is_velocity, limits or {}))
-
-    def remove_member(self, name: str) -> None:
-        """Take a member away, or a part with all its members.
-
-        Raises
-        ------
-        MemberError
-            There is no such member.
-        """
-        self.nodes.remove(name)
-
-    def members(self) -> tuple[Member, ...]:
-        """Every member with its last reading; reads nothing, and may be called on any thread."""
-        return tuple(node.describe() for node in self.nodes.members())
-
-    def describe(self, path: str) -> Member:
-        """Describe one member, a part (``light``) or a field of a reading (``odom.x``).
-
-        Raises
-        ------
-        MemberError
-            There is no such member or field.
-        """
-        return self.nodes.describe(path.removeprefix("robot."))
-
-    def refresh(self) -> None:
-        """Read every variable once, so that views show what no program reads.
-
-        Between ticks, on the interpreter's thread. Failing readings stay as they were.
-        """
-        for node in self.nodes.members():
-            if isinstance(node, Variable):
-                try:
-                    node.read()
-                except (BridgeError, NoDataYet):
-                    continue
 
     # -- life: called by a session ----------------------------------------------------------------
 
@@ -421,78 +301,6 @@ class Bridge(ABC):
             if self._status.state is not Connection.LOST:
                 self.set_status(Connection.LOST, sentence)
                 self.stop_all()
-
-    # -- safety -----------------------------------------------------------------------------------
-
-    def arm(self) -> None:
-        """From now on commands are sent."""
-        if not self.safety.armed:
-            self.safety.armed = True
-            self.safety.notice("armed", f"`{self.name}` is armed: commands move the robot")
-
-    def disarm(self) -> None:
-        """Stop the robot; from now on commands are recorded and shown, not sent."""
-        if self.safety.armed:
-            self.stop_all()
-            self.safety.armed = False
-            self.safety.notice("disarmed", f"`{self.name}` is disarmed: commands are shown, not sent")
-
-    def stop_all(self) -> bool:
-        """Stop the robot: from any thread, in bounded time, armed or not. Never raises.
-
-        While a loop ticks, commands of the tick that is under way are not sent any more.
-
-        Returns
-        -------
-        bool
-            Whether the robot took it; if not, a notice says why.
-        """
-        self.safety.stopped()
-        return self._stop_now()
-
-    def _stop_now(self) -> bool:
-        return self.safety.carry_out_stop(self.stop, self.stop_timeout)
-
-    def send(self, method: Method, command: Message | inspect.BoundArguments) -> object:
-        """Bring a command within limits, record it and, if allowed, carry it out.
-
-        Every call of a method of the robot comes through here; give what the method gave.
-        """
-        if not method.command:
-            return method.perform(command)
-        safety = self.safety
-        limited = method.clamp(command)
-        for sentence in limited:
-            safety.notice("limited", sentence)
-        sent = safety.armed and not safety.held
-        arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
-        safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited))
-        if not sent:
-            if safety.armed:
-                safety.notice("held", f"`{method.path}` was not sent: the robot was stopped in this tick")
-            else:
-                safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed")
-            return None
-        if method.velocity:
-            safety.moving(method.path, _moves(arguments))
-        try:
-            return method.perform(command)
-        finally:
-            if safety.held:  # stopped on another thread while this was under way: the stop is the last word
-                self._stop_now()
-
-
-def _moves(value: object) -> bool:
-    """Whether any number among arguments, however deep, is not zero."""
-    if isinstance(value, (int, float)):
-        return value != 0
-    if isinstance(value, dict):
-        return any(map(_moves, value.values()))
-    return isinstance(value, (list, tuple)) and any(map(_moves, value))
-
-
-def _doc_of(function: Callable[..., object]) -> str:
-    return (inspect.getdoc(function) or "").partition("\n")[0] if inspect.isroutine(function) else ""
 
 
 class NullBridge(Bridge):

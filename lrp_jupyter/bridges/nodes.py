@@ -17,7 +17,7 @@ from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
 
 if TYPE_CHECKING:
-    from lrp_jupyter.bridges.bridge import Bridge
+    from lrp_jupyter.bridges.interface import Interface
 
 __all__ = ["Limits", "Method", "Nodes", "Variable"]
 
@@ -46,7 +46,7 @@ class Variable:
 
     def __init__(
         self,
-        bridge: Bridge,
+        bridge: Interface,
         path: str,
         getter: Callable[[], object],
         doc: str,
@@ -123,7 +123,7 @@ class Method:
 
     def __init__(
         self,
-        bridge: Bridge,
+        bridge: Interface,
         path: str,
         function: Callable[..., object],
         doc: str,

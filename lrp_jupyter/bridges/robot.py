@@ -14,7 +14,7 @@ from lrp_jupyter.bridges.members import MemberError, did_you_mean
 from lrp_jupyter.bridges.nodes import Method, Variable
 
 if TYPE_CHECKING:
-    from lrp_jupyter.bridges.bridge import Bridge
+    from lrp_jupyter.bridges.interface import Interface
 
 __all__ = ["Robot", "attach"]
 
@@ -28,10 +28,10 @@ class Robot:
     """
 
     __slots__ = ("_bridge", "_prefix")
-    _bridge: Bridge
+    _bridge: Interface
     _prefix: str
 
-    def __init__(self, bridge: Bridge, prefix: str = "") -> None:
+    def __init__(self, bridge: Interface, prefix: str = "") -> None:
         object.__setattr__(self, "_bridge", bridge)
         object.__setattr__(self, "_prefix", prefix)
 
@@ -91,6 +91,6 @@ class Robot:
         return MemberError(f"`{what}` has no `{name}`; it has {listed}.{did_you_mean(name, names)}")
 
 
-def attach(robot: Robot, bridge: Bridge) -> None:
+def attach(robot: Robot, bridge: Interface) -> None:
     """Give an existing `robot` another bridge: programs that hold the object notice nothing."""
     object.__setattr__(robot, "_bridge", bridge)

@@ -1,0 +1,234 @@
+"""The interface of a bridge: the members that a program finds in ``robot``, and the way of its commands.
+
+It knows what the robot offers, what its safety allows and how it is stopped. When it is connected,
+and when a tick begins and ends, is up to the :class:`~lrp_jupyter.bridges.bridge.Bridge` on top.
+
+Paper: §7.3.
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable
+from typing import ClassVar, Self
+
+from lrp_jupyter.bridges.members import Member
+from lrp_jupyter.bridges.message import Message
+from lrp_jupyter.bridges.nodes import Limits, Method, Nodes, Variable
+from lrp_jupyter.bridges.robot import Robot
+from lrp_jupyter.bridges.safety import CommandRecord, Safety
+from lrp_jupyter.errors import BridgeError, NoDataYet
+
+__all__ = ["Interface"]
+
+
+class Interface:
+    """Members and commands of one robot.
+
+    Attributes
+    ----------
+    name, hardware, stop_timeout, robot, safety
+        See :class:`~lrp_jupyter.bridges.bridge.Bridge`.
+    nodes : Nodes
+        The members by their names.
+    latch : int
+        Number of the tick that readings are latched for; 0 between ticks.
+    """
+
+    name: ClassVar[str]
+    hardware: ClassVar[bool] = True
+    stop_timeout: ClassVar[float | None] = 1.0
+
+    def __new__(cls, *_args: object, **_options: object) -> Self:
+        """Make the parts of every bridge; here, as many an ``__init__`` forgets the one above it."""
+        interface = super().__new__(cls)
+        interface.nodes = Nodes(lambda path: Robot(interface, f"{path}."))
+        interface.latch = 0
+        interface.safety = Safety(armed=not cls.hardware)
+        interface.robot = Robot(interface)
+        return interface
+
+    nodes: Nodes
+    latch: int
+    safety: Safety
+    robot: Robot
+
+    # -- members ----------------------------------------------------------------------------------
+
+    def add_variable(
+        self,
+        name: str,
+        getter: Callable[[], object],
+        doc: str = "",
+        unit: str = "",
+        *,
+        type: type | str | None = None,  # noqa: A002  (what a view calls it)
+        age: Callable[[], float | None] | None = None,
+    ) -> None:
+        """Make a reading available as ``robot.<name>``; a second one of that name replaces the first.
+
+        Parameters
+        ----------
+        name : str
+            May be dotted: ``"light.data"`` is ``robot.light.data``.
+        getter : callable
+            Called at most once in a tick. `NoDataYet`, or None as value, means that nothing has
+            arrived yet.
+        doc, unit : str
+        type : type or str, optional
+            Known before the first reading arrives; a class shows its annotated fields.
+        age : callable, optional
+            Seconds since the reading arrived, where the bridge knows better than "when it was read".
+        """
+        self.nodes.add(Variable(self, name, getter, doc or _doc_of(getter), unit, type, age))
+
+    def add_method(
+        self,
+        name: str,
+        function: Callable[..., object],
+        doc: str = "",
+        *,
+        message: type[Message] | None = None,
+        command: bool = True,
+        velocity: bool | None = None,
+        limits: Limits | None = None,
+    ) -> None:
+        """Make a function available as ``robot.<name>(...)``.
+
+        Parameters
+        ----------
+        name : str
+            May be dotted: ``"motorA.stop"``.
+        function : callable
+            Called with the program's arguments or, where `message` is given, with one message.
+        doc : str
+        message : Message class, optional
+            ``message=Twist``: the program may fill it in any of the ways of `lrp_jupyter.bridges.message`.
+        command : bool
+            Whether the robot does something: not sent while disarmed. False for a mere question.
+        velocity : bool, optional
+            Whether the command watchdog applies, which stops the robot if the program does not keep
+            commanding. Unless given: for ``move``.
+        limits : mapping of str to float or (float, float), optional
+            ``{"linear": 0.5}``: numbers beyond are brought back to -0.5 ... 0.5, and that is shown.
+        """
+        is_velocity = name.rpartition(".")[2] == "move" if velocity is None else velocity
+        text = doc or _doc_of(function)
+        self.nodes.add(Method(self, name, function, text, message, command, is_velocity, limits or {}))
+
+    def remove_member(self, name: str) -> None:
+        """Take a member away, or a part with all its members.
+
+        Raises
+        ------
+        MemberError
+            There is no such member.
+        """
+        self.nodes.remove(name)
+
+    def members(self) -> tuple[Member, ...]:
+        """Every member with its last reading; reads nothing, and may be called on any thread."""
+        return tuple(node.describe() for node in self.nodes.members())
+
+    def describe(self, path: str) -> Member:
+        """Describe one member, a part (``light``) or a field of a reading (``odom.x``).
+
+        Raises
+        ------
+        MemberError
+            There is no such member or field.
+        """
+        return self.nodes.describe(path.removeprefix("robot."))
+
+    def refresh(self) -> None:
+        """Read every variable once, so that views show what no program reads.
+
+        Between ticks, on the interpreter's thread. Failing readings stay as they were.
+        """
+        for node in self.nodes.members():
+            if isinstance(node, Variable):
+                try:
+                    node.read()
+                except (BridgeError, NoDataYet):
+                    continue
+
+    # -- commands and safety ----------------------------------------------------------------------
+
+    def arm(self) -> None:
+        """From now on commands are sent."""
+        if not self.safety.armed:
+            self.safety.armed = True
+            self.safety.notice("armed", f"`{self.name}` is armed: commands move the robot")
+
+    def disarm(self) -> None:
+        """Stop the robot; from now on commands are recorded and shown, not sent."""
+        if self.safety.armed:
+            self.stop_all()
+            self.safety.armed = False
+            self.safety.notice("disarmed", f"`{self.name}` is disarmed: commands are shown, not sent")
+
+    def stop(self) -> None:
+        """Make the robot stand still. Called on any thread, at any time, also while disarmed.
+
+        Unless overridden: a velocity of zero through every velocity method.
+        """
+        for node in self.nodes.members():
+            if isinstance(node, Method) and node.velocity:
+                node.perform(node.standstill())
+
+    def stop_all(self) -> bool:
+        """Stop the robot: from any thread, in bounded time, armed or not. Never raises.
+
+        While a loop ticks, commands of the tick that is under way are not sent any more.
+
+        Returns
+        -------
+        bool
+            Whether the robot took it; if not, a notice says why.
+        """
+        self.safety.stopped()
+        return self._stop_now()
+
+    def _stop_now(self) -> bool:
+        return self.safety.carry_out_stop(self.stop, self.stop_timeout)
+
+    def send(self, method: Method, command: Message | inspect.BoundArguments) -> object:
+        """Bring a command within limits, record it and, if allowed, carry it out.
+
+        Every call of a method of the robot comes through here; give what the method gave.
+        """
+        if not method.command:
+            return method.perform(command)
+        safety = self.safety
+        limited = method.clamp(command)
+        for sentence in limited:
+            safety.notice("limited", sentence)
+        sent = safety.armed and not safety.held
+        arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
+        safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited))
+        if not sent:
+            if safety.armed:
+                safety.notice("held", f"`{method.path}` was not sent: the robot was stopped in this tick")
+            else:
+                safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed")
+            return None
+        if method.velocity:
+            safety.moving(method.path, _moves(arguments))
+        try:
+            return method.perform(command)
+        finally:
+            if safety.held:  # stopped on another thread while this was under way: the stop is the last word
+                self._stop_now()
+
+
+def _moves(value: object) -> bool:
+    """Whether any number among arguments, however deep, is not zero."""
+    if isinstance(value, (int, float)):
+        return value != 0
+    if isinstance(value, dict):
+        return any(map(_moves, value.values()))
+    return isinstance(value, (list, tuple)) and any(map(_moves, value))
+
+
+def _doc_of(function: Callable[..., object]) -> str:
+    return (inspect.getdoc(function) or "").partition("\n")[0] if inspect.isroutine(function) else ""
