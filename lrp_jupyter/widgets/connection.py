@@ -159,13 +159,20 @@ class Connection:
             old, text = self.session, self.texts.text
             if old.bridge.hardware and old.bridge.name == bridge:
                 old.close()  # a robot lets nobody in while somebody is connected
-            self._use(self._reopen(old, bridge, **options))
+            self.use(self._reopen(old, bridge, **options))
             self.options = options
             old.close()
             if text != self.texts.text:  # it was held, or no program
                 self.write(text)
 
-    def _use(self, session: Session) -> None:
+    def use(self, session: Session) -> None:
+        """Show another session from now on; views get everything anew.
+
+        Raises
+        ------
+        SessionClosedError
+            It is too late: the other session is closed, too.
+        """
         with self._lock:
             if not self.closed:
                 self._publisher.follow(session)

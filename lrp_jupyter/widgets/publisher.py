@@ -16,9 +16,11 @@ import traceback
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
+from contextlib import suppress
 from time import monotonic
 from typing import Any
 
+from lrp_jupyter.errors import SessionClosedError
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.choices import choices
@@ -77,8 +79,9 @@ class Publisher:
             self._unlisten()
             self.session = session
             self._unlisten = session.listen(self._wake.set)
-            if session.status != "closed":
+            with suppress(SessionClosedError):
                 session.ask(do.Call(session.interpreter.watch_events))
+            self._refreshed = float("-inf"), None  # what was asked of another may never be answered
             self._sight = Sight(session)
             self._texts.follow(session)
             for view in self._views.values():
@@ -89,7 +92,9 @@ class Publisher:
     def welcome(self, name: str, part: str, send: Send) -> None:
         """Tell a view that said hello everything; it hears news from now on."""
         with self._lock:
-            self._views[name] = view = View(name, part, send, self._clock())
+            view = View(name, part, send, self._clock())
+            if not self._ended:
+                self._views[name] = view
             self._snapshot(view)
         self.wake()
 
@@ -200,11 +205,12 @@ class Publisher:
             )
 
     def _answer_commands(self, now: float) -> None:
-        for reply in list(self._replies):
+        for _ in range(len(self._replies)):  # others may append meanwhile
+            reply = self._replies.popleft()
             done = reply.answer.done()
             if not done and now < reply.deadline:
+                self._replies.append(reply)
                 continue
-            self._replies.remove(reply)
             view = self._views.get(reply.view)
             if view is None:
                 continue
@@ -217,8 +223,10 @@ class Publisher:
         return f"This waits: {why or 'the session is busy'}."
 
     def _drop_the_gone(self, now: float) -> None:
-        for name in [view.name for view in self._views.values() if view.is_gone(now)]:
-            del self._views[name]
+        for view in [view for view in self._views.values() if view.is_gone(now)]:
+            del self._views[view.name]
+            if view.fault:
+                self._report(view.fault)
 
     def _look(self) -> dict[str, Any]:
         texts = self._texts
@@ -285,7 +293,8 @@ class Publisher:
         if not self._views or now - when < pause or (running is not None and not running.done()):
             return
         if session.bridge.is_open and session.status in ("running", "paused"):
-            self._refreshed = now, session.ask(do.Call(session.bridge.refresh))
+            with suppress(SessionClosedError):  # since we looked
+                self._refreshed = now, session.ask(do.Call(session.bridge.refresh))
 
     def _say_goodbye(self) -> None:
         """Tell every view how it ended, whether it has credit or not, and save what is not saved."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import traceback
 from collections.abc import Callable
 from typing import Any
 
@@ -43,6 +44,8 @@ class View:
         self.marks = 0
         self.strokes = 0
         self.framed = self.drawn = float("-inf")  # when the last frame, the last world was sent
+        self.fault = ""
+        """The traceback of a message that could not be sent."""
         self._send = send
         self._number = 0
         self._on_their_way: set[int] = set()
@@ -65,8 +68,8 @@ class View:
         self._heard = now
 
     def is_gone(self, now: float) -> bool:
-        """Whether it has been silent for so long that nobody can be there."""
-        return not self.has_credit and now - self._heard > _GONE_AFTER
+        """Whether it cannot be reached, or has been silent for so long that nobody can be there."""
+        return bool(self.fault) or (not self.has_credit and now - self._heard > _GONE_AFTER)
 
     def may(self, now: float) -> bool:
         """Whether a frame may be sent now: there is credit, and not too much came before."""
@@ -88,5 +91,8 @@ class View:
         self.picture = None
 
     def send(self, message: Any, buffers: list[bytes] | None = None) -> None:
-        """Send a message to this view."""
-        self._send({**message, "view": self.name}, buffers)
+        """Send a message to this view; one that fails is no reason to tell the others nothing."""
+        try:
+            self._send({**message, "view": self.name}, buffers)
+        except Exception:
+            self.fault = traceback.format_exc()

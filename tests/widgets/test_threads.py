@@ -4,6 +4,7 @@ from threading import Event, Thread
 
 import pytest
 
+from lrp_jupyter.bridges.bridge import NullBridge
 from lrp_jupyter.errors import SessionClosedError
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import Connection
@@ -68,3 +69,74 @@ def test_two_changes_of_the_bridge_at_once_leave_one_session_open():
     assert [session.status for session in sessions] == ["closed", "closed", "ready"]
     assert connection.session is sessions[-1]
     connection.close()
+
+
+class Fading(NullBridge):
+    """Somebody else closes its session just when it is to be read."""
+
+    session = None
+
+    @property
+    def refresh(self):
+        self.session.close()
+        return lambda: None
+
+
+def test_a_session_that_is_closed_while_a_round_goes_on_is_no_fault_of_the_lab(bench):
+    lab = bench(A, bridge=(bridge := Fading()))
+    lab.session.step()
+    bridge.session = lab.session
+    page = lab.page()
+    lab.publish()
+    lab.publish()
+    assert page.last("frame")["status"] == "closed"
+    assert lab.connection.fault == ""
+
+
+def test_a_robot_is_read_though_the_one_before_it_hung(bench):
+    gate, inside = Event(), Event()
+    lab = bench(
+        "(machine m (state a (running [inside.set() or gate.wait(5)]))) (spawn m a)",
+        namespace={"gate": gate, "inside": inside},
+    )
+    page = lab.page()
+    with lab.session as hung, Session(A, "sim") as session:
+        hung.start()
+        assert inside.wait(5)
+        lab.publish()
+        lab.connection.use(session)
+        session.step()
+        lab.publish()
+        lab.publish()
+        gate.set()
+        assert page.told("members")["light.data"].isdigit()
+
+
+def test_a_view_that_cannot_be_reached_costs_the_others_nothing(bench):
+    lab = bench(A)
+    broken, page = lab.page("broken"), lab.page()
+
+    def fail(message, buffers):
+        raise RuntimeError("the comm is gone")
+
+    lab.connection.receive(fail, {"type": "hello", "view": "broken", "part": "lab"})
+    assert page.type(A.replace("state a", "state a)(state b"))["applied"]
+    lab.session.step()
+    lab.publish()
+    assert page.told("active") == ["m/a"]
+    assert "the comm is gone" in lab.connection.fault
+    lab.connection.fault = ""
+    lab.publish()
+    assert lab.connection.fault == ""  # it is forgotten, until it says hello
+    broken.say("hello", part="lab")
+    assert broken.last("snapshot")["frame"]["active"] == ["m/a"]
+
+
+def test_a_view_that_comes_too_late_is_told_how_it_ended(bench):
+    lab = bench(A)
+    lab.connection.close()
+    page = lab.page()
+    assert page.last("snapshot")["frame"]["status"] == "closed"
+    page.say("command", id=1, do="run")
+    lab.publish()
+    assert len(page.messages) == 1
