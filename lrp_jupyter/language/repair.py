@@ -9,7 +9,7 @@ bracket; indentation that does not fit costs a little, and so decides between eq
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -154,21 +154,35 @@ def _cost_of(item: tuple[tuple[int, ...], _Candidate]) -> float:
     return item[1][0]
 
 
-_Step = list[tuple[tuple[int, ...], _Candidate]]
+_Key = tuple[int, ...]
+_Step = list[tuple[_Key, _Candidate]]
 
 
-def _open(
-    key: tuple[int, ...], cost: float, stack: _Stack, edits: _Edits, index: int, bracket: Bracket
-) -> _Step:
+def _around(
+    key: _Key, cost: float, stack: _Stack, edits: _Edits, index: int
+) -> Iterator[tuple[_Key, float, _Stack, _Edits]]:
+    """Give the nesting as it is, then with ever more of its innermost forms taken as closed here."""
+    for _ in range(_CLOSED_AT_ONCE):
+        yield key, cost, stack, edits
+        if len(stack) == 1:
+            break
+        cost += _BRACKET
+        edits = ("unclosed", stack[-1].position, index, edits)
+        stack = stack[:-1]
+        key = key[:-1]
+
+
+def _open(key: _Key, cost: float, stack: _Stack, edits: _Edits, index: int, bracket: Bracket) -> _Step:
     """Let a form begin here, or after closing some of those around it."""
     keyword, column, indent, lost = bracket
     if lost:
         cost += _LOST
         edits = ("lost", index, 0, edits)
     steps: _Step = []
-    for _ in range(_CLOSED_AT_ONCE):
-        parent = stack[-1]
-        total = cost if _may_stand(keyword, parent.keyword) else cost + _MISPLACED
+    for inside, total, forms, done in _around(key, cost, stack, edits, index):
+        parent = forms[-1]
+        if not _may_stand(keyword, parent.keyword):
+            total += _MISPLACED
         if column >= 0:
             if column <= parent.indent:
                 total += _OUTDENTED
@@ -176,31 +190,19 @@ def _open(
                 total += _UNEVEN
             parent = parent._replace(sibling=column)
         entry = _Open(keyword, indent, index, -1)
-        steps.append(((*key, index), (total, (*stack[:-1], parent, entry), edits)))
-        if len(stack) == 1:
-            break
-        cost += _BRACKET
-        edits = ("unclosed", stack[-1].position, index, edits)
-        stack = stack[:-1]
-        key = key[:-1]
+        steps.append(((*inside, index), (total, (*forms[:-1], parent, entry), done)))
     return steps
 
 
-def _close(
-    key: tuple[int, ...], cost: float, stack: _Stack, edits: _Edits, index: int, bracket: Bracket
-) -> _Step:
+def _close(key: _Key, cost: float, stack: _Stack, edits: _Edits, index: int, bracket: Bracket) -> _Step:
     """Let a ``)`` be too much, close the innermost form, or one around it if indentation speaks for that."""
     column = bracket.column
     steps: _Step = [(key, (cost + _BRACKET - index * _LATER, stack, ("extra", index, 0, edits)))]
-    for _ in range(_CLOSED_AT_ONCE):
-        if len(stack) == 1:
+    for inside, total, forms, done in _around(key, cost, stack, edits, index):
+        if len(forms) == 1:
             break
-        fits = column < 0 or column == stack[-1].indent
-        steps.append((key[:-1], (cost if fits else cost + _CLOSING, stack[:-1], edits)))
+        fits = column < 0 or column == forms[-1].indent
+        steps.append((inside[:-1], (total if fits else total + _CLOSING, forms[:-1], done)))
         if fits:
             break
-        cost += _BRACKET
-        edits = ("unclosed", stack[-1].position, index, edits)
-        stack = stack[:-1]
-        key = key[:-1]
     return steps
