@@ -25,7 +25,7 @@ def scene_of(session: Session) -> object:
 def send_world(view: View, session: Session, now: float) -> None:
     """Send a view the description of the world, if it shows one and knows another."""
     scene = scene_of(session)
-    if not view.shows_world or scene == view.scene or now - view.drawn < _WORLD:
+    if not view.shows_world or not view.has_credit or scene == view.scene or now - view.drawn < _WORLD:
         return
     view.scene, view.drawn = scene, now
     view.forget_world()

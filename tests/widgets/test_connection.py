@@ -15,6 +15,7 @@ BLINK = """
   (ontime 0 on -> off down))
 (spawn m off)
 """
+CALM = "(var count := [0]) (machine m (state a (running [count = count + 1]))) (spawn m a)"
 MOVER = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"
 
 
@@ -74,6 +75,119 @@ def test_a_view_without_credit_gets_nothing_and_loses_nothing(bench):
     lab.publish()
     assert slow.last("frame")["entered"] == quick.told("entered") | {"m/off": {"count": 10, "tick": 19}}
     assert slow.last("frame")["tick"] == 20
+
+
+def frames_in(lab, page, milliseconds):
+    """Publish every 6 ms; give the milliseconds at which the page got a frame."""
+    came, before = [], len(page.all("frame"))
+    for now in range(6, milliseconds + 1, 6):
+        lab.publish(after=0.006)
+        came += [now] * (len(page.all("frame")) - before)
+        before = len(page.all("frame"))
+    return came
+
+
+def tell_all(lab):
+    """Publish until there is nothing new to tell; the last frame, a heartbeat, comes now."""
+    for _ in range(4):
+        lab.publish(after=1.0)
+
+
+def test_what_comes_with_every_tick_keeps_a_distance_of_80_ms(bench):
+    lab = bench(CALM)
+    page = lab.page()
+    lab.session.step()
+    tell_all(lab)
+    lab.session.step()
+    assert frames_in(lab, page, 60) == []
+    lab.session.step()
+    assert frames_in(lab, page, 60) == [84 - 60]
+    assert page.last("frame")["variables"]["count"]["text"] == "2"
+    lab.session.step()
+    assert frames_in(lab, page, 240) == [84 - (60 - 24)]
+    assert page.last("frame").keys() == {"type", "view", "frame", "tick", "time", "variables"}
+
+
+def test_calm_news_after_a_rest_come_at_once(bench):
+    lab = bench(CALM)
+    page = lab.page()
+    lab.session.step()
+    tell_all(lab)
+    assert frames_in(lab, page, 120) == []
+    lab.session.step()
+    assert frames_in(lab, page, 120) == [6]
+
+
+def test_what_is_urgent_comes_15_ms_after_the_last_frame(bench):
+    lab = bench(BLINK)
+    page = lab.page()
+    lab.session.step()
+    tell_all(lab)
+    lab.session.step()
+    assert frames_in(lab, page, 60) == [18]
+    assert page.last("frame")["lit"] == ["m/on"]
+    lab.session.step()
+    assert frames_in(lab, page, 6) == [6]  # the last one was long enough ago
+
+
+def test_what_is_dragged_while_paused_is_urgent(bench):
+    lab = bench(MOVER, bridge="sim")
+    page = lab.page()
+    lab.session.step()
+    assert lab.session.status == "paused"
+    tell_all(lab)
+    for x in (1.0, 1.25):
+        page.say("command", id=0, do="drag_robot", index=0, pose=[x, 0.5, 0.0])
+        assert frames_in(lab, page, 18) == [18]
+        assert struct.unpack_from("<dff", page.buffers[-1][0])[1:] == (x, 0.5)
+
+
+def test_what_is_urgent_for_one_view_stays_calm_for_another(bench):
+    lab = bench(CALM, bridge="sim")
+    graph, world = lab.page("graph", part="graph"), lab.page("world", part="world")
+    lab.session.step()
+    tell_all(lab)
+    before = len(graph.messages)
+    lab.session.step()
+    world.say("command", id=0, do="drag_robot", index=0, pose=[1.0, 0.5, 0.0])
+    assert frames_in(lab, world, 60) == [18]
+    assert len(graph.messages) == before
+    assert frames_in(lab, graph, 60) == [84 - 60]
+
+
+def test_credit_for_a_later_frame_pays_for_all_before_it(bench):
+    lab = bench(BLINK)
+    page = lab.page(pays=False)
+    for _ in range(4):
+        lab.session.step()
+        lab.publish()
+    snapshot, *frames = page.messages
+    assert [snapshot["frame"]["frame"], *(frame["frame"] for frame in frames)] == [1, 2, 3]
+    page.say("credit", frame=2)
+    lab.session.step()
+    lab.publish()
+    lab.session.step()
+    lab.publish()
+    assert [frame["frame"] for frame in page.all("frame")] == [2, 3, 4, 5]
+    page.say("credit", frame=1)  # it came late, and pays for nothing more
+    lab.session.step()
+    lab.publish()
+    assert page.last("frame")["frame"] == 5
+
+
+def test_a_view_without_credit_hears_nothing_of_the_world_either(bench):
+    lab = bench(MOVER, bridge="sim", world="boxes")
+    slow, quick = lab.page("slow", pays=False), lab.page("quick")
+    for x in range(6):
+        quick.do("drag_solid", index=0, pose=[1.0 + x / 10, 0.5, 0.0])
+    before = len(slow.messages)
+    for x in range(6):
+        quick.do("drag_solid", index=0, pose=[2.0 + x / 10, 0.5, 0.0])
+    assert len(slow.messages) == before
+    assert quick.last("world")["world"]["solids"][0]["box"][:2] == [2.5, 0.5]
+    slow.say("credit", frame=slow.last("frame")["frame"])
+    lab.publish()
+    assert slow.last("world") == quick.last("world") | {"view": "slow"}
 
 
 def test_while_nothing_changes_a_heartbeat_comes_once_a_second(bench):
