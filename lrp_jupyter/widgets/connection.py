@@ -156,13 +156,15 @@ class Connection:
         if self._reopen is None:
             raise BridgeError("This session was made elsewhere: its bridge cannot be changed here.")
         with self._changing:
-            old, text = self.session, self.texts.text
+            old = self.session
             if old.bridge.hardware and old.bridge.name == bridge:
                 old.close()  # a robot lets nobody in while somebody is connected
-            self.use(self._reopen(old, bridge, **options))
+            session = self._reopen(old, bridge, **options)
+            text = self.texts.text
+            self.use(session)
             self.options = options
             old.close()
-            if text != self.texts.text:  # it was held, or no program
+            if text != self.texts.text:  # it was held, or no program, or typed meanwhile
                 self.write(text)
 
     def use(self, session: Session) -> None:

@@ -14,6 +14,7 @@ from pathlib import Path as FilePath
 from threading import Lock, RLock
 from typing import Any
 
+from lrp_jupyter.errors import SessionClosedError
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
@@ -101,15 +102,18 @@ class Texts:
     def write(self, text: str, view: str, seq: int, deadline: float) -> Written:
         """Take a text and offer it to the session, unless edits are held."""
         with self._lock:
-            if self.hold:
-                self._number(text)
+            answer: Future[Any] = Future()
+            try:
+                if not self.hold:
+                    noun, answer = self._session.offer(text)
+                    self.noun, self.findings = noun, self._session.findings
+                else:
+                    self._judge(text)
+                    answer.set_result(None)
+            except SessionClosedError as error:  # the text is kept all the same
                 self._judge(text)
-                answer: Future[Any] = Future()
-                answer.set_result(None)
-            else:
-                noun, answer = self._session.offer(text)
-                self._number(text)
-                self.noun, self.findings = noun, self._session.findings
+                answer.set_exception(error)
+            self._number(text)
             return self._written(view, seq, answer, deadline)
 
     def apply(self, deadline: float) -> Written:
@@ -211,7 +215,8 @@ class Texts:
 
     def _came_from_elsewhere(self, program: Program) -> bool:
         """Whether the session has a text that no view brought: another cell's edit, a rename, a rewind."""
-        return not self.hold and self._session.text != self.text
+        is_other = not self.hold and self._session.text != self.text
+        return is_other and self._session.status != "closed"  # which takes no text any more
 
     def _news(self, program: Program) -> Written:
         is_news = self._came_from_elsewhere(program)

@@ -11,6 +11,7 @@ from lrp_jupyter.widgets.connection import Connection
 from lrp_jupyter.widgets.texts import Texts
 
 A = "(machine m (state a)) (spawn m a)"
+B = "(machine m (state a) (state b)) (spawn m a)"
 
 
 def test_a_text_is_saved_once_though_two_threads_save(tmp_path):
@@ -140,3 +141,29 @@ def test_a_view_that_comes_too_late_is_told_how_it_ended(bench):
     page.say("command", id=1, do="run")
     lab.publish()
     assert len(page.messages) == 1
+
+
+def test_what_is_typed_while_a_bridge_is_opened_is_not_lost():
+    def reopen(old, bridge):
+        session = Session(old.program, bridge)
+        connection.write(B)
+        return session
+
+    connection = Connection(Session(A), Texts(), reopen)
+    connection.change_bridge("sim")
+    assert connection.texts.text == connection.session.program.text == B
+    connection.close()
+
+
+def test_what_is_typed_when_the_session_is_closed_is_answered_and_kept(bench, tmp_path):
+    lab = bench(A, tmp_path, name="mine")
+    page = lab.page()
+    lab.session.close()
+    answer = page.type(B)
+    assert answer["accepted"]
+    assert not answer["applied"]
+    assert answer["reason"] == "the session `mine` is closed"
+    lab.publish()
+    assert lab.connection.texts.text == B
+    assert (tmp_path / "mine.lrp").read_text() == B
+    assert len(page.all("answer")) == 1
