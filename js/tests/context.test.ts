@@ -1,6 +1,7 @@
 import { ensureSyntaxTree } from "@codemirror/language";
 import { EditorState } from "@codemirror/state";
 import { describe, expect, it } from "vitest";
+import { filledBy } from "../src/editor/complete";
 import { chainAt, contextAt, spawnable } from "../src/editor/context";
 import { lrp } from "../src/language/lrp";
 
@@ -60,4 +61,20 @@ it("a machine can be spawned from inside the states around it, never itself", ()
 it("a dotted name is read up to the end of the word", () => {
   const [state, offset] = at("(running [x = robot.li|ght.data])");
   expect(chainAt(state, offset)?.text).toBe("robot.light");
+});
+
+describe("the message that a command fills", () => {
+  it.each([
+    ["by a lambda", "robot.move(lambda msg: ", ""],
+    ["in a with", "with robot.move as msg:\n  msg.angular.z = 1\n  ", ""],
+    ["by a def", "def fill(msg):\n  ", "\nrobot.move(fill)"],
+  ])("is known %s", (_, before, after) => {
+    expect(filledBy("msg.linear.", before, after)).toBe("robot.move().linear.");
+  });
+
+  it("is not known where nothing is filled", () => {
+    expect(filledBy("msg.linear.", "def fill(msg):\n  ", "\nfill(1)")).toBeNull();
+    expect(filledBy("other.", "robot.move(lambda msg: ", "")).toBeNull();
+    expect(filledBy("robot.light.", "robot.move(lambda robot: ", "")).toBeNull();
+  });
 });

@@ -108,7 +108,8 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
   if (/^\d/.test(prefix)) return null;
   const from = context.pos - (prefix.length - (prefix.lastIndexOf(".") + 1));
   const before = context.state.sliceDoc(Math.max(0, from - NEAR), from);
-  const command = filledBy(prefix, before);
+  const after = context.state.sliceDoc(context.pos, context.pos + NEAR);
+  const command = filledBy(prefix, before, after);
   const own = command
     ? []
     : prefix.includes(".")
@@ -144,13 +145,23 @@ const NEAR = 1000; // characters in which a message gets its name
 /** In the brackets of a command, where an argument begins. */
 const TAKING = /\brobot\.([\w.]+)\((?:[^()]*,)?\s*$/;
 
-/** `msg.linear.` is `robot.move().linear.` where `msg` is the message that a command fills. */
-function filledBy(prefix: string, before: string): string | null {
+/**
+ * `msg.linear.` is `robot.move().linear.` where `msg` is the message that a command fills: by a lambda, in a
+ * `with`, or by a `def` that is handed to it further down.
+ */
+export function filledBy(prefix: string, before: string, after: string): string | null {
   const [name, ...rest] = prefix.split(".");
   if (!rest.length || name === "robot") return null;
-  const given = `robot\\.([\\w.]+)\\(\\s*lambda\\s+${name}\\s*:|with\\s+robot\\.([\\w.]+)\\s+as\\s+${name}\\s*:`;
-  const last = [...before.matchAll(new RegExp(given, "g"))].at(-1);
-  return last ? `robot.${last[1] ?? last[2]}().${rest.join(".")}` : null;
+  const filler = lastOf(before, `\\bdef\\s+(\\w+)\\(\\s*${name}\\b`);
+  const command =
+    (filler && lastOf(after, `robot\\.([\\w.]+)\\(\\s*${filler}\\b`)) ||
+    lastOf(before, `robot\\.([\\w.]+)(?:\\(\\s*lambda\\s+|\\s+as\\s+)${name}\\s*:`);
+  return command ? `robot.${command}().${rest.join(".")}` : null;
+}
+
+/** What the group of a pattern matched where it matched last. */
+function lastOf(text: string, pattern: string): string | undefined {
+  return [...text.matchAll(new RegExp(pattern, "g"))].at(-1)?.[1];
 }
 
 const ROBOT: Completion = { label: "robot", type: "variable", detail: "the robot", boost: 1 };
