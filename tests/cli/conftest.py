@@ -4,6 +4,7 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from threading import Timer
 
 import pytest
 from typer.testing import CliRunner
@@ -40,16 +41,20 @@ def program(tmp_path):
 
 @pytest.fixture
 def process():
-    """Start the command as a process of its own; none is left behind."""
-    started = []
+    """Start the command as a process of its own; none is left behind, and none keeps a test for ever."""
+    started, timers = [], []
 
     def start(*arguments, **options):
         options = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True} | options
         command = [sys.executable, "-m", "lrp_jupyter", *map(str, arguments)]
         started.append(subprocess.Popen(command, **options))
+        timers.append(Timer(4 * PATIENCE, started[-1].kill))
+        timers[-1].start()
         return started[-1]
 
     yield start
+    for timer in timers:
+        timer.cancel()
     for each in started:
         if each.poll() is None:
             each.kill()
