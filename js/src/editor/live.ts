@@ -110,7 +110,7 @@ function lineValues(editor: EditorState, lab: LabState): Map<number, string> {
     texts.set(line, [...list, `${item.name} = ${value}`]);
   }
   const alone = (list: string[]) =>
-    list.length === 1 ? list[0]!.slice(list[0]!.indexOf(" = ") + 1) : list.join("   ");
+    list.length === 1 ? list[0]!.slice(list[0]!.indexOf(" = ") + 3) : list.join("   ");
   return new Map([...texts].map(([line, list]) => [line, alone(list)]));
 }
 
