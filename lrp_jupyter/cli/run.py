@@ -8,6 +8,7 @@ answered at once, whatever a block does.
 from __future__ import annotations
 
 import math
+import select
 import signal
 import sys
 from collections import deque
@@ -84,6 +85,18 @@ def run_file(file: str, wanted: RunOptions) -> int:
         )
         stack.callback(session.close)
         return _Run(session, source, wanted, trace).go(program)
+
+
+def _nobody_reads(stream: TextIO) -> bool:
+    """Whether the other end of a pipe is closed; False where that cannot be known."""
+    if not hasattr(select, "poll"):
+        return False
+    try:
+        poll = select.poll()
+        poll.register(stream.fileno(), 0)  # errors are told unasked
+        return any(event & select.POLLERR for _, event in poll.poll(0))
+    except (OSError, ValueError):  # it has no file, or is closed
+        return False
 
 
 def _opened(trace: str | None, stack: ExitStack) -> TextIO | None:
@@ -210,6 +223,8 @@ class _Run:
                 trace.write(line)
         if trace is not None:
             trace.flush()
+            if _nobody_reads(trace):  # else a program that has come to rest would never notice
+                raise BrokenPipeError
 
     def _tell_news(self, frame: Frame) -> None:
         news = self._happenings.news

@@ -57,9 +57,13 @@ def test_ctrl_c_ends_a_block_that_does_not_return(process, program, speed):
     assert "my: " in out
 
 
-def test_a_reader_that_goes_away_ends_the_run(process, program):
-    restless = "(machine m (state a) (state b) (ontime 100 a -> b) (ontime 100 b -> a)) (spawn m a)"
-    run = process("run", program(restless), "--speed", "max", "--trace", "-")
+@pytest.mark.parametrize(
+    "text",
+    ["(machine m (state a) (state b) (ontime 100 a -> b) (ontime 100 b -> a)) (spawn m a)", WAIT],
+    ids=["restless", "at rest"],
+)
+def test_a_reader_that_goes_away_ends_the_run(process, program, text):
+    run = process("run", program(text), "--speed", "max", "--trace", "-")
     assert json.loads(run.stdout.readline())["event"] == "started"
     run.stdout.close()
     assert run.wait() == 128 + signal.SIGPIPE
