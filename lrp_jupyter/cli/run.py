@@ -126,6 +126,7 @@ class _Run:
         self.source = source
         self.wanted = wanted
         self._wake: SimpleQueue[None] = SimpleQueue()  # an event's `set` may not be called by a signal
+        self._caught: list[int] = []  # signals that end the run; that of a pipe nobody reads, too
         self._left = False  # by the key q
         self._trace = trace
         self._happenings = Happenings(wanted.seconds, wanted.until, trace is not None)
@@ -164,7 +165,7 @@ class _Run:
         session.observe(self._happenings)
         pace = self.pace
         with ExitStack() as stack:
-            caught = stack.enter_context(noted_signals(self._wake))
+            self._caught = stack.enter_context(noted_signals(self._wake))
             if self._board is not None:
                 keys = stack.enter_context(Keys())
                 self._keys = keys if keys.usable else None
@@ -180,7 +181,7 @@ class _Run:
             alone = False
             try:
                 pace.start()
-                while not (caught or self._left or alone or pace.is_over()):
+                while not (self._caught or self._left or alone or pace.is_over()):
                     with suppress(Empty):
                         self._wake.get(timeout=self._pause_between_looks())
                     self._look()
@@ -188,10 +189,6 @@ class _Run:
                         self._press(key)
                     # nobody can let it go on, neither by a key nor by a save
                     alone = pace.is_paused() and self._keys is None and not wanted.watch
-            except BrokenPipeError:  # whoever read the trace has gone
-                caught.append(getattr(signal, "SIGPIPE", 13))
-                self._trace = None
-                sys.stdout = open("/dev/null", "w")  # noqa: SIM115  (closing the real one would fail again)
             finally:
                 wall = perf_counter() - began
                 pace.end()
@@ -199,7 +196,7 @@ class _Run:
             self._draw_last()
             self._keys = None
             self._look()
-        return self._end(frame, wall, caught, alone)
+        return self._end(frame, wall, alone)
 
     def _pause_between_looks(self) -> float:
         left = (self.wanted.seconds - self.session.frame.time) / self.wanted.speed
@@ -217,14 +214,20 @@ class _Run:
 
     def _write_trace(self) -> None:
         lines, trace = self._happenings.lines, self._trace
-        while lines:
-            line = lines.popleft()
-            if trace is not None:
-                trace.write(line)
-        if trace is not None:
+        if trace is None:
+            lines.clear()
+            return
+        try:
+            while lines:
+                trace.write(lines.popleft())
             trace.flush()
-            if _nobody_reads(trace):  # else a program that has come to rest would never notice
-                raise BrokenPipeError
+            gone = _nobody_reads(trace)  # a program that has come to rest writes nothing
+        except BrokenPipeError:
+            gone = True
+        if gone:
+            self._caught.append(getattr(signal, "SIGPIPE", 13))
+            self._trace = None
+            sys.stdout = open("/dev/null", "w")  # noqa: SIM115  (closing the real one would fail again)
 
     def _tell_news(self, frame: Frame) -> None:
         news = self._happenings.news
@@ -341,7 +344,7 @@ class _Run:
 
     # -- the end ------------------------------------------------------------------------------------
 
-    def _end(self, frame: Frame, wall: float, caught: list[int], alone: bool) -> int:
+    def _end(self, frame: Frame, wall: float, alone: bool) -> int:
         if self.session.fault:
             plain_console(stderr=True).print(
                 f"lrp: the interpreter itself failed, not your program:\n{self.session.fault}"
@@ -357,8 +360,8 @@ class _Run:
         if self.wanted.speed == math.inf and wall > 0:
             words += f"; {frame.time / wall:,.0f} times real time"
         self.say(words)
-        if caught:
-            return 128 + caught[0]
+        if self._caught:
+            return 128 + self._caught[0]
         missed = self.wanted.until is not None and not (self._happenings.reached.is_set() or self._left)
         return int(alone or missed)
 

@@ -70,6 +70,15 @@ def test_a_reader_that_goes_away_ends_the_run(process, program, text):
     assert "Traceback" not in run.stderr.read()
 
 
+def test_a_reader_that_goes_away_at_the_end_is_no_mistake_of_the_run(process, program):
+    for _ in range(3):  # before or after the last look
+        run = process("run", program(WAIT), "--speed", "max", "--for", "0.1", "--trace", "-")
+        assert json.loads(run.stdout.readline())["event"] == "started"
+        run.stdout.close()
+        assert run.wait() in (0, 128 + signal.SIGPIPE)
+        assert "lrp:" not in run.stderr.read()
+
+
 def test_every_save_changes_the_running_program(process, program, tmp_path, waiting):
     text = "(var n := [1])\n" + WAIT
     path, trace, told = program(text), tmp_path / "trace.jsonl", tmp_path / "told"
