@@ -44,8 +44,7 @@ def make_issue(
 ) -> Issue:
     """Make the issue of a fault, with its place in the text and the traceback of its exception."""
     line, column = _place(program, site, _innermost(program, error))
-    text = "".join(_traceback(program, error).format()) if error is not None else ""
-    return Issue(kind, site.element, message, line, column, text, tick, tick)
+    return Issue(kind, site.element, message, line, column, _traceback(program, error), tick, tick)
 
 
 def _first_line(error: BaseException) -> str:
@@ -53,10 +52,13 @@ def _first_line(error: BaseException) -> str:
 
     What this package itself raises is a sentence already, which no kind makes clearer.
     """
-    if isinstance(error, LRPError):
-        return str(error).partition("\n")[0]
-    lines = tracebacks.format_exception_only(error)
-    return next(line for line in lines if not line.startswith(" ")).splitlines()[0]
+    try:
+        lines = tracebacks.format_exception_only(error)
+    except AttributeError:  # `type(…)` gives its class no module where the namespace has no `__name__`
+        return type(error).__name__
+    first = next(line for line in lines if not line.startswith(" ")).splitlines()[0]
+    sentence = first.partition(": ")[2] if isinstance(error, LRPError) else ""
+    return sentence or first
 
 
 def _name_error(error: NameError) -> str:
@@ -65,13 +67,18 @@ def _name_error(error: NameError) -> str:
     return f"there is no `{error.name}`: neither a variable in scope nor a name of Python's"
 
 
-def _traceback(program: Program, error: BaseException) -> tracebacks.TracebackException:
-    """Give the traceback of a fault from its block on."""
+def _traceback(program: Program, error: BaseException | None) -> str:
+    """Write the traceback of a fault from its block on; empty where there is none to write."""
+    if error is None:
+        return ""
     show_in_tracebacks(program)  # another program may have the same name
     trace = error.__traceback__
     while trace is not None and trace.tb_frame.f_code.co_filename != program.filename:
         trace = trace.tb_next
-    return tracebacks.TracebackException(type(error), error, trace, compact=True)
+    try:
+        return "".join(tracebacks.TracebackException(type(error), error, trace, compact=True).format())
+    except AttributeError:  # see `_first_line`
+        return "".join(tracebacks.format_tb(trace))
 
 
 def _innermost(program: Program, error: BaseException | None) -> TracebackType | None:

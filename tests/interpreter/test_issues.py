@@ -66,6 +66,30 @@ def test_the_message_is_the_kind_and_first_line_of_the_exception(block, code, me
     assert issue.message.startswith(message)
 
 
+@pytest.mark.parametrize(
+    ("how", "message"),
+    [
+        ("BridgeError('The cable: it is out.\\nLook.')", "The cable: it is out."),
+        ("BridgeError", "lrp_jupyter.errors.BridgeError"),
+        ("Mute", "<exception str() failed>"),
+    ],
+)
+def test_what_this_package_raises_is_said_in_its_own_sentence(how, message):
+    block = f"""
+ from lrp_jupyter.errors import BridgeError
+ class Mute(BridgeError):
+  def __str__(self): 1 / 0
+ raise {how}"""
+    assert started(with_running(block), 2).issues[0].message == message
+
+
+def test_an_exception_of_no_module_is_an_issue_too():
+    i = started(with_running("raise type('Odd', (ValueError,), {})('because')"), 2)
+    assert told(i) == [("LRP601", 1, False)]
+    assert i.issues[0].message == "Odd"
+    assert "raise type('Odd'" in i.issues[0].traceback
+
+
 def test_what_ends_the_program_when_it_is_shown_is_an_issue():
     odd = "\n class Odd:\n  def __repr__(self): raise SystemExit\n Odd()"
     i = started(f"(machine m (state a) (on [{odd}] a -> a) (ontime [{odd}] a -> a))(spawn m a)", 2)
