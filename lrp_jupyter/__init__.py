@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from lrp_jupyter.errors import NoDataYet as NoDataYet
     from lrp_jupyter.errors import SessionClosedError as SessionClosedError
     from lrp_jupyter.errors import UnknownElementError as UnknownElementError
+    from lrp_jupyter.grading.grade import grade as grade
+    from lrp_jupyter.graph.state_graph import state_graph as state_graph
     from lrp_jupyter.interpreter.frame import Frame as Frame
     from lrp_jupyter.interpreter.interpreter import Interpreter as Interpreter
     from lrp_jupyter.interpreter.issues import Issue as Issue
@@ -37,10 +39,8 @@ if TYPE_CHECKING:
     from lrp_jupyter.language.program import Machine as Machine
     from lrp_jupyter.language.program import Program as Program
     from lrp_jupyter.live.clock import VirtualClock as VirtualClock
-    from lrp_jupyter.live.grade import grade as grade
     from lrp_jupyter.live.session import Session as Session
     from lrp_jupyter.sim import World as World
-    from lrp_jupyter.views.graph import state_graph as state_graph
     from lrp_jupyter.widgets.lab import Controls as Controls
     from lrp_jupyter.widgets.lab import Editor as Editor
     from lrp_jupyter.widgets.lab import Issues as Issues
@@ -71,10 +71,10 @@ _HOMES = {
     "language.printer": ("to_source",),
     "language.program": ("Machine", "Program"),
     "live.clock": ("VirtualClock",),
-    "live.grade": ("grade",),
+    "grading.grade": ("grade",),
     "live.session": ("Session",),
     "sim": ("World",),
-    "views.graph": ("state_graph",),
+    "graph.state_graph": ("state_graph",),
     "widgets.lab": ("Controls", "Editor", "Issues", "Lab", "SimView", "StateGraph", "Variables"),
 }
 _HOME = {name: home for home, names in _HOMES.items() for name in names}

@@ -4,11 +4,7 @@ import pytest
 
 from lrp_jupyter import programs
 from lrp_jupyter.errors import LRPError
-from lrp_jupyter.language.checks import check
-from lrp_jupyter.language.parser import parse
-from lrp_jupyter.language.printer import to_source
-from lrp_jupyter.language.program import Block, Spawn
-from lrp_jupyter.live.criteria import (
+from lrp_jupyter.grading.criteria import (
     Criterion,
     drives,
     ends_still,
@@ -18,7 +14,11 @@ from lrp_jupyter.live.criteria import (
     stays_in,
     touches,
 )
-from lrp_jupyter.live.grade import Challenge, grade
+from lrp_jupyter.grading.grade import Challenge, grade
+from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.printer import to_source
+from lrp_jupyter.language.program import Block, Spawn
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.worlds import load as load_world
 

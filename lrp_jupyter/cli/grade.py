@@ -6,7 +6,7 @@ from rich.text import Text
 
 from lrp_jupyter.cli.excerpt import plain_console
 from lrp_jupyter.cli.source import read_source
-from lrp_jupyter.live.grade import challenge, grade
+from lrp_jupyter.grading.grade import challenge, grade
 
 __all__ = ["grade_file"]
 

@@ -11,9 +11,9 @@ from typing import Literal
 from lrp_jupyter.cli.excerpt import finding_text, plain_console
 from lrp_jupyter.cli.source import read_source
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Program, path_text
-from lrp_jupyter.views.graph import find_machine
 
 __all__ = ["Format", "draw_graph"]
 
@@ -47,16 +47,16 @@ def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path
 def _drawn(program: Program, machine: str | None, kind: Format) -> str:
     path = tuple(machine.strip("/").split("/")) if machine else None
     if kind == "svg":
-        from lrp_jupyter.views.still import svg
+        from lrp_jupyter.graph.still import svg
 
         return svg(program, machine_path=path)
     if kind == "json":
-        from lrp_jupyter.views.layout import layout
+        from lrp_jupyter.graph.layout import layout
 
         paths = [path] if path else dict.fromkeys(path for path, _ in program.walk())
         drawings = [layout(find_machine(program, each), program=program, path=each) for each in paths]
         return json.dumps(drawings[0] if path else drawings, ensure_ascii=False, indent=2) + "\n"
-    from lrp_jupyter.views.still import dot, mermaid
+    from lrp_jupyter.graph.still import dot, mermaid
 
     write = dot if kind == "dot" else mermaid
     return write(find_machine(program, path) if path else program)

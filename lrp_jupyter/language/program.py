@@ -267,7 +267,7 @@ class Machine:
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
         """Show itself in a notebook: a picture, and a tree as plain text."""
-        from lrp_jupyter.views.still import mimebundle  # views build on this module
+        from lrp_jupyter.graph.still import mimebundle  # views build on this module
 
         return mimebundle(self)
 
@@ -322,7 +322,7 @@ class Program:
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
         """Show itself in a notebook: a picture, and a tree as plain text."""
-        from lrp_jupyter.views.still import mimebundle  # views build on this module
+        from lrp_jupyter.graph.still import mimebundle  # views build on this module
 
         return mimebundle(self)
 

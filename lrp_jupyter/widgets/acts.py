@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError
+from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.views.graph import find_machine
 from lrp_jupyter.widgets.choices import program_text
 from lrp_jupyter.widgets.paths import path_of
 from lrp_jupyter.widgets.protocol import Act, Command

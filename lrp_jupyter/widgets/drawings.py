@@ -7,10 +7,10 @@ from threading import RLock
 from time import monotonic
 from typing import Any
 
+from lrp_jupyter.graph.layout import layout
+from lrp_jupyter.graph.shapes import Layout
+from lrp_jupyter.graph.state_graph import events_in_scope, outer_states, start_states
 from lrp_jupyter.language.program import Machine, Path, Program, path_text
-from lrp_jupyter.views.graph import events_in_scope, outer_states, start_states
-from lrp_jupyter.views.layout import layout
-from lrp_jupyter.views.shapes import Layout
 
 __all__ = ["Drawings"]
 

@@ -8,9 +8,9 @@ from itertools import islice
 from typing import TYPE_CHECKING, Any
 
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.interpreter.frame import render
 from lrp_jupyter.language.program import Path, Program, Span, Spawn, path_text
-from lrp_jupyter.views.graph import find_machine
 from lrp_jupyter.widgets.paths import path_of
 from lrp_jupyter.widgets.protocol import Facet, Inspect, InspectView
 

@@ -18,9 +18,9 @@ from IPython.display import display
 from lrp_jupyter.bridges.discovery import find_bridges
 from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.graph.still import svg
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
-from lrp_jupyter.views.still import svg
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.choices import program_names, program_text
 from lrp_jupyter.widgets.connection import Connection

@@ -61,7 +61,7 @@ ElementKind = Literal["machine", "state", "transition", "event", "variable", "ro
 TransitionKind = Literal["on", "ontime", "eps", "exit"]
 Point = tuple[float, float]
 Pose = tuple[float, float, float]
-Layout = dict[str, Any]  # as `lrp_jupyter.views.layout` makes it; the page draws it
+Layout = dict[str, Any]  # as `lrp_jupyter.graph.layout` makes it; the page draws it
 
 
 class Range(TypedDict):

@@ -11,11 +11,11 @@ import re
 from collections.abc import Mapping
 from typing import Any
 
+from lrp_jupyter.graph.paths import Paths
 from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.views.paths import Paths
 from lrp_jupyter.widgets.paths import id_of
 from lrp_jupyter.widgets.protocol import RestartView
 from lrp_jupyter.widgets.telling import bridge_view, issue_view, member_values, panel_view, value_view

@@ -15,11 +15,11 @@ from threading import Lock, RLock
 from typing import Any
 
 from lrp_jupyter.errors import SessionClosedError
+from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.views.shapes import Layout
 from lrp_jupyter.widgets.drawings import Drawings
 from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, ProgramView
 from lrp_jupyter.widgets.telling import difference_view, finding_view, program_view

@@ -11,7 +11,7 @@ from bridges.ros.rosbridge_server import MemoryGraph, RosbridgeServer
 
 from e2e import axe
 from e2e.programs import COUNTER
-from lrp_jupyter.bridges.ros_definitions import KNOWN
+from lrp_jupyter.bridges.ros.definitions import KNOWN
 
 SETUP = json.loads((Path(__file__).parents[1] / "bridges" / "ros" / "follower.json").read_text())
 DRIVE = """\

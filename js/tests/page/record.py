@@ -13,10 +13,10 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
+from lrp_jupyter.graph.layout import layout
 from lrp_jupyter.language.program import Program, path_text
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.views.layout import layout
 from lrp_jupyter.widgets.protocol import ProgramView, pack_poses
 
 HERE = Path(__file__).parent

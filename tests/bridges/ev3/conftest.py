@@ -15,7 +15,7 @@ from typing import Any
 import pytest
 
 from lrp_jupyter.bridges.ev3 import EV3Bridge
-from lrp_jupyter.bridges.ev3_client import BrickClient
+from lrp_jupyter.bridges.ev3.client import BrickClient
 
 
 def _load_emulation() -> ModuleType:

@@ -11,8 +11,8 @@ from typing import Any
 
 import pytest
 
-from lrp_jupyter.bridges import ev3_protocol as protocol
-from lrp_jupyter.bridges.ev3_client import BrickClient, NoBrickError, check_address, connect, parse_beacon
+from lrp_jupyter.bridges.ev3 import protocol
+from lrp_jupyter.bridges.ev3.client import BrickClient, NoBrickError, check_address, connect, parse_beacon
 from lrp_jupyter.errors import BridgeError
 
 NAME = protocol.brick_name()

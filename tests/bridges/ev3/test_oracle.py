@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 
-from lrp_jupyter.bridges import ev3_protocol as protocol
+from lrp_jupyter.bridges.ev3 import protocol
 
 
 @pytest.fixture(scope="module")

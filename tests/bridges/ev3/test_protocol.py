@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lrp_jupyter.bridges import ev3_protocol as protocol
+from lrp_jupyter.bridges.ev3 import protocol
 from lrp_jupyter.errors import BridgeError
 
 INT32 = st.integers(-(2**31) + 1, 2**31 - 1)

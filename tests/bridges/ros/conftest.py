@@ -27,7 +27,7 @@ from typing import Any
 import pytest
 
 from lrp_jupyter.bridges.ros import RosBridge
-from lrp_jupyter.bridges.ros_definitions import KNOWN
+from lrp_jupyter.bridges.ros.definitions import KNOWN
 
 HERE = Path(__file__).parent
 DEBIAN = Path("/usr/lib/python3/dist-packages")

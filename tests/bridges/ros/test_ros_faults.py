@@ -14,9 +14,8 @@ from typing import Any
 
 import pytest
 
-from lrp_jupyter.bridges import ros_rosbridge, ros_socket
 from lrp_jupyter.bridges.bridge import Connection
-from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros import RosBridge, rosbridge, websocket
 from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.live.session import Session
 
@@ -27,7 +26,7 @@ ODOM = {"pose": {"pose": {"position": {"x": 1.0, "y": 2.0}, "orientation": {"z":
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """A server that hangs is given up sooner."""
-    monkeypatch.setattr(ros_socket, "_LOST", 1.0)
+    monkeypatch.setattr(websocket, "_LOST", 1.0)
 
 
 @pytest.fixture
@@ -116,7 +115,7 @@ def test_what_is_no_rosbridge_server_is_told_so(stranger: Callable[[bytes], int]
 def test_a_server_that_says_nothing_is_not_waited_for(
     stranger: Callable[[bytes], int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ros_socket, "_CONNECT", 0.3)
+    monkeypatch.setattr(websocket, "_CONNECT", 0.3)
     began = time.monotonic()
     with pytest.raises(BridgeError, match="No rosbridge server answers"):
         RosBridge(host="127.0.0.1", port=stranger(b"")).open()
@@ -269,7 +268,7 @@ def test_the_loop_keeps_its_rate_while_the_server_is_gone(
 def test_a_server_whose_master_dies_is_lost_until_the_master_is_back(
     make: Make, graph: Any, until: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(ros_rosbridge.RosbridgeTransport, "period", 0.1)
+    monkeypatch.setattr(rosbridge.RosbridgeTransport, "period", 0.1)
     ros = make()
     ros.open()
     ros.subscribe("odom", "/odom")

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from lrp_jupyter.bridges.bridge import Connection
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.ros import RosBridge
-from lrp_jupyter.bridges.ros_setup import Wire, setup_as_dict, setup_from_dict
+from lrp_jupyter.bridges.ros.setup import Wire, setup_as_dict, setup_from_dict
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
 Make = Callable[..., RosBridge]

@@ -13,7 +13,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.bridges.members import Member, MemberError, describe_value
-from lrp_jupyter.bridges.ros_definitions import (
+from lrp_jupyter.bridges.ros.definitions import (
     FLOATS,
     INTEGERS,
     KNOWN,
@@ -23,8 +23,8 @@ from lrp_jupyter.bridges.ros_definitions import (
     from_rosapi,
     parse_field,
 )
-from lrp_jupyter.bridges.ros_gist import gist
-from lrp_jupyter.bridges.ros_types import Types
+from lrp_jupyter.bridges.ros.gist import gist
+from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import BridgeError
 
 

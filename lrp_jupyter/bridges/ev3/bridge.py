@@ -1,0 +1,288 @@
+"""The bridge to a Lego Mindstorms EV3 brick with its own firmware, over WiFi.
+
+A program turns motors and reads sensors and does nothing else; the connection is the bridge's::
+
+    (onentry [robot.motorB.start_at_speed(30); robot.motorC.start_at_speed(30)])
+    (event bump [robot.sensor1.read() == 1])
+
+Readings are the latest that arrived, the same for a whole tick; commands do not wait for the brick
+to carry them out. A command or reading that is not possible raises a `BridgeError` that says why.
+
+Paper: §7.2.
+Deviation: §7.2 asks for the address in a dialog whenever the interpreter is started; here it is
+asked once, and a brick is also found by itself, by the beacon that it sends.
+"""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping
+
+from lrp_jupyter.bridges.bridge import Bridge, Connection
+from lrp_jupyter.bridges.ev3 import protocol
+from lrp_jupyter.bridges.ev3.client import BrickClient, check_address, connect
+from lrp_jupyter.bridges.ev3.devices import ABSENT, MODES, UNITS, Motor, Sensor, mode_name, type_name
+from lrp_jupyter.bridges.ev3.link import Link, Snapshot
+from lrp_jupyter.bridges.ev3.protocol import Reading, SensorReading
+from lrp_jupyter.bridges.message import real_number
+from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["EV3Bridge"]
+
+
+class EV3Bridge(Bridge):
+    """A Lego EV3 brick as `robot`.
+
+    Parameters
+    ----------
+    host : str or None
+        Its IP address; None: the first brick whose beacon is heard is taken, and the panel asks.
+    serial : str
+        Only the brick with this serial number.
+    port, beacon_port : int
+        TCP port of the brick; UDP port of its beacon.
+    patience : float
+        Seconds to wait for a brick's beacon where an address is given.
+    """
+
+    name = "ev3"
+    stop_timeout = 0.8
+
+    def __init__(
+        self,
+        host: str | None = None,
+        serial: str = "",
+        port: int = 5555,
+        beacon_port: int = 3015,
+        patience: float = 12.0,
+    ) -> None:
+        super().__init__()
+        self.host = check_address(host) if host else None
+        self.serial, self.port = serial, port
+        self._beacon_port, self._patience = beacon_port, patience
+        self._latched: Snapshot | None = None  # what a tick sees
+        self.motors = tuple(Motor(self, i) for i in range(4))
+        self.sensors = tuple(Sensor(self, i) for i in range(4))
+        self.link = self._new_link()
+
+    def _new_link(self) -> Link:
+        serial = self.serial
+
+        def find(cancelled: Callable[[], bool]) -> BrickClient:
+            nonlocal serial
+            client = connect(
+                self.host,
+                port=self.port,
+                serial=serial,
+                patience=self._patience,
+                beacon_port=self._beacon_port,
+                cancelled=cancelled,
+            )
+            serial = client.serial  # a brick that was lost is looked for, not any other
+            return client
+
+        return Link(find, self._report)
+
+    def _report(self, state: str, sentence: str) -> None:
+        self.set_status(state, sentence)
+        if state in ("stale", "lost"):
+            self.safety.notice("fault", sentence)
+
+    def open_interface(self) -> Panel:
+        """Connect where an address is known, else look for a brick in the background and ask.
+
+        Raises
+        ------
+        BridgeError
+            There is no brick at the address.
+        """
+        self.link = self._new_link()
+        if self.host is None:
+            self.set_status(Connection.WAITING, "waiting for the beacon of a brick, or for its address")
+            self.link.search()
+        else:
+            self.link.open()
+        self._add_members()
+        return self.panel()
+
+    def close_interface(self) -> None:
+        """End the connection."""
+        self.link.close()
+
+    def stop(self) -> None:
+        """Stop all motors, in one packet."""
+        self.link.stop()
+
+    def sense(self, now: float) -> None:
+        """Latch the latest reading: a tick sees one world."""
+        self._latched = self.link.snapshot
+
+    def seen(self) -> Reading:
+        """Give the reading that counts: within a tick the latched one, else the latest.
+
+        Raises
+        ------
+        NoDataYet
+            Nothing has arrived yet.
+        BridgeError
+            The brick was lost, or refuses to be read.
+        """
+        return self.link.latest(self._latched if self.latch else None)
+
+    def _age(self) -> float | None:
+        snapshot = self.link.snapshot
+        return None if snapshot.reading is None else time.monotonic() - snapshot.time
+
+    def _add_members(self) -> None:
+        def variable(name: str, getter: Callable[[], object], doc: str, unit: str, kind: type | str) -> None:
+            self.add_variable(name, getter, doc, unit, type=kind, age=self._age)
+
+        for motor in self.motors:
+            for command in (motor.start_at_speed, motor.start_at_power, motor.stop, motor.run_for):
+                self.add_method(f"{motor.name}.{command.__name__}", command)
+            self.add_method(f"{motor.name}.reset_count", motor.reset_count)
+            variable(f"{motor.name}.count", motor.count, "angle turned since the count was 0", "deg", int)
+            variable(f"{motor.name}.speed", motor.speed, "speed that it turns with now", "%", int)
+            variable(f"{motor.name}.type", motor.type, "what is plugged in", "", str)
+        for sensor in self.sensors:
+            self.add_method(f"{sensor.name}.read", sensor.read, command=False)
+            self.add_method(f"{sensor.name}.set_mode", sensor.set_mode, command=False)
+            variable(f"{sensor.name}.value", sensor.read, "the same as `read()`", "", "number")
+            variable(f"{sensor.name}.mode", sensor.mode, "what it measures", "", str)
+            variable(f"{sensor.name}.type", sensor.type, "what is plugged in", "", str)
+        variable("battery", lambda: self.seen().battery, "what is left in it", "%", int)
+        variable("name", lambda: self.link.name or None, "the brick's name", "", str)
+        self.add_method("beep", self.beep)
+
+    def beep(self, frequency: float = 440, seconds: float = 0.2, volume: float = 50) -> None:
+        """Sound a tone: frequency (Hz) 250 to 10000, duration (s), volume (%) 0 to 100."""
+        tone = round(real_number(frequency, "beep(frequency=…)"))
+        duration = round(1000 * real_number(seconds, "beep(seconds=…)"))
+        loudness = round(real_number(volume, "beep(volume=…)"))
+        for what, number, low, high in (
+            ("frequency", tone, 250, 10_000),
+            ("seconds", duration / 1000, 0, 30),
+            ("volume", loudness, 0, 100),
+        ):
+            if not low <= number <= high:
+                raise BridgeError(f"`beep`: {what} goes from {low} to {high}, not {number:g}.")
+        self.link.command(protocol.beep(loudness, tone, duration))
+
+    # -- the panel --------------------------------------------------------------------------------
+
+    def panel(self) -> Panel:
+        """Give every motor and sensor with its value and buttons, the runstop, the brick's address."""
+        client, reading = self.link.client, self.link.snapshot.reading
+        address = client.address[0] if client else self.host or ""
+        return Panel(
+            "Lego EV3",
+            fields=(
+                Field("status", "Status", value=self.status.sentence),
+                Field("brick", "Brick", value=self.link.name),
+                Field("address", "Address", value=address),
+                Field("battery", "Battery", value=str(reading.battery) if reading else "", unit="%"),
+                Field("speed", "Speed by hand", "number", "50", unit="%"),
+            ),
+            tables=(self._motor_table(reading), self._sensor_table(reading)),
+            buttons=(STOP, Button("beep", "Beep")),
+            questions=(Question("host", "Address of the brick (it shows it under Brick Info)", address),),
+        )
+
+    def _motor_table(self, reading: Reading | None) -> Table:
+        rows = [("", "", "")] * 4
+        if reading:
+            rows = [(type_name(m.type), str(m.degrees), str(m.speed)) for m in reading.motors]
+        return Table(
+            "motors",
+            "Motors",
+            ("motor", "type", "count (deg)", "speed (%)"),
+            tuple(motor.name for motor in self.motors),
+            tuple((motor.name, *row) for motor, row in zip(self.motors, rows, strict=True)),
+            (
+                Button("backward", "Backward"),
+                Button("halt", "Stop"),
+                Button("forward", "Forward"),
+                Button("reset_count", "Count to 0"),
+            ),
+        )
+
+    def _sensor_table(self, reading: Reading | None) -> Table:
+        rows = [("", "", "", "")] * 4
+        if reading:
+            rows = [sensor_texts(seen) for seen in reading.sensors]
+        return Table(
+            "sensors",
+            "Sensors",
+            ("sensor", "type", "mode", "value", "unit"),
+            tuple(sensor.name for sensor in self.sensors),
+            tuple((sensor.name, *row) for sensor, row in zip(self.sensors, rows, strict=True)),
+            (Button("next_mode", "Next mode"),),
+        )
+
+    def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
+        """Press a button: whatever moves the robot goes through the bridge's safety, as for a program.
+
+        Raises
+        ------
+        BridgeError
+            There is no such button or row, the speed is none, or the brick is not there.
+        """
+        if key == "stop":
+            self.stop_all()
+            return
+        if not self.is_open:
+            raise BridgeError("no brick is connected: answer its address first")
+        motor = next((motor for motor in self.motors if motor.name == row), None)
+        sensor = next((sensor for sensor in self.sensors if sensor.name == row), None)
+        if key == "beep":
+            self.robot.beep()
+        elif motor and key in ("forward", "backward"):
+            speed = number_in((values or {}).get("speed", "50"))
+            getattr(self.robot, row).start_at_speed(speed if key == "forward" else -speed)
+        elif motor and key == "halt":
+            getattr(self.robot, row).stop()
+        elif motor and key == "reset_count":
+            getattr(self.robot, row).reset_count()
+        elif sensor and key == "next_mode":
+            seen = sensor.reading()
+            sensor.set_mode((seen.mode + 1) % max(1, len(MODES.get(seen.type, ()))))
+        else:
+            raise BridgeError(f"the panel has no button `{key}` for {row!r}")
+
+    def answer(self, key: str, value: str) -> None:
+        """Take the address of the brick; where the bridge is open, connect in the background.
+
+        Raises
+        ------
+        BridgeError
+            It is no address.
+        """
+        if key != "host":
+            super().answer(key, value)
+            return
+        self.host = check_address(value)
+        client = self.link.client
+        if self.is_open and (client is None or client.address[0] != self.host):
+            self.stop_all()
+            self.link.close()
+            self.link = self._new_link()
+            self.set_status(Connection.CONNECTING, f"connecting to {self.host}")
+            self.link.search()
+
+
+def number_in(text: str) -> float:
+    """Read what a person wrote into a field of numbers."""
+    try:
+        return float(text.replace(",", "."))
+    except ValueError:
+        raise BridgeError(f"the speed by hand must be a number, not {text!r}") from None
+
+
+def sensor_texts(seen: SensorReading) -> tuple[str, str, str, str]:
+    """Write a sensor's row: type, mode, value, unit."""
+    if seen.type in ABSENT:
+        return type_name(seen.type), "", "", ""
+    value = "" if math.isnan(seen.value) else f"{seen.value:g}"
+    return type_name(seen.type), mode_name(seen), value, UNITS.get((seen.type, seen.mode), "")

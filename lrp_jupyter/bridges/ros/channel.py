@@ -1,0 +1,127 @@
+"""One variable of the robot and its topic, while the bridge is open.
+
+Owner: `latest`, `times` and `count` belong to the thread on which messages arrive (or, for a
+publisher, leave); what the connection decides (`problem`, `waiting`, `handle`, …) to the thread of
+the link. Each is replaced by one assignment, and anybody may look.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections import deque
+from typing import Any, NamedTuple
+
+from lrp_jupyter.bridges.ros.setup import Wire
+from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, Reading, RosMessage
+
+__all__ = ["Arrival", "Channel"]
+
+_SILENT = 2.0  # seconds without a message after which a topic that had a rate is silent
+
+
+class Arrival(NamedTuple):
+    """A message and when it arrived, by `time.monotonic`."""
+
+    value: Reading
+    time: float
+
+
+class Channel:
+    """A wire that is, or shall be, connected.
+
+    Attributes
+    ----------
+    wire : Wire
+    type : str
+        Of the wire or, where that leaves it out, of the live topic; empty while unknown.
+    form : Form or None
+        How readings are made, for a subscription whose type is known.
+    message : RosMessage class or None
+        For a publisher whose type is known.
+    latest : Arrival or None
+        None before the first message, and again after the connection was lost.
+    problem : str
+        Why it cannot be connected, or is not connected any more.
+    waiting : str
+        What has to appear first: the topic, or its type.
+    has_moved : bool
+        Whether a velocity that is not zero went out: nobody knows what arrived of it, and of a stop,
+        when the connection is lost.
+    owes_stop : bool
+        Whether that happened: a stop is sent as soon as there is a connection again.
+    """
+
+    def __init__(self, wire: Wire) -> None:
+        self.wire = wire
+        self.type = wire.type
+        self.form: Form | None = None
+        self.message: type[RosMessage] | None = None
+        self.latest: Arrival | None = None
+        self.latched: Arrival | None = None
+        self.live = False
+        self.problem = ""
+        self.waiting = "it is being connected"
+        self.handle: object = None
+        self.has_moved = False
+        self.owes_stop = False
+        self.settled = threading.Event()
+        self.last_sent: RosMessage | None = None
+        self._times: deque[float] = deque(maxlen=20)
+
+    @property
+    def is_velocity(self) -> bool:
+        """Whether a message of zeros stops the robot."""
+        is_move = self.wire.variable.rpartition(".")[2] == "move"
+        return self.wire.direction == "publisher" and (self.type in VELOCITIES or is_move)
+
+    @property
+    def expects(self) -> bool:
+        """Whether it is a subscription on which nothing has arrived yet."""
+        return self.wire.direction == "subscription" and self.latest is None
+
+    def receive(self, raw: Any) -> None:
+        """Take a message as it came from the network; on any one thread."""
+        form = self.form
+        if not self.live or form is None:  # what is late belongs to a connection that is gone
+            return
+        try:
+            value = form.decode(raw)
+        except (AttributeError, TypeError, ValueError) as error:
+            self.problem = f"what arrives on `{self.wire.topic}` is no `{self.type}`: {error}"
+            return
+        self.problem = ""
+        self.note()
+        self.latest = Arrival(value, self._times[-1])
+
+    def note(self) -> None:
+        """Note that a message came, or went."""
+        self._times.append(time.monotonic())
+
+    def forget(self) -> None:
+        """Go back to "no data yet"."""
+        self.live = False
+        self.latest = None
+        self._times.clear()
+
+    def age(self) -> float | None:
+        """Seconds since the last message; None before the first."""
+        times = self._times
+        return time.monotonic() - times[-1] if times else None
+
+    def rate(self) -> float:
+        """Messages per second, lately; 0 when there are none any more."""
+        times = list(self._times)
+        if len(times) < 2 or times[-1] <= times[0]:
+            return 0.0
+        period = (times[-1] - times[0]) / (len(times) - 1)
+        return 0.0 if time.monotonic() - times[-1] > max(1.0, 5 * period) else 1 / period
+
+    def silent(self) -> float:
+        """Seconds for which a topic that used to speak has said nothing; 0 if it still speaks."""
+        times = list(self._times)
+        if len(times) < 3:
+            return 0.0
+        period = (times[-1] - times[0]) / (len(times) - 1)
+        age = time.monotonic() - times[-1]
+        return age if age > max(_SILENT, 5 * period) else 0.0

@@ -1,0 +1,338 @@
+"""Keep the connections of a set-up as they should be, over every loss of the robot.
+
+The set-up says what shall be connected; one thread makes it so, looks again every now and then,
+and makes it so anew after a loss. Everything that may block happens on that thread: a dead master
+or server costs a program's loop nothing. How one talks to ROS is the affair of a `Transport`.
+
+Paper: §7.1 (subscriptions are the bridge's, not the program's, so a restart makes no second one).
+"""
+
+from __future__ import annotations
+
+import threading
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future
+from typing import Any
+
+from lrp_jupyter.bridges.members import did_you_mean
+from lrp_jupyter.bridges.ros.channel import Channel
+from lrp_jupyter.bridges.ros.definitions import Definition, canonical
+from lrp_jupyter.bridges.ros.setup import Direction
+from lrp_jupyter.bridges.ros.types import Types
+from lrp_jupyter.bridges.status import Connection
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["Link", "RefusedError", "Report", "Transport"]
+
+_AGAIN = 0.5  # seconds until a connection that was lost, or a topic that is missing, is tried again
+_JOIN = 2.0  # seconds that ending the thread may take
+
+
+class RefusedError(BridgeError):
+    """One topic cannot be connected; the others are not concerned."""
+
+
+class Transport(ABC):
+    """A way to talk to ROS: one connection at a time.
+
+    All methods are called on the link's thread and may block, for a bounded time; `send` is called
+    on any thread and must not block. Whatever cannot be done raises `BridgeError`, and `RefusedError`
+    where only the one topic is concerned.
+
+    Attributes
+    ----------
+    place : str
+        Where the robot is, for sentences.
+    period : float
+        Seconds between two looks at the robot.
+    changed : callable
+        To be called, on any thread, when the link should look at once.
+    """
+
+    place: str = ""
+    period: float = 2.0
+
+    def __init__(self) -> None:
+        self.changed: Callable[[], None] = lambda: None
+
+    @abstractmethod
+    def connect(self) -> None:
+        """Connect anew; whatever was left of an earlier connection is let go."""
+
+    @abstractmethod
+    def disconnect(self) -> None:
+        """Let the connection go; what was sent before still goes out."""
+
+    @abstractmethod
+    def trouble(self) -> str:
+        """Say in a sentence that the robot does not answer; empty while it does. Does not block."""
+
+    @abstractmethod
+    def topics(self) -> Mapping[str, str]:
+        """Give the live topics with their types."""
+
+    @abstractmethod
+    def define(self, type_: str) -> Mapping[str, Definition]:
+        """Describe a type and those in it; empty where nobody can be asked."""
+
+    @abstractmethod
+    def taken(self, topic: str) -> bool:
+        """Whether somebody else really uses a topic: a type may be all that is left of it."""
+
+    @abstractmethod
+    def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
+        """Subscribe or advertise; give what `leave` and `send` need."""
+
+    @abstractmethod
+    def leave(self, handle: object) -> None:
+        """End a subscription or an advertisement."""
+
+    @abstractmethod
+    def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
+        """Publish; only a message that is `urgent` (a stop) goes to a robot that does not answer."""
+
+
+Report = Callable[[Connection, str], None]
+
+
+class Link:
+    """The connections of a set-up.
+
+    Parameters
+    ----------
+    transport : Transport
+    report : callable
+        Told the state and a sentence whenever they change; on the link's thread.
+    learned : callable
+        Told of a channel whose type has become known; on the link's thread.
+    """
+
+    def __init__(self, transport: Transport, report: Report, learned: Callable[[Channel], None]) -> None:
+        self.transport = transport
+        self.types = Types()
+        self.topics: Mapping[str, str] = {}
+        self.connected = False
+        self._report, self._learned = report, learned
+        self._told: tuple[Connection, str] | None = None
+        self._channels: tuple[Channel, ...] = ()
+        self._dropped: list[Channel] = []
+        self._lock = threading.Lock()  # for the two above
+        self._trouble = f"`{transport.place}` is not connected yet"
+        self._described: set[str] = set()
+        self._first: Future[None] = Future()
+        self._closing = threading.Event()
+        self._wake = threading.Event()
+        self._thread = threading.Thread(target=self._run, name="ROS", daemon=True)
+        transport.changed = self._wake.set
+
+    # -- from any thread --------------------------------------------------------------------------
+
+    def open(self, patience: float) -> None:
+        """Connect, within so many seconds.
+
+        Raises
+        ------
+        BridgeError
+            There is nobody, or nobody who speaks ROS.
+        """
+        self._thread.start()
+        try:
+            self._first.result(patience)
+        except BridgeError:
+            self.close()
+            raise
+        except TimeoutError:
+            self._closing.set()
+            self.transport.disconnect()  # whatever the thread waits for
+            self.close()
+            raise BridgeError(f"`{self.transport.place}` did not answer within {patience:g} s.") from None
+
+    def search(self) -> None:
+        """Connect in the background, for as long as it takes."""
+        self._first.set_result(None)
+        self._thread.start()
+
+    def close(self) -> None:
+        """End all connections; doing it twice does nothing."""
+        self._closing.set()
+        self._wake.set()
+        if self._thread.is_alive() and self._thread is not threading.current_thread():
+            self._thread.join(_JOIN)
+
+    def add(self, channel: Channel) -> None:
+        """Connect a channel, soon."""
+        with self._lock:
+            self._channels += (channel,)
+        self._wake.set()
+
+    def drop(self, channel: Channel) -> None:
+        """Let a channel go, soon; nothing arrives in it from now on."""
+        with self._lock:
+            self._channels = tuple(other for other in self._channels if other is not channel)
+            self._dropped.append(channel)
+        channel.forget()
+        self._wake.set()
+
+    def send(self, channel: Channel, values: Mapping[str, Any], urgent: bool = False) -> None:
+        """Publish, without waiting; `urgent` for a stop, which is tried whatever is wrong.
+
+        Raises
+        ------
+        BridgeError
+            It is not connected; nothing is kept to be sent later.
+        """
+        name, handle = f"`robot.{channel.wire.variable}`", channel.handle
+        if not self.connected and not urgent:
+            raise BridgeError(f"{name} was not sent: {self._trouble}")
+        if handle is None or (channel.problem and not urgent):
+            why = channel.problem or (channel.waiting if self.connected else self._trouble)
+            raise BridgeError(f"{name} was not sent: {why}")
+        self.transport.send(handle, values, urgent)
+
+    # -- on its own thread ------------------------------------------------------------------------
+
+    def _run(self) -> None:
+        while not self._closing.is_set():
+            self._wake.clear()
+            try:
+                if not self.connected:
+                    self._connect()
+                pause = self._look()
+            except BridgeError as error:
+                pause = self._lose(str(error))
+            except Exception as error:  # a fault of ours: say so, rather than go on with old readings
+                pause = self._lose(f"the ROS bridge itself failed: {type(error).__name__}: {error}")
+            self._wake.wait(pause)
+        self.connected = False
+        for channel in (*self._channels, *self._dropped):
+            self._leave(channel)
+        self.transport.disconnect()
+
+    def _connect(self) -> None:
+        self.transport.connect()
+        self._described.clear()
+        for channel in (*self._channels, *self._dropped):
+            self._leave(channel)
+
+    def _look(self) -> float:
+        """Compare what is with what shall be, and make it so; give the seconds until the next look."""
+        trouble = self.transport.trouble()
+        if trouble:
+            self._tell(Connection.STALE, trouble)
+            return self.transport.period
+        self.topics = self.transport.topics()
+        with self._lock:
+            channels, dropped = self._channels, self._dropped
+            self._dropped = []
+        for channel in dropped:
+            self._leave(channel)
+        for channel in channels:
+            try:
+                self._settle(channel)
+            except RefusedError as error:
+                self._leave(channel)
+                channel.problem = str(error)
+            channel.settled.set()
+        self.connected = True
+        self._tell(*self._summary(channels))
+        if not self._first.done():
+            self._first.set_result(None)
+        waits = any(channel.waiting or channel.problem or channel.expects for channel in channels)
+        return min(self.transport.period, _AGAIN) if waits else self.transport.period
+
+    def _settle(self, channel: Channel) -> None:
+        wire = channel.wire
+        live = canonical(self.topics.get(wire.topic, ""))
+        type_ = wire.type or live or channel.type
+        if live and live != type_ and self.transport.taken(wire.topic):
+            raise RefusedError(f"`{wire.topic}` carries `{live}`, not `{type_}`.")
+        if channel.handle is not None:
+            if channel.type == type_:
+                return
+            self._leave(channel)
+        if not type_:
+            near = did_you_mean(wire.topic, self.topics)
+            channel.waiting = f"`{wire.topic}` does not exist yet, and its type is not known.{near}"
+            return
+        channel.type = type_
+        self._describe(type_)
+        if wire.direction == "subscription":
+            channel.form = self.types.form(type_)
+        else:
+            channel.message = self.types.message(type_)
+            _check_limits(channel)
+        self._learned(channel)
+        channel.live = True  # before joining: a latched message arrives while we do
+        handle = self.transport.join(wire.topic, type_, wire.direction, channel.receive)
+        if channel.owes_stop and channel.message is not None:
+            channel.owes_stop = channel.has_moved = False
+            self.transport.send(handle, channel.message().as_dict(), True)
+        channel.problem = channel.waiting = ""
+        channel.handle = handle
+
+    def _describe(self, type_: str) -> None:
+        if type_ not in self._described:
+            self.types.add(self.transport.define(type_))
+            self._described.add(type_)
+        if not self.types.knows(type_):
+            known = {*self.types.names(), *map(canonical, self.topics.values())}
+            raise RefusedError(
+                f"`{self.transport.place}` knows no message type `{type_}`.{did_you_mean(type_, known)}"
+            )
+
+    def _leave(self, channel: Channel) -> None:
+        handle, channel.handle = channel.handle, None
+        channel.forget()
+        if handle is not None:
+            self.transport.leave(handle)
+
+    def _lose(self, sentence: str) -> float:
+        """Say that the robot is lost; give the seconds until the next attempt."""
+        if self._closing.is_set():
+            return 0.0
+        if not self._first.done():
+            self._first.set_exception(BridgeError(sentence))
+            self._closing.set()
+            return 0.0
+        self._trouble, self.connected, self.topics = sentence, False, {}
+        for channel in self._channels:
+            channel.forget()
+            channel.problem = sentence
+            channel.owes_stop |= channel.has_moved
+        self._tell(Connection.LOST, sentence)  # before the transport is let go: it may still take a stop
+        self.transport.disconnect()
+        return _AGAIN
+
+    def _summary(self, channels: tuple[Channel, ...]) -> tuple[Connection, str]:
+        for channel in channels:
+            why = channel.problem or channel.waiting
+            if why:
+                return Connection.WAITING, f"`robot.{channel.wire.variable}`: {why}"
+        inputs = [channel for channel in channels if channel.wire.direction == "subscription"]
+        silent = [f"`{channel.wire.topic}`" for channel in inputs if channel.silent()]
+        if silent:
+            return Connection.STALE, f"{', '.join(silent)}: nothing has arrived for a while"
+        empty = [f"`{channel.wire.topic}`" for channel in inputs if channel.expects]
+        if empty:
+            return Connection.WAITING, f"{', '.join(empty)}: nothing has arrived yet"
+        return Connection.CONNECTED, f"connected to {self.transport.place}"
+
+    def _tell(self, state: Connection, sentence: str) -> None:
+        if self._told != (state, sentence):
+            self._told = (state, sentence)
+            self._report(state, sentence)
+
+
+def _check_limits(channel: Channel) -> None:
+    """Refuse limits of fields that a message does not have, or that are no numbers."""
+    assert channel.message is not None
+    for name in channel.wire.limits:
+        try:
+            value = channel.message().get(name)
+        except (AttributeError, KeyError):
+            value = None
+        if type(value) not in (int, float):
+            paths = [*channel.message.WORDS, *channel.message.paths()]
+            hint = did_you_mean(name, paths)
+            raise RefusedError(f"`{channel.type}` has no number `{name}` that could have a limit.{hint}")

@@ -1,0 +1,272 @@
+"""ROS 1 by its own library, where this Python can import it.
+
+rospy was made for programs that are one node from beginning to end, so it is held at arm's length:
+
+* one node per process, made on the first connection and kept: rospy cannot make a second one;
+* it may not touch the process: no signals, no handlers of the root logger, no arguments;
+* whoever registers while the master is dead waits until it lives: the master is asked first, with a
+  time limit, and only the link's thread ever registers;
+* a master that comes back knows nobody: everything is unregistered and registered again.
+"""
+
+from __future__ import annotations
+
+import logging
+import os
+import threading
+import time
+import xmlrpc.client
+from collections.abc import Callable, Mapping
+from http.client import HTTPConnection, HTTPException
+from typing import Any
+from urllib.parse import urlsplit
+
+from lrp_jupyter.bridges.ros.definitions import Definition, canonical, parse_field
+from lrp_jupyter.bridges.ros.link import RefusedError, Transport
+from lrp_jupyter.bridges.ros.setup import Direction
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["RospyTransport"]
+
+_ANSWER = 2.0  # seconds for the master to answer
+_MEET = 0.5  # seconds for subscribers to connect to a new publisher
+_QUEUE = 10  # messages that wait for a slow subscriber; older ones are dropped
+
+_node_lock = threading.Lock()
+_node_master = ""  # the master that this process's node belongs to
+
+
+class RospyTransport(Transport):
+    """The node of this process.
+
+    Parameters
+    ----------
+    master : str
+        Address of the ROS master; empty: ``ROS_MASTER_URI`` of the environment.
+    """
+
+    period = 0.5
+
+    def __init__(self, master: str = "") -> None:
+        super().__init__()
+        self.place = master or os.environ.get("ROS_MASTER_URI", "http://localhost:11311")
+        self._master = _Master(self.place)
+        self._pid: int | None = None
+
+    def connect(self) -> None:
+        """Find the master and, in a process's first connection, make the node.
+
+        Raises
+        ------
+        BridgeError
+            There is no rospy, no master, or the node belongs to another one.
+        """
+        rospy = _rospy()
+        self._pid = int(self._master.ask("getPid"))
+        _make_node(self.place)
+        if rospy.is_shutdown():
+            raise BridgeError(
+                "The ROS node of this process was shut down, and there cannot be a second one:"
+                " restart the kernel."
+            )
+
+    def disconnect(self) -> None:
+        """Do nothing: the node stays, and its topics were left one by one."""
+
+    def trouble(self) -> str:
+        """Nothing is known without asking."""
+        return ""
+
+    def topics(self) -> Mapping[str, str]:
+        """Ask the master, for topics with subscribers only too.
+
+        Raises
+        ------
+        BridgeError
+            It does not answer, or is another one than before.
+        """
+        if _rospy().is_shutdown():
+            raise BridgeError("The ROS node of this process was shut down: restart the kernel.")
+        if int(self._master.ask("getPid")) != self._pid:
+            raise BridgeError(f"The ROS master at `{self.place}` was restarted.")
+        pairs = self._master.ask("getTopicTypes")
+        return {str(topic): canonical(str(type_)) for topic, type_ in pairs if type_ != "*"}
+
+    def taken(self, topic: str) -> bool:
+        """Ask the master who else is there: it never forgets a type."""
+        return self._others(topic, 0) or self._others(topic, 1)
+
+    def _others(self, topic: str, section: int) -> bool:
+        """Whether other nodes publish (section 0) or subscribe (1)."""
+        own = _rospy().get_name()
+        return any(
+            name == topic and any(node != own for node in nodes)
+            for name, nodes in self._master.ask("getSystemState")[section]
+        )
+
+    def define(self, type_: str) -> Mapping[str, Definition]:
+        """Look at the classes of the installed packages.
+
+        Raises
+        ------
+        RefusedError
+            The package is not installed here.
+        """
+        found: dict[str, Definition] = {}
+        _define(type_, found)
+        return found
+
+    def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
+        """Make a subscriber or a publisher."""
+        rospy, kind = _rospy(), _class_of(type_)
+        try:
+            if direction == "publisher":
+                publisher = rospy.Publisher(topic, kind, queue_size=_QUEUE, tcp_nodelay=True)
+                self._wait_for_listeners(publisher, topic)
+                return publisher
+            return rospy.Subscriber(topic, kind, callback=receive, queue_size=1, tcp_nodelay=True)
+        except (rospy.ROSException, ValueError) as error:
+            raise RefusedError(f"`{topic}`: {error}") from error
+
+    def _wait_for_listeners(self, publisher: Any, topic: str) -> None:
+        """Wait a moment for those who listen already, or the first message would be lost on them."""
+        if self._others(topic, 1):
+            end = time.monotonic() + _MEET
+            while publisher.get_num_connections() == 0 and time.monotonic() < end:
+                time.sleep(0.01)
+
+    def leave(self, handle: object) -> None:
+        """Unregister."""
+        unregister: Callable[[], None] = handle.unregister  # type: ignore[attr-defined]
+        unregister()
+
+    def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
+        """Publish. Types were checked when the message was filled: rospy does it for listeners only.
+
+        Raises
+        ------
+        BridgeError
+            rospy does not take it.
+        """
+        import genpy
+
+        rospy = _rospy()
+        publisher: Any = handle
+        message = publisher.data_class()
+        try:
+            genpy.message.fill_message_args(message, [dict(values)])
+            publisher.publish(message)
+        except (genpy.MessageException, rospy.ROSException) as error:
+            raise BridgeError(f"`{publisher.resolved_name}` does not take the message: {error}") from error
+
+
+def _rospy() -> Any:
+    try:
+        import rospy
+    except ImportError as error:
+        raise BridgeError(
+            f"This Python cannot import rospy ({error}). Install it (Debian: `apt install python3-rospy`), or"
+            " start Jupyter in a shell with ROS set up (`source /opt/ros/noetic/setup.bash`); or take the"
+            " back end `rosbridge`, which needs nothing of ROS here."
+        ) from error
+    return rospy
+
+
+def _make_node(master: str) -> None:
+    """Make the one node of this process."""
+    global _node_master
+    rospy = _rospy()
+    with _node_lock:
+        if _node_master and _node_master != master:
+            raise BridgeError(
+                f"The ROS node of this process belongs to `{_node_master}` and cannot go to `{master}`:"
+                " restart the kernel."
+            )
+        if _node_master:
+            return
+        root = logging.getLogger()
+        handlers, level = root.handlers[:], root.level
+        before = os.environ.get("ROS_MASTER_URI")
+        os.environ["ROS_MASTER_URI"] = master  # rospy knows no other way to be told
+        try:
+            rospy.init_node(
+                "lrp",
+                argv=["lrp"],
+                anonymous=True,
+                disable_signals=True,
+                disable_rosout=True,
+                disable_rostime=True,
+            )
+        except (rospy.ROSException, OSError) as error:
+            raise BridgeError(f"The ROS node cannot be made: {error}") from error
+        finally:
+            if before is None:
+                del os.environ["ROS_MASTER_URI"]
+            else:
+                os.environ["ROS_MASTER_URI"] = before
+            for handler in [handler for handler in root.handlers if handler not in handlers]:
+                handler.close()
+            root.handlers[:] = handlers
+            root.setLevel(level)
+        _node_master = master
+
+
+def _class_of(type_: str) -> Any:
+    import roslib.message
+
+    try:
+        found = roslib.message.get_message_class(type_)
+    except ValueError:
+        found = None
+    if found is None:
+        package = type_.partition("/")[0]
+        raise RefusedError(
+            f"There is no message type `{type_}` here: is `{package}` installed, and the name right?"
+        )
+    return found
+
+
+def _define(type_: str, found: dict[str, Definition]) -> None:
+    kind = _class_of(type_)
+    fields = {name: parse_field(text) for name, text in zip(kind.__slots__, kind._slot_types, strict=True)}
+    found[type_] = Definition(type_, fields)
+    for field in fields.values():
+        if "/" in field.base and field.base not in found:
+            _define(field.base, found)
+
+
+class _Timed(xmlrpc.client.Transport):
+    """XML-RPC that gives up."""
+
+    def make_connection(self, host: Any) -> HTTPConnection:
+        connection = super().make_connection(host)
+        connection.timeout = _ANSWER
+        return connection
+
+
+class _Master:
+    """The ROS master, asked with a time limit."""
+
+    def __init__(self, uri: str) -> None:
+        self._uri = uri
+        if not urlsplit(uri).hostname:
+            raise BridgeError(f"`{uri}` is no address of a ROS master: `http://host:11311`.")
+
+    def ask(self, question: str) -> Any:
+        """Ask, and give the answer.
+
+        Raises
+        ------
+        BridgeError
+            It does not answer.
+        """
+        try:
+            with xmlrpc.client.ServerProxy(self._uri, transport=_Timed()) as proxy:
+                code, text, value = getattr(proxy, question)("/lrp")
+        except (TimeoutError, OSError, HTTPException, xmlrpc.client.Error, ValueError) as error:
+            raise BridgeError(
+                f"No ROS master answers at `{self._uri}` ({error}). Start `roscore`, or name its `host`."
+            ) from None
+        if code != 1:
+            raise BridgeError(f"The ROS master at `{self._uri}` refuses {question}: {text}")
+        return value

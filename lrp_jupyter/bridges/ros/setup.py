@@ -1,0 +1,237 @@
+"""What is connected to what, and where: the set-up of a ROS robot, as a value and as JSON.
+
+::
+
+    {"version": 1,
+     "subscriptions": {"odom": {"topic": "/odom", "type": "nav_msgs/Odometry"},
+                       "light": {"topic": "/light"}},
+     "publishers": {"move": {"topic": "/cmd_vel", "type": "geometry_msgs/Twist",
+                             "limits": {"linear": 0.5, "angular": 1.0}}}}
+
+A type that is left out is taken from the live topic. Everything is checked here as far as it can
+be without a robot; what the robot has to say comes later.
+
+Paper: §7.1 (figures 4 and 5: variable, topic, type).
+"""
+
+from __future__ import annotations
+
+import json
+import keyword
+import os
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
+
+from lrp_jupyter.bridges.members import did_you_mean
+from lrp_jupyter.bridges.ros.definitions import KNOWN, canonical
+from lrp_jupyter.errors import BridgeError
+
+__all__ = [
+    "Direction",
+    "Wire",
+    "check_type",
+    "load_setup",
+    "parse_address",
+    "save_setup",
+    "setup_as_dict",
+    "setup_from_dict",
+]
+
+Direction = Literal["subscription", "publisher"]
+
+_TOPIC = re.compile(r"/[A-Za-z]\w*(/[A-Za-z_]\w*)*$", re.ASCII)
+_TYPE = re.compile(r"[A-Za-z]\w*/[A-Za-z]\w*$", re.ASCII)
+_SECTIONS: Mapping[str, Direction] = {"subscriptions": "subscription", "publishers": "publisher"}
+
+
+@dataclass(frozen=True, slots=True)
+class Wire:
+    """A variable of the robot and the topic it is wired to.
+
+    Attributes
+    ----------
+    variable : str
+        What is written after ``robot.``
+    direction : {"subscription", "publisher"}
+    topic : str
+        Absolute: ``odom`` is made ``/odom``.
+    type : str
+        In the form ``package/Type``; empty: that of the live topic.
+    limits : mapping of str to float
+        Of a publisher: ``{"linear": 0.5}`` keeps that field within -0.5 ... 0.5.
+
+    Raises
+    ------
+    BridgeError
+        A name is illegal; the sentence says which and why.
+    """
+
+    variable: str
+    direction: Direction
+    topic: str
+    type: str = ""
+    limits: Mapping[str, float | tuple[float, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        parts = self.variable.split(".")
+        if not all(part.isidentifier() and not keyword.iskeyword(part) and part[0] != "_" for part in parts):
+            raise BridgeError(
+                f"`{self.variable}` cannot be written after `robot.`: a variable is a name like `odom`."
+            )
+        topic = self.topic.strip()
+        absolute = topic if topic.startswith(("/", "~")) else f"/{topic}"
+        if not _TOPIC.match(absolute):
+            better = re.sub(r"/+", "/", "/" + re.sub(r"[^\w/]+", "/", topic, flags=re.ASCII)).rstrip("/")
+            hint = f" Did you mean `{better}`?" if _TOPIC.match(better) else ""
+            raise BridgeError(
+                f"`{topic}` is no name of a topic: letters, digits and `_`, with `/` between names.{hint}"
+            )
+        object.__setattr__(self, "topic", absolute)
+        object.__setattr__(self, "type", check_type(self.type))
+
+    def as_dict(self) -> dict[str, Any]:
+        """Everything but variable and direction, as JSON."""
+        wire: dict[str, Any] = {"topic": self.topic}
+        if self.type:
+            wire["type"] = self.type
+        if self.limits:
+            wire["limits"] = dict(self.limits)
+        return wire
+
+
+def check_type(type_: str, also: Iterable[str] = ()) -> str:
+    """Give the short form of a type's name; empty is allowed.
+
+    Raises
+    ------
+    BridgeError
+        It is not written ``package/Type``.
+    """
+    name = canonical(type_)
+    if name and not _TYPE.match(name):
+        full = [known for known in (*also, *KNOWN) if known.rpartition("/")[2] == name.rpartition("/")[2]]
+        hint = f" Did you mean `{full[0]}`?" if full else did_you_mean(name, (*also, *KNOWN))
+        raise BridgeError(f"`{type_}` is no message type: it is written `package/Type`.{hint}")
+    return name
+
+
+def setup_as_dict(wires: Iterable[Wire]) -> dict[str, Any]:
+    """Give a set-up as JSON."""
+    setup: dict[str, Any] = {"version": 1, "subscriptions": {}, "publishers": {}}
+    for wire in wires:
+        setup[f"{wire.direction}s"][wire.variable] = wire.as_dict()
+    return setup
+
+
+def setup_from_dict(setup: object, where: str = "the set-up") -> tuple[Wire, ...]:
+    """Read a set-up.
+
+    Raises
+    ------
+    BridgeError
+        It is none; the sentence says where the mistake is.
+    """
+    if not isinstance(setup, Mapping):
+        raise BridgeError(f"{where} is no set-up: an object with `subscriptions` and `publishers`.")
+    if setup.get("version", 1) != 1:
+        raise BridgeError(f"{where} is of version {setup['version']!r}; this is version 1.")
+    _no_others(setup, ("version", *_SECTIONS), where)
+    wires: dict[str, Wire] = {}
+    for section, direction in _SECTIONS.items():
+        entries = setup.get(section, {})
+        if not isinstance(entries, Mapping):
+            raise BridgeError(f"{where}: `{section}` must be an object of variables.")
+        for variable, entry in entries.items():
+            place = f"{where}, `{section}.{variable}`"
+            if variable in wires:
+                raise BridgeError(f"{place}: `{variable}` is a subscription already.")
+            wires[variable] = _wire_from(variable, direction, entry, place)
+    return tuple(wires.values())
+
+
+def _wire_from(variable: str, direction: Direction, entry: object, place: str) -> Wire:
+    if isinstance(entry, str):
+        entry = {"topic": entry}
+    if not isinstance(entry, Mapping) or not isinstance(entry.get("topic"), str):
+        raise BridgeError(f"{place}: there must be a `topic`.")
+    _no_others(entry, ("topic", "type", "limits")[: 2 if direction == "subscription" else 3], place)
+    type_, limits = entry.get("type", ""), entry.get("limits", {})
+    if not isinstance(type_, str):
+        raise BridgeError(f"{place}: the `type` must be a text.")
+    try:
+        return Wire(variable, direction, entry["topic"], type_, _limits_from(limits))
+    except BridgeError as error:
+        raise BridgeError(f"{place}: {error}") from None
+
+
+def _limits_from(limits: object) -> dict[str, float | tuple[float, float]]:
+    if not isinstance(limits, Mapping):
+        raise BridgeError('`limits` must be an object: {"linear": 0.5}.')
+    found: dict[str, float | tuple[float, float]] = {}
+    for name, limit in limits.items():
+        ends = limit if isinstance(limit, (list, tuple)) else (limit,)
+        if len(ends) not in (1, 2) or not all(type(end) in (int, float) for end in ends):
+            raise BridgeError(f"the limit of `{name}` must be a number, or two of them, not {limit!r}.")
+        found[str(name)] = (ends[0], ends[1]) if len(ends) == 2 else ends[0]
+    return found
+
+
+def _no_others(mapping: Mapping[str, object], known: Iterable[str], place: str) -> None:
+    for key in mapping:
+        if key not in known:
+            names = ", ".join(f"`{name}`" for name in known)
+            raise BridgeError(f"{place}: there is no `{key}`, only {names}.{did_you_mean(str(key), known)}")
+
+
+def load_setup(path: str | os.PathLike[str]) -> tuple[Wire, ...]:
+    """Read a set-up from a file.
+
+    Raises
+    ------
+    BridgeError
+        The file cannot be read, or holds no set-up.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+        return setup_from_dict(json.loads(text), str(path))
+    except OSError as error:
+        raise BridgeError(f"The set-up {path} cannot be read: {error.strerror or error}.") from error
+    except ValueError as error:
+        raise BridgeError(f"The set-up {path} is no JSON: {error}.") from error
+
+
+def save_setup(path: str | os.PathLike[str], wires: Iterable[Wire]) -> None:
+    """Write a set-up to a file, as a whole or not at all.
+
+    Raises
+    ------
+    BridgeError
+        The file cannot be written.
+    """
+    target = Path(path)
+    beside = target.with_name(f".{target.name}.new")
+    try:
+        beside.write_text(json.dumps(setup_as_dict(wires), indent=2) + "\n", encoding="utf-8")
+        beside.replace(target)
+    except OSError as error:
+        raise BridgeError(f"The set-up {path} cannot be written: {error.strerror or error}.") from error
+
+
+def parse_address(host: str | None, port: int | str | None, default: int) -> tuple[str, int]:
+    """Take an address apart: ``turtle.local``, ``10.0.0.5:9090``, ``ws://turtle.local:9090/``.
+
+    Raises
+    ------
+    BridgeError
+        It is none.
+    """
+    text = (host or "").strip()
+    bare = text.rpartition("//")[2].rstrip("/")
+    name, colon, digits = bare.rpartition(":") if bare.count(":") == 1 else (bare, "", "")
+    number = str(port) if port is not None else digits if colon else str(default)
+    if not number.isdigit() or not 0 < int(number) < 65536 or (text and not name) or set(name) & set(" /?#"):
+        raise BridgeError(f"`{text}`{f', port {port}' if port else ''} is no address: `host` or `host:port`.")
+    return name, int(number)

@@ -1,0 +1,386 @@
+"""ROS message types as Python classes: messages that a program fills, readings that it gets.
+
+Both are made from a definition when the first connection of a type is set up. A message checks
+every field and type where it is filled, for rosbridge tells its client nothing and rospy checks
+only while somebody listens. A reading is a frozen value: what arrived does not change while a
+program looks at it.
+
+Paper: §7.1 (``data linear x: forwardSpeed``; the last odometry as ``robot odom``).
+"""
+
+from __future__ import annotations
+
+import base64
+import math
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from lrp_jupyter.bridges.members import MemberError, did_you_mean
+from lrp_jupyter.bridges.message import Message, Plain, real_number
+from lrp_jupyter.bridges.ros.definitions import (
+    FLOATS,
+    INTEGERS,
+    KNOWN,
+    PRIMITIVES,
+    STRINGS,
+    Definition,
+    FieldType,
+    canonical,
+)
+from lrp_jupyter.errors import BridgeError
+
+__all__ = ["VELOCITIES", "Form", "Reading", "RosMessage", "Types"]
+
+VELOCITIES = frozenset({"geometry_msgs/Twist", "geometry_msgs/TwistStamped"})
+"""Types of which a zero stops the robot; the command watchdog watches over them."""
+
+_WORDS = {
+    "geometry_msgs/Twist": {"linear": "linear.x", "angular": "angular.z"},
+    "geometry_msgs/TwistStamped": {"linear": "twist.linear.x", "angular": "twist.angular.z"},
+}
+
+Decode = Callable[[Any], Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Form:
+    """How messages of a type arrive.
+
+    Attributes
+    ----------
+    kind : Reading class
+    decode : callable
+        Makes a reading of a dictionary (rosbridge) or of an object with attributes (rospy); raises
+        ValueError, TypeError or AttributeError for what is no message of the type.
+    zero : Reading
+        The one in which nothing is set.
+    """
+
+    kind: type[Reading]
+    decode: Callable[[Any], Reading]
+    zero: Reading
+
+
+class RosMessage(Message):
+    """A ROS message to be filled."""
+
+    __slots__ = ()
+    _TYPE: ClassVar[str] = ""
+
+    def _assign(self, name: str, value: object) -> None:
+        if isinstance(value, Reading):  # what arrived on one topic may go out on another
+            value = value._as_dict()
+        if name in self.WORDS and name not in self.FIELDS:
+            self.set(name, value)
+        else:
+            super()._assign(name, value)
+
+    def _assign_long_name(self, name: str, value: object) -> None:
+        for field, kind in self.FIELDS.items():  # names of fields may have underscores of their own
+            rest = name.removeprefix(f"{field}_")
+            if rest != name and not isinstance(kind, Plain):
+                try:
+                    self._fields[field]._assign(rest, value)
+                except MemberError:
+                    continue
+                return
+        raise self._unknown(name)
+
+
+class Reading:
+    """A ROS message that arrived, as a frozen value."""
+
+    __slots__: tuple[str, ...] = ()
+    _type: ClassVar[str] = ""
+
+    def __init__(self, *values: object) -> None:
+        for name, value in zip(self.__slots__, values, strict=True):
+            object.__setattr__(self, name, value)
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_"):  # copy, pickle and notebooks ask for these
+            raise MemberError(f"`{type(self).__name__}` has no `{name}`.")
+        names = ", ".join(f"`{field}`" for field in self.__slots__)
+        hint = did_you_mean(name, self.__slots__)
+        raise MemberError(f"`{self._type}` has no `{name}`; it has {names}.{hint}")
+
+    def __setattr__(self, name: str, value: object) -> None:
+        raise MemberError(f"`{name}` was read from the robot and cannot be assigned.")
+
+    def __eq__(self, other: object) -> bool:
+        return type(other) is type(self) and self._values() == other._values()
+
+    def __hash__(self) -> int:
+        return hash(self._values())
+
+    def __copy__(self) -> Reading:
+        return self
+
+    def __deepcopy__(self, memo: object) -> Reading:
+        return self
+
+    def __repr__(self) -> str:
+        inside = zip(self.__slots__, self._values(), strict=True)
+        return f"{type(self).__name__}({', '.join(f'{name}={value!r}' for name, value in inside)})"
+
+    def _values(self) -> tuple[object, ...]:
+        return tuple(getattr(self, name) for name in self.__slots__)
+
+    def _as_dict(self) -> dict[str, Any]:
+        extra = _EXTRA.get(self._type, ())
+        return {
+            name: _plain(value)
+            for name, value in zip(self.__slots__, self._values(), strict=True)
+            if name not in extra
+        }
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, Reading):
+        return value._as_dict()
+    return tuple(map(_plain, value)) if isinstance(value, tuple) else value
+
+
+class Types:
+    """The types known so far, and their classes.
+
+    Owner: the thread of the connection adds; the classes may be used anywhere.
+    """
+
+    def __init__(self) -> None:
+        self._definitions: dict[str, Definition] = dict(KNOWN)
+        self._messages: dict[str, type[RosMessage]] = {}
+        self._forms: dict[str, Form] = {}
+
+    def add(self, definitions: Mapping[str, Definition]) -> None:
+        """Learn types; what was known before is replaced, as the robot knows best."""
+        self._definitions.update(definitions)
+        self._messages.clear()
+        self._forms.clear()
+
+    def knows(self, type_: str) -> bool:
+        """Whether a type and all that is in it are defined."""
+        definition = self._definitions.get(canonical(type_))
+        return definition is not None and all(
+            field.base in PRIMITIVES or self.knows(field.base) for field in definition.fields.values()
+        )
+
+    def names(self) -> list[str]:
+        """Every type known, for "did you mean"."""
+        return [name for name in self._definitions if "/" in name]
+
+    def _definition(self, type_: str) -> Definition:
+        definition = self._definitions.get(type_)
+        if definition is None:
+            raise BridgeError(f"There is no message type `{type_}`.{did_you_mean(type_, self.names())}")
+        return definition
+
+    def message(self, type_: str) -> type[RosMessage]:
+        """Give the class of messages to fill.
+
+        Raises
+        ------
+        BridgeError
+            The type, or one in it, is not known.
+        """
+        name = canonical(type_)
+        if name not in self._messages:
+            fields = {field: self._kind(kind) for field, kind in self._definition(name).fields.items()}
+            self._messages[name] = type(
+                name.rpartition("/")[2],
+                (RosMessage,),
+                {
+                    "__slots__": (),
+                    "__doc__": f"A `{name}`.",
+                    "FIELDS": fields,
+                    "WORDS": _WORDS.get(name, {}),
+                    "_TYPE": name,
+                },
+            )
+        return self._messages[name]
+
+    def _kind(self, field: FieldType) -> type[Message] | Plain:
+        if field.length >= 0:
+            return _array(field, None if field.base in PRIMITIVES else self.message(field.base))
+        return _PLAIN[field.base] if field.base in PRIMITIVES else self.message(field.base)
+
+    def form(self, type_: str) -> Form:
+        """Give the class of readings, and what makes one.
+
+        Raises
+        ------
+        BridgeError
+            The type, or one in it, is not known.
+        """
+        name = canonical(type_)
+        if name not in self._forms:
+            self._forms[name] = self._make_form(self._definition(name))
+        return self._forms[name]
+
+    def _make_form(self, definition: Definition) -> Form:
+        fields = definition.fields
+        decoders = {name: self._decoder(field) for name, field in fields.items()}
+        zeros = {name: self._zero(field) for name, field in fields.items()}
+        extra = [name for name in _EXTRA.get(definition.type, ()) if name not in fields]
+        kind: type[Reading] = type(
+            definition.type.rpartition("/")[2],
+            (Reading,),
+            {
+                "__slots__": (*fields, *extra),
+                "__doc__": f"A `{definition.type}` that arrived.",
+                "__annotations__": {**dict.fromkeys(extra, float), **{n: type(z) for n, z in zeros.items()}},
+                "_type": definition.type,
+            },
+        )
+
+        def make(values: dict[str, Any]) -> Reading:
+            return kind(*values.values(), *(_plane(values["pose"]) if extra else ()))
+
+        def decode(raw: Any) -> Reading:
+            if not isinstance(raw, Mapping):
+                return make({name: decoders[name](getattr(raw, name)) for name in fields})
+            if fields and not any(name in raw for name in fields):
+                raise ValueError(f"it has {', '.join(map(repr, raw)) or 'no fields'}")
+            return make({name: decoders[name](raw[name]) if name in raw else zeros[name] for name in fields})
+
+        return Form(kind, decode, make(zeros))
+
+    def _zero(self, field: FieldType) -> Any:
+        one = _PYTHON[field.base]() if field.base in PRIMITIVES else self.form(field.base).zero
+        if field.length < 0:
+            return one
+        return bytes(field.length) if field.base in _BYTES else (one,) * field.length
+
+    def _decoder(self, field: FieldType) -> Decode:
+        one = _DECODERS[field.base] if field.base in PRIMITIVES else self.form(field.base).decode
+        if field.length < 0:
+            return one
+        return _bytes if field.base in _BYTES else lambda raw: tuple(map(one, raw))
+
+
+# -- fields to fill -------------------------------------------------------------------------------
+
+
+def _integer(name: str) -> Plain:
+    low, high = INTEGERS[name]
+
+    def check(value: object, path: str) -> int:
+        if isinstance(value, bool) or not hasattr(value, "__index__"):
+            raise BridgeError(f"`{path}` must be a whole number, not {value!r} ({type(value).__name__}).")
+        number = value.__index__()
+        if not low <= number <= high:
+            raise BridgeError(f"`{path}` goes from {low} to {high}, not {number}.")
+        return int(number)
+
+    return Plain(name, 0, check)
+
+
+def _real(name: str) -> Plain:
+    largest = FLOATS[name]
+
+    def check(value: object, path: str) -> float:
+        number = real_number(value, path)
+        if abs(number) > largest:
+            raise BridgeError(f"`{path}` is too large for a {name}: {number:g}.")
+        return number
+
+    return Plain(name, 0.0, check)
+
+
+def _text(name: str) -> Plain:
+    def check(value: object, path: str) -> str:
+        if not isinstance(value, str):
+            raise BridgeError(f"`{path}` must be a text, not {value!r} ({type(value).__name__}).")
+        return str(value)
+
+    return Plain(name, "", check)
+
+
+def _truth(value: object, path: str) -> bool:
+    if not isinstance(value, bool) and str(getattr(value, "dtype", "")) != "bool":
+        raise BridgeError(f"`{path}` must be True or False, not {value!r} ({type(value).__name__}).")
+    return bool(value)
+
+
+_PLAIN = {
+    **{name: _integer(name) for name in INTEGERS},
+    **{name: _real(name) for name in FLOATS},
+    **{name: _text(name) for name in STRINGS},
+    "bool": Plain("bool", False, _truth),
+}
+
+
+def _array(field: FieldType, message: type[Message] | None) -> Plain:
+    """Make a kind of field for many: of numbers and texts, or of messages as nested dictionaries."""
+
+    def one(value: object, path: str) -> object:
+        if message is None:
+            return _PLAIN[field.base].check(value, path)
+        if isinstance(value, message):
+            return value.as_dict()
+        if isinstance(value, Reading):
+            value = value._as_dict()
+        if not isinstance(value, Mapping):
+            raise BridgeError(f"`{path}` must be a `{field.base}`, or a dictionary, not {value!r}.")
+        return message(path, **value).as_dict()
+
+    def check(value: object, path: str) -> tuple[object, ...]:
+        if isinstance(value, (str, Mapping)) or not isinstance(value, Iterable):
+            raise BridgeError(f"`{path}` must be a list, not {value!r} ({type(value).__name__}).")
+        items = tuple(one(item, f"{path}[{index}]") for index, item in enumerate(value))
+        if field.length and len(items) != field.length:
+            raise BridgeError(f"`{path}` has {field.length} elements, not {len(items)}.")
+        return items
+
+    empty: object = _PLAIN[field.base].default if message is None else message().as_dict()
+    return Plain(str(field), (empty,) * field.length, check)
+
+
+# -- fields that arrived --------------------------------------------------------------------------
+
+_BYTES = ("uint8", "char", "byte")
+_PYTHON = {
+    **dict.fromkeys(INTEGERS, int),
+    **dict.fromkeys(FLOATS, float),
+    **dict.fromkeys(STRINGS, str),
+    "bool": bool,
+}
+
+
+def _float(raw: Any) -> float:
+    if raw is None:  # JSON has no NaN and no infinity: rosbridge writes null
+        return math.nan
+    return float(_number(raw))
+
+
+def _bytes(raw: Any) -> bytes:
+    """Octets come as base64 over rosbridge, as bytes or a list otherwise."""
+    return base64.b64decode(raw) if isinstance(raw, str) else bytes(raw)
+
+
+def _exactly(kind: type, *also: type) -> Decode:
+    def decode(raw: Any) -> object:
+        if not isinstance(raw, (kind, *also)):
+            raise TypeError(f"{raw!r} is no {kind.__name__}")
+        return kind(raw)
+
+    return decode
+
+
+_number = _exactly(float, int)
+_DECODERS: Mapping[str, Decode] = {
+    **dict.fromkeys(INTEGERS, _exactly(int)),
+    **dict.fromkeys(FLOATS, _float),
+    **dict.fromkeys(STRINGS, _exactly(str)),
+    "bool": _exactly(bool, int),
+}
+
+_EXTRA = {"nav_msgs/Odometry": ("x", "y", "theta")}
+
+
+def _plane(pose: Any) -> tuple[float, float, float]:
+    """Give x, y (metres) and the heading (radians) of a robot on the floor."""
+    position, turn = pose.pose.position, pose.pose.orientation
+    heading = math.atan2(2 * (turn.w * turn.z + turn.x * turn.y), 1 - 2 * (turn.y * turn.y + turn.z * turn.z))
+    return position.x, position.y, heading

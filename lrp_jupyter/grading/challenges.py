@@ -1,0 +1,318 @@
+"""The bundled challenges, from easy to hard, each with a hint for its typical mistakes."""
+
+from __future__ import annotations
+
+import math
+
+from lrp_jupyter.grading.criteria import (
+    _angle,
+    drives,
+    ends_in,
+    ends_still,
+    never_restarts,
+    no_faults,
+    on_line,
+    pushes,
+    sees_line,
+    stays_in,
+    touches,
+    touches_nothing,
+    turns,
+    visits,
+)
+from lrp_jupyter.grading.grade import Challenge, Hint, register
+from lrp_jupyter.grading.recording import Recording
+from lrp_jupyter.sim.world import (
+    ArcStroke,
+    Box,
+    BoxZone,
+    CircleZone,
+    Floor,
+    PathStroke,
+    RobotSpec,
+    World,
+)
+
+__all__ = ["BUNDLED"]
+
+_QUARTER = math.pi / 2
+
+
+def _line_across() -> World:
+    """Draw a line across the way."""
+    return World(
+        name="line across",
+        size=(3, 2),
+        floor=Floor(strokes=(PathStroke(((2, 0.4), (2, 1.6))),)),
+        robots=(RobotSpec((0.5, 1, 0)),),
+        zones={"at the line": BoxZone((1.95, 1, 0.2, 1.2)), "beyond": BoxZone((2.5, 1, 0.8, 2))},
+    )
+
+
+def _square() -> World:
+    """Mark the corners of a square to the left of the robot."""
+    corners = {
+        "home": (1.0, 0.6),
+        "first corner": (1.6, 0.6),
+        "second corner": (1.6, 1.2),
+        "third corner": (1.0, 1.2),
+    }
+    zones = {name: CircleZone((x, y, 0.22)) for name, (x, y) in corners.items()}
+    return World(name="square", size=(2.6, 1.8), robots=(RobotSpec((1.0, 0.6, 0)),), zones=zones)
+
+
+def _wall_ahead() -> World:
+    """Put a wall in the way."""
+    wall = Box((2.2, 1, 0.08, 1.2), name="wall")
+    return World(name="wall ahead", size=(3, 2), solids=(wall,), robots=(RobotSpec((0.5, 1, 0)),))
+
+
+def _oval(radius: float) -> World:
+    """Draw an oval with half circles of a radius."""
+    left, right, middle = radius + 0.4, radius + 1.4, radius + 0.4
+    strokes = (
+        PathStroke(((left, middle - radius), (right, middle - radius))),
+        ArcStroke((right, middle, radius, -_QUARTER, _QUARTER)),
+        PathStroke(((right, middle + radius), (left, middle + radius))),
+        ArcStroke((left, middle, radius, _QUARTER, 3 * _QUARTER)),
+    )
+    return World(
+        name=f"oval of radius {radius:g} m",
+        size=(right + radius + 0.4, 2 * middle),
+        floor=Floor(strokes=strokes),
+        robots=(RobotSpec((left + 0.3, middle - radius, 0)),),
+        zones={
+            "right": CircleZone((right + radius, middle, 0.25)),
+            "left": CircleZone((left - radius, middle, 0.25)),
+            "start": CircleZone((left + 0.3, middle - radius, 0.25)),
+        },
+    )
+
+
+def _block() -> World:
+    """Put a block into the middle, the robot beside it, one ray to its left."""
+    around = {"south": (1.5, 0.45), "east": (2.55, 1), "north": (1.5, 1.55), "west": (0.45, 1)}
+    return World(
+        name="block",
+        size=(3, 2),
+        solids=(Box((1.5, 1, 1.2, 0.4), name="wall"),),
+        robots=(RobotSpec((1.0, 0.5, 0), distance=((0.0, 2.0), (_QUARTER, 2.0))),),
+        zones={name: CircleZone((x, y, 0.4)) for name, (x, y) in around.items()},
+    )
+
+
+def _drove_over(run: Recording) -> str | None:
+    seen = next((sample for sample in run.samples if sees_line(sample)), None)
+    if seen is None or next(run.inside("beyond"), None) is None:
+        return None
+    return (
+        f"it crossed the line after {seen.time:.1f} s and drove on: `(on online driving -> stopped)`,"
+        " with `(event online [robot.light.data < 128])` and a state that does nothing"
+    )
+
+
+def _never_turned(run: Recording) -> str | None:
+    if not run.samples or abs(_angle(run.samples[-1].heading - run.samples[0].heading)) > 0.3:
+        return None
+    return "it only went straight on: `robot.move(angular=1)` turns by 1 rad/s, for (pi / 2) s is a quarter"
+
+
+def _never_saw_the_line(run: Recording) -> str | None:
+    if any(map(sees_line, run.samples)):
+        return None
+    return "its light sensor never saw the line; white is 255, black 0, the line lies below 128"
+
+
+def _lost_the_line(run: Recording) -> str | None:
+    last = max((sample.time for sample in run.samples if sees_line(sample)), default=None)
+    if last is None or run.seconds - last < 5:
+        return None
+    return (
+        f"it lost the line after {last:.1f} s and did not find it again:"
+        " look to the left, then to the right, and each time a bit further"
+    )
+
+
+def _ended_at_the_first_bump(run: Recording) -> str | None:
+    walls = [name for name in ("far wall", "near wall") if next(run.touches(name), None)]
+    if walls != ["far wall"] or run.seconds - run.still_since() < 2:
+        return None
+    return (
+        "it ended at the far wall: while the bumper is still pressed, a flag that is cleared in"
+        " `bumpback` ends the program one tick later; clear it on entering the turn"
+    )
+
+
+def _did_not_turn_back(run: Recording) -> str | None:
+    touched = sum("far wall" in sample.touched for sample in run.samples)
+    if touched < 30:
+        return None
+    return "it keeps pushing against the far wall: after the bump, drive back a second, then turn by pi"
+
+
+def _kept_pushing(run: Recording) -> str | None:
+    if sum("wall" in sample.touched for sample in run.samples) < 50:
+        return None
+    return "it keeps pushing: `(event bump [robot.bumper.data == 1])` leads to a state that does nothing"
+
+
+def _crossed_the_border(run: Recording) -> str | None:
+    if next((sample for sample in run.samples if sees_line(sample)), None) is None:
+        return None
+    return "on the border, drive back first and turn then: a turn on the spot carries the robot across"
+
+
+def _too_close(run: Recording) -> str | None:
+    found = next((sample for sample in run.samples if "wall" in sample.touched), None)
+    if found is None:
+        return None
+    return "it came too close to the wall: below the distance that it shall keep, steer away from it"
+
+
+def _restarted(run: Recording) -> str | None:
+    reason = next((event.data for event in run.events if event.kind == "restarted"), None)
+    if reason is None:
+        return None
+    return (
+        f"{reason}: change a state while it is not active, or a variable, an event, a transition;"
+        " these never restart the program"
+    )
+
+
+def _back_again(run: Recording) -> bool:
+    """There and back, and still for two seconds since."""
+    near = next(run.touches("near wall"), None)
+    return near is not None and run.seconds - run.still_since() >= 2.5
+
+
+_AROUND = visits("right", "left", "start")
+
+
+def _once_around(run: Recording) -> bool:
+    """At the start again, after the rest of the way."""
+    last = run.samples[-1]
+    home = run.world.zones["start"].contains(last.x, last.y)
+    return home and last.time > 10 and _AROUND(run).passed
+
+
+_THERE_AND_BACK = (touches("far wall", "near wall"), ends_still(2), no_faults())
+_BACK_HINTS: tuple[Hint, ...] = (_ended_at_the_first_bump, _did_not_turn_back, _lost_the_line)
+
+BUNDLED = tuple(
+    register(each)
+    for each in (
+        Challenge(
+            "first move",
+            "Drive: at least 30 cm in five seconds, anywhere.",
+            ("empty",),
+            (drives(0.3), no_faults()),
+            5,
+        ),
+        Challenge(
+            "stop at the line",
+            "Drive straight on and stop at the black line.",
+            (_line_across(),),
+            (ends_in("at the line"), ends_still(2), no_faults()),
+            20,
+            (_drove_over, _never_saw_the_line),
+        ),
+        Challenge(
+            "square",
+            "Drive a square with sides of 60 cm, to the left, and stop where it began.",
+            (_square(),),
+            (
+                visits("first corner", "second corner", "third corner", "home"),
+                ends_in("home"),
+                turns(250),
+                no_faults(),
+            ),
+            40,
+            (_never_turned,),
+        ),
+        Challenge(
+            "bump and stay",
+            "Drive until something is in the way, and stand still then.",
+            (_wall_ahead(),),
+            (touches("wall"), ends_still(3), no_faults()),
+            25,
+            (_kept_pushing,),
+        ),
+        Challenge(
+            "follow the line",
+            "Follow the closed line once around, however narrow its curves are.",
+            tuple(_oval(radius) for radius in (0.35, 0.5, 0.8)),
+            (_AROUND, on_line(0.35), no_faults()),
+            150,
+            (_never_saw_the_line, _lost_the_line),
+            noise={"motor": 0.02, "light": 5},
+            until=_once_around,
+        ),
+        Challenge(
+            "find the line",
+            "The line is somewhere ahead, a bit to the side: find it, and stop on it.",
+            (_line_across(),),
+            (on_line(0.02), ends_in("at the line"), no_faults()),
+            40,
+            (_drove_over, _never_saw_the_line),
+            noise={"motor": 0.05},
+        ),
+        Challenge(
+            "there and back",
+            "Follow the line until you bump into the far wall, come back, and end at the near wall.",
+            ("line",),
+            _THERE_AND_BACK,
+            300,
+            _BACK_HINTS,
+            noise={"motor": 0.02, "light": 5},
+            until=_back_again,
+        ),
+        Challenge(
+            "debug the printed listing",
+            "The program printed in the paper does not come back. Find out why, while it runs.",
+            ("line",),
+            _THERE_AND_BACK,
+            300,
+            _BACK_HINTS,
+            until=_back_again,
+        ),
+        Challenge(
+            "edge guard",
+            "Drive about for a minute and never leave the field with the black border.",
+            ("arena",),
+            (stays_in("inside"), drives(2), no_faults()),
+            60,
+            (_crossed_the_border,),
+            noise={"motor": 0.02},
+        ),
+        Challenge(
+            "wall follower",
+            "Go once around the block on your left, without touching it.",
+            (_block(),),
+            (visits("east", "north", "west", "south"), touches_nothing(), no_faults()),
+            120,
+            (_too_close,),
+        ),
+        Challenge(
+            "push the box",
+            "Push the box in front of you into the goal.",
+            ("boxes",),
+            (pushes("box", "goal"), no_faults()),
+            60,
+        ),
+        Challenge(
+            "maze",
+            "Find the way to the goal, in the corner across.",
+            ("maze",),
+            (visits("goal"), no_faults()),
+            600,
+        ),
+        Challenge(
+            "edit it live",
+            "Change the running program, at least once: it drives on and never restarts.",
+            ("oval",),
+            (drives(0.5), never_restarts(), no_faults()),
+            30,
+            (_restarted,),
+        ),
+    )
+)

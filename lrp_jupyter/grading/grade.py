@@ -1,0 +1,288 @@
+"""Grade a program: run it headless, in virtual time, and judge the run.
+
+``grade(program, "there and back", seeds=10)`` takes a second or two and gives, for every seed and
+every criterion, whether it passed and why, and a hint where a typical mistake was made.
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from lrp_jupyter.errors import LRPError, LRPSyntaxError
+from lrp_jupyter.grading.criteria import Criterion, Verdict, no_faults
+from lrp_jupyter.grading.recording import Recording
+from lrp_jupyter.language.program import Program
+from lrp_jupyter.live.session import Session
+
+if TYPE_CHECKING:
+    from lrp_jupyter.sim.world import World
+
+__all__ = ["Attempt", "Challenge", "Grade", "Hint", "challenge", "challenges", "grade", "register"]
+
+Hint = Callable[[Recording], str | None]
+"""Looks at a run that failed; gives the hint if the mistake that it knows was made."""
+
+
+@dataclass(frozen=True)
+class Challenge:
+    """Something to be programmed, and how it is judged.
+
+    Parameters
+    ----------
+    name : str
+    task : str
+        What the robot shall do, in a sentence or two.
+    worlds : tuple of str or World
+        Every one has to be mastered.
+    criteria : tuple of Criterion
+    seconds : float
+        Length of a run, in its own time.
+    hints : tuple of Hint
+        The first that knows the mistake speaks.
+    rate : float
+        Ticks per second.
+    noise : dict or None
+        Imperfections of the robot: ``{"motor": 0.1, "light": 10}``.
+    until : callable or None
+        Ends a run early, when a recording can only stay as good as it is.
+    """
+
+    name: str
+    task: str
+    worlds: tuple[str | World, ...]
+    criteria: tuple[Criterion, ...]
+    seconds: float = 60
+    hints: tuple[Hint, ...] = ()
+    rate: float = 10
+    noise: dict[str, float] | None = None
+    until: Callable[[Recording], bool] | None = None
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.task}"
+
+
+class Attempt(NamedTuple):
+    """One run: world, seed, what the criteria say, and a hint (empty when there is none)."""
+
+    world: str
+    seed: int
+    seconds: float
+    verdicts: tuple[Verdict, ...]
+    hint: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether every criterion is met."""
+        return all(verdict.passed for verdict in self.verdicts)
+
+
+@dataclass(frozen=True)
+class Grade:
+    """The result of :func:`grade`; true if everything passed. ``print(grade)`` tells why.
+
+    Parameters
+    ----------
+    challenge : str
+    attempts : tuple of Attempt
+    """
+
+    challenge: str
+    attempts: tuple[Attempt, ...] = field(default=(), repr=False)
+
+    @property
+    def passed(self) -> bool:
+        """Whether every run met every criterion."""
+        return bool(self.attempts) and all(attempt.passed for attempt in self.attempts)
+
+    @property
+    def hint(self) -> str:
+        """The first hint; empty when there is none."""
+        return next((attempt.hint for attempt in self.attempts if attempt.hint), "")
+
+    def __bool__(self) -> bool:
+        return self.passed
+
+    def __repr__(self) -> str:
+        good = sum(attempt.passed for attempt in self.attempts)
+        word = "passed" if self.passed else "not yet"
+        return f"<Grade {self.challenge}: {word}, {good} of {len(self.attempts)} runs>"
+
+    def __str__(self) -> str:
+        lines = [f"{self.challenge}: {'passed' if self.passed else 'not yet'}"]
+        shown = next((attempt for attempt in self.attempts if not attempt.passed), None)
+        if len(self.attempts) > 1:
+            lines += list(self._summary())
+        if shown is None and self.attempts:
+            shown = self.attempts[0]
+        if shown is not None:
+            lines += [f"  {verdict}" for verdict in shown.verdicts]
+        if self.hint:
+            lines.append(f"Hint: {self.hint}")
+        return "\n".join(lines)
+
+    def _summary(self) -> Iterator[str]:
+        worlds = dict.fromkeys(attempt.world for attempt in self.attempts)
+        for world in worlds:
+            runs = [attempt for attempt in self.attempts if attempt.world == world]
+            failed = [str(attempt.seed) for attempt in runs if not attempt.passed]
+            text = f"all {len(runs)} runs" if not failed else f"not with seed {', '.join(failed)}"
+            yield f"  in `{world}`: {text}"
+
+
+_challenges: dict[str, Challenge] = {}
+
+
+def register(new: Challenge) -> Challenge:
+    """Make a challenge known by its name; one of the same name is replaced."""
+    _challenges[new.name] = new
+    return new
+
+
+def challenges() -> tuple[Challenge, ...]:
+    """List the challenges, from easy to hard."""
+    from lrp_jupyter.grading import challenges as bundled  # they register themselves
+
+    assert bundled
+    return tuple(_challenges.values())
+
+
+def challenge(name: str) -> Challenge:
+    """Find a challenge by name.
+
+    Raises
+    ------
+    LRPError
+        There is none of that name; the message names the nearest.
+    """
+    known = {each.name: each for each in challenges()}
+    wanted = name.replace("-", " ").replace("_", " ").casefold().strip()
+    if wanted in known:
+        return known[wanted]
+    close = difflib.get_close_matches(wanted, known, n=1)
+    hint = f" Did you mean `{close[0]}`?" if close else ""
+    raise LRPError(f"there is no challenge `{name}`.{hint} There are: {', '.join(known)}")
+
+
+def grade(
+    program: str | Program | Sequence[str | Program] | Session,
+    what: str | Challenge | World,
+    seeds: int | Iterable[int] = 1,
+    *,
+    criteria: Sequence[Criterion] = (),
+    seconds: float = 60,
+    namespace: dict[str, Any] | None = None,
+) -> Grade:
+    """Run a program and judge it; without a screen, in virtual time.
+
+    Parameters
+    ----------
+    program : str, Program, Session, or several texts
+        Several are applied one after the other to the running program, at equal intervals.
+    what : str, Challenge or World
+        A challenge or its name; with a world, `criteria` and `seconds` say the rest.
+    seeds : int or iterable of int
+        How many runs in each world, or which seeds they have.
+    namespace : dict, optional
+        Names that the blocks see.
+
+    Returns
+    -------
+    Grade
+        A text that is no program does not pass; the reason is its first error.
+
+    Raises
+    ------
+    LRPError
+        There is no such challenge.
+    """
+    if isinstance(what, str):
+        task = challenge(what)
+    elif isinstance(what, Challenge):
+        task = what
+    else:
+        task = Challenge(what.name or "your world", "", (what,), (*criteria, no_faults()), seconds)
+    texts = [_text(each) for each in (program if isinstance(program, (list, tuple)) else [program])]
+    numbers = range(seeds) if isinstance(seeds, int) else seeds
+    runs = [(world, seed) for world in task.worlds for seed in numbers]
+    return Grade(task.name, tuple(_attempt(texts, task, world, seed, namespace) for world, seed in runs))
+
+
+def _text(program: Any) -> str:
+    if isinstance(program, str):
+        return program
+    text = getattr(program, "text", None)  # a program, a session, a lab
+    if not isinstance(text, str):
+        raise TypeError(f"a program is a text, a Program or a Session, not {type(program).__name__}")
+    return text
+
+
+def _attempt(
+    texts: list[str], task: Challenge, world: str | World, seed: int, namespace: dict[str, Any] | None
+) -> Attempt:
+    name = world if isinstance(world, str) else world.name or "world"
+    try:
+        recording = _record(texts, task, world, seed, namespace)
+    except LRPSyntaxError as error:
+        reason = Verdict("is a program", False, str(error.findings[0]))
+        return Attempt(name, seed, 0.0, (reason,), "correct the text first: the editor marks the place")
+    verdicts = tuple(criterion(recording) for criterion in task.criteria)
+    hint = ""
+    if not all(verdict.passed for verdict in verdicts):
+        hint = next((text for look in (*_FIRST, *task.hints, _watchdog) if (text := look(recording))), "")
+    return Attempt(name, seed, recording.seconds, verdicts, hint)
+
+
+def _record(
+    texts: list[str], task: Challenge, world: str | World, seed: int, namespace: dict[str, Any] | None
+) -> Recording:
+    from lrp_jupyter.bridges.sim import SimBridge
+    from lrp_jupyter.language.parser import parse
+
+    bridge = SimBridge(world, seed, task.noise)
+    recording = Recording(bridge.world)
+    programs = [parse(text, "<lrp grade>") for text in texts]
+    with Session(
+        programs[0], bridge, rate=task.rate, namespace=namespace, name="grade", journal=0
+    ) as session:
+        session.observe(recording.events.append)
+
+        def over(_frame: object) -> bool:
+            recording.sample(bridge, session.interpreter)
+            return task.until is not None and task.until(recording)
+
+        for number, program in enumerate(programs):
+            if number:
+                session.edit(program.text)
+            session.run(task.seconds / len(programs), until=over)
+        if session.fault:
+            raise LRPError(f"the run broke off, and not by the program's fault:\n{session.fault}")
+        recording.issues = tuple(issue for issue in session.issues if not issue.resolved)
+        recording.notices = tuple(notice.text for notice in bridge.safety.notices)
+        recording.commands = bridge.safety.command_count
+    return recording
+
+
+def _nothing_active(run: Recording) -> str | None:
+    if run.count("entered"):
+        return None
+    return "nothing was active: `(spawn machine state)` outside all machines says where to start"
+
+
+def _has_issues(run: Recording) -> str | None:
+    return f"line {run.issues[0].line}: {run.issues[0].message}" if run.issues else None
+
+
+def _no_command(run: Recording) -> str | None:
+    if run.commands:
+        return None
+    return "the robot was never told to move: put `robot.move(linear=0.2)` into the `running` of a state"
+
+
+def _watchdog(run: Recording) -> str | None:
+    return next((text for text in run.notices if text.startswith("no command")), None)
+
+
+_FIRST: tuple[Hint, ...] = (_nothing_active, _has_issues, _no_command)

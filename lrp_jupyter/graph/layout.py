@@ -1,0 +1,383 @@
+"""The drawing of one machine as plain data: what the notebook and the still picture both draw.
+
+Everything is decided here: places, sizes, ways of arrows, places of labels. A view only draws it
+and marks what is active, so that the live graph and the still picture look the same.
+
+The result goes into the next call as `previous`; that is how states keep their places:
+
+- a state keeps its place exactly, whatever else is edited; only `pinned` moves it;
+- a new state takes the free place nearest to its neighbours;
+- the missing end of a dangling transition already has the place of the state to come;
+- a removed state's place stays reserved for :data:`RESERVED` seconds (time is a parameter here);
+- a renamed state keeps its place: one named in `renamed`, and one that is the only difference.
+
+Paper: §3.1, figure 2 (kinds of transitions and the fictional state ``*``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+
+from lrp_jupyter.graph.labels import place_labels
+from lrp_jupyter.graph.memory import RESERVED, remembered_places
+from lrp_jupyter.graph.places import Box, Point
+from lrp_jupyter.graph.routes import Route, arc, bends, chords, detour, loop, number, straight
+from lrp_jupyter.graph.shapes import Label, Layout, Port, Start, StateShape, TransitionShape
+from lrp_jupyter.graph.state_graph import (
+    ANY,
+    arrow_text,
+    distinct_states,
+    events_in_scope,
+    outer_states,
+    start_states,
+    why_dangling,
+)
+from lrp_jupyter.graph.widths import shorten, text_width
+from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
+
+__all__ = ["LABEL_FONT", "RESERVED", "SMALL_FONT", "STATE_FONT", "layout"]
+
+STATE_FONT, LABEL_FONT, SMALL_FONT = 13.0, 11.5, 10.5
+"""Font sizes of states' names, of labels, and of nested machines' names, in px."""
+HEIGHT, NESTED_HEIGHT = 36.0, 52.0
+WIDEST_NAME, WIDEST_LABEL = 150.0, 150.0
+MARGIN = 22.0
+TITLE = 18.0
+
+
+def layout(
+    machine: Machine,
+    previous: Layout | None = None,
+    *,
+    program: Program | None = None,
+    path: Path | None = None,
+    pinned: Mapping[str, Sequence[float]] | None = None,
+    renamed: Mapping[str, str] | None = None,
+    now: float = 0.0,
+) -> Layout:
+    """Lay out one machine.
+
+    Parameters
+    ----------
+    machine : Machine
+    previous : Layout, optional
+        The last layout of the same machine: its states keep their places. Without it everything is
+        arranged anew, except for what is pinned.
+    program : Program, optional
+        The program around it; it tells start states, events in scope and where an ``exit`` leads.
+    path : tuple of str, optional
+        The machine's path, by default its name alone.
+    pinned : mapping of str to (x, y), optional
+        States moved by hand and where to, in px; they stay pinned in later layouts.
+    renamed : mapping of str to str, optional
+        Old names of states and their new ones.
+    now : float
+        Time in seconds, on any clock; for the places of removed states.
+
+    Returns
+    -------
+    Layout
+        Plain dicts, lists, strings and numbers: ``json.dumps`` takes it as it is. The same arguments
+        always give the same result.
+    """
+    where = path or (str(machine.name),)
+    return _Drawing(machine, where, program).draw(previous, pinned or {}, renamed or {}, now)
+
+
+class _Edge:
+    """One arrow to draw."""
+
+    def __init__(self, label: str, transition: Transition, source: str, broken: str | None) -> None:
+        self.id = label
+        self.transition = transition
+        self.source = source
+        self.target = str(transition.destination)
+        self.broken = broken
+        self.outward = transition.kind == "exit"
+        self.text = shorten(arrow_text(transition), LABEL_FONT, WIDEST_LABEL)
+        self.size = (text_width(self.text, LABEL_FONT) + 4.0, LABEL_FONT + 4.0)
+
+
+class _Drawing:
+    """The work on one layout: nodes first, then places, arrows, labels."""
+
+    def __init__(self, machine: Machine, path: Path, program: Program | None) -> None:
+        self.machine = machine
+        self.path = path
+        self.states = distinct_states(machine)
+        self.starts: Sequence[str] = start_states(program).get(path, ()) if program else ()
+        events = events_in_scope(program, path) if program else None
+        outer = outer_states(program, path) if program else None
+        self.edges = [
+            _Edge(label, transition, source, self._broken(transition, source, events, outer))
+            for label, transition in zip(machine.labels, machine.transitions, strict=True)
+            for source in ([ANY] if transition.wildcard else dict.fromkeys(map(str, transition.sources)))
+        ]
+        self.sizes = self._sizes()
+
+    def _broken(
+        self,
+        transition: Transition,
+        source: str,
+        events: frozenset[str] | None,
+        outer: frozenset[str] | None,
+    ) -> str | None:
+        inside = self.states if transition.kind != "exit" else outer
+        if transition.kind == "exit" and outer is not None and not outer:
+            return "no state spawns this machine, so there is nothing to exit to"
+        return why_dangling(
+            transition,
+            source_exists=source == ANY or source in self.states,
+            target_exists=inside is None or str(transition.destination) in inside,
+            events=events,
+        )
+
+    def _sizes(self) -> dict[str, tuple[float, float]]:
+        """Width and height of every node: ``*``, the states, then the missing ones."""
+        sizes: dict[str, tuple[float, float]] = {}
+        if any(edge.source == ANY for edge in self.edges):
+            sizes[ANY] = (HEIGHT, HEIGHT)
+        for name, state in self.states.items():
+            sizes[name] = _state_size(name, state)
+        for edge in self.edges:
+            for name in (edge.source, edge.target)[: 1 if edge.outward else 2]:
+                if name not in sizes:
+                    sizes[name] = _state_size(name, None)
+        return sizes
+
+    def draw(
+        self,
+        previous: Layout | None,
+        pinned: Mapping[str, Sequence[float]],
+        renamed: Mapping[str, str],
+        now: float,
+    ) -> Layout:
+        inner = [edge for edge in self.edges if not edge.outward]
+        links = [(edge.source, edge.target) for edge in inner]
+        places = remembered_places(
+            self.sizes, list(self.states), links, self.starts, previous, pinned, renamed, now
+        )
+        boxes = {name: Box(places[name]["x"], places[name]["y"], *size) for name, size in self.sizes.items()}
+        starts = {name: _start(boxes[name]) for name in self.starts if name in boxes}
+        solid = [*boxes.values(), *(Box(start["x"], start["y"], 18.0, 18.0) for start in starts.values())]
+        outer = [edge for edge in self.edges if edge.outward]
+        routes = self._routes(inner, boxes)
+        labels = place_labels(routes, [edge.size for edge in inner], solid)
+        room = max((edge.size[0] + 28.0 for edge in outer), default=0.0)  # for the arrows to the ports
+        frame = _around([*solid, *labels], routes, room, self._title_width())
+        ports, exits, exit_labels = self._exits(outer, boxes, frame, [*solid, *labels])
+        drawn = {
+            edge: (route, label)
+            for edge, route, label in zip(
+                [*inner, *outer], [*routes, *exits], [*labels, *exit_labels], strict=True
+            )
+        }
+        port_boxes = [
+            Box(p["label"]["x"], p["label"]["y"], p["label"]["width"], p["label"]["height"]) for p in ports
+        ]
+        left, top, width, height = frame
+        view = _extent(
+            [Box(left + width / 2, top + height / 2, width, height), *exit_labels, *port_boxes], [], 2.0
+        )
+        return Layout(
+            machine=path_text(self.path),
+            name=str(self.machine.name),
+            view=view,
+            frame=frame,
+            states=[self._state_shape(name, boxes[name], starts.get(name)) for name in self.sizes],
+            transitions=[self._transition_shape(edge, *drawn[edge]) for edge in self.edges],
+            ports=ports,
+            places=places,
+        )
+
+    def _title_width(self) -> float:
+        outer = path_text(self.path[:-1])
+        name = text_width(str(self.machine.name), STATE_FONT) * 1.1  # it is bold
+        return name + (text_width(f" in {outer}", SMALL_FONT) + 8.0 if outer else 0.0)
+
+    # -- arrows ------------------------------------------------------------------------------------
+
+    def _routes(self, edges: Sequence[_Edge], boxes: Mapping[str, Box]) -> list[Route]:
+        between: dict[tuple[str, str], list[_Edge]] = {}
+        for edge in edges:
+            between.setdefault((edge.source, edge.target), []).append(edge)
+        pairs = {
+            (a, b): len(mine) + len(between.get((b, a), ()))
+            for (a, b), mine in between.items()
+            if a != b and ((b, a) not in between or a < b)
+        }
+        lines = chords(boxes, pairs)
+        around: dict[tuple[str, str], float] = {}
+        for (a, b), line in lines.items():
+            there, back = bends(len(between.get((a, b), ())), len(between.get((b, a), ())))
+            others = [box for name, box in boxes.items() if name not in (a, b)]
+            around[a, b] = detour(boxes[a], boxes[b], [*there, *(-bend for bend in back)], others, line)
+        for (a, b), (p, q) in list(lines.items()):
+            lines[b, a], around[b, a] = (q, p), -around[a, b]
+        routes: list[Route] = []
+        for edge in edges:
+            a, b = edge.source, edge.target
+            broken = edge.broken is not None
+            index = between[a, b].index(edge)
+            if a == b:
+                routes.append(loop(boxes[a], index, len(between[a, a]), broken=broken))
+                continue
+            bend = bends(len(between[a, b]), len(between.get((b, a), ())))[0][index]
+            routes.append(arc(boxes[a], boxes[b], bend, around[a, b], chord=lines[a, b], broken=broken))
+        return routes
+
+    def _exits(
+        self,
+        edges: Sequence[_Edge],
+        boxes: Mapping[str, Box],
+        frame: Sequence[float],
+        solid: Sequence[Box],
+    ) -> tuple[list[Port], list[Route], list[Box]]:
+        """Lead each ``exit`` to a port on the frame, by the shortest clear way."""
+        ports: list[Port] = []
+        ways: list[Route] = []
+        for edge in edges:
+            source = boxes[edge.source]
+            others = [box for box in solid if box != source]
+            x, y, side = _port(source, frame, others, ports)
+            text = shorten(edge.target, LABEL_FONT, WIDEST_LABEL)
+            width = text_width(text, LABEL_FONT) + 4.0
+            label = Label(
+                text=text,
+                x=round(x + side[0] * (width / 2 + 9.0), 1),
+                y=round(y + side[1] * 15.0, 1),
+                width=round(width, 1),
+                height=LABEL_FONT + 4.0,
+            )
+            missing = edge.broken is not None
+            ports.append(Port(x=x, y=y, name=edge.target, label=label, missing=missing))
+            ways.append(straight(source, (x, y), broken=missing))
+        taken = [*solid, *(Box(port["x"], port["y"], 14.0, 14.0) for port in ports)]
+        return ports, ways, place_labels([*ways], [edge.size for edge in edges], taken)
+
+    # -- shapes ------------------------------------------------------------------------------------
+
+    def _state_shape(self, name: str, box: Box, start: Start | None) -> StateShape:
+        state = self.states.get(name)
+        machines = [str(inner.name) for inner in state.machines] if state else []
+        kind = "any" if name == ANY else "state" if state else "missing"
+        title = {"any": "every state", "missing": f"{name}: there is no such state"}.get(kind, name)
+        if machines:
+            title += f", with {'machine' if len(machines) == 1 else 'machines'} " + ", ".join(machines)
+        return StateShape(
+            id=path_text((*self.path, name)),
+            name=name,
+            kind=kind,
+            x=box.x,
+            y=box.y,
+            width=round(box.width, 1),
+            height=round(box.height, 1),
+            label=shorten(name, STATE_FONT, WIDEST_NAME),
+            nested=_nested_text(state),
+            machines=machines,
+            title=title,
+            start=start,
+        )
+
+    def _transition_shape(self, edge: _Edge, route: Route, box: Box) -> TransitionShape:
+        title = _source_text(edge.transition)
+        return TransitionShape(
+            id=f"{path_text(self.path)}:{edge.id}",
+            name=edge.id,
+            kind=edge.transition.kind,
+            style="wildcard" if edge.transition.wildcard else edge.transition.kind,
+            source=edge.source,
+            destination=edge.target,
+            d=route.d,
+            head=route.head,
+            mark=route.mark,
+            label=Label(
+                text=edge.text, x=box.x, y=box.y, width=round(box.width, 1), height=round(box.height, 1)
+            ),
+            title=f"{title}: {edge.broken}" if edge.broken else title,
+            broken=edge.broken,
+        )
+
+
+def _nested_text(state: State | None) -> str:
+    if state is None or not state.machines:
+        return ""
+    return shorten(", ".join(str(inner.name) for inner in state.machines), SMALL_FONT, WIDEST_NAME)
+
+
+def _state_size(name: str, state: State | None) -> tuple[float, float]:
+    width = text_width(shorten(name, STATE_FONT, WIDEST_NAME), STATE_FONT) + 26.0
+    nested = _nested_text(state)
+    if nested:
+        width = max(width, text_width(nested, SMALL_FONT) + 44.0)
+    return round(max(width, 64.0), 1), NESTED_HEIGHT if nested else HEIGHT
+
+
+def _source_text(transition: Transition) -> str:
+    """Write the transition as the program does, in one line."""
+    words: list[str] = [transition.kind]
+    if transition.trigger is not None:
+        words.append(transition.trigger_text)
+    words += [transition.source_text, "->", str(transition.destination)]
+    if transition.name:
+        words.append(str(transition.name))
+    return "(" + shorten(" ".join(words), 1.0, 160.0) + ")"
+
+
+def _start(box: Box) -> Start:
+    """Draw a dot outside the upper left corner, and an arrow from it into the state."""
+    x, y = box.x - box.width / 2 - 17.0, box.y - box.height / 2 - 13.0
+    tip = (x + 19.0, y + 14.5)
+    return Start(
+        x=round(x, 1),
+        y=round(y, 1),
+        radius=5.0,
+        d=f"M{number(x)} {number(y)}L{number(tip[0] - 5)} {number(tip[1] - 3.8)}",
+        head=f"M{number(tip[0])} {number(tip[1])}L{number(tip[0] - 7.6)} {number(tip[1] - 1.4)}"
+        f" {number(tip[0] - 3.4)} {number(tip[1] - 6.9)}Z",
+    )
+
+
+def _extent(boxes: Iterable[Box], points: Iterable[Point], margin: float) -> list[float]:
+    xs, ys = [], []
+    for box in boxes:
+        xs += [box.x - box.width / 2, box.x + box.width / 2]
+        ys += [box.y - box.height / 2, box.y + box.height / 2]
+    for x, y in points:
+        xs.append(x)
+        ys.append(y)
+    if not xs:
+        xs, ys = [0.0, 160.0], [0.0, 40.0]
+    left, top = round(min(xs) - margin, 1), round(min(ys) - margin, 1)
+    return [left, top, round(max(xs) + margin - left, 1), round(max(ys) + margin - top, 1)]
+
+
+def _around(boxes: Iterable[Box], routes: Iterable[Route], right: float, title: float) -> list[float]:
+    """Draw the frame around everything, with more room at the right and for the name on top."""
+    left, top, width, height = _extent(boxes, (point for route in routes for point in route.points), MARGIN)
+    return [left, round(top - TITLE, 1), round(max(width + right, title + 28.0), 1), round(height + TITLE, 1)]
+
+
+def _port(
+    source: Box, frame: Sequence[float], others: Sequence[Box], ports: Sequence[Port]
+) -> tuple[float, float, Point]:
+    """Find the free place on the frame that a state reaches by the shortest clear way."""
+    left, top, width, height = frame
+    best: tuple[float, float, float, Point] | None = None
+    for step in (0.0, 34.0, -34.0, 68.0, -68.0, 110.0, -110.0):
+        for x, y, side in (
+            (left + width, source.y + step, (1.0, 0.0)),
+            (left, source.y + step, (-1.0, 0.0)),
+            (source.x + step, top + height, (0.0, 1.0)),
+            (source.x + step, top, (0.0, -1.0)),
+        ):
+            inside = side[1] < 0 or (left <= x <= left + width and top + TITLE <= y <= top + height)
+            x, y = round(x, 1), round(y, 1)
+            cost = abs(x - source.x) + abs(y - source.y) + abs(step) + (0.0 if side[0] > 0 else 260.0)
+            cost += 200.0 * sum(box.crossed_by((source.x, source.y), (x, y), 4.0) for box in others)
+            cost += 1000.0 * sum(abs(x - port["x"]) < 60 and abs(y - port["y"]) < 24 for port in ports)
+            cost += 0.0 if inside else 400.0
+            if best is None or cost < best[0]:
+                best = (cost, x, y, side)
+    assert best is not None
+    return best[1], best[2], best[3]

@@ -1,0 +1,345 @@
+"""The ways of arrows: quadratic arcs from border to border, loops on top.
+
+Edges are routed anew each time; only states have places that must stay.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from lrp_jupyter.graph.places import Box, Point
+
+__all__ = ["Route", "arc", "bends", "chords", "detour", "loop", "straight"]
+
+Pair = tuple[str, str]
+Chord = tuple[Point, Point]
+
+OPPOSITE, PARALLEL = 22.0, 26.0
+"""How far apart the middles of opposite and of parallel arrows are, in px."""
+TIP = 9.0
+"""Length of an arrow's head, in px."""
+CLEAR = 7.0
+"""How far an arrow stays away from states that it passes, in px."""
+DETOURS = (0.0, 28.0, -28.0, 52.0, -52.0, 84.0, -84.0, 124.0, -124.0, 176.0, -176.0, 240.0, -240.0)
+PORT = 5.5
+"""How far from the middle of a port an arrow ends, in px."""
+SAMPLES = 16
+
+
+@dataclass
+class Route:
+    """The way of one arrow.
+
+    Parameters
+    ----------
+    d, head : str
+        SVG path data of the shaft and of the head.
+    points : list of (float, float)
+        Points along the shaft, evenly by parameter, from source to target.
+    side : int
+        On which side of the way its label had better stand: 1 is the right hand (of a walker, y
+        grows downwards), -1 the left.
+    mark : str
+        SVG path data of the cross on a broken arrow, else empty.
+    obstacles : list of Box
+        What of it no label may cover.
+    middle : float
+        The parameter at which its label had better stand.
+    """
+
+    d: str
+    head: str
+    points: list[Point]
+    side: int = 1
+    mark: str = ""
+    obstacles: list[Box] = field(default_factory=list)
+    middle: float = 0.5
+
+
+def bends(forward: int, backward: int) -> tuple[list[float], list[float]]:
+    """Say how far the middles of the arrows between two states leave the straight line.
+
+    Parameters
+    ----------
+    forward, backward : int
+        How many arrows lead each way.
+
+    Returns
+    -------
+    two lists of float
+        px, positive to the right hand of the arrow's own direction.
+    """
+    if forward and backward:
+        return (
+            [OPPOSITE / 2 + PARALLEL * i for i in range(forward)],
+            [OPPOSITE / 2 + PARALLEL * i for i in range(backward)],
+        )
+    middle = (forward + backward - 1) / 2
+    spread = [PARALLEL * (i - middle) for i in range(forward + backward)]
+    return (spread, []) if forward else ([], spread)
+
+
+def number(value: float) -> str:
+    """Write a coordinate: one decimal at most."""
+    text = f"{value:.1f}"
+    return text[:-2] if text.endswith(".0") else text
+
+
+def _path(command: str, *points: Point) -> str:
+    return command + " ".join(f"{number(x)} {number(y)}" for x, y in points)
+
+
+def _quadratic(p: Point, c: Point, q: Point, t: float) -> Point:
+    a, b, d = (1 - t) * (1 - t), 2 * t * (1 - t), t * t
+    return a * p[0] + b * c[0] + d * q[0], a * p[1] + b * c[1] + d * q[1]
+
+
+def _part(p: Point, c: Point, q: Point, start: float, end: float) -> tuple[Point, Point, Point]:
+    """Cut a quadratic arc: the piece between two parameters, by its three points."""
+    first, last = _quadratic(p, c, q, start), _quadratic(p, c, q, end)
+    along = (p[0] + (c[0] - p[0]) * start, p[1] + (c[1] - p[1]) * start)
+    beyond = (c[0] + (q[0] - c[0]) * start, c[1] + (q[1] - c[1]) * start)
+    return first, (along[0] + (beyond[0] - along[0]) * end, along[1] + (beyond[1] - along[1]) * end), last
+
+
+def _leaving(box: Box, p: Point, c: Point, q: Point) -> float:
+    """At which parameter an arc that starts inside a box leaves it."""
+    low, high = 0.0, 0.5
+    for _ in range(13):
+        middle = (low + high) / 2
+        if box.holds(_quadratic(p, c, q, middle)):
+            low = middle
+        else:
+            high = middle
+    return high
+
+
+def _head(base: Point, tip: Point) -> str:
+    length = math.hypot(tip[0] - base[0], tip[1] - base[1]) or 1.0
+    x, y = (tip[0] - base[0]) / length, (tip[1] - base[1]) / length
+    back = (tip[0] - TIP * x, tip[1] - TIP * y)
+    half = TIP * 0.42
+    return (
+        _path("M", tip, (back[0] - half * y, back[1] + half * x), (back[0] + half * y, back[1] - half * x))
+        + "Z"
+    )
+
+
+def chords(boxes: Mapping[str, Box], pairs: Mapping[Pair, int]) -> dict[Pair, Chord]:
+    """Spread the arrows of each state along its sides, in the order of where they lead.
+
+    Parameters
+    ----------
+    boxes : mapping of str to Box
+    pairs : mapping of (str, str) to int
+        How many arrows run between two states, both ways together; each pair once.
+
+    Returns
+    -------
+    dict of (str, str) to (point, point)
+        Inside the two boxes: where the straight line between them begins and ends.
+    """
+    sides: dict[tuple[str, bool, bool], list[tuple[float, Pair, int]]] = {}
+    ends: dict[tuple[str, Pair], Point] = {}
+    for pair, count in pairs.items():
+        start, stop = ((boxes[name].x, boxes[name].y) for name in pair)
+        rest = (box for name, box in boxes.items() if name not in pair)
+        if any(box.crossed_by(start, stop) for box in _near(rest, start, start, stop)):
+            ends[pair[0], pair], ends[pair[1], pair] = start, stop  # it will go a long way round
+            continue
+        for name, other in (pair, pair[::-1]):
+            box, end = boxes[name], boxes[other]
+            x, y = end.x - box.x, end.y - box.y
+            across = abs(x) * box.height < abs(y) * box.width  # leaves through the top or the bottom
+            slope = x / abs(y) if across else y / (abs(x) or 1.0)
+            sides.setdefault((name, across, (y if across else x) > 0), []).append((slope, pair, count))
+    for (name, across, _), leaving in sides.items():
+        box = boxes[name]
+        room = (box.width if across else box.height) * 0.7
+        total = sum(count for *_, count in leaving) * OPPOSITE
+        step = OPPOSITE * min(1.0, room / total)
+        at = -step * sum(count for *_, count in leaving) / 2
+        for _, pair, count in sorted(leaving):
+            middle = at + step * count / 2
+            at += step * count
+            ends[name, pair] = (box.x + middle, box.y) if across else (box.x, box.y + middle)
+    return {pair: (ends[pair[0], pair], ends[pair[1], pair]) for pair in pairs}
+
+
+def detour(
+    source: Box,
+    target: Box,
+    offsets: Sequence[float],
+    others: Iterable[Box],
+    chord: Chord | None = None,
+) -> float:
+    """Say how far all arrows between two states must be bent together to pass the states between.
+
+    Parameters
+    ----------
+    source, target : Box
+    offsets : sequence of float
+        What :func:`bends` says for each arrow, px, positive to the right hand on the way from `source`
+        to `target`.
+    others : iterable of Box
+        The other states.
+    chord : (point, point), optional
+        From where to where; by default from middle to middle.
+
+    Returns
+    -------
+    float
+        px, to be added to each offset; 0 where the way is clear, and the least evil where none is.
+    """
+    length = math.dist((source.x, source.y), (target.x, target.y))
+    choices = [*DETOURS, 0.3 * length, -0.3 * length, 0.5 * length, -0.5 * length]
+    passed = list(others)
+    best, least = 0.0, math.inf
+    for choice in choices:
+        cost = abs(choice)
+        for offset in offsets:
+            if cost < least:
+                p, c, q = _bent(source, target, offset, choice, chord)
+                if near := _near(passed, p, c, q):
+                    points = [_quadratic(p, c, q, (i + 0.5) / SAMPLES) for i in range(SAMPLES)]
+                    cost += 60.0 * sum(_inside(box, points) for box in near)
+        if cost < least:
+            best, least = choice, cost
+        if least <= abs(choice):
+            break
+    return best
+
+
+def _near(boxes: Iterable[Box], p: Point, c: Point, q: Point) -> list[Box]:
+    """Keep the boxes that an arc may meet: those that reach into the rectangle around its points."""
+    left, right = min(p[0], c[0], q[0]) - CLEAR, max(p[0], c[0], q[0]) + CLEAR
+    top, bottom = min(p[1], c[1], q[1]) - CLEAR, max(p[1], c[1], q[1]) + CLEAR
+    return [
+        box
+        for box in boxes
+        if left < box.x + box.width / 2
+        and box.x - box.width / 2 < right
+        and top < box.y + box.height / 2
+        and box.y - box.height / 2 < bottom
+    ]
+
+
+def _inside(box: Box, points: Iterable[Point]) -> int:
+    """Count the points that come too near to a box."""
+    x, y, width, height = box
+    right, down = width / 2 + CLEAR, height / 2 + CLEAR
+    return sum(-right < px - x < right and -down < py - y < down for px, py in points)
+
+
+def _bent(
+    source: Box, target: Box, offset: float, around: float, chord: Chord | None
+) -> tuple[Point, Point, Point]:
+    """Lay an arc from inside one box to inside the other, parallel ones side by side."""
+    p, q = chord or ((source.x, source.y), (target.x, target.y))
+    length = math.dist(p, q) or 1.0
+    x, y = (p[1] - q[1]) / length, (q[0] - p[0]) / length  # to the right hand
+
+    def shifted(point: Point, box: Box) -> Point:  # the ends keep apart too, as far as the box is wide
+        room = 0.3 * (abs(x) * box.width + abs(y) * box.height)
+        shift = max(-room, min(room, 0.6 * offset))
+        return box.inside((point[0] + x * shift, point[1] + y * shift), 4.0)
+
+    middle = ((p[0] + q[0]) / 2 + x * (offset + around), (p[1] + q[1]) / 2 + y * (offset + around))
+    p, q = shifted(p, source), shifted(q, target)
+    return p, (2 * middle[0] - (p[0] + q[0]) / 2, 2 * middle[1] - (p[1] + q[1]) / 2), q
+
+
+def arc(
+    source: Box,
+    target: Box,
+    offset: float,
+    around: float = 0.0,
+    *,
+    chord: Chord | None = None,
+    broken: bool = False,
+) -> Route:
+    """Lead an arrow from border to border.
+
+    Parameters
+    ----------
+    source, target : Box
+    offset, around : float
+        How far the middle leaves the straight line, px, positive to the right hand: among arrows
+        between the same states, and by the :func:`detour` of all of them.
+    chord : (point, point), optional
+        From where to where; by default from middle to middle.
+    broken : bool
+        Whether it leads nowhere: there is a gap with a cross in the middle, and no head.
+    """
+    p, c, q = _bent(source, target, offset, around, chord)
+    start = _leaving(source, p, c, q)
+    end = 1.0 - _leaving(target, q, c, p)
+    if end <= start:  # states that touch or overlap, because someone dragged them there
+        start, end = 0.4, 0.6
+    return _drawn(*_part(p, c, q, start, end), 1 if offset + around >= 0 else -1, broken)
+
+
+def _drawn(p: Point, c: Point, q: Point, side: int, broken: bool) -> Route:
+    length = math.hypot(q[0] - p[0], q[1] - p[1]) or 1.0
+    points = [_quadratic(p, c, q, i / SAMPLES) for i in range(SAMPLES + 1)]
+    if broken:
+        gap = min(0.25, 11.0 / length)
+        first, second = _part(p, c, q, 0.0, 0.5 - gap), _part(p, c, q, 0.5 + gap, 1.0)
+        middle = _quadratic(p, c, q, 0.5)
+        d = "".join(_path("M", a) + _path("Q", b, e) for a, b, e in (first, second))
+        return Route(d, "", points, side, _cross_at(middle), [Box(*middle, 12.0, 12.0)])
+    base = max(0.0, 1.0 - 0.8 * TIP / length)
+    a, b, e = _part(p, c, q, 0.0, base)
+    return Route(_path("M", a) + _path("Q", b, e), _head(e, q), points, side)
+
+
+def straight(source: Box, target: Point, *, broken: bool = False) -> Route:
+    """Lead an arrow straight from a state to a point."""
+    p = (source.x, source.y)
+    c = ((p[0] + target[0]) / 2, (p[1] + target[1]) / 2)
+    stop = 1.0 - PORT / (math.dist(p, target) or 1.0)
+    return _drawn(*_part(p, c, target, _leaving(source, p, c, target), stop), 1, broken)
+
+
+def loop(box: Box, index: int = 0, count: int = 1, *, broken: bool = False) -> Route:
+    """Lead an arrow from a state to itself, on top; several stand side by side.
+
+    Parameters
+    ----------
+    box : Box
+    index, count : int
+        Which of how many loops of this state.
+    broken : bool
+        Whether it can never be taken: it has a cross and no head.
+    """
+    step = min(34.0, 0.9 * box.width / count)
+    x = box.x + step * (index - (count - 1) / 2)
+    half, rise = min(11.0, step * 0.34), 36.0
+    top = box.y - box.height / 2
+    p, q = (x - half, top), (x + half, top)
+    c, e = (x - half * 1.8, top - rise), (x + half * 1.8, top - rise)
+    points = [_cubic(p, c, e, q, i / SAMPLES) for i in range(SAMPLES + 1)]
+    # the label of the first one had better stand at its left, that of the last at its right
+    middle = 0.5 if count == 1 else 0.3 + 0.4 * index / (count - 1)
+    if broken:
+        crossed = _cubic(p, c, e, q, 0.5)
+        d = _path("M", p) + _path("C", c, e, q)
+        return Route(d, "", points, -1, _cross_at(crossed), [Box(*crossed, 12.0, 12.0)], middle)
+    base = _cubic(p, c, e, q, 1.0 - 0.25 * TIP / rise)
+    return Route(_path("M", p) + _path("C", c, e, base), _head(base, q), points, -1, middle=middle)
+
+
+def _cross_at(point: Point) -> str:
+    x, y = point
+    return "".join(_path("M", (x - 4, y - 4 * k)) + _path("L", (x + 4, y + 4 * k)) for k in (1, -1))
+
+
+def _cubic(p: Point, c: Point, e: Point, q: Point, t: float) -> Point:
+    s = 1 - t
+    k = (s * s * s, 3 * s * s * t, 3 * s * t * t, t * t * t)
+    return (
+        k[0] * p[0] + k[1] * c[0] + k[2] * e[0] + k[3] * q[0],
+        k[0] * p[1] + k[1] * c[1] + k[2] * e[1] + k[3] * q[1],
+    )

@@ -1,0 +1,389 @@
+import json
+import re
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lrp_jupyter.graph.layout import RESERVED, layout
+from lrp_jupyter.graph.places import Box, is_dense, layers
+from lrp_jupyter.graph.routes import SAMPLES, arc, bends, detour
+from lrp_jupyter.graph.state_graph import find_machine
+from lrp_jupyter.language.parser import parse
+
+THREE = "(machine m (event e [True]) (state a) (state b) (state c) {more}) (spawn m a)"
+
+
+def lay(text, previous=None, **options):
+    program = parse(text)
+    return layout(program.machines[0], previous, program=program, **options)
+
+
+def drawings(program):
+    return [layout(machine, program=program, path=path) for path, machine in program.walk()]
+
+
+def box(shape, grow=0.0):
+    return Box(shape["x"], shape["y"], shape["width"] + grow, shape["height"] + grow)
+
+
+def positions(drawing):
+    return {shape["name"]: (shape["x"], shape["y"]) for shape in drawing["states"]}
+
+
+def shape_of(drawing, name):
+    return next(shape for shape in drawing["states"] if shape["name"] == name)
+
+
+def numbers(d):
+    return [float(word) for word in re.findall(r"-?\d+(?:\.\d+)?", d)]
+
+
+# -- what a picture must be --------------------------------------------------------------------------
+
+
+def test_no_two_states_overlap(program):
+    for drawing in drawings(program):
+        boxes = [box(shape) for shape in drawing["states"]]
+        assert not [(a, b) for i, a in enumerate(boxes) for b in boxes[:i] if a.overlaps(b, 10.0, 10.0)]
+
+
+def test_no_label_covers_a_state_or_another_label(program):
+    for drawing in drawings(program):
+        labels = [box(shape["label"]) for shape in drawing["transitions"]]
+        solid = [box(shape) for shape in drawing["states"]]
+        assert not [(a, b) for a in labels for b in solid if a.overlaps(b)]
+        assert not [(a, b) for i, a in enumerate(labels) for b in labels[:i] if a.overlaps(b)]
+
+
+def test_arrows_begin_and_end_at_the_borders_of_their_states(program):
+    for drawing in drawings(program):
+        shapes = {shape["name"]: shape for shape in drawing["states"]}
+        for arrow in drawing["transitions"]:
+            start = numbers(arrow["d"])[:2]
+            assert _on_border(start, shapes[arrow["source"]])
+            if arrow["head"] and arrow["kind"] != "exit":
+                assert _on_border(numbers(arrow["head"])[:2], shapes[arrow["destination"]])
+
+
+def _on_border(point, shape):
+    return box(shape, 1.0).holds(point) and not box(shape, -1.0).holds(point)
+
+
+def test_everything_is_inside_the_view(program):
+    for drawing in drawings(program):
+        left, top, width, height = drawing["view"]
+        for shape in [*drawing["states"], *(arrow["label"] for arrow in drawing["transitions"])]:
+            assert left <= shape["x"] - shape["width"] / 2
+            assert shape["x"] + shape["width"] / 2 <= left + width
+            assert top <= shape["y"] - shape["height"] / 2
+            assert shape["y"] + shape["height"] / 2 <= top + height
+
+
+def test_a_layout_is_plain_json_and_always_the_same(program):
+    for drawing, again in zip(drawings(program), drawings(program), strict=True):
+        assert json.loads(json.dumps(drawing)) == drawing
+        assert drawing == again
+
+
+def test_in_the_small_programs_no_arrow_runs_through_a_state(programs):
+    for name in ("follower", "kinds", "long names", "figure 3", "one state"):
+        for drawing in drawings(programs[name]):
+            for arrow in drawing["transitions"]:
+                if arrow["source"] == arrow["destination"] or arrow["kind"] == "exit" or arrow["broken"]:
+                    continue
+                x0, y0, cx, cy, x1, y1 = numbers(arrow["d"])
+                for i in range(41):
+                    t = i / 40
+                    x = (1 - t) ** 2 * x0 + 2 * t * (1 - t) * cx + t * t * x1
+                    y = (1 - t) ** 2 * y0 + 2 * t * (1 - t) * cy + t * t * y1
+                    for shape in drawing["states"]:
+                        if shape["name"] not in (arrow["source"], arrow["destination"]):
+                            assert not box(shape).holds((x, y)), (arrow["name"], shape["name"])
+
+
+# -- the first arrangement ---------------------------------------------------------------------------
+
+
+def test_the_start_state_is_on_top_and_the_fictional_state_at_the_left(follower):
+    drawing = drawings(follower)[0]
+    places = positions(drawing)
+    assert all(places["looking"][1] < y for name, (_, y) in places.items() if name not in ("looking", "*"))
+    assert all(places["*"][0] < x for name, (x, _) in places.items() if name != "*")
+    assert shape_of(drawing, "looking")["start"] is not None
+    assert shape_of(drawing, "moving")["start"] is None
+
+
+def test_layers_follow_the_longest_path():
+    links = [("a", "b"), ("b", "c"), ("a", "c"), ("c", "a"), ("c", "d")]
+    assert layers("abcd", links, ["a"]) == {"a": 0, "b": 1, "c": 2, "d": 3}
+
+
+def test_nothing_leads_above_the_start_state():
+    assert layers("ab", [("a", "b")], ["b"]) == {"a": 0, "b": 0}
+
+
+def test_a_dense_machine_is_an_ellipse_in_the_order_of_the_text(programs):
+    drawing = drawings(programs["figure 3"])[0]
+    assert is_dense([shape["name"] for shape in drawing["states"]], [("", "")] * 25)
+    places = positions(drawing)
+    assert places["one"][1] == min(y for _, y in places.values())
+    assert places["two"][0] > 0 > places["five"][0]
+    assert places["three"][0] > 0 > places["four"][0]
+
+
+def test_opposite_arrows_are_22_px_apart_and_parallel_ones_26():
+    a, b = Box(0, 0, 64, 36), Box(0, 200, 64, 36)
+    there, back = bends(2, 1)
+    middles = [arc(a, b, bend).points[SAMPLES // 2] for bend in there]
+    middles += [arc(b, a, bend).points[SAMPLES // 2] for bend in back]
+    assert [round(x) for x, _ in middles] == [-11, -37, 11]
+    assert bends(3, 0) == ([-26.0, 0.0, 26.0], [])
+
+
+def test_arrows_between_the_same_states_pass_what_is_between_them_together():
+    a, b, between = Box(0, 0, 64, 36), Box(0, 300, 64, 36), Box(0, 150, 80, 36)
+    there, back = bends(1, 1)
+    around = detour(a, b, [there[0], -back[0]], [between])
+    ways = [arc(a, b, there[0], around), arc(b, a, back[0], -around)]
+    assert not [point for way in ways for point in way.points if between.holds(point, 2.0)]
+    assert abs(ways[0].points[SAMPLES // 2][0] - ways[1].points[SAMPLES // 2][0]) == pytest.approx(22, abs=1)
+
+
+def test_states_stand_in_the_middle_whatever_stands_beside_them():
+    places = positions(lay(THREE.format(more="(on e a -> b)")))
+    assert places["a"][0] == pytest.approx(places["b"][0], abs=1)
+    assert abs(places["a"][0] - places["c"][0]) < 200
+
+
+def test_loops_stand_on_top_side_by_side_each_with_its_label_outside(programs):
+    drawing = drawings(programs["kinds"])[0]
+    state = shape_of(drawing, "drive")
+    loops = [arrow for arrow in drawing["transitions"] if arrow["source"] == arrow["destination"]]
+    assert all(max(numbers(arrow["d"])[1::2]) <= state["y"] - state["height"] / 2 for arrow in loops)
+    left, right = loops
+    assert numbers(left["d"])[-2] < numbers(right["d"])[0]  # the second begins where the first has ended
+    assert left["label"]["x"] < state["x"] < right["label"]["x"]
+
+
+# -- names and reasons -------------------------------------------------------------------------------
+
+
+def test_ids_are_paths_of_states_and_labels_of_transitions(follower):
+    outer, inner = drawings(follower)
+    assert [shape["id"] for shape in outer["states"]][:3] == [
+        "follower/*",
+        "follower/moving",
+        "follower/looking",
+    ]
+    assert outer["transitions"][0]["id"] == "follower:tlooking"
+    assert outer["transitions"][2]["id"] == "follower:bumping:*->bumpback"
+    assert inner["transitions"][0]["id"] == "follower/looking/lookalgo:treturnleft"
+
+
+def test_a_transition_with_several_sources_has_several_arrows_of_one_id(programs):
+    arrows = [
+        arrow for arrow in drawings(programs["kinds"])[0]["transitions"] if arrow["label"]["text"] == "panic"
+    ]
+    assert [arrow["source"] for arrow in arrows] == ["drive", "check"]
+    assert len({arrow["id"] for arrow in arrows}) == 1
+
+
+def test_a_wildcard_with_exceptions_says_so(programs):
+    texts = {arrow["label"]["text"] for arrow in drawings(programs["kinds"])[0]["transitions"]}
+    assert "panic (not docking)" in texts
+
+
+def test_long_names_end_in_an_ellipsis_and_stand_in_full_in_the_title(programs):
+    (drawing,) = drawings(programs["long names"])
+    shape = drawing["states"][1]
+    assert shape["label"].endswith("…")
+    assert shape["title"] == "approaching_the_charging_station_from_the_left"
+    assert all(shape["width"] < 190 for shape in drawing["states"])
+    assert drawing["transitions"][0]["label"]["text"].endswith("…")
+    assert "robot.light.data > lightlim + 10" in drawing["transitions"][0]["title"]
+
+
+def test_a_nested_machine_is_named_in_its_state(follower):
+    shape = shape_of(drawings(follower)[0], "looking")
+    assert shape["machines"] == ["lookalgo"]
+    assert shape["nested"] == "lookalgo"
+
+
+def test_a_dangling_transition_is_broken_with_its_reason(programs):
+    arrows = {arrow["label"]["text"]: arrow for arrow in drawings(programs["kinds"])[0]["transitions"]}
+    assert arrows["go"]["broken"] == "there is no state `nowhere`"
+    assert arrows["nosuch"]["broken"] == "there is no event `nosuch`"
+    assert arrows["go"]["mark"]
+    assert not arrows["go"]["head"]
+    assert arrows["hit"]["broken"] is None
+
+
+def test_an_exit_ends_in_a_port_on_the_frame(programs):
+    drawing = drawings(programs["kinds"])[1]
+    left, _, width, _ = drawing["frame"]
+    assert [port["name"] for port in drawing["ports"]] == ["drive", "drive", "nowhere"]
+    assert {port["x"] for port in drawing["ports"]} == {round(left + width, 1)}
+    assert [port["missing"] for port in drawing["ports"]] == [False, False, True]
+
+
+def test_without_its_program_a_machine_knows_of_no_missing_events(follower):
+    drawing = layout(find_machine(follower, ("follower", "looking", "lookalgo")))
+    assert drawing["machine"] == "lookalgo"
+    assert not any(arrow["broken"] for arrow in drawing["transitions"])
+
+
+# -- stable under edits ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    "more",
+    [
+        "(on e c -> a)",
+        "(on e *-> b)",
+        "(state d)",
+        "(state d) (on e d -> a) (eps b -> d)",
+        "(state d (machine n (state x)))",
+        "(eps a -> a) (on e a -> b) (on e b -> a)",
+        "(on e a -> nowhere)",
+    ],
+)
+def test_an_edit_leaves_every_state_where_it_is(more):
+    before = lay(THREE.format(more="(on e a -> b) (on e b -> c)"))
+    after = lay(THREE.format(more="(on e a -> b) (on e b -> c) " + more), before)
+    assert positions(before).items() <= positions(after).items()
+    boxes = [box(shape) for shape in after["states"]]
+    assert not [(a, b) for i, a in enumerate(boxes) for b in boxes[:i] if a.overlaps(b, 10.0, 10.0)]
+
+
+def test_a_new_state_stands_near_its_neighbour():
+    text = (
+        "(machine m " + " ".join(f"(state s{i}) (eps s{i} -> s{i + 1})" for i in range(8)) + "(state s8){})"
+    )
+    before = lay(text.format(""))
+    after = lay(text.format("(state new) (eps new -> s8)"), before)
+    x, y = positions(after)["new"]
+    near = min(
+        positions(before),
+        key=lambda name: abs(positions(before)[name][0] - x) + abs(positions(before)[name][1] - y),
+    )
+    assert near == "s8"
+
+
+def test_the_fictional_state_comes_in_at_the_left():
+    before = lay(THREE.format(more="(on e a -> b) (on e b -> c)"))
+    after = lay(THREE.format(more="(on e a -> b) (on e b -> c) (on e *-> b)"), before)
+    assert positions(after)["*"][0] < min(x for x, _ in positions(before).values())
+
+
+def test_the_missing_end_keeps_its_place_when_its_state_appears():
+    before = lay(THREE.format(more="(on e c -> d) (on e a -> b)"))
+    after = lay(THREE.format(more="(on e c -> d) (on e a -> b) (state d)"), before)
+    assert shape_of(before, "d")["kind"] == "missing"
+    assert shape_of(after, "d")["kind"] == "state"
+    assert positions(before) == positions(after)
+    assert after["transitions"][0]["broken"] is None
+
+
+def test_a_removed_state_finds_its_place_again_within_30_seconds():
+    full = THREE.format(more="(on e a -> b) (on e b -> c)")
+    fewer = "(machine m (event e [True]) (state a) (state c)) (spawn m a)"
+    before = lay(full)
+    gone = lay(fewer, before, now=10.0)
+    assert "b" not in positions(gone)
+    still_gone = lay(fewer, gone, now=10.0 + RESERVED - 1)
+    assert positions(lay(full, still_gone, now=10.0 + RESERVED - 1)) == positions(before)
+    forgotten = lay(fewer, still_gone, now=10.0 + RESERVED)
+    assert "b" not in forgotten["places"]
+
+
+def test_the_place_of_a_removed_state_is_not_given_away():
+    before = lay("(machine m (state a) (state b) (eps a -> b)) (spawn m a)")
+    gone = lay("(machine m (state a)) (spawn m a)", before, now=1.0)
+    after = lay(
+        "(machine m (state a) (state c) (state d) (eps a -> c) (eps a -> d)) (spawn m a)", gone, now=2.0
+    )
+    assert not box(shape_of(after, "c")).overlaps(box(shape_of(before, "b")))
+    assert not box(shape_of(after, "d")).overlaps(box(shape_of(before, "b")))
+
+
+def test_typing_a_name_letter_by_letter_moves_nothing():
+    text = "(machine m (state a) (state {}) (state c) (eps a -> b) (eps b -> c)) (spawn m a)"
+    first = drawing = lay(text.format("b"))
+    for name in ("bu", "bum", "bump", "bum", "bu", "b"):
+        drawing = lay(text.format(name), drawing)
+        assert positions(drawing)[name] == positions(first)["b"]
+        assert positions(drawing)["a"] == positions(first)["a"]
+        assert positions(drawing)["c"] == positions(first)["c"]
+    assert positions(drawing) == positions(first)
+
+
+def test_a_renamed_state_keeps_its_place():
+    before = lay(THREE.format(more="(on e a -> b)"))
+    text = (
+        THREE.format(more="(on e a -> b)")
+        .replace("(state c)", "")
+        .replace("(state a)", "(state a) (state z)")
+    )
+    assert positions(lay(text, before, renamed={"c": "z"}))["z"] == positions(before)["c"]
+
+
+def test_a_pinned_state_stays_where_it_was_dragged():
+    text = THREE.format(more="(on e a -> b) (on e b -> c)")
+    before = lay(text)
+    dragged = lay(text, before, pinned={"b": (400, -50)})
+    assert positions(dragged) == {**positions(before), "b": (400.0, -50.0)}
+    assert dragged["places"]["b"]["pinned"]
+    later = lay(THREE.format(more="(on e a -> b) (on e b -> c) (state d)"), dragged)
+    assert positions(later)["b"] == (400.0, -50.0)
+
+
+def test_arranging_anew_keeps_what_is_pinned():
+    text = THREE.format(more="(on e a -> b) (on e b -> c)")
+    fresh = lay(text, pinned={"c": positions(lay(text))["a"]})
+    assert positions(fresh)["c"] == positions(lay(text))["a"]
+    assert not box(shape_of(fresh, "a")).overlaps(box(shape_of(fresh, "c")))
+
+
+def test_states_dragged_onto_each_other_are_still_drawn():
+    drawing = lay(THREE.format(more="(on e a -> b) (on e b -> a)"), pinned={"a": (0, 0), "b": (0, 0)})
+    assert all(arrow["d"] for arrow in drawing["transitions"])
+
+
+names = st.sampled_from("abcdefg")
+forms = st.one_of(
+    st.builds("(state {})".format, names),
+    st.builds("(eps {} -> {})".format, names, names),
+    st.builds("(on [True] {} -> {})".format, names, names),
+    st.builds("(ontime 5 *-> {})".format, names),
+    st.builds("(exit [True] {} -> {})".format, names, names),
+)
+machines = st.lists(forms, max_size=14).map(lambda parts: "(machine m " + " ".join(parts) + ") (spawn m a)")
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(machines, min_size=2, max_size=4))
+def test_whatever_the_edits_states_that_stay_do_not_move(texts):
+    drawing = lay(texts[0])
+    for text in texts[1:]:
+        program = parse(text)
+        after = layout(program.machines[0], drawing, program=program)
+        before, now = positions(drawing), positions(after)
+        stayed = {shape["name"] for shape in drawing["states"] if shape["kind"] == "state"}
+        for name in stayed & {shape["name"] for shape in after["states"] if shape["kind"] == "state"}:
+            assert before[name] == now[name]
+        boxes = [box(shape) for shape in after["states"]]
+        assert not [(a, b) for i, a in enumerate(boxes) for b in boxes[:i] if a.overlaps(b)]
+        assert json.loads(json.dumps(after)) == after
+        drawing = after
+
+
+def test_benchmark_first_layout_of_40_states(benchmark, programs):
+    program = programs["forty states"]
+    benchmark(layout, program.machines[0], program=program)
+
+
+def test_benchmark_layout_of_40_states_after_an_edit(benchmark, programs):
+    program = programs["forty states"]
+    previous = layout(program.machines[0], program=program)
+    benchmark(layout, program.machines[0], previous, program=program)
