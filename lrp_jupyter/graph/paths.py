@@ -6,8 +6,8 @@ differ where a machine is spawned from elsewhere than the state that holds it.
 
 from __future__ import annotations
 
-from lrp_jupyter.language.checks.scope import Scope, resolve
 from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.language.resolution import resolve
 
 __all__ = ["Paths"]
 
@@ -16,18 +16,7 @@ class Paths:
     """Tells where in a program's text something that runs is defined."""
 
     def __init__(self, program: Program) -> None:
-        self._top = resolve(program)[0]
-        self._known: dict[Path, Path] = {}
-
-    def machine(self, spawned: Path) -> Path:
-        """Give the path of a machine; one that the text does not hold any more keeps its own."""
-        found = self._known.get(spawned)
-        if found is None:
-            scope: Scope | None = self._top.machines.get("", {}).get(spawned[0]) if spawned else None
-            for at in range(1, len(spawned) - 1, 2):
-                scope = None if scope is None else scope.machine(spawned[at], spawned[at + 1])
-            found = self._known[spawned] = spawned if scope is None else scope.path
-        return found
+        self.machine = resolve(program).defined
 
     def member(self, spawned: Path) -> Path:
         """Give the path of a state or variable: the last name is its own, the rest is its machine."""

@@ -16,24 +16,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import networkx as nx
-
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.language.program import (
-    Block,
-    Machine,
-    Path,
-    Program,
-    Spawn,
-    State,
-    Transition,
-    path_text,
-)
+from lrp_jupyter.language.program import Block, Machine, Path, Program, State, Transition, path_text
+from lrp_jupyter.language.resolution import Arrow, Resolution, resolve
 
 if TYPE_CHECKING:
+    import networkx as nx
+
     StateGraph = nx.MultiDiGraph[Path]
-else:
-    StateGraph = nx.MultiDiGraph
 
 __all__ = [
     "ANY",
@@ -105,15 +95,16 @@ def state_graph(program: Program, *, expand: bool = True) -> StateGraph:
         ``wildcard``, ``order`` (place in the machine) and ``dangling`` (why it cannot be taken, or
         None).
     """
-    graph = _with_spawns(program)
-    spawners = _spawners(graph)
-    for path, machine in _machines(program).items():
-        events = events_in_scope(program, path)
-        for order, (label, transition) in enumerate(zip(machine.labels, machine.transitions, strict=True)):
-            for source in _sources(graph, path, machine, transition, expand):
-                for target, reason in _targets(spawners, path, transition):
+    names = resolve(program)
+    graph = _states_and_spawns(names)
+    for scope, arrows in names.arrows.items():
+        events = frozenset(scope.visible_events)
+        for order, arrow in enumerate(arrows):
+            noun = arrow.noun
+            for source in _sources(graph, arrow, expand):
+                for target, reason in _targets(arrow):
                     dangling = reason or why_dangling(
-                        transition,
+                        noun,
                         source_exists=_ensure(graph, source) != "missing",
                         target_exists=_ensure(graph, target) == "state",
                         events=events,
@@ -121,47 +112,39 @@ def state_graph(program: Program, *, expand: bool = True) -> StateGraph:
                     graph.add_edge(
                         source,
                         target,
-                        key=label,
-                        kind=transition.kind,
-                        label=label,
-                        condition=transition.trigger_text,
-                        text=arrow_text(transition),
-                        wildcard=transition.wildcard,
+                        key=arrow.label,
+                        kind=noun.kind,
+                        label=arrow.label,
+                        condition=noun.trigger_text,
+                        text=arrow_text(noun),
+                        wildcard=noun.wildcard,
                         order=order,
                         dangling=dangling,
                     )
     return graph
 
 
-def _machines(program: Program) -> dict[Path, Machine]:
-    machines: dict[Path, Machine] = {}
-    for path, machine in program.walk():
-        machines.setdefault(path, machine)
-    return machines
+def _states_and_spawns(names: Resolution) -> StateGraph:
+    """Return every state as a node and every spawn as an edge; no transitions yet."""
+    import networkx as nx  # slow to import, and only needed to compute with graphs
 
-
-def _with_spawns(program: Program) -> StateGraph:
-    """Every state as a node, every spawn as an edge; no transitions yet."""
     graph: StateGraph = nx.MultiDiGraph()
     graph.add_node(PROGRAM, kind="program", name="", machine=(), machines=())
-    machines = _machines(program)
-    spawns: list[tuple[Path, Spawn, int]] = [(PROGRAM, spawn, i) for i, spawn in enumerate(program.spawns)]
-    for path, machine in machines.items():
-        for name, state in distinct_states(machine).items():
-            inner = tuple((*path, name, str(nested.name)) for nested in state.machines)
-            graph.add_node((*path, name), kind="state", name=name, machine=path, machines=inner)
-            items = (item for item in state.onentry if isinstance(item, Spawn))
-            spawns.extend(((*path, name), spawn, i) for i, spawn in enumerate(items))
-    for source, spawn, order in spawns:
-        found = _spawned_machine(machines, source, str(spawn.machine))
-        target = (*(found or (*source, str(spawn.machine))), str(spawn.state))
+    for scope in names.scopes:
+        for name, state in scope.states.items():
+            inner = tuple((*scope.path, name, str(nested.name)) for nested in state.machines)
+            graph.add_node((*scope.path, name), kind="state", name=name, machine=scope.path, machines=inner)
+    for spawning in names.spawns:
+        noun, source = spawning.noun, spawning.spawner
+        machine = spawning.machine.path if spawning.machine else (*source, str(noun.machine))
+        target = (*machine, str(noun.state))
         dangling = None
-        if found is None:
-            dangling = f"no machine `{spawn.machine}` can be spawned here"
-        elif _ensure(graph, target) == "missing":
-            dangling = f"`{spawn.machine}` has no state `{spawn.state}`"
+        if spawning.machine is None:
+            dangling = f"no machine `{noun.machine}` can be spawned here"
+        elif spawning.unresolved:
+            dangling = f"`{noun.machine}` has no state `{noun.state}`"
         _ensure(graph, target)
-        label = f"spawn {spawn.machine}"
+        label = f"spawn {noun.machine}"
         graph.add_edge(
             source,
             target,
@@ -171,28 +154,10 @@ def _with_spawns(program: Program) -> StateGraph:
             condition="",
             text="",
             wildcard=False,
-            order=order,
+            order=spawning.ordinal,
             dangling=dangling,
         )
     return graph
-
-
-def _spawned_machine(machines: dict[Path, Machine], source: Path, name: str) -> Path | None:
-    """Resolve a spawn lexically: in the state itself, then outward, never an enclosing machine."""
-    for end in range(len(source), -1, -2):
-        path = (*source[:end], name)
-        if path in machines and path != source[: len(path)]:
-            return path
-    return None
-
-
-def _spawners(graph: StateGraph) -> dict[Path, list[Path]]:
-    """For each machine the states (or the program) that spawn it."""
-    spawners: dict[Path, list[Path]] = {}
-    for source, target, data in graph.edges(data=True):
-        if data["kind"] == "spawn":
-            spawners.setdefault(target[:-1], []).append(source)
-    return spawners
 
 
 def _ensure(graph: StateGraph, path: Path) -> str:
@@ -202,42 +167,31 @@ def _ensure(graph: StateGraph, path: Path) -> str:
     return str(graph.nodes[path]["kind"])
 
 
-def _sources(
-    graph: StateGraph, path: Path, machine: Machine, transition: Transition, expand: bool
-) -> list[Path]:
-    if not transition.wildcard:
-        return [(*path, str(name)) for name in dict.fromkeys(transition.sources)]
+def _sources(graph: StateGraph, arrow: Arrow, expand: bool) -> list[Path]:
+    noun, path = arrow.noun, arrow.scope.path
+    if not noun.wildcard:
+        return [(*path, str(name)) for name in dict.fromkeys(noun.sources)]
     if expand:
-        return [(*path, name) for name in distinct_states(machine) if transition.leaves(name)]
+        return [(*path, name) for name in arrow.scope.states if noun.leaves(name)]
     graph.add_node((*path, ANY), kind="any", name=ANY, machine=path, machines=())
     return [(*path, ANY)]
 
 
-def _targets(
-    spawners: dict[Path, list[Path]], path: Path, transition: Transition
-) -> list[tuple[Path, str | None]]:
-    """Where a transition leads; an ``exit`` leads out of every machine that spawns its own."""
-    name = str(transition.destination)
-    if transition.kind != "exit":
-        return [((*path, name), None)]
-    outer = dict.fromkeys(spawner[:-1] for spawner in spawners.get(path, ()) if spawner)
-    if not outer:
-        return [((*path[:-2], name), "no state spawns this machine, so there is nothing to exit to")]
-    return [((*machine, name), None) for machine in outer]
+def _targets(arrow: Arrow) -> list[tuple[Path, str | None]]:
+    """Return where a transition leads; an ``exit`` leads out of every machine that spawns its own."""
+    name = str(arrow.noun.destination)
+    if not arrow.homes:
+        return [((*arrow.scope.path[:-2], name), NO_EXIT)]
+    return [((*home.path, name), None) for home in arrow.homes]
+
+
+NO_EXIT = "no state spawns this machine, so there is nothing to exit to"
 
 
 def events_in_scope(program: Program, path: Path) -> frozenset[str]:
-    """Names of the events that a transition of the machine at `path` can use."""
-    names = {str(event.name) for event in program.events}
-    machines: tuple[Machine, ...] = program.machines
-    for index in range(0, len(path), 2):
-        found = next((machine for machine in machines if machine.name == path[index]), None)
-        if found is None:
-            break
-        names.update(str(event.name) for event in found.events)
-        state = distinct_states(found).get(path[index + 1]) if index + 1 < len(path) else None
-        machines = state.machines if state else ()
-    return frozenset(names)
+    """Return the names of the events that a transition of the machine at `path` can use."""
+    names = resolve(program)
+    return frozenset(names.by_path.get(path, names.top).visible_events)
 
 
 def arrow_text(transition: Transition) -> str:
@@ -279,29 +233,25 @@ def why_dangling(
 
 
 def start_states(program: Program) -> dict[Path, tuple[str, ...]]:
-    """For each machine that is spawned somewhere, the states in which it starts."""
-    starts: dict[Path, dict[str, None]] = {}
-    for _, target, data in _with_spawns(program).edges(data=True):
-        if data["dangling"] is None:
-            starts.setdefault(target[:-1], {})[target[-1]] = None
-    return {path: tuple(names) for path, names in starts.items()}
+    """Return, for each machine that is spawned somewhere, the states in which it starts."""
+    return {scope.path: starts for scope, starts in resolve(program).starts.items()}
 
 
 def outer_states(program: Program, path: Path) -> frozenset[str]:
-    """Names of the states that an ``exit`` of the machine at `path` can lead to."""
-    machines = _machines(program)
-    spawners = _spawners(_with_spawns(program)).get(path, ())
-    return frozenset(
-        name for spawner in spawners if spawner for name in distinct_states(machines[spawner[:-1]])
-    )
+    """Return the names of the states that an ``exit`` of the machine at `path` can lead to."""
+    names = resolve(program)
+    scope = names.by_path.get(path)
+    return frozenset(name for home in names.outside(scope) for name in home.states) if scope else frozenset()
 
 
 def unreachable(program: Program) -> tuple[Path, ...]:
-    """States that no run can ever make active, in the order of the text.
+    """Return the states that no run can ever make active, in the order of the text.
 
     Conditions are taken to be possible: what cannot be reached in this graph cannot be reached
     at all, except by forcing. A transition or spawn that dangles leads nowhere.
     """
+    import networkx as nx  # slow to import, and only needed to compute with graphs
+
     graph = state_graph(program)
     usable = nx.subgraph_view(graph, filter_edge=lambda a, b, key: graph.edges[a, b, key]["dangling"] is None)
     reached = nx.descendants(usable, PROGRAM)
@@ -311,6 +261,6 @@ def unreachable(program: Program) -> tuple[Path, ...]:
 
 
 def unspawned(program: Program) -> tuple[Path, ...]:
-    """Machines that nothing spawns, in the order of the text."""
-    spawned = start_states(program)
-    return tuple(path for path in _machines(program) if path not in spawned)
+    """Return the machines that nothing spawns, in the order of the text."""
+    names = resolve(program)
+    return tuple(scope.path for scope in names.scopes if scope.noun and scope not in names.starts)

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import linecache
 import re
-from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from types import CodeType
 from typing import NamedTuple
@@ -20,15 +19,14 @@ from lrp_jupyter.language.blocks import compile_block
 from lrp_jupyter.language.program import (
     Block,
     Element,
-    Event,
     Machine,
     Path,
     Program,
-    Spawn,
     State,
     Transition,
     Variable,
 )
+from lrp_jupyter.language.resolution import Arrow, Code, Scope, Spawning, resolve
 
 __all__ = [
     "BlockPlan",
@@ -189,179 +187,124 @@ _LINE_END = re.compile(r"\r\n|\r|\n")
 class _Linker:
     def __init__(self, program: Program) -> None:
         self.plan = Plan(program)
-        self.duplicates: list[Site] = []
+        self.names = resolve(program)
+        self.machines: dict[Scope, MachinePlan] = {}
+        self.spawns: dict[Path, dict[int, SpawnPlan]] = {}  # by the path of the state that spawns
 
     def link(self) -> Plan:
-        plan, program = self.plan, self.plan.program
-        plan.variables = self._variables((), program.variables, frozenset())
-        scope = frozenset(variable.name for variable in plan.variables)
-        plan.events = self._events((), program.events, scope)
-        tops = self._machines((), program.machines, None)
-        for machine in tops.values():
-            self._fill(machine, scope, (tops,))
-        plan.spawns = tuple(self._spawn((), spawn, (tops,), None) for spawn in program.spawns)
-        plan.onpause = tuple(self._blocks(Element("onpause", ()), program.onpause, scope))
-        plan.onresume = tuple(self._blocks(Element("onresume", ()), program.onresume, scope))
-        plan.duplicates = tuple(self.duplicates)
-        plan.dangling = set(self._dangling())
+        plan, names = self.plan, self.names
+        top = names.top
+        for repeat in names.repeats:  # none of their blocks is run, so no run resolves their issue
+            plan.duplicates += (Site(repeat.element, -1, repeat.again.span.start),)
+        for scope in names.scopes:
+            if scope.noun is not None:
+                outer = self.machines.get(scope.outer) if scope.outer else None
+                machine = MachinePlan(scope.path[-1], scope.path, scope.noun, outer)
+                self.machines[scope] = plan.machines[scope.path] = machine
+                plan.places[Element("machine", scope.path)] = scope.noun.span.start
+        for spawning in names.spawns:
+            self.spawns.setdefault(spawning.spawner, {})[spawning.ordinal] = self._spawn(spawning)
+        plan.variables, plan.events = self._variables(top), self._events(top)
+        for scope, machine in self.machines.items():
+            machine.variables, machine.events = self._variables(scope), self._events(scope)
+        for scope, machine in self.machines.items():
+            self._fill(scope, machine)
+        plan.spawns = tuple(self.spawns.get((), {}).values())
+        plan.onpause = self._blocks(Element("onpause", ()))
+        plan.onresume = self._blocks(Element("onresume", ()))
         return plan
 
-    def _dangling(self) -> Iterator[tuple[Element, IssueKind]]:
-        """Yield what would be an issue if it were tried now."""
-        spawns = list(self.plan.spawns)
-        for machine in self.plan.machines.values():
-            for state in machine.states.values():
-                spawns += (item for item in state.onentry if isinstance(item, SpawnPlan))
-                for edge in state.edges:
-                    if isinstance(edge.test, Broken):
-                        yield edge.site.element, edge.test.kind
-                    if edge.noun.kind != "exit" and edge.noun.destination not in machine.states:
-                        yield edge.site.element, "unknown state"
-        for spawn in spawns:
-            if isinstance(spawn.target, Broken):
-                yield spawn.site.element, spawn.target.kind
-            elif not spawn.resolves:
-                yield spawn.site.element, "unknown state"
+    def _fill(self, scope: Scope, machine: MachinePlan) -> None:
+        """Link the states and transitions of a machine."""
+        edges = [self._edge(arrow) for arrow in self.names.arrows[scope]]
+        for name, noun in scope.states.items():
+            path = (*scope.path, name)
+            state = machine.states[name] = StatePlan(name, path, noun)
+            self.plan.places[Element("state", path)] = noun.span.start
+            entry = Element("onentry", path)
+            self.plan.places[entry] = noun.span.start
+            state.onentry = self._entry(entry)
+            if noun.running:
+                state.running = self._blocks(Element("running", path))
+            if noun.onexit:
+                state.onexit = self._blocks(Element("onexit", path))
+            state.edges = tuple([edge for edge in edges if edge.noun.leaves(name)])
+            inside = scope.machines.get(name, {})
+            state.machines = {inner: self.machines[found] for inner, found in inside.items()}
 
-    def _first(self, element: Element, offset: int, known: Mapping[str, object]) -> bool:
-        """Whether this definition counts: the first one of a name does."""
-        if element.path[-1] in known:
-            self.duplicates.append(Site(element, -1, offset))  # none of its blocks: no run resolves it
-            return False
-        self.plan.places[element] = offset
-        return True
+    def _entry(self, element: Element) -> tuple[BlockPlan | SpawnPlan, ...]:
+        """Link what a state does on entry: blocks and spawns, in the order of the text."""
+        blocks = self._blocks(element)
+        spawns = self.spawns.get(element.path)
+        if spawns is None:
+            return blocks
+        items: dict[int, BlockPlan | SpawnPlan] = {
+            **spawns,
+            **{block.site.ordinal: block for block in blocks},
+        }
+        return tuple([items[ordinal] for ordinal in sorted(items)])
 
-    def _machines(
-        self, path: Path, nouns: tuple[Machine, ...], outer: MachinePlan | None
-    ) -> dict[str, MachinePlan]:
-        machines: dict[str, MachinePlan] = {}
-        for noun in nouns:
-            inner = (*path, str(noun.name))
-            if self._first(Element("machine", inner), noun.span.start, machines):
-                machines[inner[-1]] = plan = MachinePlan(inner[-1], inner, noun, outer)
-                self.plan.machines[inner] = plan
-        return machines
+    def _variables(self, scope: Scope) -> tuple[VariablePlan, ...]:
+        variables = []
+        for name, noun in scope.variables.items():
+            element = Element("variable", (*scope.path, name))
+            self.plan.places[element] = noun.span.start
+            variables.append(VariablePlan(name, noun, self._blocks(element)[0]))
+        return tuple(variables)
 
-    def _fill(
-        self, plan: MachinePlan, scope: frozenset[str], around: tuple[Mapping[str, MachinePlan], ...]
-    ) -> None:
-        """Link the inside of a machine; `around`: the machines that can be spawned, inside first."""
-        noun = plan.noun
-        plan.variables = self._variables(plan.path, noun.variables, scope)
-        scope |= {variable.name for variable in plan.variables}
-        plan.events = self._events(plan.path, noun.events, scope)
-        for state in noun.states:
-            path = (*plan.path, str(state.name))
-            if self._first(Element("state", path), state.span.start, plan.states):
-                plan.states[path[-1]] = StatePlan(path[-1], path, state)
-        edges = [
-            self._edge(plan, label, transition, scope)
-            for label, transition in zip(noun.labels, noun.transitions, strict=True)
-        ]
-        for state_plan in plan.states.values():
-            state_plan.edges = tuple(edge for edge in edges if edge.noun.leaves(state_plan.name))
-            state_plan.machines = self._machines(state_plan.path, state_plan.noun.machines, plan)
-            inside = (state_plan.machines, *around)
-            for machine in state_plan.machines.values():
-                self._fill(machine, scope, inside)
-            self._actions(state_plan, plan, scope, inside)
-
-    def _actions(
-        self,
-        state: StatePlan,
-        machine: MachinePlan,
-        scope: frozenset[str],
-        around: tuple[Mapping[str, MachinePlan], ...],
-    ) -> None:
-        entry = Element("onentry", state.path)
-        items: list[BlockPlan | SpawnPlan] = []
-        for ordinal, item in enumerate(state.noun.onentry):
-            if isinstance(item, Spawn):
-                items.append(self._spawn(state.path, item, around, machine))
-            else:
-                items.append(self._block(entry, ordinal, item, scope))
-        state.onentry = tuple(items)
-        self.plan.places[entry] = state.noun.span.start
-        state.running = tuple(self._blocks(Element("running", state.path), state.noun.running, scope))
-        state.onexit = tuple(self._blocks(Element("onexit", state.path), state.noun.onexit, scope))
-
-    def _variables(
-        self, path: Path, nouns: tuple[Variable, ...], scope: frozenset[str]
-    ) -> tuple[VariablePlan, ...]:
-        variables: dict[str, VariablePlan] = {}
-        for noun in nouns:
-            name = str(noun.name)
-            element = Element("variable", (*path, name))
-            if self._first(element, noun.span.start, variables):
-                block = self._block(element, 0, noun.initial, scope | variables.keys())
-                variables[name] = VariablePlan(name, noun, block)
-        return tuple(variables.values())
-
-    def _events(self, path: Path, nouns: tuple[Event, ...], scope: frozenset[str]) -> dict[str, EventPlan]:
-        events: dict[str, EventPlan] = {}
-        for noun in nouns:
-            element = Element("event", (*path, str(noun.name)))
-            if self._first(element, noun.span.start, events):
-                events[element.path[-1]] = EventPlan(path, self._block(element, 0, noun.condition, scope))
+    def _events(self, scope: Scope) -> dict[str, EventPlan]:
+        events = {}
+        for name, noun in scope.events.items():
+            element = Element("event", (*scope.path, name))
+            self.plan.places[element] = noun.span.start
+            events[name] = EventPlan(scope.path, self._blocks(element)[0])
         return events
 
-    def _blocks(
-        self, element: Element, blocks: tuple[Block, ...], scope: frozenset[str]
-    ) -> Iterator[BlockPlan]:
-        for ordinal, block in enumerate(blocks):
-            yield self._block(element, ordinal, block, scope)
+    def _blocks(self, element: Element) -> tuple[BlockPlan, ...]:
+        return tuple([self._block(code) for code in self.names.blocks.get(element, ())])
 
-    def _block(self, element: Element, ordinal: int, block: Block, scope: frozenset[str]) -> BlockPlan:
+    def _block(self, place: Code) -> BlockPlan:
+        element, ordinal, block = place.element, place.ordinal, place.block
         self.plan.places.setdefault(element, block.span.start)
+        name = f"{element.path[-1]}.{element.kind}" if element.path else element.kind
         code: CodeType | Broken
         try:
-            code = compile_block(block, scope, self.plan.program.filename)
+            code = compile_block(block, place.visible, self.plan.program.filename, name)
         except SyntaxError as error:  # a `nonlocal` whose variable is gone, say: no error of the text
             code = Broken("unknown variable", f"the block cannot be linked: {error.msg}")
-        else:
-            name = ".".join((*element.path[-1:], element.kind))
-            code = code.replace(co_name=name, co_qualname=name)
         return BlockPlan(Site(element, ordinal, block.span.start), code)
 
-    def _edge(self, machine: MachinePlan, label: str, noun: Transition, scope: frozenset[str]) -> EdgePlan:
-        element = Element("transition", (*machine.path, label))
+    def _edge(self, arrow: Arrow) -> EdgePlan:
+        element, noun = arrow.element, arrow.noun
         self.plan.places[element] = noun.span.start
+        if noun.kind != "exit" and noun.destination not in arrow.scope.states:
+            self.plan.dangling.add((element, "unknown state"))
         trigger = noun.trigger
         test: EventPlan | BlockPlan | str | int | Broken | None
-        if isinstance(trigger, Block):
-            test = self._block(element, 0, trigger, scope)
-        elif trigger is None or isinstance(trigger, int):
-            test = trigger
-        elif noun.kind == "ontime":
-            name = str(trigger)
-            test = name if name in scope else Broken("unknown variable", f"there is no variable `{name}`")
+        unresolved = arrow.unresolved_trigger
+        if unresolved is not None:
+            self.plan.dangling.add((element, unresolved.kind))
+            test = Broken(*unresolved)
+        elif isinstance(trigger, Block):
+            test = self._blocks(element)[0]
+        elif isinstance(trigger, str):
+            owner = arrow.owner
+            assert owner is not None  # else it were unresolved
+            events = self.machines[owner].events if owner.noun else self.plan.events
+            test = str(trigger) if noun.kind == "ontime" else events[trigger]
         else:
-            test = self._event(machine, str(trigger))
-        return EdgePlan(Site(element, 0, noun.span.start), label, noun, test)
+            test = trigger
+        return EdgePlan(Site(element, 0, noun.span.start), arrow.label, noun, test)
 
-    def _event(self, machine: MachinePlan | None, name: str) -> EventPlan | Broken:
-        while machine is not None:
-            if name in machine.events:
-                return machine.events[name]
-            machine = machine.outer
-        return self.plan.events.get(name) or Broken("unknown event", f"there is no event `{name}`")
-
-    def _spawn(
-        self,
-        path: Path,
-        noun: Spawn,
-        around: tuple[Mapping[str, MachinePlan], ...],
-        spawner: MachinePlan | None,
-    ) -> SpawnPlan:
-        name, start = str(noun.machine), str(noun.state)
-        element = Element("spawn", (*path, name))
+    def _spawn(self, spawning: Spawning) -> SpawnPlan:
+        element, noun, unresolved = spawning.element, spawning.noun, spawning.unresolved
         self.plan.places.setdefault(element, noun.span.start)
-        enclosing = set()
-        while spawner is not None:
-            enclosing.add(spawner.path)
-            spawner = spawner.outer
-        found = next((m[name] for m in around if name in m and m[name].path not in enclosing), None)
-        target = found or Broken(
-            "unknown machine", f"there is no machine `{name}` that could be spawned here"
-        )
-        return SpawnPlan(Site(element, 0, noun.span.start), start, target)
+        if unresolved is not None:
+            self.plan.dangling.add((element, unresolved.kind))
+        target: MachinePlan | Broken
+        if spawning.machine is None:
+            assert unresolved is not None
+            target = Broken(*unresolved)
+        else:
+            target = self.machines[spawning.machine]
+        return SpawnPlan(Site(element, 0, noun.span.start), str(noun.state), target)

@@ -210,7 +210,7 @@ def _fault(text: str, error: SyntaxError) -> Fault:
     return Fault(f"Python cannot read this block: {message}.", start, end)
 
 
-def compile_block(block: Block, names: Collection[str], filename: str) -> CodeType:
+def compile_block(block: Block, names: Collection[str], filename: str, name: str = "block") -> CodeType:
     """Compile a block for :func:`bind`.
 
     Parameters
@@ -220,6 +220,8 @@ def compile_block(block: Block, names: Collection[str], filename: str) -> CodeTy
         The variables of the program that the block sees. `robot` and `print` are always provided besides.
     filename : str
         Of the program, for tracebacks.
+    name : str
+        What tracebacks call the block.
 
     Returns
     -------
@@ -234,7 +236,7 @@ def compile_block(block: Block, names: Collection[str], filename: str) -> CodeTy
     prefix = len(block.prefix.encode("utf-8", "replace"))
     seen = frozenset(_words(block.text).intersection(names))
     try:
-        return _placed(block.text, prefix, seen, block.line, filename)
+        return _placed(block.text, prefix, seen, block.line, filename, name)
     except SyntaxError as error:
         error.lineno = (error.lineno or 1) + block.line - 1
         error.end_lineno = (error.end_lineno or 1) + block.line - 1
@@ -264,8 +266,9 @@ def _words(text: str) -> frozenset[str]:
 
 
 @lru_cache(maxsize=20_000)
-def _placed(text: str, prefix: int, names: frozenset[str], line: int, filename: str) -> CodeType:
-    return _moved(_function(text, prefix, names), line - 1, filename)
+def _placed(text: str, prefix: int, names: frozenset[str], line: int, filename: str, name: str) -> CodeType:
+    code = _moved(_function(text, prefix, names), line - 1, filename)
+    return code.replace(co_name=name, co_qualname=name)
 
 
 def _moved(code: CodeType, lines: int, filename: str) -> CodeType:

@@ -1,24 +1,113 @@
-"""Renaming: a definition and everything that refers to it change together, and not a character else.
+"""Renaming and going to a definition: which places of a text name the same thing.
 
-Paper: §9, "refactorings that allow renaming … allowing some interpreter restarts to be avoided".
+A rename changes a definition and every reference to it, and not a character else.
+
+Paper: §3.1 (scope), §9 ("refactorings that allow renaming … allowing some interpreter restarts to be
+avoided").
 """
 
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass, field
 from keyword import iskeyword
 from typing import NamedTuple
 
 from lrp_jupyter.errors import LRPSyntaxError, UnknownElementError
+from lrp_jupyter.language.blocks import block_names
 from lrp_jupyter.language.names import normal
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
-from lrp_jupyter.language.program import Element, Path, Program, Span
-from lrp_jupyter.language.symbols import Symbol, Use, symbols
+from lrp_jupyter.language.program import Element, Name, Path, Program, Span
+from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
 
-__all__ = ["References", "references", "rename"]
+__all__ = ["References", "Symbol", "references", "rename", "symbols"]
 
 _KINDS = ("state", "machine", "event", "variable", "transition")
+
+
+class Mention(NamedTuple):
+    """One place of the text where a name refers to something.
+
+    ``symbol`` is None where that is no part of the program: a local name of a block, a builtin, or nothing at
+    all. ``imported`` is the module's name where the name is bound by ``import``, else empty.
+    """
+
+    name: str
+    span: Span
+    symbol: Symbol | None
+    imported: str = ""
+
+
+@dataclass(eq=False)
+class Symbol:
+    """Something that has a name: where it is defined, and where it is referred to."""
+
+    element: Element
+    definition: Span
+    references: list[Span] = field(default_factory=list)
+
+
+def symbols(program: Program) -> tuple[list[Symbol], list[Mention]]:
+    """List what the names of a program define and mention.
+
+    Returns
+    -------
+    symbols : list of Symbol
+        What is defined, in the order of the text. Second definitions of a name are left out.
+    mentions : list of Mention
+        Every name that refers to something, or to nothing, in the order of the text.
+    """
+    names = resolve(program)
+    found = {element: Symbol(element, name.span) for element, name in _definitions(names)}
+    mentions = []
+    for kind, name, span, scope, imported in _mentions(names):
+        symbol = None if scope is None else found.get(Element(kind, scope.path_of(kind, name)))
+        if symbol is not None:
+            symbol.references.append(span)
+        mentions.append(Mention(name, span, symbol, imported))
+    mentions.sort(key=lambda mention: mention.span)
+    return sorted(found.values(), key=lambda symbol: symbol.definition), mentions
+
+
+def _definitions(names: Resolution) -> Iterator[tuple[Element, Name]]:
+    for scope in names.scopes:
+        for kind, nouns in (("variable", scope.variables), ("event", scope.events), ("state", scope.states)):
+            for noun in nouns.values():
+                yield Element(kind, (*scope.path, str(noun.name))), noun.name
+        if scope.name is not None:
+            yield Element("machine", scope.path), scope.name
+        for arrow in names.arrows[scope]:
+            if arrow.noun.name is not None:
+                yield arrow.element, arrow.noun.name
+
+
+def _mentions(names: Resolution) -> Iterator[tuple[str, str, Span, Scope | None, str]]:
+    """Yield the kind, name and place of every reference, the scope that defines it, and what it imports."""
+    for spawning in names.spawns:
+        machine = spawning.noun.machine
+        yield "machine", str(machine), machine.span, spawning.machine, ""
+        yield "state", str(spawning.noun.state), spawning.noun.state.span, spawning.machine, ""
+    for arrows in names.arrows.values():
+        for arrow in arrows:
+            for kind, name, scope in _named_by(arrow):
+                yield kind, str(name), name.span, scope, ""
+    for codes in names.blocks.values():
+        for code in codes:
+            for place in block_names(code.block).places:
+                span = Span(place.start, place.end)
+                yield "variable", place.name, span, code.visible.get(place.name), place.imported
+
+
+def _named_by(arrow: Arrow) -> Iterator[tuple[str, Name, Scope | None]]:
+    trigger = arrow.noun.trigger
+    if isinstance(trigger, Name):
+        yield "variable" if arrow.noun.kind == "ontime" else "event", trigger, arrow.owner
+    for source in arrow.noun.sources:
+        yield "state", source, arrow.scope
+    for home in arrow.homes or (None,):
+        yield "state", arrow.noun.destination, home
 
 
 class References(NamedTuple):
@@ -96,7 +185,7 @@ def _check_name(kind: str, name: str) -> None:
         raise ValueError(f"`{name}` is a word of Python; give the variable another name.")
 
 
-def _changed(text: str, symbol: Symbol, uses: list[Use], name: str) -> str:
+def _changed(text: str, symbol: Symbol, uses: list[Mention], name: str) -> str:
     edits = {symbol.definition: name, **dict.fromkeys(symbol.references, name)}
     for use in uses:
         if use.symbol is symbol and use.imported:
@@ -109,7 +198,7 @@ def _changed(text: str, symbol: Symbol, uses: list[Use], name: str) -> str:
 
 
 def _check_meaning(
-    program: Program, found: list[Symbol], uses: list[Use], text: str, symbol: Symbol, name: str
+    program: Program, found: list[Symbol], uses: list[Mention], text: str, symbol: Symbol, name: str
 ) -> None:
     """Refuse a text in which any name means something else than before."""
     counts = Counter(use.span for use in uses if use.symbol)
@@ -129,6 +218,6 @@ def _check_meaning(
         raise ValueError(f"`{name}` is taken: an inner function uses it for something else.")
 
 
-def _meanings(found: list[Symbol], uses: list[Use]) -> list[int | None]:
+def _meanings(found: list[Symbol], uses: list[Mention]) -> list[int | None]:
     order = {symbol: index for index, symbol in enumerate(found)}
     return [None if use.symbol is None else order[use.symbol] for use in uses]

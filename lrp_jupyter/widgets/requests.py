@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, Any
 
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.interpreter.frame import render
-from lrp_jupyter.language.checks.scope import resolve
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.rename import references as find_references
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.widgets.fields import arguments_of, fields_of
 from lrp_jupyter.widgets.inspecting import inspect_element
 from lrp_jupyter.widgets.paths import id_of
@@ -210,9 +210,8 @@ def _root(connection: Connection, name: str, scope: str) -> object:
 
 
 def _variable_in_scope(connection: Connection, name: str, scope: str) -> Path | None:
-    top, _ = resolve(connection.session.program)
-    wanted = tuple(scope.split("/")) if scope else ()
-    here = next((found for found in top.walk() if found.path == wanted), top)
+    names = resolve(connection.session.program)
+    here = names.by_path.get(tuple(scope.split("/")), names.top)
     owner = here.visible.get(name)
     return None if owner is None else (*owner.path, name)
 

@@ -13,9 +13,9 @@ from lrp_jupyter.language.checks.python import check_python
 from lrp_jupyter.language.checks.reachability import check_reachability
 from lrp_jupyter.language.checks.references import check_references
 from lrp_jupyter.language.checks.report import Report
-from lrp_jupyter.language.checks.scope import resolve
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program
+from lrp_jupyter.language.resolution import resolve
 
 __all__ = ["CODES", "Code", "check"]
 
@@ -44,10 +44,10 @@ def check(text_or_program: str | Program, names: Collection[str] = ()) -> tuple[
             return found
         program = scanned
     report = Report(program, names)
-    top, repeats = resolve(program)
-    check_names(report, top, repeats)
-    check_reachability(report, top, check_references(report, top))
-    check_python(report, top)
+    resolution = resolve(program)
+    check_names(report, resolution)
+    check_reachability(report, resolution, check_references(report, resolution))
+    check_python(report, resolution)
     return tuple(sorted(report.findings, key=_place))
 
 

@@ -6,8 +6,8 @@ import builtins
 import re
 
 from lrp_jupyter.language.checks.report import Report
-from lrp_jupyter.language.checks.scope import Repeat, Scope
 from lrp_jupyter.language.program import Edit, Fix, Machine, Name, Span, Transition, Variable, path_text
+from lrp_jupyter.language.resolution import Resolution, Scope
 
 __all__ = ["BUILTINS", "check_names"]
 
@@ -16,21 +16,22 @@ _LINE_END = re.compile(r"\r\n|\r|\n")
 _PROVIDED = {"robot": "the robot", "print": "the `print` that writes into the lab's output"}
 
 
-def check_names(report: Report, top: Scope, repeats: list[Repeat]) -> None:
+def check_names(report: Report, names: Resolution) -> None:
     """Report what is wrong with the definitions of a program."""
-    for kind, scope, first, again in repeats:
+    for element, scope, first, again in names.repeats:
         place = f" of `{path_text(scope.path)}`" if scope.path else ""
         report.add(
             "LRP201",
             again.name.span,
-            f"`{again.name}` is already {_article(kind)}{place}, in line {report.line(first.name.span)}, and "
-            "only the first counts; give this one another name, or remove it.",
+            f"`{again.name}` is already {_article(element.kind)}{place}, in line "
+            f"{report.line(first.name.span)}, and only the first counts; "
+            "give this one another name, or remove it.",
         )
-    for scope in top.walk():
+    for scope in names.scopes:
         for variable in scope.variables.values():
             _hiding(report, scope, variable)
         _colliding(report, scope)
-    if not report.program.spawns and top.machines:
+    if not report.program.spawns and names.top.machines:
         _no_spawn(report)
 
 

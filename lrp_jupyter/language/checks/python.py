@@ -5,15 +5,15 @@ Paper: §3.2 (line 32 of the listing compares where it should assign), §9.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from functools import cached_property
-from typing import Literal, NamedTuple
+from itertools import chain
 
 from lrp_jupyter.language.checks.facts import Facts, facts_of
 from lrp_jupyter.language.checks.names import BUILTINS
 from lrp_jupyter.language.checks.report import Report, nearest, replace
-from lrp_jupyter.language.checks.scope import Scope
 from lrp_jupyter.language.program import Block, Span, path_text
+from lrp_jupyter.language.resolution import Code, Resolution, Scope
 
 __all__ = ["check_python"]
 
@@ -22,57 +22,27 @@ _SPELT = {"nil": "None", "null": "None", "undefined": "None", "self": "robot"}
 """What people write who come from other languages, in which `difflib` would see no likeness."""
 
 
-class Place(NamedTuple):
-    """A block with what it is for, and the variables that it sees."""
-
-    block: Block
-    use: Literal["action", "initialiser", "condition", "delay"]
-    scope: Scope
-    visible: dict[str, Scope]
-
-
-def check_python(report: Report, top: Scope) -> None:
+def check_python(report: Report, names: Resolution) -> None:
     """Report what is wrong inside the blocks of a program."""
-    _Python(report, top).check()
+    _Python(report, names).check()
 
 
 class _Python:
-    def __init__(self, report: Report, top: Scope) -> None:
+    def __init__(self, report: Report, names: Resolution) -> None:
         self.report = report
-        self.top = top
+        self.scopes = names.scopes
+        self.blocks = tuple(chain.from_iterable(names.blocks.values()))
         self.known = BUILTINS | _PROVIDED | set(report.names)
 
     def check(self) -> None:
-        for place in self._places():
+        for place in self.blocks:
             facts = facts_of(place.block.text)
             self._names(place, facts)
             self._values(place, facts)
 
-    def _places(self) -> Iterator[Place]:
-        """Yield every block of the program."""
-        for scope in self.top.walk():
-            visible = dict(scope.outer.visible) if scope.outer else {}
-            for variable in scope.variables.values():
-                yield Place(variable.initial, "initialiser", scope, visible)
-                visible[variable.name] = scope
-            for event in scope.events.values():
-                yield Place(event.condition, "condition", scope, scope.visible)
-            for transition in scope.transitions:
-                if isinstance(transition.trigger, Block):
-                    use: Literal["condition", "delay"] = (
-                        "delay" if transition.kind == "ontime" else "condition"
-                    )
-                    yield Place(transition.trigger, use, scope, scope.visible)
-            for state in scope.states.values():
-                for action in (*state.onentry, *state.running, *state.onexit):
-                    if isinstance(action, Block):
-                        yield Place(action, "action", scope, scope.visible)
-        for action in (*self.report.program.onpause, *self.report.program.onresume):
-            yield Place(action, "action", self.top, self.top.visible)
-
     # Names
 
-    def _names(self, place: Place, facts: Facts) -> None:
+    def _names(self, place: Code, facts: Facts) -> None:
         visible = place.visible
         for name, span, _ in facts.reads:
             if name not in visible and name not in self.known and not name.startswith("__"):
@@ -93,7 +63,7 @@ class _Python:
                 self._unknown("LRP503", place, name, span, problem, [*visible, *facts.binds])
 
     def _unknown(
-        self, code: str, place: Place, name: str, span: Span, problem: str, *known: Iterable[str]
+        self, code: str, place: Code, name: str, span: Span, problem: str, *known: Iterable[str]
     ) -> None:
         """Report a name without a meaning, with what was probably meant."""
         elsewhere = self._elsewhere(place, name)
@@ -105,7 +75,7 @@ class _Python:
         else:
             self._add(code, place, span, f"{problem}; declare `(var {name} := [value])`.")
 
-    def _elsewhere(self, place: Place, name: str) -> str | None:
+    def _elsewhere(self, place: Code, name: str) -> str | None:
         """Say what the name is that this block does not see."""
         if place.scope.event(name):
             return "it is an event; only transitions use events"
@@ -121,21 +91,21 @@ class _Python:
 
     @cached_property
     def _variables(self) -> dict[str, Scope]:
-        return {name: scope for scope in self.top.walk() for name in scope.variables}
+        return {name: scope for scope in self.scopes for name in scope.variables}
 
     @cached_property
     def _assigned(self) -> dict[str, Span]:
         """Where the blocks of the program bind names, one place for each."""
         return {
             name: _shifted(place.block, span)
-            for place in self._places()
+            for place in self.blocks
             for name, span in facts_of(place.block.text).binds.items()
         }
 
     # Values
 
-    def _values(self, place: Place, facts: Facts) -> None:
-        used = place.use != "action"
+    def _values(self, place: Code, facts: Facts) -> None:
+        used = place.purpose != "action"
         for remark in facts.comparisons:
             if not (used and remark.last):
                 fix = (
@@ -157,24 +127,26 @@ class _Python:
             word = "and" if remark.name == "&" else "or"
             message = f"`{remark.name}` binds more tightly than the comparison; write `{word}`."
             self._add("LRP509", place, remark.span, message, word, remark.edit)
-        if facts.valueless and place.use == "initialiser":
+        if facts.valueless and place.purpose == "initialiser":
             message = "This ends in a statement, so the variable is `None`; end with its value on a new line."
             self._add("LRP506", place, facts.valueless.span, message)
         elif facts.valueless and used:
             remedy = "write `==` to compare" if facts.valueless.edit else "end with an expression"
-            message = f"This {place.use} ends in a statement and has no value; {remedy}."
-            fix = "==" if place.use == "condition" and facts.valueless.edit else None
+            message = f"This {place.purpose} ends in a statement and has no value; {remedy}."
+            fix = "==" if place.purpose == "condition" and facts.valueless.edit else None
             self._add("LRP505", place, facts.valueless.span, message, fix, facts.valueless.edit)
-        if facts.literal and place.use in _WANTED:
-            kind, wanted = facts.literal[0], _WANTED[place.use]
+        if facts.literal and place.purpose in _WANTED:
+            kind, wanted = facts.literal[0], _WANTED[place.purpose]
             if kind != wanted:
-                message = f"A {place.use} must be {wanted}, not {kind}; write an expression that gives one."
+                message = (
+                    f"A {place.purpose} must be {wanted}, not {kind}; write an expression that gives one."
+                )
                 self._add("LRP508", place, facts.literal[1], message)
 
     def _add(
         self,
         code: str,
-        place: Place,
+        place: Code,
         span: Span,
         message: str,
         text: str | None = None,

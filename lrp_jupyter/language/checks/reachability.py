@@ -11,29 +11,29 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Hashable, Iterator
 
-from lrp_jupyter.language.checks.references import Arrow, Links, Spawned
+from lrp_jupyter.language.checks.references import Links, MeantArrow, MeantSpawn
 from lrp_jupyter.language.checks.report import Report
-from lrp_jupyter.language.checks.scope import Scope
 from lrp_jupyter.language.program import Block, Transition
+from lrp_jupyter.language.resolution import Resolution, Scope
 
 __all__ = ["check_reachability"]
 
 
-def check_reachability(report: Report, top: Scope, links: Links) -> None:
+def check_reachability(report: Report, names: Resolution, links: Links) -> None:
     """Report states, machines, events and transitions that the program never comes to."""
-    _unspawned(report, top, links)
-    _spawned_again(report, top, links)
-    _unreached(report, top, links)
-    _unused_events(report, top, links)
+    _unspawned(report, names, links)
+    _spawned_again(report, names, links)
+    _unreached(report, names, links)
+    _unused_events(report, names, links)
     for scope, arrows in links.arrows.items():
         _untested(report, scope, arrows)
         for transition in scope.transitions:
             _livelock(report, transition)
 
 
-def _unspawned(report: Report, top: Scope, links: Links) -> None:
+def _unspawned(report: Report, names: Resolution, links: Links) -> None:
     spawned = {spawned.machine for spawned in links.spawned}
-    for scope in top.walk():
+    for scope in names.scopes:
         # One finding says that the program spawns nothing; a spawn of who knows what may mean any.
         if (
             scope.name is None
@@ -48,34 +48,34 @@ def _unspawned(report: Report, top: Scope, links: Links) -> None:
         report.add("LRP402", scope.name.span, message)
 
 
-def _spawned_again(report: Report, top: Scope, links: Links) -> None:
+def _spawned_again(report: Report, names: Resolution, links: Links) -> None:
     """Report spawns of machines that certainly run already."""
-    first: dict[tuple[Scope, Scope, str], Spawned] = {}
+    first: dict[tuple[Scope, Scope, str], MeantSpawn] = {}
     for spawned in links.spawned:  # those at top level come first, and their machines run for ever
         machine, scope, state = spawned.machine, spawned.scope, spawned.state
-        before = first.get((machine, top, "")) or first.get((machine, scope, state))
+        before = first.get((machine, names.top, "")) or first.get((machine, scope, state))
         if before:
-            line = report.line(before.spawn.span)
+            line = report.line(before.noun.span)
             message = (
                 f"Line {line} spawns `{machine.name}` already, and it runs once only; remove one of them."
             )
-            report.add("LRP407", spawned.spawn.span, message)
+            report.add("LRP407", spawned.noun.span, message)
         elif spawned.start:
             first[machine, scope, state] = spawned
 
 
-def _unreached(report: Report, top: Scope, links: Links) -> None:
-    reached = _reach(top, links)
-    for scope, names in reached.items():
+def _unreached(report: Report, names: Resolution, links: Links) -> None:
+    reached = _reach(names, links)
+    for scope, states in reached.items():
         for name, state in scope.states.items():
-            if name not in names:
+            if name not in states:
                 message = f"`{scope.name}` never comes to `{name}`; add a transition that leads there."
                 report.add("LRP401", state.name.span, message)
 
 
-def _reach(top: Scope, links: Links) -> dict[Scope, set[str]]:
+def _reach(names: Resolution, links: Links) -> dict[Scope, set[str]]:
     """Find the states that can become active, by machine, beginning with the top-level spawns."""
-    spawned: dict[tuple[Scope, str], list[Spawned]] = defaultdict(list)
+    spawned: dict[tuple[Scope, str], list[MeantSpawn]] = defaultdict(list)
     for spawn in links.spawned:
         spawned[spawn.scope, spawn.state].append(spawn)
     outgoing = {scope: _Outgoing(scope, arrows) for scope, arrows in links.arrows.items()}
@@ -89,7 +89,7 @@ def _reach(top: Scope, links: Links) -> dict[Scope, set[str]]:
             yield from arrow.targets
 
     reached: dict[Scope, set[str]] = defaultdict(set)
-    waiting = [following(top, "")]
+    waiting = [following(names.top, "")]
     while waiting:
         for scope, state in waiting.pop():
             if state not in reached[scope]:
@@ -101,23 +101,23 @@ def _reach(top: Scope, links: Links) -> dict[Scope, set[str]]:
 class _Outgoing:
     """The transitions of a machine by the state that they leave."""
 
-    def __init__(self, scope: Scope, arrows: list[Arrow]) -> None:
-        self._wild = [arrow for arrow in arrows if arrow.transition.wildcard]
-        self._named: dict[str, list[Arrow]] = {}
+    def __init__(self, scope: Scope, arrows: list[MeantArrow]) -> None:
+        self._wild = [arrow for arrow in arrows if arrow.noun.wildcard]
+        self._named: dict[str, list[MeantArrow]] = {}
         for arrow in arrows:
-            if not arrow.transition.wildcard:
+            if not arrow.noun.wildcard:
                 for source in arrow.sources:
                     self._named.setdefault(source, []).append(arrow)
 
-    def of(self, state: str) -> Iterator[Arrow]:
+    def of(self, state: str) -> Iterator[MeantArrow]:
         """Yield those that leave a state, in no particular order."""
         yield from self._named.get(state, ())
-        yield from (arrow for arrow in self._wild if arrow.transition.leaves(state))
+        yield from (arrow for arrow in self._wild if arrow.noun.leaves(state))
 
 
-def _unused_events(report: Report, top: Scope, links: Links) -> None:
+def _unused_events(report: Report, names: Resolution, links: Links) -> None:
     used = {id(arrow.event) for arrows in links.arrows.values() for arrow in arrows}
-    for scope in top.walk():
+    for scope in names.scopes:
         for name, event in scope.events.items():
             if id(event) not in used:
                 remedy = f"write `(on {name} source -> destination)`, or remove it"
@@ -125,11 +125,11 @@ def _unused_events(report: Report, top: Scope, links: Links) -> None:
                 report.add("LRP403", event.name.span, message)
 
 
-def _untested(report: Report, scope: Scope, arrows: list[Arrow]) -> None:
+def _untested(report: Report, scope: Scope, arrows: list[MeantArrow]) -> None:
     """Report transitions that come after one which always fires before them. Paper: §5.1.1."""
     earlier: dict[str, _Earlier] = defaultdict(_Earlier)
     for arrow in arrows:
-        transition = arrow.transition
+        transition = arrow.noun
         sources = arrow.sources
         if transition.wildcard:
             sources = [state for state in scope.states if transition.leaves(state)]
@@ -152,9 +152,9 @@ def _untested(report: Report, scope: Scope, arrows: list[Arrow]) -> None:
                 earlier[state].note(key, transition)
 
 
-def _key(arrow: Arrow) -> Hashable:
+def _key(arrow: MeantArrow) -> Hashable:
     """Return what transitions share that are enabled together: milliseconds, if they are known."""
-    kind, trigger = arrow.transition.kind, arrow.transition.trigger
+    kind, trigger = arrow.noun.kind, arrow.noun.trigger
     if trigger is None or isinstance(trigger, int):
         return max(0, trigger or 0)
     if isinstance(trigger, Block) or kind == "ontime":

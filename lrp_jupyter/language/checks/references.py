@@ -14,31 +14,34 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from lrp_jupyter.language.checks.report import Report, replace
-from lrp_jupyter.language.checks.scope import Scope
 from lrp_jupyter.language.program import Event, Fix, Name, Span, Spawn, Transition, path_text
+from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, Spawning
 
-__all__ = ["Arrow", "Links", "Spawned", "check_references"]
+__all__ = ["Links", "MeantArrow", "MeantSpawn", "check_references"]
 
 _OPENING = re.compile(r"\(\s*(?:[;#][^\r\n]*\s+)*(\w+)")
 """From the bracket of a form to its keyword, across comments."""
 
 
-class Spawned(NamedTuple):
-    """A spawn of a machine: by a state of `scope`, or at top level; its start state, if known."""
+class MeantSpawn(NamedTuple):
+    """A spawn as it is probably meant, by a state of `scope` or at the top level.
 
-    spawn: Spawn
+    ``start`` is its start state, if that is known.
+    """
+
+    noun: Spawn
     scope: Scope
     state: str
     machine: Scope
     start: str | None
 
 
-class Arrow(NamedTuple):
+class MeantArrow(NamedTuple):
     """A transition as it is probably meant.
 
     Parameters
     ----------
-    transition : Transition
+    noun : Transition
     sources : list of str
         Those that it names, or that a wildcard leaves out. Here and among the targets may be states that are
         still to be written: what only they lead to is not out of reach for that.
@@ -50,7 +53,7 @@ class Arrow(NamedTuple):
         All its references resolve as they stand.
     """
 
-    transition: Transition
+    noun: Transition
     sources: list[str]
     event: Event | None
     targets: list[tuple[Scope, str]]
@@ -59,77 +62,70 @@ class Arrow(NamedTuple):
 
 @dataclass(slots=True)
 class Links:
-    """What the references of a program mean.
+    """What the references of a program probably mean.
 
     Parameters
     ----------
-    spawned : list of Spawned
+    spawned : list of MeantSpawn
     guess : bool
         Some spawn names a machine that cannot even be guessed: it may mean any.
-    arrows : dict of Scope to list of Arrow
+    arrows : dict of Scope to list of MeantArrow
         In the order of the text.
     """
 
-    spawned: list[Spawned] = field(default_factory=list)
+    spawned: list[MeantSpawn] = field(default_factory=list)
     guess: bool = False
-    arrows: dict[Scope, list[Arrow]] = field(default_factory=dict)
+    arrows: dict[Scope, list[MeantArrow]] = field(default_factory=dict)
 
 
-def check_references(report: Report, top: Scope) -> Links:
-    """Report every reference that dangles, and say what all of them mean."""
-    return _References(report, top).links
+def check_references(report: Report, names: Resolution) -> Links:
+    """Report every reference that dangles, and return what all of them probably mean."""
+    return _References(report, names).links
 
 
 class _References:
-    def __init__(self, report: Report, top: Scope) -> None:
+    def __init__(self, report: Report, names: Resolution) -> None:
         self.report = report
-        self.top = top
+        self.scopes = names.scopes
         self.links = Links()
-        scopes = list(top.walk())
-        for spawn in report.program.spawns:
-            self._spawn(top, "", spawn)
-        for scope in scopes:
-            for state, spawn in scope.spawns():
-                self._spawn(scope, state, spawn)
+        for spawning in names.spawns:
+            self._spawn(spawning)
         spawners: dict[Scope, dict[Scope, None]] = {}
         for spawned in self.links.spawned:
             spawners.setdefault(spawned.machine, {})[spawned.scope] = None
-        for scope in scopes:
+        for scope, arrows in names.arrows.items():
             around = [outer for outer in spawners.get(scope, [scope.outer]) if outer and outer.path]
-            self.links.arrows[scope] = [self._arrow(scope, around, part) for part in scope.transitions]
+            self.links.arrows[scope] = [self._arrow(arrow, around) for arrow in arrows]
 
-    def _spawn(self, scope: Scope, state: str, spawn: Spawn) -> None:
-        machine = scope.machine(state, spawn.machine)
+    def _spawn(self, spawning: Spawning) -> None:
+        noun, scope, state, machine = spawning.noun, spawning.scope, spawning.state, spawning.machine
+        name = noun.machine
         if machine is None:
-            name = spawn.machine
             problem = f"There is no machine `{name}` that could be spawned here"
-            if spawn.machine in scope.path[::2]:
+            if name in scope.path[::2]:
                 remedy = "a machine cannot spawn itself, nor one that it is part of"
             else:
-                remedy = (
-                    self._elsewhere(lambda other: other.name == spawn.machine)
-                    or f"define `(machine {name} …)`"
-                )
+                remedy = self._elsewhere(lambda other: other.name == name) or f"define `(machine {name} …)`"
             meant = self.report.unknown("LRP304", name, problem, scope.spawnable(state), remedy)
             self.links.guess |= meant is None
             machine = scope.machine(state, meant) if meant else None
         if machine is not None:
-            start = self._state("LRP305", spawn.state, machine)
+            start = self._state("LRP305", noun.state, machine)
             known = start if start in machine.states else None
-            self.links.spawned.append(Spawned(spawn, scope, state, machine, known))
+            self.links.spawned.append(MeantSpawn(noun, scope, state, machine, known))
 
-    def _arrow(self, scope: Scope, around: list[Scope], transition: Transition) -> Arrow:
+    def _arrow(self, arrow: Arrow, around: list[Scope]) -> MeantArrow:
         before = len(self.report.findings)
-        sources = [self._state("LRP302", source, scope) for source in transition.sources]
-        event = None
-        if isinstance(transition.trigger, Name):
-            if transition.kind == "ontime":
-                self._delay(scope, transition.trigger)
-            else:
-                event = self._event(scope, transition.trigger)
-        lead = self._exit if transition.kind == "exit" else self._destination
-        targets = lead(scope, around, transition)
-        return Arrow(transition, sources, event, targets, len(self.report.findings) == before)
+        noun, scope, event = arrow.noun, arrow.scope, None
+        sources = [self._state("LRP302", source, scope) for source in noun.sources]
+        if isinstance(noun.trigger, Name):
+            if noun.kind != "ontime":
+                event = self._event(arrow, noun.trigger)
+            elif arrow.owner is None:
+                self._delay(scope, noun.trigger)
+        lead = self._exit if noun.kind == "exit" else self._destination
+        targets = lead(scope, around, noun)
+        return MeantArrow(noun, sources, event, targets, len(self.report.findings) == before)
 
     def _state(self, code: str, name: Name, machine: Scope) -> str:
         if name in machine.states:
@@ -138,22 +134,20 @@ class _References:
         remedy = f"define `(state {name})` in it"
         return self.report.unknown(code, name, problem, machine.states, remedy) or name
 
-    def _event(self, scope: Scope, name: Name) -> Event | None:
-        event = scope.event(name)
-        if event:
-            return event
+    def _event(self, arrow: Arrow, name: Name) -> Event | None:
+        scope = arrow.scope
+        if arrow.owner is not None:
+            return arrow.owner.events[name]
         if name in scope.visible:
             message = f"`{name}` is a variable and no event; write `[{name}]` to test it."
             self.report.add("LRP301", name.span, message, replace(name.span, f"[{name}]"))
             return None
-        known = {name for outer in scope.outwards() for name in outer.events}
         remedy = self._elsewhere(lambda other: name in other.events) or f"define `(event {name} […])`"
-        meant = self.report.unknown("LRP301", name, f"There is no event `{name}` here", known, remedy)
+        problem = f"There is no event `{name}` here"
+        meant = self.report.unknown("LRP301", name, problem, scope.visible_events, remedy)
         return scope.event(meant) if meant else None
 
     def _delay(self, scope: Scope, name: Name) -> None:
-        if name in scope.visible:
-            return
         if name in self.report.names:
             message = f"`{name}` is no variable of the program; write `[{name}]` to use that of the notebook."
             self.report.add("LRP308", name.span, message, replace(name.span, f"[{name}]"))
@@ -209,5 +203,5 @@ class _References:
 
     def _elsewhere(self, defines: Callable[[Scope], bool]) -> str | None:
         """Say where a name is defined that cannot be seen here."""
-        path = next((scope.path for scope in self.top.walk() if defines(scope)), None)
+        path = next((scope.path for scope in self.scopes if defines(scope)), None)
         return f"that of `{path_text(path)}` cannot be seen from here" if path else None

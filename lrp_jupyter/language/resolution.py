@@ -1,0 +1,430 @@
+"""What the names of a program mean, resolved once by lexical scope.
+
+:func:`resolve` makes one :class:`Resolution` per program and keeps it with the program: the tree of
+scopes, every spawn and transition with what its names refer to, and every block with the variables that
+it sees. The linker, the checks, renaming, completion and the graphs all read it; none of them resolves a
+name by itself.
+
+Paper: §3.1 (scope of actions, events and spawns), §6.2 (references that dangle).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Literal, NamedTuple, TypeVar
+
+from lrp_jupyter.language.program import (
+    Block,
+    Element,
+    Event,
+    Machine,
+    Name,
+    Path,
+    Program,
+    Spawn,
+    State,
+    Transition,
+    Variable,
+)
+
+__all__ = [
+    "Arrow",
+    "Code",
+    "Definition",
+    "Purpose",
+    "Repeat",
+    "Resolution",
+    "Scope",
+    "Spawning",
+    "Unresolved",
+    "resolve",
+]
+
+Definition = Variable | Event | State | Machine
+Purpose = Literal["action", "initialiser", "condition", "delay"]
+_Defined = TypeVar("_Defined", Variable, Event, State, Machine)
+
+
+class Unresolved(NamedTuple):
+    """Why a reference means nothing: the kind of fault, and a sentence without its full stop."""
+
+    kind: Literal["unknown event", "unknown state", "unknown machine", "unknown variable"]
+    message: str
+
+
+class Repeat(NamedTuple):
+    """A second definition of a name. The first one counts; this one is ignored."""
+
+    element: Element
+    scope: Scope
+    first: Definition
+    again: Definition
+
+
+@dataclass(eq=False, repr=False, slots=True)
+class Scope:
+    """The top level of a program or a machine, with what is defined in it.
+
+    Parameters
+    ----------
+    path : tuple of str
+        Empty for the top level.
+    outer : Scope or None
+        The machine around it, or the top level; None for the top level.
+    state : str
+        The state of `outer` in which it stands; empty for a root machine.
+    noun : Machine or None
+        None for the top level.
+    variables, events, states : dict
+        Its own ones by name, the first definitions only.
+    machines : dict of str to dict of str to Scope
+        By state, then by name; at the top level under the empty state.
+    visible, visible_events : dict of str to Scope
+        Which scope defines each variable that its blocks see, and each event that its transitions can use.
+    """
+
+    path: Path
+    outer: Scope | None = None
+    state: str = ""
+    noun: Machine | None = None
+    variables: dict[str, Variable] = field(default_factory=dict)
+    events: dict[str, Event] = field(default_factory=dict)
+    states: dict[str, State] = field(default_factory=dict)
+    machines: dict[str, dict[str, Scope]] = field(default_factory=dict)
+    visible: dict[str, Scope] = field(default_factory=dict)
+    visible_events: dict[str, Scope] = field(default_factory=dict)
+
+    def __repr__(self) -> str:
+        return f"Scope({self.path!r})"
+
+    @property
+    def name(self) -> Name | None:
+        """The machine's name; None for the top level."""
+        return self.noun.name if self.noun else None
+
+    @property
+    def transitions(self) -> tuple[Transition, ...]:
+        """The machine's transitions, in the order of the text."""
+        return self.noun.transitions if self.noun else ()
+
+    def path_of(self, kind: str, name: str) -> Path:
+        """Return the path of what is defined in it under a name; the scope's own path for a machine."""
+        return self.path if kind == "machine" else (*self.path, name)
+
+    def walk(self) -> Iterator[Scope]:
+        """Yield itself and every machine inside, outer before inner."""
+        yield self
+        for machines in self.machines.values():
+            for machine in machines.values():
+                yield from machine.walk()
+
+    def outwards(self) -> Iterator[Scope]:
+        """Yield itself and what encloses it, up to the top level."""
+        scope: Scope | None = self
+        while scope is not None:
+            yield scope
+            scope = scope.outer
+
+    def event(self, name: str) -> Event | None:
+        """Return the event that a transition of this machine means. Paper: §3.1."""
+        owner = self.visible_events.get(name)
+        return owner.events[name] if owner else None
+
+    def machine(self, state: str, name: str) -> Scope | None:
+        """Return the machine that a spawn by `state` means. Paper: §3.1.
+
+        Its own machines come first, then those around it, up to the top level; never the machine of the
+        state itself, nor one that encloses it.
+        """
+        return next((here[name] for here in self._around(state) if self._can_spawn(here.get(name))), None)
+
+    def spawnable(self, state: str) -> set[str]:
+        """Return the names of the machines that a state can spawn."""
+        around = self._around(state)
+        return {name for here in around for name, machine in here.items() if self._can_spawn(machine)}
+
+    def _around(self, state: str) -> Iterator[dict[str, Scope]]:
+        for scope in self.outwards():
+            yield scope.machines.get(state, {})
+            state = scope.state
+
+    def _can_spawn(self, machine: Scope | None) -> bool:
+        return machine is not None and machine not in self.outwards()
+
+
+class Code(NamedTuple):
+    """A block in its place.
+
+    Parameters
+    ----------
+    element : Element
+        What it belongs to.
+    ordinal : int
+        Which of the element's items it is, from 0.
+    block : Block
+    purpose : str
+        What its value is for; an action has none.
+    scope : Scope
+    visible : mapping of str to Scope
+        Which scope defines each variable that it sees.
+    """
+
+    element: Element
+    ordinal: int
+    block: Block
+    purpose: Purpose
+    scope: Scope
+    visible: Mapping[str, Scope]
+
+
+class Spawning(NamedTuple):
+    """A spawn by a state of `scope`, or at the top level, and the machine that it means.
+
+    ``ordinal`` is its place among the items of the state's ``onentry``, or among the top-level spawns.
+    """
+
+    element: Element
+    ordinal: int
+    noun: Spawn
+    scope: Scope
+    state: str
+    machine: Scope | None
+
+    @property
+    def spawner(self) -> Path:
+        """Path of the spawning state; empty for the top level."""
+        return (*self.scope.path, self.state) if self.state else ()
+
+    @property
+    def unresolved(self) -> Unresolved | None:
+        """Why nothing can be spawned, if so."""
+        name, machine = self.noun.machine, self.machine
+        if machine is None:
+            message = f"there is no machine `{name}` that could be spawned here"
+            return Unresolved("unknown machine", message)
+        if self.noun.state not in machine.states:
+            message = f"machine `{machine.path[-1]}` has no state `{self.noun.state}`"
+            return Unresolved("unknown state", message)
+        return None
+
+
+class Arrow(NamedTuple):
+    """A transition and what the names in it mean.
+
+    Parameters
+    ----------
+    element : Element
+    noun : Transition
+    scope : Scope
+    owner : Scope or None
+        Which scope defines the event or variable that it names.
+    homes : tuple of Scope
+        The machines among whose states its destination is looked up: its own; for `exit` those whose states
+        spawn its own machine.
+    """
+
+    element: Element
+    noun: Transition
+    scope: Scope
+    owner: Scope | None
+    homes: tuple[Scope, ...]
+
+    @property
+    def label(self) -> str:
+        """The transition's label, distinct within its machine."""
+        return self.element.path[-1]
+
+    @property
+    def unresolved_trigger(self) -> Unresolved | None:
+        """Why its event or the variable of its delay means nothing, if so."""
+        trigger = self.noun.trigger
+        if not isinstance(trigger, Name) or self.owner is not None:
+            return None
+        if self.noun.kind == "ontime":
+            return Unresolved("unknown variable", f"there is no variable `{trigger}`")
+        return Unresolved("unknown event", f"there is no event `{trigger}`")
+
+
+class Resolution:
+    """The names of one program, resolved. Made by :func:`resolve`.
+
+    Parameters
+    ----------
+    top : Scope
+        The top level.
+    scopes : tuple of Scope
+        The top level and every machine, outer before inner.
+    repeats : tuple of Repeat
+        Second definitions of a name, in the order of the text.
+    """
+
+    def __init__(self, program: Program) -> None:
+        self.program = program
+        repeats: list[Repeat] = []
+        self.top = Scope(())
+        _define(self.top, program, repeats)
+        _machines(self.top, "", program.machines, repeats)
+        self.scopes = tuple(self.top.walk())
+        self.repeats = tuple(repeats)
+        self._defined: dict[Path, Path] = {}
+
+    @cached_property
+    def by_path(self) -> dict[Path, Scope]:
+        """Every scope by its path."""
+        return {scope.path: scope for scope in self.scopes}
+
+    @cached_property
+    def spawns(self) -> tuple[Spawning, ...]:
+        """Every spawn, those at the top level first."""
+        found = []
+        for place, spawn in enumerate(self.program.spawns):
+            element = Element("spawn", (str(spawn.machine),))
+            found.append(Spawning(element, place, spawn, self.top, "", self.top.machine("", spawn.machine)))
+        for scope in self.scopes:
+            for name, state in scope.states.items():
+                for place, item in enumerate(state.onentry):
+                    if isinstance(item, Spawn):
+                        element = Element("spawn", (*scope.path, name, str(item.machine)))
+                        machine = scope.machine(name, item.machine)
+                        found.append(Spawning(element, place, item, scope, name, machine))
+        return tuple(found)
+
+    @cached_property
+    def spawners(self) -> dict[Scope, tuple[Scope, ...]]:
+        """For each machine that is spawned, the scopes whose states (or top level) spawn it."""
+        found: dict[Scope, dict[Scope, None]] = {}
+        for spawn in self.spawns:
+            if spawn.machine is not None:
+                found.setdefault(spawn.machine, {})[spawn.scope] = None
+        return {machine: tuple(scopes) for machine, scopes in found.items()}
+
+    @cached_property
+    def starts(self) -> dict[Scope, tuple[str, ...]]:
+        """For each machine that is spawned, the states in which it starts."""
+        found: dict[Scope, dict[str, None]] = {}
+        for spawn in self.spawns:
+            if spawn.machine is not None and spawn.noun.state in spawn.machine.states:
+                found.setdefault(spawn.machine, {})[str(spawn.noun.state)] = None
+        return {machine: tuple(names) for machine, names in found.items()}
+
+    @cached_property
+    def arrows(self) -> dict[Scope, tuple[Arrow, ...]]:
+        """The transitions of every machine, in the order of the text."""
+        return {scope: tuple(self._arrows(scope)) for scope in self.scopes}
+
+    def _arrows(self, scope: Scope) -> Iterator[Arrow]:
+        if scope.noun is None:
+            return
+        here = (scope,)
+        for label, noun in zip(scope.noun.labels, scope.noun.transitions, strict=True):
+            owner = None
+            if isinstance(noun.trigger, Name):
+                known = scope.visible if noun.kind == "ontime" else scope.visible_events
+                owner = known.get(noun.trigger)
+            homes = here if noun.kind != "exit" else self.outside(scope)
+            yield Arrow(Element("transition", (*scope.path, label)), noun, scope, owner, homes)
+
+    def outside(self, scope: Scope) -> tuple[Scope, ...]:
+        """Return the machines that an ``exit`` of a machine can lead into: those that spawn it."""
+        return tuple(home for home in self.spawners.get(scope, ()) if home.noun)
+
+    @cached_property
+    def blocks(self) -> dict[Element, tuple[Code, ...]]:
+        """The blocks of every element that has some, with the variables that they see."""
+        found: dict[Element, tuple[Code, ...]] = {}
+        for scope in self.scopes:
+            path, visible = scope.path, scope.visible
+            before = scope.outer.visible if scope.outer else {}
+            for name, variable in scope.variables.items():  # sees the scope before its own variable
+                element = Element("variable", (*path, name))
+                found[element] = (Code(element, 0, variable.initial, "initialiser", scope, before),)
+                before = {**before, name: scope}
+            for name, event in scope.events.items():
+                element = Element("event", (*path, name))
+                found[element] = (Code(element, 0, event.condition, "condition", scope, visible),)
+            for element, noun, *_ in self.arrows[scope]:
+                if isinstance(noun.trigger, Block):
+                    purpose: Purpose = "delay" if noun.kind == "ontime" else "condition"
+                    found[element] = (Code(element, 0, noun.trigger, purpose, scope, visible),)
+            for name, state in scope.states.items():
+                inside = (*path, name)
+                if state.onentry:
+                    _actions(found, Element("onentry", inside), state.onentry, scope)
+                if state.running:
+                    _actions(found, Element("running", inside), state.running, scope)
+                if state.onexit:
+                    _actions(found, Element("onexit", inside), state.onexit, scope)
+        _actions(found, Element("onpause", ()), self.program.onpause, self.top)
+        _actions(found, Element("onresume", ()), self.program.onresume, self.top)
+        return found
+
+    def defined(self, spawned: Path) -> Path:
+        """Return where the machine with a path *as spawned* is defined; its own path if it is not."""
+        found = self._defined.get(spawned)
+        if found is None:
+            scope: Scope | None = self.top.machines.get("", {}).get(spawned[0]) if spawned else None
+            for at in range(1, len(spawned) - 1, 2):
+                scope = None if scope is None else scope.machine(spawned[at], spawned[at + 1])
+            found = self._defined[spawned] = spawned if scope is None else scope.path
+        return found
+
+
+def resolve(program: Program) -> Resolution:
+    """Resolve the names of a program, once: the result is kept with the program."""
+    kept: dict[str, Resolution] = program.__dict__
+    found = kept.get("_resolution")
+    if found is None:
+        found = kept["_resolution"] = Resolution(program)
+    return found
+
+
+def _actions(
+    found: dict[Element, tuple[Code, ...]], element: Element, items: Sequence[Block | Spawn], scope: Scope
+) -> None:
+    found[element] = tuple(
+        [
+            Code(element, ordinal, item, "action", scope, scope.visible)
+            for ordinal, item in enumerate(items)
+            if isinstance(item, Block)
+        ]
+    )
+
+
+def _define(scope: Scope, noun: Program | Machine, repeats: list[Repeat]) -> None:
+    scope.variables = _first("variable", scope, scope.path, noun.variables, repeats)
+    scope.events = _first("event", scope, scope.path, noun.events, repeats)
+    outer = scope.outer
+    scope.visible = _seen(outer.visible if outer else {}, scope.variables, scope)
+    scope.visible_events = _seen(outer.visible_events if outer else {}, scope.events, scope)
+
+
+def _seen(around: dict[str, Scope], own: Mapping[str, object], scope: Scope) -> dict[str, Scope]:
+    return around | dict.fromkeys(own, scope) if own else around
+
+
+def _machines(scope: Scope, state: str, machines: Sequence[Machine], repeats: list[Repeat]) -> None:
+    if not machines:
+        return
+    inner = scope.machines[state] = {}
+    around = (*scope.path, state) if state else ()
+    for name, noun in _first("machine", scope, around, machines, repeats).items():
+        machine = inner[name] = Scope((*around, name), scope, state, noun)
+        _define(machine, noun, repeats)
+        machine.states = _first("state", machine, machine.path, noun.states, repeats)
+        for part_name, part in machine.states.items():
+            _machines(machine, part_name, part.machines, repeats)
+
+
+def _first(
+    kind: str, scope: Scope, path: Path, definitions: Sequence[_Defined], repeats: list[Repeat]
+) -> dict[str, _Defined]:
+    """Return the first definition of each name; the others are repeats."""
+    found: dict[str, _Defined] = {}
+    for definition in definitions:
+        name = str(definition.name)
+        first = found.setdefault(name, definition)
+        if first is not definition:
+            repeats.append(Repeat(Element(kind, (*path, name)), scope, first, definition))
+    return found
