@@ -4,7 +4,10 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
 
+
+@pytest.mark.slow
 def test_the_benchmark_runs_and_prints_ratios():
     script = Path(__file__).with_name("speed.py")
     done = subprocess.run([sys.executable, script, "--quick"], capture_output=True, text=True, check=False)

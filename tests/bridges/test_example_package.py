@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow  # each starts processes of its own
+
 PACKAGE = Path(__file__).with_name("example_package")
 RIDE = """
 (machine lift

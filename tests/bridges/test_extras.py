@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.slow  # each starts processes of its own
+
 LIBRARIES = ("websockets", "rospy", "rosgraph", "genpy", "roslibpy", "ev3_dc")
 BRIDGES = ("lrp_jupyter.bridges.ros", "lrp_jupyter.bridges.ev3")
 

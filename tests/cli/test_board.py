@@ -85,6 +85,7 @@ def test_a_map_fits_into_its_room():
 # -- in a terminal
 
 
+@pytest.mark.slow
 def test_the_board_shows_a_run_and_obeys_the_keys(terminal):
     run = terminal("run", "follower", "--speed", "4")
     for words in ("▶ follower", "lookalgo", "┌──", "lightlim", "space: pause"):
@@ -101,6 +102,7 @@ def test_the_board_shows_a_run_and_obeys_the_keys(terminal):
     assert run.end() == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("speed", ["1", "max"])
 def test_ctrl_c_in_a_terminal_ends_the_run(terminal, speed):
     run = terminal("run", "two-machines", "--speed", speed, columns=60, rows=20)
@@ -111,6 +113,7 @@ def test_ctrl_c_in_a_terminal_ends_the_run(terminal, speed):
     assert run.end() == 130
 
 
+@pytest.mark.slow
 def test_what_is_said_scrolls_above_the_board(terminal, program):
     path = program('(machine m (state a (onentry [print("hello", 6 * 7)]))) (spawn m a)')
     run = terminal("run", path, "--watch")
@@ -123,6 +126,7 @@ def test_what_is_said_scrolls_above_the_board(terminal, program):
     assert run.end() == 0
 
 
+@pytest.mark.slow
 def test_a_dumb_terminal_gets_plain_lines(terminal):
     run = terminal("run", "exit", "--speed", "max", "--for", "5", term="dumb")
     run.wait_for("walker/walking")

@@ -41,6 +41,7 @@ def status(url):
                 raise
 
 
+@pytest.mark.slow
 def test_the_lab_opens_on_the_first_notebook(tmp_path):
     pytest.importorskip("jupyterlab")
     private = {f"JUPYTER_{name}_DIR": str(tmp_path / name) for name in ("CONFIG", "DATA", "RUNTIME")}

@@ -6,6 +6,8 @@ import signal
 
 import pytest
 
+pytestmark = pytest.mark.slow  # each starts processes of its own
+
 WAIT = "(machine m (state a (running [robot.move(linear=0.1)]))) (spawn m a)\n"
 
 

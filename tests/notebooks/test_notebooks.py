@@ -62,6 +62,7 @@ def _solving(notebook: NotebookNode) -> str:
 # -- they run ------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_every_stored_text_is_what_comes_out(run: Run):
     for stored, fresh in zip(run.stored.cells, run.fresh.cells, strict=True):
         again = "python tests/notebooks/execution.py stores it anew"
@@ -69,11 +70,13 @@ def test_every_stored_text_is_what_comes_out(run: Run):
         assert data_of(stored, "text/markdown") == data_of(fresh, "text/markdown"), f"{stored.id}: {again}"
 
 
+@pytest.mark.slow
 def test_the_hidden_solution_solves_the_challenge(run: Run):
     if run.solved:
         assert re.search(r": passed|(\d+) of \1 checks passed", run.solved), run.solved
 
 
+@pytest.mark.slow
 def test_nothing_is_written_to_the_error_stream(run: Run):
     for cell in run.fresh.cells:
         for output in cell.get("outputs", ()):

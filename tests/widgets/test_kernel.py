@@ -6,6 +6,8 @@ from queue import Empty
 import pytest
 from jupyter_client.manager import KernelManager
 
+pytestmark = pytest.mark.slow  # each starts processes of its own
+
 PROGRAM = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
 SECONDS = 20
 

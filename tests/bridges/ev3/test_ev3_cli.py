@@ -11,6 +11,8 @@ from typing import Any
 
 import pytest
 
+pytestmark = pytest.mark.slow  # each starts processes of its own
+
 ROVER = """
 (var speed := [40])
 (machine rover

@@ -17,6 +17,8 @@ import pytest
 from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.cli.robot import where
 
+pytestmark = pytest.mark.slow  # each starts processes of its own
+
 SETUP = Path(__file__).with_name("follower.json")
 ROS = ("rospy", "rosgraph", "roslib", "genpy")
 FASTER = 4.0  # than real time, the robot; so the program's times and speeds are scaled:
