@@ -1,7 +1,14 @@
+"""What Hypothesis tries: by default the same examples every time, however loaded the machine is.
+
+``HYPOTHESIS_PROFILE=long`` tries other ones at every run, and more of them; an example that fails is
+printed with the line that repeats it.
+"""
+
 import os
 
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
-settings.register_profile("long", max_examples=3000, deadline=None)
-settings.register_profile("normal", deadline=None)
-settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "normal"))
+always = settings(deadline=None, database=None, suppress_health_check=[HealthCheck.too_slow])
+settings.register_profile("same", always, max_examples=50, derandomize=True)
+settings.register_profile("long", always, max_examples=500, print_blob=True)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))

@@ -2,7 +2,7 @@ import json
 import re
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.graph.layout import RESERVED, layout
@@ -361,7 +361,6 @@ forms = st.one_of(
 machines = st.lists(forms, max_size=14).map(lambda parts: "(machine m " + " ".join(parts) + ") (spawn m a)")
 
 
-@settings(max_examples=60, deadline=None)
 @given(st.lists(machines, min_size=2, max_size=4))
 def test_whatever_the_edits_states_that_stay_do_not_move(texts):
     drawing = lay(texts[0])

@@ -15,7 +15,7 @@ from lrp_jupyter.language.parser import parse, scan
 
 ORDINARY = ("spawned", "discarded", "entered", "left", "fired")
 BLOCK = re.compile(r"\[[^\[\]]*\]|\b[abc]\b")
-slow = settings(deadline=None, suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+slow = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 
 
 def moment(i):

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from checking import fixed, found, message
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from programs import programs
 
@@ -457,7 +457,6 @@ def test_a_wildcard_may_have_nothing_left_to_stand_for() -> None:
 TEXT = "\n".join(code.example + "\n" + code.repaired for code in EXAMPLES if code.code != "LRP111")
 
 
-@settings(deadline=None)
 @given(st.data())
 def test_no_text_makes_a_check_raise(data: st.DataObject) -> None:
     code = data.draw(st.sampled_from(EXAMPLES))
@@ -472,7 +471,6 @@ def test_no_text_makes_a_check_raise(data: st.DataObject) -> None:
         assert finding.end_column - 1 <= len(lines[finding.end_line - 1])
 
 
-@settings(max_examples=40, deadline=None)
 @given(programs)
 def test_no_program_makes_a_check_raise(program: Program) -> None:
     text = to_source(program)

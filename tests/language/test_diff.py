@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.language.diff import ChangeSet, diff
@@ -230,13 +230,11 @@ programs = st.builds(
 )
 
 
-@settings(max_examples=40, deadline=None)
 @given(programs)
 def test_a_program_does_not_differ_from_itself(a: Program) -> None:
     assert not diff(a, a)
 
 
-@settings(max_examples=40, deadline=None)
 @given(programs, programs)
 def test_what_one_way_adds_the_other_way_removes(a: Program, b: Program) -> None:
     there, back = diff(a, b), diff(b, a)
@@ -247,7 +245,6 @@ def test_what_one_way_adds_the_other_way_removes(a: Program, b: Program) -> None
     assert bool(there) == bool(back)
 
 
-@settings(max_examples=40, deadline=None)
 @given(programs, programs)
 def test_equal_programs_do_not_differ_and_no_element_is_named_twice(a: Program, b: Program) -> None:
     changes = diff(a, b)
@@ -257,7 +254,6 @@ def test_equal_programs_do_not_differ_and_no_element_is_named_twice(a: Program, 
     assert not set(changes.added) & set(changes.changed + changes.moved)
 
 
-@settings(max_examples=40, deadline=None)
 @given(programs, programs, programs)
 def test_no_difference_is_transitive(a: Program, b: Program, c: Program) -> None:
     if not diff(a, b) and not diff(b, c):

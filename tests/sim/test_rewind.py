@@ -2,7 +2,7 @@ from dataclasses import replace
 from random import Random
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.sim import (
@@ -112,7 +112,6 @@ inputs = st.one_of(
 )
 
 
-@settings(max_examples=40, deadline=None)
 @given(st.lists(st.tuples(inputs, st.integers(0, 60)), min_size=1, max_size=25), st.data())
 def test_whatever_acts_every_moment_can_be_gone_back_to(script, data):
     simulation = Simulation(crowded())
