@@ -1,0 +1,36 @@
+"""What holds the package together: which module may import which, and one meaning for every class name."""
+
+import ast
+import subprocess
+import sys
+from collections import Counter
+from pathlib import Path
+
+import lrp_jupyter
+
+PROJECT = Path(__file__).parents[1]
+PACKAGE = Path(lrp_jupyter.__file__).parent
+
+# class names that mean two things and are to be renamed: nothing may be added here
+AMBIGUOUS = set(
+    """
+    Box Clock Connection Edit Fault Floor Frame Issues Link Moment Place Reading Recording References Reply
+    Report Reset Robot Scope Snapshot Use Variable Variables
+    """.split()
+)
+
+
+def test_every_import_points_down_and_none_goes_in_a_circle():
+    command = [Path(sys.executable).with_name("lint-imports"), "--no-cache", "--no-logo"]
+    done = subprocess.run(command, cwd=PROJECT, capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_a_class_name_has_one_meaning():
+    homes = Counter(
+        node.name
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef)
+    )
+    assert {name for name, count in homes.items() if count > 1} == AMBIGUOUS
