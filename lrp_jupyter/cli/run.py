@@ -324,7 +324,7 @@ class _Run:
             _report(self.say, self.source.name, text, findings)
             return
         try:
-            answer = self.session.submit(do.Edit(with_initials(program, self.wanted.assignments)))
+            answer = self.session.submit(do.ReplaceProgram(with_initials(program, self.wanted.assignments)))
             self.session.call(lambda: None)  # carried out, also while nothing runs
             patch = answer.result(0)
         except LRPError as error:

@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.issues import Issue
@@ -21,9 +21,27 @@ from lrp_jupyter.language.program import Path, Program
 if TYPE_CHECKING:
     from lrp_jupyter.interpreter.interpreter import Interpreter
 
-__all__ = ["Frame", "Status", "Tally", "is_active", "matches", "render"]
+__all__ = ["Frame", "Hung", "Status", "Tally", "is_active", "matches", "render"]
 
 Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
+
+
+class Hung(NamedTuple):
+    """A block that does not return.
+
+    Parameters
+    ----------
+    where : str
+        Name of the block: ``moving.running``.
+    seconds : float
+        For how long it has run, in wall time.
+    """
+
+    where: str
+    seconds: float
+
+    def __str__(self) -> str:
+        return f"`{self.where}` has run for {self.seconds:.0f} s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +55,8 @@ class Frame:
         ``stopped``, ``broken`` (a fault that is not the program's) or ``closed``.
     reason : str
         Why, in a sentence; may be empty.
+    hung : Hung or None
+        The block that does not return; None while all do.
     tick : int
         Ticks done; 0 before the first.
     time : float
@@ -75,6 +95,7 @@ class Frame:
 
     status: Status = "ready"
     reason: str = ""
+    hung: Hung | None = None
     tick: int = 0
     time: float = 0.0
     active: tuple[Path, ...] = ()

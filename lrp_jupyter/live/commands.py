@@ -1,28 +1,26 @@
-"""What a session can be asked to do, as values, and the queue in which they wait.
+"""What a session can be asked to do, as frozen values; each knows how it is applied to a loop.
 
-Commands come from any thread and are carried out by one, between two ticks. Nothing else
-crosses from the views to the interpreter.
+They come from any thread, are queued in the loop's inbox, and are applied by one thread between two
+ticks. Nothing else crosses from the views to the interpreter.
 """
 
 from __future__ import annotations
 
-import threading
-from collections import deque
 from collections.abc import Callable
-from concurrent.futures import Future
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.interpreter.patching import Patch
 from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.live.loop import Command, Loop
 
 __all__ = [
     "Call",
-    "Command",
-    "Edit",
     "Force",
-    "Inbox",
     "Pause",
     "Rename",
+    "ReplaceProgram",
     "Reset",
     "Resume",
     "Rewind",
@@ -33,144 +31,154 @@ __all__ = [
     "Step",
 ]
 
+_ARGUMENTS = (LRPError, ValueError, TypeError)
+
 
 @dataclass(frozen=True, slots=True)
-class Edit:
-    """Go on with another program. Of several that wait in a row the newest wins."""
+class ReplaceProgram(Command):
+    """Continue with another program. Of several queued in a row the newest wins. Paper: §6.1."""
 
+    newest_wins: ClassVar[bool] = True
     program: Program
 
+    def apply(self, loop: Loop) -> Patch:
+        """See :class:`Command`."""
+        return loop.interpreter.patch(self.program, loop.now)
+
 
 @dataclass(frozen=True, slots=True)
-class Force:
-    """Go to a state, by transition or by teleport. Paper: §6.4."""
+class Force(Command):
+    """Force a state, by transition or by teleport. Paper: §6.4."""
 
     path: Path
     teleport: bool = False
 
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.force(self.path, "teleport" if self.teleport else "transition")
+
 
 @dataclass(frozen=True, slots=True)
-class SetVariable:
-    """Evaluate an expression in a variable's scope and assign it."""
+class SetVariable(Command):
+    """Evaluate an expression in a variable's scope and assign the value."""
 
+    misuse: ClassVar[tuple[type[Exception], ...]] = (Exception,)  # it runs code of the caller
     path: Path
     expression: str
 
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.interpreter.set_variable(self.path, self.expression, loop.now)
+
 
 @dataclass(frozen=True, slots=True)
-class Rename:
-    """Rename an element with all its references, without a restart."""
+class Rename(Command):
+    """Rename an element with all its references, without a restart; the result is the new text."""
 
+    misuse: ClassVar[tuple[type[Exception], ...]] = _ARGUMENTS
     kind: str
     path: Path
     new_name: str
 
+    def apply(self, loop: Loop) -> str:
+        """See :class:`Command`."""
+        return loop.interpreter.rename(self.kind, self.path, self.new_name, loop.now)
+
 
 @dataclass(frozen=True, slots=True)
-class Rewind:
+class Rewind(Command):
     """Go back by so many ticks."""
 
+    misuse: ClassVar[tuple[type[Exception], ...]] = _ARGUMENTS
     ticks: int
 
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.rewind(self.ticks)
+
 
 @dataclass(frozen=True, slots=True)
-class Reset:
-    """Start the program anew at the next tick."""
+class Reset(Command):
+    """Restart the program at the next tick."""
+
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.interpreter.reset(loop.now)
 
 
 @dataclass(frozen=True, slots=True)
-class Pause:
-    """Stand still, for a reason (a sentence, or nothing). Paper: §6.3."""
+class Pause(Command):
+    """Pause, for a reason (a sentence, or empty). Paper: §6.3."""
 
     reason: str = ""
 
-
-@dataclass(frozen=True, slots=True)
-class Resume:
-    """Go on."""
-
-
-@dataclass(frozen=True, slots=True)
-class Step:
-    """One tick, and one period of time."""
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.pause(self.reason)
 
 
 @dataclass(frozen=True, slots=True)
-class SetRate:
-    """Ticks per second; 0 is as fast as possible."""
+class Resume(Command):
+    """Start, or continue after a pause. Paper: §6.3."""
 
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.resume()
+
+
+@dataclass(frozen=True, slots=True)
+class Step(Command):
+    """Run one tick, and one period of time. Paper: §6.3."""
+
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.step()
+
+
+@dataclass(frozen=True, slots=True)
+class SetRate(Command):
+    """Change the ticks per second; 0 is as fast as possible. Paper: §5.1."""
+
+    misuse: ClassVar[tuple[type[Exception], ...]] = _ARGUMENTS
     rate: float
 
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.set_rate(self.rate)
+
 
 @dataclass(frozen=True, slots=True)
-class SetSpeed:
-    """Seconds of the session per second of the wall."""
+class SetSpeed(Command):
+    """Change the seconds of the session per wall second."""
 
+    misuse: ClassVar[tuple[type[Exception], ...]] = _ARGUMENTS
     speed: float
 
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.set_speed(self.speed)
+
 
 @dataclass(frozen=True, slots=True)
-class SetPolicy:
+class SetPolicy(Command):
     """Change ``on_active_edit`` or ``on_issue``."""
 
     name: Literal["on_active_edit", "on_issue"]
     value: str
 
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        setattr(loop.interpreter, self.name, self.value)
+
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Call:
+class Call(Command):
     """Call a function between two ticks: the world is dragged, drawn on, reset by these."""
 
+    misuse: ClassVar[tuple[type[Exception], ...]] = (Exception,)  # it runs code of the caller
     function: Callable[[], Any]
     name: str = "call"
 
-
-Command = (
-    Edit
-    | Force
-    | SetVariable
-    | Rename
-    | Rewind
-    | Reset
-    | Pause
-    | Resume
-    | Step
-    | SetRate
-    | SetSpeed
-    | SetPolicy
-    | Call
-)
-
-
-class Inbox:
-    """Commands that wait, first come first served.
-
-    Any thread puts, the driving thread takes. :attr:`wake` is set by every put, so that a
-    sleeping loop looks.
-    """
-
-    def __init__(self) -> None:
-        self.wake = threading.Event()
-        self._waiting: deque[tuple[Command, Future[Any]]] = deque()
-        self._lock = threading.Lock()  # between those who put; an edit looks before it leaps
-
-    def put(self, command: Command) -> Future[Any]:
-        """Queue a command; the future gets its result, or its error."""
-        answer: Future[Any] = Future()
-        with self._lock:
-            if isinstance(command, Edit) and self._waiting and isinstance(self._waiting[-1][0], Edit):
-                _, superseded = self._waiting.pop()
-                superseded.cancel()
-            self._waiting.append((command, answer))
-        self.wake.set()
-        return answer
-
-    def take(self) -> tuple[Command, Future[Any]] | None:
-        """Return the oldest command and its future, or None."""
-        if not self._waiting:  # the common case, at every tick: no lock
-            return None
-        with self._lock:
-            return self._waiting.popleft() if self._waiting else None
-
-    def __len__(self) -> int:
-        return len(self._waiting)
+    def apply(self, loop: Loop) -> Any:
+        """See :class:`Command`."""
+        return self.function()

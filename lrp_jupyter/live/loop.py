@@ -1,24 +1,33 @@
 """The loop of §5.1 with everything around a tick: commands, time, robot, frames.
 
-There is one loop body, :meth:`Loop.turn`, and whoever drives (a thread, asyncio, the caller) only
-calls it and waits as long as it says. A turn
+There is one loop body, :meth:`Loop.turn`. Whoever drives the loop (a thread, asyncio, the caller)
+calls it and then waits as long as it says. A turn
 
-1. carries out the commands that wait,
-2. lets time pass, up to the next tick at most: a simulated world is moved on by whole physics
-   steps, so that it stands at the tick's time when the tick looks at it,
-3. ticks, if it is time: latch the sensors, one step of the interpreter, flush the commands,
-4. publishes a frame, now and then.
+1. applies the commands that are queued,
+2. advances the time, up to the next tick at most: a simulated world moves by whole physics steps,
+   so that it is at the tick's time when the tick reads the sensors,
+3. ticks, if a tick is due: latch the sensors, one step of the interpreter, flush the commands,
+4. publishes a frame, at most sixty times a second.
+
+*Commands.* A :class:`Command` is a frozen value that knows how it is applied. It waits in the
+:class:`Inbox`, and is applied between two ticks, as a whole, on the thread that drives the loop.
 
 *Time.* With a simulated robot the clock only paces: a tick's time is the one it was due at, and if
 the host is too slow the clock is set back. With a real robot the clock is the truth: a late tick
-is told the real time. A tick comes *before* its period: ``run(1)`` at 10 Hz ticks at 0, 0.1, … 0.9
+has the real time. A tick comes *before* its period: ``run(1)`` at 10 Hz ticks at 0, 0.1, … 0.9
 and ends at 1.0, and ten single steps do the same.
 
-*Going back.* Before each tick the loop notes the time. Rewinding restores the interpreter by its
-journal and the world to the moment before the first tick undone; the next step repeats that tick.
+*Rewinding.* Before each tick the loop notes the time and the bridge's moment. Rewinding restores the
+interpreter by its journal, and the world to the moment before the first tick undone; the next step
+repeats that tick.
 
-Owned by the thread that drives; only :attr:`Loop.inbox` and the values read by the monitor
-(`ticking`, `interpreter.tick`) are for others.
+*Status.* :attr:`Loop.status` and :attr:`Loop.hung` are the only record of how a run stands; a
+session shows them in its frames.
+
+Owned by the thread that drives it. Other threads use :attr:`Loop.inbox`, set :attr:`Loop.hung` (the
+monitor) or end the loop (:meth:`Loop.halt`), and read `ticking`, `status` and `interpreter.tick`.
+
+Paper: §5.1 (the loop), §6.3 (pause), §6.4 (forcing states).
 """
 
 from __future__ import annotations
@@ -26,24 +35,22 @@ from __future__ import annotations
 import math
 import threading
 import traceback
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, ClassVar, Literal
 
-from lrp_jupyter.errors import LRPError
-from lrp_jupyter.interpreter.frame import Frame, Status, Tally, is_active
-from lrp_jupyter.language.program import Path
-from lrp_jupyter.live import commands as do
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError
+from lrp_jupyter.interpreter.frame import Frame, Hung, Status, Tally, is_active
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.live.clock import LAG, Clock
-from lrp_jupyter.live.control import carry_out, stand_still
 
-if TYPE_CHECKING:
-    from lrp_jupyter.bridges.bridge import Bridge
-    from lrp_jupyter.interpreter.interpreter import Interpreter
-
-__all__ = ["STEP", "Interrupted", "Loop", "Moment"]
+__all__ = ["STEP", "Command", "Inbox", "Interrupted", "Loop"]
 
 STEP = 0.01
 """Seconds from tick to tick at rate 0 where time is virtual."""
@@ -64,31 +71,74 @@ class Interrupted(BaseException):
         return "the block did not return and was interrupted"
 
 
-class Moment(NamedTuple):
-    """The moment before a tick: ticks done, time, and what the bridge calls it."""
+class Command(ABC):
+    """A request to a loop: a frozen value, applied as a whole between two ticks."""
 
-    tick: int
-    now: float
-    bridge: object
+    __slots__ = ()
+
+    misuse: ClassVar[tuple[type[Exception], ...]] = (LRPError,)
+    """Errors of :meth:`apply` that are the caller's; any other one is a fault of this package."""
+
+    newest_wins: ClassVar[bool] = False
+    """Whether it replaces a command of its class that is queued right before it."""
+
+    @abstractmethod
+    def apply(self, loop: Loop) -> Any:
+        """Apply it to a loop, and return the result for the caller."""
+
+
+class Inbox:
+    """Queue of commands, first in, first out.
+
+    Any thread puts, the thread that drives the loop gets. :attr:`wake` is set by every put, so that
+    a sleeping loop wakes up.
+    """
+
+    def __init__(self) -> None:
+        self.wake = threading.Event()
+        self.notify: Callable[[], object] = self.wake.set
+        """Called after every put; a driver that does not wait for `wake` puts its own in here."""
+        self.queued: deque[tuple[Command, Future[Any]]] = deque()
+        """Only its truth value is for others: whether anything is queued costs no lock."""
+        self._lock = threading.Lock()  # among those who put: the last entry may be replaced
+
+    def put(self, command: Command) -> Future[Any]:
+        """Queue a command; the future gets its result, or its error."""
+        answer: Future[Any] = Future()
+        with self._lock:
+            if command.newest_wins and self.queued and type(self.queued[-1][0]) is type(command):
+                _, superseded = self.queued.pop()
+                superseded.cancel()
+            self.queued.append((command, answer))
+        self.notify()
+        return answer
+
+    def get(self) -> tuple[Command, Future[Any]] | None:
+        """Remove and return the oldest command and its future; None if there is none."""
+        with self._lock:
+            return self.queued.popleft() if self.queued else None
+
+    def __len__(self) -> int:
+        return len(self.queued)
 
 
 class Loop:
-    """See the head of this module.
+    """Runs an interpreter against a clock and a robot; see the head of this module.
 
     Parameters
     ----------
     interpreter : Interpreter
     bridge : Bridge
-        Opened by whoever made it.
+        Opened by its owner, not by the loop.
     clock : Clock
     rate : float
         Ticks per second; 0 for as many as possible.
     publish : callable
-        Gets every frame.
+        Called with every frame.
     remembered : int
-        Ticks that can be taken back.
+        Ticks that can be rewound.
     printed : callable
-        Gives the number of lines printed so far.
+        Returns the number of lines printed so far.
     """
 
     def __init__(
@@ -104,68 +154,67 @@ class Loop:
         self.interpreter = interpreter
         self.bridge = bridge
         self.clock = clock
-        self.inbox = do.Inbox()
+        self.inbox = Inbox()
         self.status: Status = "ready"
         self.reason = ""
-        self.fault = ""  # the traceback of what broke the session
+        self.hung: Hung | None = None
+        """The block that does not return, while there is one; set by the monitor."""
+        self.fault = ""
+        """The traceback of what broke the session; empty while nothing has."""
         self.ticking = False
         self.tally = Tally()
         interpreter.observe(self.tally)
         self._step = bridge.time_step  # seconds; None where time passes by itself
         self._publish = publish
         self._printed = printed
-        self.moments: deque[Moment] = deque(maxlen=remembered)
+        self.moments: deque[tuple[float, object]] = deque(maxlen=remembered)
+        """Before each tick: the time, and what the bridge calls that moment."""
         self._steps = 0
         self.now = 0.0
         """Seconds of the run."""
         self.due = 0.0
-        self._shown = -math.inf  # wall time of the last frame
+        """When the next tick is due."""
+        self._published = -math.inf  # wall time of the last frame
         self._measured: tuple[float, int, float] | None = None  # wall time, tick, time
         self._achieved = (0.0, 0.0)  # ticks per second, seconds per second
-        self.rate = _checked_rate(rate)
+        self.set_rate(rate)
 
     # -- time ------------------------------------------------------------------------------------
 
-    @property
-    def period(self) -> float:
-        """Seconds from one tick to the next."""
-        step = self._step
-        if self.rate == 0:
-            return step or STEP
-        return 1 / self.rate if step is None else max(1, round(1 / self.rate / step)) * step
-
-    @property
-    def free(self) -> bool:
-        """Whether ticks follow each other at once, without waiting for a time."""
-        return self.rate == 0 and self._step is None
-
     def set_rate(self, rate: float) -> None:
-        """Tick so often from now on."""
-        self.rate = _checked_rate(rate)
+        """Change the rate, in ticks per second; 0 is as fast as possible. Paper: §5.1.
+
+        Raises
+        ------
+        ValueError
+            The rate is negative, too small, or not a number.
+        """
+        if not (rate == 0 or SLOWEST <= rate < math.inf):
+            raise ValueError(
+                f"a rate is {SLOWEST:g} ticks per second or more, or 0 for as many as possible, not {rate!r}"
+            )
+        step = self._step
+        self.rate = float(rate)
+        self.free = rate == 0 and step is None
+        """Whether ticks follow each other at once, without waiting for a time."""
+        if rate == 0:
+            self.period = step or STEP
+            """Seconds from one tick to the next."""
+        else:
+            self.period = 1 / rate if step is None else max(1, round(1 / rate / step)) * step
         self.due = min(self.due, self.now + self.period)
 
-    def go_back(self, moment: Moment) -> None:
-        """Let it be an earlier moment: the time, and the bridge's world."""
-        self.bridge.rewind(moment.bridge)
-        self.now = moment.now
-        if self._step is not None:
-            self._steps = round(moment.now / self._step)
-        self.due = self.now
-        self.clock.rebase(self.now)
+    def set_speed(self, speed: float) -> None:
+        """Change the speed, in seconds of the session per wall second.
 
-    def measure(self) -> None:
-        """Measure the achieved rate from now on, from tick to tick."""
-        self._measured = None
-
-    def _measure(self) -> None:
-        wall = perf_counter()
-        if self._measured is not None:
-            since, tick, time = self._measured
-            span = wall - since
-            if span < 0.5:
-                return
-            self._achieved = ((self.interpreter.tick - tick) / span, (self.now - time) / span)
-        self._measured = (wall, self.interpreter.tick, self.now)
+        Raises
+        ------
+        ValueError
+            The speed is not above 0, or the robot is a real one.
+        """
+        if self.bridge.hardware and speed != 1:
+            raise ValueError(f"`{self.bridge.name}` is a real robot: its time passes at speed 1")
+        self.clock.speed = speed
 
     def advance(self, seconds: float) -> None:
         """Let time pass, without a tick; a simulated world moves, by whole steps."""
@@ -176,23 +225,32 @@ class Loop:
             self._steps += steps
             self.now = round(self._steps * self._step, 9)
 
-    def _let_time_pass(self) -> None:
+    def _catch_up(self) -> None:
+        """Advance the time to that of the clock, up to the next tick at most."""
         clock = self.clock.now()
-        late = clock - self.due > LAG * min(self.clock.speed, 1e9)
         if self._step is None:
             self.now = max(clock, self.now)
-            if late and not self.free:
-                self.due = self.now
             return
-        if late:  # never a larger step, never a skipped one: the run goes slower instead
-            clock = self.due
+        if clock - self.due > LAG * min(self.clock.speed, 1e9):
+            clock = self.due  # never a larger step, never a skipped one: the run goes slower instead
             self.clock.rebase(clock)
         self.advance(min(clock, self.due) - self.now)
+
+    def _measure(self) -> None:
+        """Measure the achieved rate and speed, from tick to tick."""
+        wall = perf_counter()
+        if self._measured is not None:
+            since, tick, time = self._measured
+            span = wall - since
+            if span < 0.5:
+                return
+            self._achieved = ((self.interpreter.tick - tick) / span, (self.now - time) / span)
+        self._measured = (wall, self.interpreter.tick, self.now)
 
     # -- the loop body ---------------------------------------------------------------------------
 
     def turn(self) -> float:
-        """Do what is to be done now.
+        """Do what is due now.
 
         Returns
         -------
@@ -201,13 +259,27 @@ class Loop:
             infinite when only a command can change anything.
         """
         try:
-            return self._turn()
+            if self.inbox.queued:
+                self.apply_queued()
+            if self.status != "running":
+                return math.inf
+            self._catch_up()
+            if self.free:
+                self._tick_freely()
+            elif self.now >= self.due - _ROUNDING:
+                self.tick()
+                self._measure()
+            if self.status != "running":  # it paused at an issue, and no later frame would show it
+                self.publish()
+                return math.inf
+            if perf_counter() - self._published >= 1 / _FRAMES:
+                self.publish()
+            return self._next_turn()
         except Interrupted:  # it came too late: the block had returned
             return self.now
         except KeyboardInterrupt:
-            self.ticking = False
-            self.carry_out(do.Pause("interrupted from the keyboard"))
-            self.show()
+            self.pause("interrupted from the keyboard")
+            self.publish()
             if threading.current_thread() is threading.main_thread():
                 raise
             return math.inf
@@ -215,24 +287,18 @@ class Loop:
             self.break_down(traceback.format_exc())
             return math.inf
 
-    def _turn(self) -> float:
-        self.carry_out_waiting()
-        if self.status != "running":
-            return math.inf
-        self._let_time_pass()
-        if self.free:
-            end = perf_counter() + _FREE
-            while self.status == "running" and not self.inbox and perf_counter() < end:
-                self.now = max(self.now, self.clock.now())
-                self.tick()
-                if self.clock.speed == math.inf:  # no time passes by itself
-                    self.clock.rebase(self.now + STEP)
-        elif self.now >= self.due - _ROUNDING:
+    def _tick_freely(self) -> None:
+        """Tick as often as possible for a moment, without giving up the interpreter lock."""
+        end = perf_counter() + _FREE
+        while self.status == "running" and not self.inbox.queued and perf_counter() < end:
+            self.now = max(self.now, self.clock.now())
             self.tick()
-        if self.status != "running":  # it paused at an issue, and no later frame would tell
-            self.show()
-            return math.inf
-        self.show_now_and_then()
+            if self.clock.speed == math.inf:  # no time passes by itself
+                self.clock.rebase(self.now + STEP)
+        self._measure()
+
+    def _next_turn(self) -> float:
+        """Compute the time of the next turn: of the next tick, or of a picture of the world before it."""
         if self.free:
             return self.now
         if self._step is None:
@@ -242,43 +308,58 @@ class Loop:
         return self.now + ahead / max(1, parts)
 
     def tick(self) -> None:
-        """One tick, now; the next one is due a period later."""
-        interpreter, bridge, now, period = self.interpreter, self.bridge, self.now, self.period
-        self.moments.append(Moment(interpreter.tick, now, bridge.moment()))
+        """Tick once, now; the next tick is due a period later."""
+        interpreter, bridge, now = self.interpreter, self.bridge, self.now
+        self.moments.append((now, bridge.moment()))
         self.ticking = True
         try:
-            bridge.begin_tick(now, period)
+            bridge.begin_tick(now, self.period)
             interpreter.step(now)
             bridge.end_tick(now)
         finally:
             self.ticking = False
-        self._measure()
-        behind = now - self.due > LAG
-        self.due = now + period if behind or self._step is not None else self.due + period
+        behind = self._step is not None or now - self.due > LAG
+        self.due = (now if behind else self.due) + self.period
         if interpreter.paused and self.status == "running":  # at an issue
-            stand_still(self, _last_message(interpreter))
+            last = max(interpreter.issues, key=lambda issue: issue.last_tick, default=None)
+            self._stand_still(last.message if last else "")
 
-    def run(self, seconds: float, reached: Callable[[], bool]) -> bool:
-        """Tick in virtual time until `reached`, for so many seconds at most; no waiting.
+    def run(self, seconds: float, after_tick: Callable[[], object] | None = None) -> bool:
+        """Tick in virtual time, without waiting, for so many seconds at most.
 
-        Afterwards the loop stands as it stood before: running if a driver turns it, else still,
-        without the pause actions. Returns whether it was reached; a pause ends it early.
+        Afterwards the loop has the status it had before: running if a driver turns it, else paused,
+        without the pause actions.
+
+        Parameters
+        ----------
+        seconds : float
+        after_tick : callable, optional
+            Called after every tick; a true result ends the run.
+
+        Returns
+        -------
+        bool
+            Whether `after_tick` ended the run; a pause ends it early, too.
         """
+        self._check_whole()
         was_running = self.status == "running"
-        self.carry_out(do.Resume())
-        if self._step is not None and seconds < math.inf:  # a world knows whole steps only
-            seconds = math.ceil(seconds / self._step - _ROUNDING) * self._step
+        self.resume()
+        step, queued = self._step, self.inbox.queued
+        if step is not None and seconds < math.inf:  # a world knows whole steps only
+            seconds = math.ceil(seconds / step - _ROUNDING) * step
         end = self.now + seconds
         try:
             while self.status == "running" and self.now < end - _ROUNDING:
-                if self.now < self.due - _ROUNDING:  # what was left of a period
-                    self.advance(min(self.due, end) - self.now)
-                    continue
-                self.due = self.now
-                self.tick()
-                if reached():
-                    return True
-                self.carry_out_waiting()
+                if self.now >= self.due - _ROUNDING:
+                    self.due = self.now
+                    self.tick()
+                    if after_tick is not None and after_tick():
+                        return True
+                    if queued:
+                        self.apply_queued()
+                    if self.status != "running":
+                        break
+                self.advance(min(self.due, end) - self.now)
         except Interrupted:
             pass
         except Exception:
@@ -288,14 +369,14 @@ class Loop:
             if self.status == "running" and not was_running:
                 self.status = "paused"
                 self.clock.pause()
-            self.show()
+            self.publish()
         return False
 
     # -- frames ----------------------------------------------------------------------------------
 
-    def show(self) -> None:
+    def publish(self) -> None:
         """Publish a frame of this moment."""
-        self._shown = perf_counter()
+        self._published = perf_counter()
         self._publish(self.make_frame())
 
     def make_frame(self) -> Frame:
@@ -315,84 +396,176 @@ class Loop:
             robot=getattr(self.bridge, "picture", None),
         )
 
-    def show_now_and_then(self) -> None:
-        """Publish a frame unless the last one is too young."""
-        if perf_counter() - self._shown >= 1 / _FRAMES:
-            self.show()
+    def is_active(self, state: str | Path) -> bool:
+        """Whether a state is active now, at any depth."""
+        return is_active(state, self.interpreter.active)
 
     # -- commands --------------------------------------------------------------------------------
 
-    def carry_out_waiting(self) -> None:
-        """Carry out the commands that wait now, each as a whole; then show, then answer."""
+    def apply_queued(self) -> None:
+        """Apply the commands that are queued now, each as a whole; then publish, then answer."""
         answers: list[tuple[Future[Any], Any, Exception | None]] = []
         for _ in range(len(self.inbox)):
-            entry = self.inbox.take()
-            if entry is None:  # a newer edit has taken its place
+            entry = self.inbox.get()
+            if entry is None:  # a newer edit has replaced it
                 break
             command, answer = entry
             if not answer.set_running_or_notify_cancel():
                 continue
             try:
-                answers.append((answer, self.carry_out(command), None))
+                answers.append((answer, self.apply(command), None))
             except Exception as error:
                 answers.append((answer, None, error))
         if answers:
-            self.show()
-        for answer, result, refusal in answers:  # who waited finds the new frame
+            self.publish()
+        for answer, result, refusal in answers:  # whoever waited finds the new frame
             if refusal is None:
                 answer.set_result(result)
             else:
                 answer.set_exception(refusal)
 
-    def carry_out(self, command: do.Command) -> Any:
-        """Carry out one command; between two ticks. Misuse raises."""
-        if self.status == "broken":
-            raise LRPError("the session is broken by a fault that is not the program's; see its `fault`")
+    def apply(self, command: Command) -> Any:
+        """Apply one command, between two ticks.
+
+        Raises
+        ------
+        LRPError
+            The session is broken.
+        Exception
+            The caller's own mistake (:attr:`Command.misuse`). Any other error is raised, too, and
+            breaks the session.
+        """
+        self._check_whole()
+        restarts = self.tally.restarts
         try:
-            return carry_out(self, command)
+            return command.apply(self)
         except Exception as error:
-            if not _is_misuse(error, command):
+            if not isinstance(error, command.misuse):
                 self.break_down(traceback.format_exc())
             raise
+        finally:
+            if self.tally.restarts != restarts:  # no onexit has run: nothing may keep moving
+                self.bridge.stop_all()
 
-    def is_active(self, state: str | Path) -> bool:
-        """Whether a state is active now, at any depth."""
-        return is_active(state, self.interpreter.active)
+    def _check_whole(self) -> None:
+        if self.fault:
+            raise LRPError("the session is broken by a fault that is not the program's; see its `fault`")
 
-    def halt(self) -> None:
-        """Be stopped; the last look stays."""
-        if self.status in ("running", "paused"):
-            self.status = "ready"
-        self.show()
+    def pause(self, reason: str = "") -> None:
+        """Pause program, time and robot; the reason is a sentence, or empty. Paper: §6.3."""
+        if self.status == "running":
+            self.interpreter.pause(self.now)
+            self._stand_still(reason)
+        elif self.status == "paused" and reason:
+            self.reason = reason
+
+    def _stand_still(self, reason: str) -> None:
+        """Pause time and robot; the interpreter has paused already."""
+        self.status, self.reason = "paused", reason
+        self.clock.pause()
+        self._call_hook(self.bridge.on_pause)
+
+    def resume(self) -> None:
+        """Start the run, or continue it after a pause; a stopped loop stays stopped."""
+        if self.status in ("running", "stopped", "closed"):
+            return
+        first = self.status == "ready"
+        self.status, self.reason = "running", ""
+        self.clock.resume()
+        self.clock.rebase(self.now)
+        self.due = max(self.due, self.now)
+        self._measured = None
+        self._call_hook(self.bridge.on_start if first else self.bridge.on_resume)
+        self.interpreter.resume(self.now)
+
+    def step(self) -> None:
+        """Run one tick and one period of time; paused before and after. Paper: §6.3."""
+        self.pause()
+        if self.status == "ready":
+            self._call_hook(self.bridge.on_start)
+        if self.status != "stopped":
+            self.status, self.reason = "paused", ""
+        self.clock.pause()
+        self.due = self.now
+        self.tick()
+        self.advance(self.period)
+        self.clock.rebase(self.now)
+
+    def rewind(self, ticks: int) -> None:
+        """Go back by so many ticks: program, world, time.
+
+        The world goes to the moment before the first tick undone, so that the next step repeats it.
+
+        Raises
+        ------
+        BridgeError
+            A real robot is armed, or the world cannot go back so far.
+        ValueError
+            So many ticks are not remembered.
+        """
+        bridge, interpreter = self.bridge, self.interpreter
+        if bridge.hardware and bridge.safety.armed:
+            raise BridgeError(f"`{bridge.name}` is armed: a real robot cannot go back. Disarm it first.")
+        have = min(interpreter.journal, len(self.moments))
+        if not 0 <= ticks <= have:
+            raise ValueError(f"cannot go back {ticks} ticks: {have} are remembered")
+        if ticks:
+            now, moment = self.moments[-ticks]
+            bridge.rewind(moment)  # the world may refuse, and then nothing has changed
+            for _ in range(ticks):
+                self.moments.pop()
+            self.now = now
+            if self._step is not None:
+                self._steps = round(self.now / self._step)
+            self.due = self.now
+            self.clock.rebase(self.now)
+        interpreter.rewind(ticks)
+        self.tally.revision += 1
+
+    def force(self, path: Path, how: Literal["transition", "teleport"]) -> None:
+        """Force a state; one that does not exist is an issue, as it is in a transition. Paper: §6.4."""
+        interpreter = self.interpreter
+        force = interpreter.teleport_to if how == "teleport" else interpreter.transition_to
+        try:
+            force(_full_path(interpreter.program, path), self.now)
+        except UnknownElementError as error:
+            element, tick, message = Element("state", path), interpreter.tick, str(error)
+            issue = Issue("unknown state", element, message, 1, 1, first_tick=tick, last_tick=tick)
+            interpreter.issues.report((element, 0, "unknown state"), lambda: issue, message, tick)
+
+    # -- the end ---------------------------------------------------------------------------------
+
+    def halt(self, status: Literal["stopped", "closed"]) -> None:
+        """Set the status for good (``closed``), or until the next start; from any thread."""
+        if self.status != "closed":
+            self.status = status
 
     def break_down(self, fault: str) -> None:
-        """Stop for good: a fault that is not the program's."""
-        self.status, self.fault = "broken", fault
+        """Stop for good because of a fault that is not the program's."""
+        self.fault = fault
         self.reason = "a fault of the session, not of the program: " + fault.strip().splitlines()[-1]
-        self.ticking = False
+        if self.status not in ("stopped", "closed"):
+            self.status = "broken"
         self.bridge.stop_all()
-        self.show()
+        self.publish()
+
+    def _call_hook(self, hook: Callable[[], None]) -> None:
+        """Call a hook of the bridge; it is foreign code, and if it fails its robot is stopped."""
+        try:
+            hook()
+        except Exception as error:
+            self.bridge.set_status("lost", f"{type(error).__name__}: {error}")
+            self.bridge.stop_all()
 
 
-def _checked_rate(rate: float) -> float:
-    if rate == 0 or SLOWEST <= rate < math.inf:
-        return float(rate)
-    raise ValueError(
-        f"a rate is {SLOWEST:g} ticks per second or more, or 0 for as many as possible, not {rate!r}"
-    )
-
-
-def _is_misuse(error: Exception, command: do.Command) -> bool:
-    """Whether it is the asker's error; any other is ours, and stops the session."""
-    match command:
-        case do.Call() | do.SetVariable():  # these run code of the asker
-            return True
-        case do.Rename() | do.Rewind() | do.SetRate() | do.SetSpeed():
-            return isinstance(error, (LRPError, ValueError, TypeError))
-        case _:
-            return isinstance(error, LRPError)
-
-
-def _last_message(interpreter: Interpreter) -> str:
-    last = max(interpreter.issues, key=lambda issue: issue.last_tick, default=None)
-    return last.message if last else ""
+def _full_path(program: Program, path: Path) -> Path:
+    """Complete a bare name to the path of the only state with this name."""
+    if len(path) != 1:
+        return path
+    found = [
+        (*machine, str(state.name))
+        for machine, noun in program.walk()
+        for state in noun.states
+        if state.name == path[0]
+    ]
+    return found[0] if len(found) == 1 else path

@@ -1,32 +1,31 @@
-"""A program that runs, and can be talked to.
+"""A running program that can be changed while it runs: the object that everyone holds.
 
 The interpreter is a function of time: no clock, no thread, no robot. All of these are here, in
-four parts that know little of each other:
+three parts:
 
-* the :class:`~lrp_jupyter.live.loop.Loop` ticks, lets time pass, and carries out commands between
+* the :class:`~lrp_jupyter.live.loop.Loop` ticks, advances the time, and applies commands between
   two ticks;
-* a driver turns the loop: a thread, asyncio, or the caller of :meth:`Session.run`; a second
-  thread, the :class:`~lrp_jupyter.live.monitor.Monitor`, watches the first;
-* :class:`~lrp_jupyter.live.turns.Turns` settles who may turn the loop, and waits for commands;
-* the :class:`Session`, this file, is what everyone else holds. It may be called from any thread.
+* the :class:`~lrp_jupyter.live.driver.Driver` decides which thread may run the loop (a thread of its
+  own, asyncio, the caller of :meth:`Session.run`), and a monitor watches it;
+* the :class:`Session`, this file, may be called from any thread.
 
-*In.* A call on a session becomes a command, a frozen value in a queue; the loop carries it out
-between two ticks, as a whole. The caller waits for that, a second at most: then an error says
-which block holds things up, and the command stays in the queue. ``submit`` does not wait. Who
-calls from inside a block of the program itself does not wait either, for the block would wait for
-its own end. With no driver at work the caller carries the command out itself.
+*In.* A call of a session becomes a command, a frozen value in a queue; the loop applies it between
+two ticks, as a whole. The caller waits for that, a second at most: then an error says which block
+holds things up, and the command stays in the queue. ``submit`` does not wait. A call from inside a
+block of the program itself does not wait either, because the block would wait for its own end. When
+no driver is at work, the caller applies the command itself.
 
 *Out.* After a tick the loop makes a frozen frame and the session stores it by one assignment.
-Whoever looks gets the newest; what must not be missed is counted in it. No view ever touches the
+Readers get the newest one; what must not be missed is counted in it. No view ever touches the
 interpreter.
 
 *Edits.* Checking a text is the caller's work, so that a keystroke costs the robot nothing. A text
-that is no program is kept, and the last program runs on. What runs is :attr:`Session.program`,
-what was typed is :attr:`Session.text`.
+that is not a program is kept, and the last program continues to run. What runs is
+:attr:`Session.program`, what was typed is :attr:`Session.text`.
 
-*Whose fault.* Faults of the program are issues, and nothing stops. A fault of this package stops
-the robot and the session, which then is ``broken`` and keeps the traceback; it never looks like a
-fault of the program. A bridge that fails is ``lost``, and the loop goes on.
+*Faults.* Faults of the program are issues, and nothing stops. A fault of this package stops the robot
+and the session, which then is ``broken`` and keeps the traceback; it never looks like a fault of the
+program. A bridge that fails is ``lost``, and the loop continues.
 
 *The end.* ``close`` stops the robot first, then ends and joins the threads; it may be called
 twice. What is still open when Python exits is closed then.
@@ -36,39 +35,55 @@ Paper: §5.1 (the loop and its rate), §6 (live programming), §6.3 (pause), §6
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import atexit
+import math
+import threading
+import weakref
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import CancelledError, Future
+from dataclasses import replace
+from functools import partial
 from pathlib import Path as FilePath
-from typing import TYPE_CHECKING, Any, Literal
+from time import monotonic
+from typing import Any, Literal, Self
 
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.errors import LRPError, SessionTimeoutError
+from lrp_jupyter.interpreter.events import Observer
+from lrp_jupyter.interpreter.frame import Frame, Status, matches
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.live.running import Condition, Running
+from lrp_jupyter.live.clock import Clock, MonotonicClock
+from lrp_jupyter.live.driver import Driver
+from lrp_jupyter.live.loop import Command, Loop
+from lrp_jupyter.live.output import Output
 
-if TYPE_CHECKING:
-    from lrp_jupyter.bridges.bridge import Bridge
-    from lrp_jupyter.interpreter.events import Observer
-    from lrp_jupyter.live.clock import Clock
+__all__ = ["Session", "Until"]
 
-__all__ = ["Condition", "Session"]
+Until = str | Path | Callable[[Frame], object]
+"""What a run or a wait ends at: a state, by bare name or path, or a condition on a frame."""
+
+_open_sessions: weakref.WeakSet[Session] = weakref.WeakSet()
 
 
-class Session(Running):
+class Session:
     """A running program with its loop, time, robot and thread.
 
     Parameters
     ----------
     program : Program or str
-        A text that is no program raises; a session that shall begin with one starts empty and is
-        given the text by :meth:`edit`.
+        A text that is not a program raises; to begin with one, make an empty session and pass the
+        text to :meth:`edit`.
     bridge : str or Bridge
         By name (``"none"``, ``"sim"``, …; `options` go to it), or one that was made.
     clock : Clock, optional
-        A :class:`~lrp_jupyter.live.clock.VirtualClock` never waits; unless given, wall time.
+        A :class:`~lrp_jupyter.live.clock.VirtualClock` never waits; by default wall time.
     rate : float
         Ticks per second; 0 for as many as possible.
     namespace : dict, optional
@@ -78,11 +93,11 @@ class Session(Running):
     name : str
         Appears in tracebacks and names the threads.
     journal : int
-        Ticks that can be taken back.
+        Ticks that can be rewound.
     speed : float
-        Seconds of the session per second of the wall; ``math.inf``: never wait.
+        Seconds of the session per wall second; ``math.inf``: never wait.
     driver : {"thread", "asyncio"}
-        Who turns the loop after :meth:`start`.
+        What drives the loop after :meth:`start`.
     hung_after : float
         Wall seconds after which a block that does not return is reported.
     dead_man : float, optional
@@ -93,7 +108,7 @@ class Session(Running):
     Raises
     ------
     LRPSyntaxError
-        The text is no program.
+        The text is not a program.
     BridgeError
         There is no such bridge.
     """
@@ -105,35 +120,276 @@ class Session(Running):
         clock: Clock | None = None,
         rate: float = 10,
         *,
+        namespace: dict[str, Any] | None = None,
+        on_active_edit: Literal["restart", "keep"] = "restart",
+        on_issue: Literal["record", "pause"] = "record",
         name: str = "lrp",
+        journal: int = 10_000,
+        speed: float = 1.0,
+        driver: Literal["thread", "asyncio"] = "thread",
+        hung_after: float = 2.0,
+        dead_man: float | None = None,
         **options: Any,
     ) -> None:
-        first = parse(program, f"<lrp {name}>") if isinstance(program, str) else program
-        self._text = first.text
+        if isinstance(program, str):
+            program = parse(program, f"<lrp {name}>")
+        self.name = name
+        self.namespace = {} if namespace is None else namespace
+        self.output = Output()
         self.findings: tuple[Finding, ...] = ()
-        """What the checks had to say about the last edit."""
-        super().__init__(first, bridge, clock, rate, name=name, **options)
+        """What the checks found in the last text."""
+        self._text = program.text
+        self.bridge = make_bridge(bridge, **options) if isinstance(bridge, str) else bridge
+        interpreter = Interpreter(
+            program,
+            robot=self.bridge.robot,
+            namespace=self.namespace,
+            on_active_edit=on_active_edit,
+            on_issue=on_issue,
+            journal=journal,
+            output=self.output.print,
+        )
+        self._changed = threading.Condition()
+        self._version = 0  # grows with everything that a waiting caller must check again
+        self._listeners: tuple[Callable[[], None], ...] = ()
+        self._loop = Loop(
+            interpreter,
+            self.bridge,
+            MonotonicClock(speed) if clock is None else clock,
+            rate,
+            self._store,
+            journal,
+            lambda: self.output.count,
+        )
+        self._driver = Driver(self._loop, name)
+        self._start_driver = partial(self._driver.start, driver, self._notify, hung_after, dead_man)
+        self._frame: Frame
+        self._loop.publish()
+        _open_sessions.add(self)
+
+    def __repr__(self) -> str:
+        frame = self.frame
+        active = ", ".join("/".join(path) for path in frame.active) or "nothing"
+        return f"<Session {self.name}: {frame.status}, tick {frame.tick}, {active} active>"
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    # -- the state of the run --------------------------------------------------------------------
+
+    @property
+    def frame(self) -> Frame:
+        """The newest frame, with the status as it is now; from any thread."""
+        frame, status, hung = self._frame, self._loop.status, self._loop.hung
+        if status in ("stopped", "closed"):
+            if frame.status == status:
+                return frame
+            return replace(frame, status=status, achieved_rate=0.0, achieved_speed=0.0)
+        return frame if hung is None else replace(frame, status="hung", reason=str(hung), hung=hung)
+
+    @property
+    def status(self) -> Status:
+        """See :attr:`Frame.status <lrp_jupyter.interpreter.frame.Frame>`."""
+        return self.frame.status
+
+    @property
+    def issues(self) -> Sequence[Issue]:
+        """The faults of the program so far."""
+        return self._frame.issues
+
+    @property
+    def program(self) -> Program:
+        """The program that runs."""
+        return self._frame.program
 
     @property
     def text(self) -> str:
-        """The text as it was last given, whether it is a program or not."""
+        """The last text, whether it is a program or not."""
         return self._text
+
+    @property
+    def fault(self) -> str:
+        """The traceback of what broke the session; empty while nothing has."""
+        return self._loop.fault
+
+    @property
+    def interpreter(self) -> Interpreter:
+        """The interpreter: for observers and tests. It belongs to the thread that drives the loop."""
+        return self._loop.interpreter
+
+    # -- running ---------------------------------------------------------------------------------
+
+    def open(self) -> None:
+        """Connect the robot, once; :meth:`start`, :meth:`step` and :meth:`run` do it too."""
+        self._driver.check_open()
+        self.bridge.open()
+
+    def start(self, paused: bool = False) -> None:
+        """Run; after :meth:`stop`, from the beginning. Does nothing while the program runs."""
+        self.open()
+        if not self._driver.running:
+            self._leave_stop()
+            self._start_driver()
+        if not paused:
+            self.resume()
+
+    def _leave_stop(self) -> None:
+        """After a stop, reset the program, so that it starts from the beginning."""
+        if self._loop.status == "stopped":
+            with self._driver.exclusive("start"):
+                self._loop.status = "ready"
+                self._loop.apply(do.Reset())
+
+    def pause(self, reason: str = "") -> None:
+        """Pause program, time and robot. Paper: §6.3."""
+        self._driver.do(do.Pause(reason))
+
+    def resume(self) -> None:
+        """Continue after a pause. Paper: §6.3."""
+        self._driver.do(do.Resume())
+
+    def step(self) -> None:
+        """Run one tick and one period of time; a running program is paused first. Paper: §6.3."""
+        self.open()
+        self._driver.do(do.Step())
+
+    def reset(self) -> None:
+        """Restart the program at the next tick; the robot stops, its world stays."""
+        self._driver.do(do.Reset())
+
+    def stop_robot(self) -> None:
+        """Stop the robot, at once, whatever the program does; then pause."""
+        self.bridge.stop_all()
+        self.submit(do.Pause("the robot was stopped"))
+
+    def stop(self) -> None:
+        """End the run: stop the robot, end the threads; :meth:`start` then starts from the beginning."""
+        self._end("stopped")
+
+    def close(self) -> None:
+        """Stop, and disconnect the robot. A second call does nothing."""
+        self._end("closed")
+        self.bridge.close()
+        _open_sessions.discard(self)
+
+    def _end(self, status: Literal["stopped", "closed"]) -> None:
+        if self.bridge.is_open:
+            self.bridge.stop_all()
+        over = self._driver.end()
+        self._loop.halt(status)
+        if over:
+            self._loop.publish()
+        self._notify()
+
+    def interrupt(self) -> bool:
+        """Make the running block fail at its next bytecode; return whether one runs.
+
+        It becomes an issue of that block, and the tick continues.
+        """
+        return self._driver.interrupt()
+
+    def seen(self) -> None:
+        """Reset the dead man's switch: a person watches the robot."""
+        self._driver.seen()
+
+    def run(
+        self,
+        seconds: float | None = None,
+        until: Until | None = None,
+        after_tick: Callable[[], object] | None = None,
+    ) -> bool:
+        """Run on the caller's thread, in virtual time, without waiting.
+
+        A thread of the session stands by meanwhile. A pause of the program ends the run.
+
+        Parameters
+        ----------
+        seconds : float, optional
+            At most so long, in seconds of the session.
+        until : str, path or callable, optional
+            A state to be entered, or a condition on the frame; checked after every tick.
+        after_tick : callable, optional
+            Called after every tick instead of `until`; a true result ends the run. It costs less, as
+            no frame is made.
+
+        Returns
+        -------
+        bool
+            Whether `until` (or `after_tick`) ended the run; without them, whether the time has passed.
+        """
+        if seconds is None and until is None and after_tick is None:
+            raise ValueError("run for how long? Give `seconds`, `until`, or both")
+        self.open()
+        with self._driver.exclusive("run"):
+            ends = after_tick if until is None else self._watch(until)
+            self._leave_stop()
+            self._loop.apply_queued()
+            span = math.inf if seconds is None else seconds
+            end = self._loop.now + span
+            ended = self._loop.run(span, ends)
+            return ended if ends is not None else self._loop.now >= end - 1e-6
+
+    def _watch(self, until: Until) -> Callable[[], bool]:
+        """Make the check that :meth:`run` does after every tick."""
+        loop = self._loop
+        if callable(until):
+            return lambda: bool(until(loop.make_frame()))
+        state, visits = until, loop.tally.visits
+        before = _count(visits, state)
+        return lambda: _count(visits, state) > before or loop.is_active(state)
+
+    def wait_for(self, condition: Until, timeout: float | None = None) -> Frame:
+        """Wait, in wall time, until a state is active (or was, however shortly) or a condition holds.
+
+        Returns
+        -------
+        Frame
+            The one in which it was so.
+
+        Raises
+        ------
+        SessionTimeoutError
+            It did not happen in `timeout` seconds.
+        LRPError
+            It cannot happen: the session is stopped, broken or closed, or nothing drives its loop.
+        """
+        if not self._driver.runs_elsewhere and (timeout is None or self._driver.running):
+            raise LRPError("nothing would run meanwhile: `start` it before, or use `run(until=…)`")
+        end = math.inf if timeout is None else monotonic() + timeout
+        before = 0 if callable(condition) else self._frame.count_of(condition)
+        while True:
+            version, frame = self._version, self.frame
+            if callable(condition):
+                if condition(frame):
+                    return frame
+            elif frame.is_active(condition) or frame.count_of(condition) > before:
+                return frame
+            if frame.status in ("stopped", "broken", "closed"):
+                raise LRPError(f"the session is {frame.status}: {frame.reason or 'nothing runs'}")
+            if (left := end - monotonic()) <= 0:
+                what = "the condition" if callable(condition) else f"`{'/'.join(_path(condition))}`"
+                raise SessionTimeoutError(f"{what} did not come in {timeout:g} s; {self!r}")
+            with self._changed:
+                self._changed.wait_for(lambda old=version: self._version != old, min(left, 3600))  # type: ignore[misc]
 
     # -- changing the program --------------------------------------------------------------------
 
     def edit(self, text: str) -> tuple[Finding, ...]:
-        """Go on with another text; never raises on account of it. Paper: §6.1.
+        """Continue with another text; never raises because of the text. Paper: §6.1.
 
         Returns
         -------
         tuple of Finding
-            What the checks have to say. If the text is no program, the last program runs on.
+            What the checks found. If the text is not a program, the last program continues to run.
         """
         program = self._read(text)
         if program is not None:
             try:
-                self._do(do.Edit(program))
-            except CancelledError:  # a newer edit came before this one was looked at
+                self._driver.do(do.ReplaceProgram(program))
+            except CancelledError:  # a newer edit came before this one was applied
                 pass
             except LRPError as error:  # the text is kept, and applied when the block returns
                 late = Finding("LRP690", "warning", str(error), 1, 1, 1, 1)
@@ -141,24 +397,24 @@ class Session(Running):
         return self.findings
 
     def offer(self, text: str) -> tuple[Program | None, Future[Any]]:
-        """Go on with another text as :meth:`edit` does, without waiting until it is applied.
+        """Continue with another text as :meth:`edit` does, without waiting until it is applied.
 
         Returns
         -------
         Program or None
-            None if the text is no program; :attr:`findings` says why.
+            None if the text is not a program; :attr:`findings` says why.
         Future
-            Gives the :class:`~lrp_jupyter.interpreter.patching.Patch`, or None where there is no program.
+            Of the :class:`~lrp_jupyter.interpreter.patching.Patch`; of None where there is no program.
         """
         program = self._read(text)
         if program is not None:
-            return program, self.ask(do.Edit(program))
+            return program, self.ask(do.ReplaceProgram(program))
         nothing: Future[Any] = Future()
         nothing.set_result(None)
         return None, nothing
 
     def _read(self, text: str) -> Program | None:
-        self._check_open()
+        self._driver.check_open()
         program, findings = scan(text, f"<lrp {self.name}>")
         self._text = text
         self.findings = findings if program is None else self._check(program)
@@ -169,7 +425,7 @@ class Session(Running):
     def _check(self, program: Program) -> tuple[Finding, ...]:
         try:
             return check(program, self.namespace)
-        except Exception as error:  # a fault of the checks, told as such; it holds up no edit
+        except Exception as error:  # a fault of the checks, reported as such; it holds up no edit
             message = f"the checks themselves failed, not the program: {type(error).__name__}: {error}"
             return (Finding("LRP699", "warning", message, 1, 1, 1, 1),)
 
@@ -185,14 +441,34 @@ class Session(Running):
         UnknownElementError
             There is no such element.
         ValueError
-            The name cannot be had, or the text is no program at the moment.
+            The name cannot be used, or the text is not a program at the moment.
         """
         if self._text != self.program.text and any(f.severity == "error" for f in self.findings):
             raise ValueError("the text is not a program at the moment: nothing can be renamed in it")
-        text: str = self._do(do.Rename(kind, _path(path), new_name))
+        text: str = self._driver.do(do.Rename(kind, _path(path), new_name))
         if text:
             self._text = text
         return text
+
+    # -- settings --------------------------------------------------------------------------------
+
+    @property
+    def rate(self) -> float:
+        """Ticks per second, 0 for as many as possible; may be set at any time. Paper: §5.1."""
+        return self._loop.rate
+
+    @rate.setter
+    def rate(self, rate: float) -> None:
+        self._driver.do(do.SetRate(rate))
+
+    @property
+    def speed(self) -> float:
+        """Seconds of the session per wall second; may be set at any time."""
+        return self._loop.clock.speed
+
+    @speed.setter
+    def speed(self, speed: float) -> None:
+        self._driver.do(do.SetSpeed(speed))
 
     @property
     def on_active_edit(self) -> str:
@@ -201,7 +477,7 @@ class Session(Running):
 
     @on_active_edit.setter
     def on_active_edit(self, policy: Literal["restart", "keep"]) -> None:
-        self._do(do.SetPolicy("on_active_edit", policy))
+        self._driver.do(do.SetPolicy("on_active_edit", policy))
 
     @property
     def on_issue(self) -> str:
@@ -210,17 +486,17 @@ class Session(Running):
 
     @on_issue.setter
     def on_issue(self, policy: Literal["record", "pause"]) -> None:
-        self._do(do.SetPolicy("on_issue", policy))
+        self._driver.do(do.SetPolicy("on_issue", policy))
 
     # -- forcing ---------------------------------------------------------------------------------
 
     def transition_to(self, state: str | Path) -> None:
         """Go to a state as if a transition led there. An unknown one is an issue. Paper: §6.4."""
-        self._do(do.Force(_path(state)))
+        self._driver.do(do.Force(_path(state)))
 
     def teleport_to(self, state: str | Path) -> None:
         """Be in a state; no action runs. An unknown one is an issue. Paper: §6.4."""
-        self._do(do.Force(_path(state), teleport=True))
+        self._driver.do(do.Force(_path(state), teleport=True))
 
     def set_variable(self, variable: str | Path, expression: str) -> None:
         """Assign the value of a Python expression, evaluated in the variable's scope.
@@ -230,7 +506,7 @@ class Session(Running):
         UnknownElementError
             The variable does not live now.
         """
-        self._do(do.SetVariable(_path(variable), expression))
+        self._driver.do(do.SetVariable(_path(variable), expression))
 
     def rewind(self, ticks: int = 1) -> None:
         """Go back by so many ticks: program, simulated world, time.
@@ -238,24 +514,78 @@ class Session(Running):
         Raises
         ------
         ValueError
-            There are not so many.
+            So many are not remembered.
         BridgeError
             A real robot is armed.
         """
         before = self.program
-        self._do(do.Rewind(ticks))
+        self._driver.do(do.Rewind(ticks))
         if self.program is not before:  # edits were taken back, too
             self._text = self.program.text
 
+    # -- commands, events and frames -------------------------------------------------------------
+
     def call(self, function: Callable[[], Any]) -> Any:
         """Call a function between two ticks, where the robot's world may be touched."""
-        return self._do(do.Call(function))
+        return self._driver.do(do.Call(function))
+
+    def submit(self, command: Command) -> Future[Any]:
+        """Queue a command and do not wait."""
+        return self._driver.submit(command)
+
+    def ask(self, command: Command) -> Future[Any]:
+        """Apply a command without waiting: here, if no other thread drives the loop."""
+        if self._driver.runs_elsewhere:
+            return self._driver.submit(command)
+        answer: Future[Any] = Future()
+        self._driver.check_open()
+        try:
+            answer.set_result(self._driver.do(command))
+        except Exception as error:
+            answer.set_exception(error)
+        return answer
 
     def observe(self, observer: Observer) -> Callable[[], None]:
-        """Have every event told to a function, on the driver's thread; returns how to end it."""
-        unsubscribe: Callable[[], None] = self._do(do.Call(lambda: self.interpreter.observe(observer)))
+        """Subscribe a function to every event of the interpreter; return what ends that.
+
+        It is called on the thread that drives the loop, when a tick or a command is over.
+        """
+        unsubscribe: Callable[[], None] = self._driver.do(do.Call(lambda: self.interpreter.observe(observer)))
         return unsubscribe
+
+    def listen(self, callback: Callable[[], None]) -> Callable[[], None]:
+        """Subscribe a function to new frames; return what ends that.
+
+        It is called on the thread that publishes the frame, and must not wait there.
+        """
+        self._listeners = (*self._listeners, callback)
+
+        def unlisten() -> None:
+            self._listeners = tuple(other for other in self._listeners if other is not callback)
+
+        return unlisten
+
+    def _store(self, frame: Frame) -> None:
+        self._frame = frame
+        self._notify()
+
+    def _notify(self) -> None:
+        with self._changed:
+            self._version += 1
+            self._changed.notify_all()
+        for listener in self._listeners:
+            listener()
 
 
 def _path(path: str | Path) -> Path:
     return tuple(path.split("/")) if isinstance(path, str) else tuple(path)
+
+
+def _count(visits: Mapping[Path, int], state: str | Path) -> int:
+    return sum(count for path, count in visits.items() if matches(state, path))
+
+
+@atexit.register
+def _close_all() -> None:
+    for session in tuple(_open_sessions):
+        session.close()

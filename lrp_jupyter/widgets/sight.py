@@ -7,7 +7,6 @@ the look it was sent last and the present one, so it may miss any number of look
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Mapping
 from typing import Any
 
@@ -29,7 +28,6 @@ PRINTED = 500
 
 _MERGED = ("entered", "fired", "variables", "events", "members", "layouts")
 _CALM = {"tick", "time", "rate", "speed", "members", "variables", "printed"}
-_HUNG = re.compile(r"`(.*)` has run for ([\d.]+) s")
 
 
 class Sight:
@@ -56,12 +54,11 @@ class Sight:
             self._frame = None
         if frame is not self._frame or self._of_frame["revision"] != revision:
             self._frame, self._of_frame = frame, self._look_at(frame, revision)
-        hung = _HUNG.match(frame.reason) if frame.status == "hung" else None
         return {
             **self._of_frame,
             "printed": session.output.count,
             "members": member_values(session.bridge),
-            "hung": {"where": hung[1], "seconds": float(hung[2])} if hung else None,
+            "hung": frame.hung and frame.hung._asdict(),
             "bridge": bridge_view(session.bridge),
             "panel": panel_view(session.bridge),
             **more,

@@ -1,10 +1,11 @@
 from lrp_jupyter.language.program import Program
-from lrp_jupyter.live.commands import Edit, Inbox, Pause, Step
+from lrp_jupyter.live.commands import Pause, ReplaceProgram, Step
+from lrp_jupyter.live.loop import Inbox
 
 
 def commands(inbox):
     entries = []
-    while (entry := inbox.take()) is not None:
+    while (entry := inbox.get()) is not None:
         entries.append(entry[0])
     return entries
 
@@ -18,7 +19,7 @@ def test_commands_are_taken_in_the_order_in_which_they_came():
 
 def test_of_edits_in_a_row_the_newest_wins():
     inbox, programs = Inbox(), [Program(text=str(number)) for number in range(3)]
-    answers = [inbox.put(Edit(program)) for program in programs]
+    answers = [inbox.put(ReplaceProgram(program)) for program in programs]
     (last,) = commands(inbox)
     assert last.program is programs[2]
     assert [answer.cancelled() for answer in answers] == [True, True, False]
@@ -26,9 +27,9 @@ def test_of_edits_in_a_row_the_newest_wins():
 
 def test_an_edit_does_not_overtake_what_came_between():
     inbox, (one, two) = Inbox(), [Program(text=str(number)) for number in range(2)]
-    for command in (Edit(one), Step(), Edit(two)):
+    for command in (ReplaceProgram(one), Step(), ReplaceProgram(two)):
         inbox.put(command)
-    assert [type(command) for command in commands(inbox)] == [Edit, Step, Edit]
+    assert [type(command) for command in commands(inbox)] == [ReplaceProgram, Step, ReplaceProgram]
 
 
 def test_every_command_wakes_the_loop():

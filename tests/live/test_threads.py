@@ -7,7 +7,7 @@ import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
-from lrp_jupyter.live import turns
+from lrp_jupyter.live import driver
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.commands import Pause, Step
 from lrp_jupyter.live.loop import Interrupted
@@ -43,7 +43,7 @@ def gates():
 
 @pytest.fixture
 def impatient(monkeypatch):
-    monkeypatch.setattr(turns, "PATIENCE", 0.05)
+    monkeypatch.setattr(driver, "PATIENCE", 0.05)
 
 
 @pytest.fixture
@@ -198,9 +198,11 @@ def test_a_block_that_does_not_return_is_shown_and_stops_the_robot(session, gate
     holding.start()
     frame = holding.wait_for(lambda frame: frame.status == "hung", LONG)
     assert "`a.running` has run for" in frame.reason
+    assert frame.hung.where == "a.running"
+    assert frame.hung.seconds >= 0.0
     assert pushcart.stops >= 1
     gates["gate"].set()
-    assert holding.wait_for(lambda frame: frame.status == "running", LONG)
+    assert holding.wait_for(lambda frame: frame.status == "running", LONG).hung is None
 
 
 def test_an_interrupted_block_becomes_an_issue_and_the_program_goes_on(session, gates):
