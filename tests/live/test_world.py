@@ -6,6 +6,7 @@ import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.live import clock as clocks
 from lrp_jupyter.live.trace import Trace
 
 BOUNCE = """
@@ -150,18 +151,42 @@ def test_the_world_moves_between_two_slow_ticks(session):
     assert len(seen) > 5
 
 
-def test_a_host_that_falls_behind_makes_the_run_slower_and_skips_nothing(session):
-    stalled = session(
-        "(machine m (state a (onentry [stall()]) (running [robot.move(linear=0.1)]))) (spawn m a)",
-        "sim",
-        world="empty",
-        namespace={"stall": lambda: clock.rebase(clock.now() + 60)},
-    )
-    clock = stalled._loop.clock
-    stalled.start()
-    frame = stalled.wait_for(lambda frame: frame.tick >= 4, LONG)
-    assert frame.time < 5
-    assert frame.tick == pytest.approx(frame.time * 10, abs=1.01)
+@pytest.fixture
+def wall(monkeypatch):
+    """A wall clock that the test moves by hand."""
+    now = [100.0]
+    monkeypatch.setattr(clocks, "monotonic", lambda: now[0])
+    return now
+
+
+@pytest.mark.parametrize("speed", [1.0, 4.0])
+@pytest.mark.parametrize("bridge", ["sim", "none"])
+def test_after_a_stall_of_the_host_one_tick_follows_and_not_all_that_were_missed(
+    session, wall, bridge, speed
+):
+    stalled = session(BOUNCE.replace("robot.", "0 or robot."), bridge, speed=speed)
+    loop = stalled._loop
+    stalled.resume()
+    for _ in range(3):
+        wall[0] += 0.1 / speed
+        loop.turn()
+    before = loop.interpreter.tick
+    wall[0] += 60
+    for _ in range(5):  # no time passes on the wall any more
+        loop.turn()
+    assert loop.interpreter.tick == before + 1
+
+
+def test_a_stall_of_the_host_makes_a_simulated_run_slower_and_skips_nothing(session, wall):
+    stalled = session(BOUNCE, "sim", world="empty")
+    loop = stalled._loop
+    stalled.resume()
+    for turn in range(60):
+        wall[0] += 60 if turn == 20 else 0.05
+        loop.turn()
+    assert loop.clock.now() == pytest.approx(loop.now, abs=0.05)
+    assert loop.now < 3.1
+    assert loop.interpreter.tick == pytest.approx(loop.now * 10, abs=1.01)
 
 
 def test_an_armed_robot_cannot_be_taken_back_and_a_disarmed_one_can(session):
