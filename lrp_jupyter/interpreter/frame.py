@@ -12,7 +12,7 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal
 
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.issues import Issue
@@ -26,22 +26,20 @@ __all__ = ["Frame", "Hung", "Status", "Tally", "is_active", "matches", "render"]
 Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
 
 
-class Hung(NamedTuple):
-    """A block that does not return.
+@dataclass(frozen=True, slots=True)
+class Hung:
+    """A block, or the robot, that does not return.
 
     Parameters
     ----------
     where : str
-        Name of the block: ``moving.running``.
+        What runs: a block (``a.running``), or ``the robot``.
     seconds : float
-        For how long it has run, in wall time.
+        For how long, of the wall's time.
     """
 
     where: str
     seconds: float
-
-    def __str__(self) -> str:
-        return f"`{self.where}` has run for {self.seconds:.0f} s"
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +53,6 @@ class Frame:
         ``stopped``, ``broken`` (a fault that is not the program's) or ``closed``.
     reason : str
         Why, in a sentence; may be empty.
-    hung : Hung or None
-        The block that does not return; None while all do.
     tick : int
         Ticks done; 0 before the first.
     time : float
@@ -91,11 +87,12 @@ class Frame:
         What the bridge says about its robot, in a sentence.
     robot : object
         The bridge's own picture of its robot, frozen too; None when it has none.
+    hung : Hung or None
+        What does not return, while `status` is ``hung``.
     """
 
     status: Status = "ready"
     reason: str = ""
-    hung: Hung | None = None
     tick: int = 0
     time: float = 0.0
     active: tuple[Path, ...] = ()
@@ -118,6 +115,7 @@ class Frame:
     printed: int = 0
     bridge: str = ""
     robot: object = None
+    hung: Hung | None = None
 
     def is_active(self, state: str | Path) -> bool:
         """Whether a state is active, at any depth.

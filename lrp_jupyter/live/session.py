@@ -188,7 +188,10 @@ class Session:
             if frame.status == status:
                 return frame
             return replace(frame, status=status, achieved_rate=0.0, achieved_speed=0.0)
-        return frame if hung is None else replace(frame, status="hung", reason=str(hung), hung=hung)
+        if hung is None:
+            return frame
+        reason = f"`{hung.where}` has run for {hung.seconds:.0f} s"
+        return replace(frame, status="hung", reason=reason, hung=hung)
 
     @property
     def status(self) -> Status:

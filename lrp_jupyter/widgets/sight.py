@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 from lrp_jupyter.graph.paths import Paths
@@ -58,7 +59,7 @@ class Sight:
             **self._of_frame,
             "printed": session.output.count,
             "members": member_values(session.bridge),
-            "hung": frame.hung and frame.hung._asdict(),
+            "hung": frame.hung and asdict(frame.hung),
             "bridge": bridge_view(session.bridge),
             "panel": panel_view(session.bridge),
             **more,
