@@ -54,6 +54,60 @@ def hand_written() -> Run:
     return run
 
 
+def hand_written_blocks(states: int) -> Run:
+    """Write `texts.blocks` as functions: one per state, condition and action.
+
+    They are written out for each state, as the program's blocks are, and not made by one function: a
+    thousand states have a thousand bodies, which no cache of the processor holds.
+    """
+    body = "".join(
+        f"""
+    def left_{n}():
+        return left < 0 and seen >= {n}
+
+    def enter_{n}():
+        nonlocal left
+        left = {n}
+
+    def run_{n}():
+        nonlocal left
+        left = left - {n + 1}
+
+    def leave_{n}():
+        nonlocal seen
+        seen = seen + 1
+
+    def state_{n}():
+        if left_{n}():
+            leave_{n}()
+            enter_{(n + 1) % states}()
+            return state_{(n + 1) % states}
+        run_{n}()
+        return state_{n}
+"""
+        for n in range(states)
+    )
+    text = f"""
+def ring():
+    seen = left = 0
+{body}
+    enter_0()
+    now = state_0
+
+    def run(ticks):
+        nonlocal now
+        state = now
+        for _ in range(ticks):
+            state = state()
+        now = state
+
+    return run
+"""
+    made: dict[str, Callable[[], Run]] = {}
+    exec(text, made)
+    return made["ring"]()
+
+
 def hand_written_nest(depth: int) -> Run:
     """Machines inside each other: each tests its condition, acts, and ticks the one inside."""
 

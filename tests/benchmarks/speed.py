@@ -74,6 +74,31 @@ def state_changes(size: int, turns: int) -> None:
     table("A state change of the paper's Table 1 program", measure(runs, size, turns))
 
 
+def blocks_of_their_own(size: int, turns: int) -> None:
+    """A ring of states with conditions and actions of their own, few states and many."""
+    runs = {}
+    for states in (5, 1000):
+        text = texts.blocks(states)
+        runs |= {
+            f"hand-written functions, {states} states": peers.hand_written_blocks(states),
+            f"lrp, {states} states": interpreter(text),
+            f"lrp, journal, {states} states": interpreter(text, journal=10_000),
+            f"lrp, observer, {states} states": interpreter(text, observed=True),
+        }
+    size = max(size, 4_000)  # twice around
+    times = measure(runs, size, turns)
+    table("A tick in a ring of states, each with blocks of its own", times)
+    by_hand, bare, journal, observer = (
+        times[f"{name}, 1000 states"] / times[f"{name}, 5 states"]
+        for name in ("hand-written functions", "lrp", "lrp, journal", "lrp, observer")
+    )
+    print(
+        f"\n1000 states take {by_hand:.2f} of the time of 5 by hand, {bare:.2f} in lrp, {journal:.2f} with its "
+        f"journal, {observer:.2f} with an observer: {bare / by_hand:.2f}, {journal / by_hand:.2f} and "
+        f"{observer / by_hand:.2f} times what they take by hand"
+    )
+
+
 def depth_and_width(size: int, turns: int) -> None:
     runs = {}
     for depth in (1, 16):
@@ -131,6 +156,7 @@ def main() -> None:
     quick = parser.parse_args().quick
     size, turns = (100, 2) if quick else (1000, 300)
     state_changes(size, turns)
+    blocks_of_their_own(size, turns)
     depth_and_width(size, turns)
     keystrokes(20 if quick else 200)
     simulator(5 if quick else 200)

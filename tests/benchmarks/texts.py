@@ -29,6 +29,23 @@ def ring(states: int) -> str:
     return f"(machine m {body})\n(spawn m s0)"
 
 
+def blocks(states: int) -> str:
+    """States in a ring, each with a condition and actions of its own, all of which use variables.
+
+    A state is entered in one tick, acts in the next one and is left in the one after that.
+    """
+    body = "".join(
+        f"""
+  (state s{n}
+    (onentry [left = {n}])
+    (running [left = left - {n + 1}])
+    (onexit [seen = seen + 1]))
+  (on [left < 0 and seen >= {n}] s{n} -> s{(n + 1) % states})"""
+        for n in range(states)
+    )
+    return f"(var seen := [0])\n(machine m\n  (var left := [0]){body})\n(spawn m s0)"
+
+
 def long(lines: int) -> str:
     """A program of about so many lines, as a person would lay it out."""
     parts = ["(var speed := [0.1])", "(machine robot", "  (state rest)", ")", "(spawn robot rest)"]
