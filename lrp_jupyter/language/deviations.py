@@ -1,6 +1,6 @@
-"""Where the language departs from the paper, and why.
+"""The rules of the language that differ from the paper, and why.
 
-The paper leaves some things open, contradicts itself in others, and the printed example has slips.
+The paper leaves some points open and contradicts itself on others, and its printed example has slips.
 Each row is a rule of this implementation that a reader of the paper would not expect.
 """
 
@@ -12,7 +12,7 @@ __all__ = ["DEVIATIONS", "Deviation"]
 
 
 class Deviation(NamedTuple):
-    """One departure: the section of the paper, what is done here, and the reason."""
+    """One departure from the paper: its section, the rule implemented here, and the reason."""
 
     section: str
     here: str
@@ -32,79 +32,79 @@ DEVIATIONS = (
     ),
     Deviation(
         "§3.1",
-        "A wildcard applies to every state but its own destination.",
-        "§3.2 lists just these sources; polled conditions would re-enter the destination at every tick.",
+        "A wildcard applies to every state except its own destination.",
+        "§3.2 lists exactly these sources; with polled conditions the destination would be re-entered at every tick.",
     ),
     Deviation(
         "§3.1",
-        "`eps` takes no bare `*`.",
-        "It would leave and re-enter its destination at every tick.",
+        "`eps` does not accept a bare `*`.",
+        "The transition would fire at every tick.",
     ),
     Deviation(
         "§3.2",
-        "The printed listing is an example of located errors; the follower is written anew.",
-        "Lines 19, 33 and 35 have brackets too many or too few, line 32 compares where it should assign.",
+        "The printed listing serves as an example of located errors; the bundled follower is a new program.",
+        "Lines 19, 33 and 35 have too many or too few brackets, and line 32 compares where it should assign.",
     ),
     Deviation(
         "§3.2",
         "`exit`, inline conditions, `{…}` and `*-{…}` sources, `onpause`, `onresume`, delay expressions and "
-        "events at the top level go beyond the paper.",
-        "Its §9 and later programs of its authors ask for them.",
+        "top-level events are additions.",
+        "The paper's §9 and later programs by its authors call for them.",
     ),
     Deviation(
         "§5.1",
-        "The destination is entered in the tick in which the source is left.",
-        "A robot has no gap between onexit and onentry, and one step shows one whole change.",
+        "The destination is entered in the same tick in which the source is left.",
+        "There is no gap between `onexit` and `onentry`, and a single step shows the whole transition.",
     ),
     Deviation(
         "§5.1",
-        "An enabled transition without a destination is an issue, and the next one is tried.",
-        "A name half typed in one transition must not block the others.",
+        "An enabled transition whose destination does not exist is an issue, and the next transition is tried.",
+        "A half-typed name in one transition must not block the others.",
     ),
     Deviation(
         "§5.2",
         "An inner variable may shadow an outer one; a warning says so.",
-        "The paper gives this up only because of how its variables are implemented.",
+        "The paper rules this out only because of how its variables are implemented.",
     ),
     Deviation(
         "§6.1",
-        "While the active state is gone from the text, the old program runs on until the new one can start.",
-        "A name half typed stops no robot.",
+        "If the active state disappears from the text, the old program keeps running until the new one can start.",
+        "A half-typed name must not stop the robot.",
     ),
     Deviation(
         "§6.1",
-        "A change of what stands inside a nested machine is no change of the state around it.",
-        "What a machine contains is not the state's own body; restarting would end most live edits.",
+        "A change inside a nested machine does not count as a change of the state that contains it.",
+        "A nested machine is not part of the state's own body, and otherwise most live edits would restart the program.",
     ),
     Deviation(
         "§6.1",
-        'The policy `on_active_edit="keep"` swaps the actions of an active state in place.',
-        "Restarting is the paper's rule and the default; researchers want to compare.",
+        'The policy `on_active_edit="keep"` replaces the actions of an active state in place.',
+        "Restarting is the paper's rule and the default; the policy makes the two comparable.",
     ),
     Deviation(
         "§6.1",
-        "An explicit rename carries the active state, its timer and its variables over.",
-        "Typing cannot tell a rename from a removal; a command can.",
+        "An explicit rename keeps the active state, its timer and its variables.",
+        "A rename by typing looks like a removal; a rename command is unambiguous.",
     ),
     Deviation(
         "§6.2",
-        "Every fault is recorded once with its place, counted, resolved and reopened.",
-        "A list that repeats itself at every tick hides what is new.",
+        "Every fault is recorded once with its location, counted, resolved and, if it returns, reopened.",
+        "A list that grows at every tick hides what is new.",
     ),
     Deviation(
         "§7.1",
-        "Topics are set up in a panel, in Python or on the command line, and kept; no class is asked for.",
-        "There is no package class in Python's ROS clients.",
+        "Topics are configured in a panel, in Python or on the command line, and saved; no class has to be named.",
+        "Python's ROS clients have no package class.",
     ),
     Deviation(
         "§7.2",
-        "A brick's address is asked once and kept, instead of at every start.",
-        "A program restarts often.",
+        "The address of a brick is asked for once and saved, not at every start.",
+        "Programs restart often.",
     ),
     Deviation(
         "§7.3",
-        "`robot` is one stable object, not an instance of a generated class; a bridge describes its windows "
-        "as data and is never hardware by default.",
-        "The same bridge serves notebooks and the command line, and nothing drives off by itself.",
+        "`robot` is one stable object, not an instance of a generated class; a bridge describes its panels "
+        "as data, and hardware is never the default.",
+        "The same bridge works in notebooks and on the command line, and no robot starts moving unasked.",
     ),
 )
