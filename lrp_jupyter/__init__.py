@@ -1,7 +1,7 @@
 """Live programming of robot behaviour: nested state machines that change while they run.
 
-A program is text, :func:`parse` makes a value of it, an :class:`Interpreter` runs it tick by tick
-and can be patched between two ticks. A :class:`Session` adds time, a thread and a robot; a
+A program is text: :func:`parse` turns it into a :class:`Program`, and an :class:`Interpreter` runs it tick by
+tick and can be patched between two ticks. A :class:`Session` adds time, a thread and a robot; a
 :class:`Lab` is a session in a notebook cell, with an editor and a graph.
 
 >>> from lrp_jupyter import Interpreter, parse
@@ -113,7 +113,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name when it is first used: `import lrp_jupyter` alone imports nothing heavy."""
+    """Import a public name on first use, so that `import lrp_jupyter` stays fast."""
     if name not in _HOME:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     value = getattr(import_module(f"{__name__}.{_HOME[name]}"), name)
@@ -122,7 +122,7 @@ def __getattr__(name: str) -> Any:
 
 
 def load_ipython_extension(shell: Any) -> None:
-    """Offer ``%lrp`` and ``%%lrp``: called by ``%load_ext lrp_jupyter``."""
+    """Register ``%lrp`` and ``%%lrp``; called by ``%load_ext lrp_jupyter``."""
     from lrp_jupyter.widgets.magics import LRPMagics, completions, open_body
 
     shell.register_magics(LRPMagics)

@@ -1,7 +1,7 @@
-"""What can go wrong when the API is used: misuse raises, faults of a user's program do not.
+"""The exceptions of the API: misuse raises, faults of a user's program do not.
 
-A fault of a program (an exception in a block, an unknown state) is an
-:class:`~lrp_jupyter.interpreter.issues.Issue`, a value; it never raises.
+A fault of a program (an exception in a block, an unknown state) is recorded as an
+:class:`~lrp_jupyter.interpreter.issues.Issue` and never raises.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ __all__ = [
 
 
 class LRPError(Exception):
-    """Base of every error that this package raises on purpose."""
+    """Base class of the errors that this package raises deliberately."""
 
 
 class LRPSyntaxError(LRPError):
-    """A text is not a program.
+    """A text is not a valid program.
 
     Parameters
     ----------
     findings : tuple of Finding
-        Every error of the text, in order of place; at least one.
+        Every error of the text, in the order of their locations; at least one.
     """
 
     def __init__(self, findings: tuple[Finding, ...]) -> None:
@@ -41,23 +41,23 @@ class LRPSyntaxError(LRPError):
 
 
 class UnknownElementError(LRPError, KeyError):
-    """A path names no element of the program (or none that lives now)."""
+    """A path does not name an element of the program, or not one that exists at the moment."""
 
-    def __str__(self) -> str:  # a KeyError shows the repr of its argument; a sentence needs no quotes
+    def __str__(self) -> str:  # KeyError shows the repr of its argument, in quotes
         return str(self.args[0]) if self.args else ""
 
 
 class SessionClosedError(LRPError):
-    """A closed session was asked to do something."""
+    """A command was sent to a closed session."""
 
 
 class SessionTimeoutError(LRPError, TimeoutError):
-    """A session did not carry out a command in time; the message says what blocks it."""
+    """A session did not execute a command in time; the message says what blocks it."""
 
 
 class BridgeError(LRPError):
-    """A bridge cannot reach its robot, or refuses a command."""
+    """A bridge cannot reach its robot, or rejects a command."""
 
 
-class NoDataYet(LRPError):  # noqa: N818  (it is no fault: the reading has simply not arrived)
+class NoDataYet(LRPError):  # noqa: N818  (not an error: the reading has not arrived yet)
     """A reading has not arrived yet: an event that needs it does not occur."""

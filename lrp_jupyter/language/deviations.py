@@ -33,7 +33,8 @@ DEVIATIONS = (
     Deviation(
         "§3.1",
         "A wildcard applies to every state except its own destination.",
-        "§3.2 lists exactly these sources; with polled conditions the destination would be re-entered at every tick.",
+        "§3.2 lists exactly these sources; with polled conditions the destination would be re-entered at "
+        "every tick.",
     ),
     Deviation(
         "§3.1",
@@ -58,7 +59,8 @@ DEVIATIONS = (
     ),
     Deviation(
         "§5.1",
-        "An enabled transition whose destination does not exist is an issue, and the next transition is tried.",
+        "An enabled transition whose destination does not exist is an issue, and the next transition is "
+        "tried.",
         "A half-typed name in one transition must not block the others.",
     ),
     Deviation(
@@ -68,13 +70,15 @@ DEVIATIONS = (
     ),
     Deviation(
         "§6.1",
-        "If the active state disappears from the text, the old program keeps running until the new one can start.",
+        "If the active state disappears from the text, the old program keeps running until the new one can "
+        "start.",
         "A half-typed name must not stop the robot.",
     ),
     Deviation(
         "§6.1",
         "A change inside a nested machine does not count as a change of the state that contains it.",
-        "A nested machine is not part of the state's own body, and otherwise most live edits would restart the program.",
+        "A nested machine is not part of the state's own body, and otherwise most live edits would restart "
+        "the program.",
     ),
     Deviation(
         "§6.1",
@@ -93,7 +97,8 @@ DEVIATIONS = (
     ),
     Deviation(
         "§7.1",
-        "Topics are configured in a panel, in Python or on the command line, and saved; no class has to be named.",
+        "Topics are configured in a panel, in Python or on the command line, and saved; no class has to be "
+        "named.",
         "Python's ROS clients have no package class.",
     ),
     Deviation(

@@ -1,8 +1,7 @@
-"""The bundled programs: to run, to read, to change.
+"""The bundled programs, and the header comments that describe a program.
 
-Each is a file ``NAME.lrp`` beside this one. The comments at its head say in the first line what it
-does, then in which world it is at home (``; world: line``; ``none``: it needs no robot), and what
-to watch.
+Each is a file ``NAME.lrp`` in this directory. The first line of its header says what the program does; then
+follow the world it is made for (``; world: line``, or ``none`` if it needs no robot) and what to watch.
 """
 
 from __future__ import annotations
@@ -21,14 +20,14 @@ _WORLD = re.compile(r"world: *(\S+)\s*$", re.IGNORECASE)
 
 
 class Heading(NamedTuple):
-    """What the comments at the head of a program say.
+    """The header comments of a program: its description and its world.
 
     Parameters
     ----------
     description : str
-        The first line; empty when the text begins with a form.
+        The first line; empty if the text begins with a form.
     world : str or None
-        Name or file of the world; ``"none"``: no robot. None: it does not say.
+        Name or file of the world; ``"none"`` if the program needs no robot; None if no world is named.
     """
 
     description: str = ""
@@ -36,7 +35,7 @@ class Heading(NamedTuple):
 
 
 def names() -> tuple[str, ...]:
-    """Names of the bundled programs, in alphabetical order."""
+    """Return the names of the bundled programs, in alphabetical order."""
     found = (entry.name for entry in files(__name__).iterdir())
     return tuple(sorted(name.removesuffix(".lrp") for name in found if name.endswith(".lrp")))
 
@@ -47,7 +46,7 @@ def load(name: str) -> str:
     Raises
     ------
     LRPError
-        There is none of that name; the message names the nearest.
+        There is no program of that name; the message suggests the closest one.
     """
     known = names()
     if name not in known:
@@ -58,7 +57,7 @@ def load(name: str) -> str:
 
 
 def heading(text: str) -> Heading:
-    """Read the comments at the head of any program."""
+    """Return the description and the world that the header comments of a program name."""
     comments = []
     for line in text.lstrip("\ufeff").splitlines():
         comment = _COMMENT.match(line)

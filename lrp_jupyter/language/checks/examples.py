@@ -1,4 +1,4 @@
-"""For every finding that a text can have: a program that has it, ``---``, and the same program repaired."""
+"""An example of every static finding: a program that has it, ``---``, and the same program repaired."""
 
 from __future__ import annotations
 
