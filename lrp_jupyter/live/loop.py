@@ -219,7 +219,7 @@ class Loop:
     def advance(self, seconds: float) -> None:
         """Let time pass, without a tick; a simulated world moves, by whole steps."""
         if self._step is None:
-            self.now = round(self.now + seconds, 12)
+            self.now = round((self.now + seconds) * 1e12) / 1e12  # half the time of round(…, 12)
         elif (steps := math.floor(seconds / self._step + 1e-6)) > 0:
             self.bridge.advance(steps * self._step)
             self._steps += steps
@@ -309,8 +309,8 @@ class Loop:
 
     def tick(self) -> None:
         """Tick once, now; the next tick is due a period later."""
-        interpreter, bridge, now = self.interpreter, self.bridge, self.now
-        self.moments.append((now, bridge.moment()))
+        interpreter, bridge, now, step = self.interpreter, self.bridge, self.now, self._step
+        self.moments.append((now, None if step is None else bridge.moment()))
         self.ticking = True
         try:
             bridge.begin_tick(now, self.period)
@@ -318,8 +318,8 @@ class Loop:
             bridge.end_tick(now)
         finally:
             self.ticking = False
-        behind = self._step is not None or now - self.due > LAG
-        self.due = (now if behind else self.due) + self.period
+        on_time = step is None and now - self.due <= LAG
+        self.due = (self.due if on_time else now) + self.period
         if interpreter.paused and self.status == "running":  # at an issue
             last = max(interpreter.issues, key=lambda issue: issue.last_tick, default=None)
             self._stand_still(last.message if last else "")
@@ -344,22 +344,27 @@ class Loop:
         self._check_whole()
         was_running = self.status == "running"
         self.resume()
-        step, queued = self._step, self.inbox.queued
+        step, tick, queued = self._step, self.tick, self.inbox.queued
         if step is not None and seconds < math.inf:  # a world knows whole steps only
             seconds = math.ceil(seconds / step - _ROUNDING) * step
         end = self.now + seconds
+        almost = end - _ROUNDING
         try:
-            while self.status == "running" and self.now < end - _ROUNDING:
-                if self.now >= self.due - _ROUNDING:
+            while self.now < almost and self.status == "running":
+                if self.due - self.now <= _ROUNDING:
                     self.due = self.now
-                    self.tick()
+                    tick()
                     if after_tick is not None and after_tick():
                         return True
                     if queued:
                         self.apply_queued()
                     if self.status != "running":
                         break
-                self.advance(min(self.due, end) - self.now)
+                until = self.due if self.due < end else end
+                if step is None:  # as `advance` does, for most of the time of a tick without a robot
+                    self.now = round(until * 1e12) / 1e12
+                else:
+                    self.advance(until - self.now)
         except Interrupted:
             pass
         except Exception:
