@@ -4,6 +4,7 @@ import pytest
 
 from lrp_jupyter import programs
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.criteria import (
     Criterion,
     drives,
@@ -14,7 +15,7 @@ from lrp_jupyter.grading.criteria import (
     stays_in,
     touches,
 )
-from lrp_jupyter.grading.grade import Challenge, grade
+from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source

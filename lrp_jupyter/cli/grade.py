@@ -6,7 +6,8 @@ from rich.text import Text
 
 from lrp_jupyter.cli.excerpt import plain_console
 from lrp_jupyter.cli.source import read_source
-from lrp_jupyter.grading.grade import challenge, grade
+from lrp_jupyter.grading.challenges import challenge
+from lrp_jupyter.grading.grade import grade
 
 __all__ = ["grade_file"]
 

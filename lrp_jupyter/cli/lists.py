@@ -91,7 +91,7 @@ def list_bridges() -> None:
 
 def list_challenges() -> None:
     """Print the challenges that a program can be graded by."""
-    from lrp_jupyter.grading.grade import challenges
+    from lrp_jupyter.grading.challenges import challenges
 
     table = _table("challenge", "what the robot shall do")
     for each in challenges():

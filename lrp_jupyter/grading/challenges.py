@@ -1,10 +1,19 @@
-"""The bundled challenges, from easy to hard, each with a hint for its typical mistakes."""
+"""Challenges: what a robot has to master, and how that is judged.
+
+The bundled ones are here, from easy to hard, each with hints for its typical mistakes; a teacher adds
+more of them by :func:`register`.
+"""
 
 from __future__ import annotations
 
+import difflib
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
 
+from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading.criteria import (
+    Criterion,
     _angle,
     drives,
     ends_in,
@@ -20,8 +29,7 @@ from lrp_jupyter.grading.criteria import (
     turns,
     visits,
 )
-from lrp_jupyter.grading.grade import Challenge, Hint, register
-from lrp_jupyter.grading.recording import Recording
+from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.sim.world import (
     ArcStroke,
     Box,
@@ -33,7 +41,80 @@ from lrp_jupyter.sim.world import (
     World,
 )
 
-__all__ = ["BUNDLED"]
+__all__ = ["BUNDLED", "Challenge", "Hint", "challenge", "challenges", "register"]
+
+Hint = Callable[[RunRecord], str | None]
+"""Looks at a run that failed; gives the hint if the mistake that it knows was made."""
+
+
+@dataclass(frozen=True)
+class Challenge:
+    """Something to be programmed, and how it is judged.
+
+    Parameters
+    ----------
+    name : str
+    task : str
+        What the robot shall do, in a sentence or two.
+    worlds : tuple of str or World
+        Every one has to be mastered.
+    criteria : tuple of Criterion
+    seconds : float
+        Length of a run, in its own time.
+    hints : tuple of Hint
+        The first that knows the mistake speaks.
+    rate : float
+        Ticks per second.
+    noise : dict or None
+        Imperfections of the robot: ``{"motor": 0.1, "light": 10}``.
+    until : callable or None
+        Ends a run early, when a recording can only stay as good as it is.
+    """
+
+    name: str
+    task: str
+    worlds: tuple[str | World, ...]
+    criteria: tuple[Criterion, ...]
+    seconds: float = 60
+    hints: tuple[Hint, ...] = ()
+    rate: float = 10
+    noise: dict[str, float] | None = None
+    until: Callable[[RunRecord], bool] | None = None
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.task}"
+
+
+_challenges: dict[str, Challenge] = {}
+
+
+def register(new: Challenge) -> Challenge:
+    """Make a challenge known by its name; one of the same name is replaced."""
+    _challenges[new.name] = new
+    return new
+
+
+def challenges() -> tuple[Challenge, ...]:
+    """List the challenges, from easy to hard."""
+    return tuple(_challenges.values())
+
+
+def challenge(name: str) -> Challenge:
+    """Find a challenge by name.
+
+    Raises
+    ------
+    LRPError
+        There is none of that name; the message names the nearest.
+    """
+    known = {each.name: each for each in challenges()}
+    wanted = name.replace("-", " ").replace("_", " ").casefold().strip()
+    if wanted in known:
+        return known[wanted]
+    close = difflib.get_close_matches(wanted, known, n=1)
+    hint = f" Did you mean `{close[0]}`?" if close else ""
+    raise LRPError(f"there is no challenge `{name}`.{hint} There are: {', '.join(known)}")
+
 
 _QUARTER = math.pi / 2
 
@@ -101,7 +182,7 @@ def _block() -> World:
     )
 
 
-def _drove_over(run: Recording) -> str | None:
+def _drove_over(run: RunRecord) -> str | None:
     seen = next((sample for sample in run.samples if sees_line(sample)), None)
     if seen is None or next(run.inside("beyond"), None) is None:
         return None
@@ -111,19 +192,19 @@ def _drove_over(run: Recording) -> str | None:
     )
 
 
-def _never_turned(run: Recording) -> str | None:
+def _never_turned(run: RunRecord) -> str | None:
     if not run.samples or abs(_angle(run.samples[-1].heading - run.samples[0].heading)) > 0.3:
         return None
     return "it only went straight on: `robot.move(angular=1)` turns by 1 rad/s, for (pi / 2) s is a quarter"
 
 
-def _never_saw_the_line(run: Recording) -> str | None:
+def _never_saw_the_line(run: RunRecord) -> str | None:
     if any(map(sees_line, run.samples)):
         return None
     return "its light sensor never saw the line; white is 255, black 0, the line lies below 128"
 
 
-def _lost_the_line(run: Recording) -> str | None:
+def _lost_the_line(run: RunRecord) -> str | None:
     last = max((sample.time for sample in run.samples if sees_line(sample)), default=None)
     if last is None or run.seconds - last < 5:
         return None
@@ -133,7 +214,7 @@ def _lost_the_line(run: Recording) -> str | None:
     )
 
 
-def _ended_at_the_first_bump(run: Recording) -> str | None:
+def _ended_at_the_first_bump(run: RunRecord) -> str | None:
     walls = [name for name in ("far wall", "near wall") if next(run.touches(name), None)]
     if walls != ["far wall"] or run.seconds - run.still_since() < 2:
         return None
@@ -143,33 +224,33 @@ def _ended_at_the_first_bump(run: Recording) -> str | None:
     )
 
 
-def _did_not_turn_back(run: Recording) -> str | None:
+def _did_not_turn_back(run: RunRecord) -> str | None:
     touched = sum("far wall" in sample.touched for sample in run.samples)
     if touched < 30:
         return None
     return "it keeps pushing against the far wall: after the bump, drive back a second, then turn by pi"
 
 
-def _kept_pushing(run: Recording) -> str | None:
+def _kept_pushing(run: RunRecord) -> str | None:
     if sum("wall" in sample.touched for sample in run.samples) < 50:
         return None
     return "it keeps pushing: `(event bump [robot.bumper.data == 1])` leads to a state that does nothing"
 
 
-def _crossed_the_border(run: Recording) -> str | None:
+def _crossed_the_border(run: RunRecord) -> str | None:
     if next((sample for sample in run.samples if sees_line(sample)), None) is None:
         return None
     return "on the border, drive back first and turn then: a turn on the spot carries the robot across"
 
 
-def _too_close(run: Recording) -> str | None:
+def _too_close(run: RunRecord) -> str | None:
     found = next((sample for sample in run.samples if "wall" in sample.touched), None)
     if found is None:
         return None
     return "it came too close to the wall: below the distance that it shall keep, steer away from it"
 
 
-def _restarted(run: Recording) -> str | None:
+def _restarted(run: RunRecord) -> str | None:
     reason = next((event.data for event in run.events if event.kind == "restarted"), None)
     if reason is None:
         return None
@@ -179,7 +260,7 @@ def _restarted(run: Recording) -> str | None:
     )
 
 
-def _back_again(run: Recording) -> bool:
+def _back_again(run: RunRecord) -> bool:
     """There and back, and still for two seconds since."""
     near = next(run.touches("near wall"), None)
     return near is not None and run.seconds - run.still_since() >= 2.5
@@ -188,7 +269,7 @@ def _back_again(run: Recording) -> bool:
 _AROUND = visits("right", "left", "start")
 
 
-def _once_around(run: Recording) -> bool:
+def _once_around(run: RunRecord) -> bool:
     """At the start again, after the rest of the way."""
     last = run.samples[-1]
     home = run.world.zones["start"].contains(last.x, last.y)

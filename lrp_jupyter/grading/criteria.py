@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterable, Sequence
 from typing import NamedTuple
 
-from lrp_jupyter.grading.recording import Recording, Sample
+from lrp_jupyter.grading.record import RunRecord, Sample
 
 __all__ = [
     "Criterion",
@@ -48,9 +48,9 @@ class Criterion(NamedTuple):
     """A sentence ("reaches `far`") and what judges it: gives whether, and why."""
 
     sentence: str
-    judge: Callable[[Recording], tuple[bool, str]]
+    judge: Callable[[RunRecord], tuple[bool, str]]
 
-    def __call__(self, recording: Recording) -> Verdict:
+    def __call__(self, recording: RunRecord) -> Verdict:
         """Judge a run."""
         passed, reason = self.judge(recording)
         return Verdict(self.sentence, passed, reason)
@@ -59,7 +59,7 @@ class Criterion(NamedTuple):
 def drives(metres: float) -> Criterion:
     """Ask that it goes at least so far, somewhere."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         return run.way >= metres, f"it drove {run.way:.2f} m"
 
     return Criterion(f"drives at least {metres:g} m", judge)
@@ -68,7 +68,7 @@ def drives(metres: float) -> Criterion:
 def turns(degrees: float) -> Criterion:
     """Ask that it turns by so much, to the left and to the right counted together."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         steps = zip(run.samples, run.samples[1:], strict=False)
         turned = math.degrees(sum(abs(_angle(b.heading - a.heading)) for a, b in steps))
         return turned >= degrees, f"it turned {turned:.0f}°"
@@ -79,7 +79,7 @@ def turns(degrees: float) -> Criterion:
 def visits(*zones: str) -> Criterion:
     """Ask that it comes to these zones, in this order."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         missing, when = _one_after_another(zones, run.inside)
         if missing is None:
             return True, f"it was there {when}"
@@ -91,7 +91,7 @@ def visits(*zones: str) -> Criterion:
 def stays_in(zone: str) -> Criterion:
     """Ask that it never leaves a zone."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         inside = {sample.time for sample in run.inside(zone)}
         left = next((sample for sample in run.samples if sample.time not in inside), None)
         return left is None, "it never left" if left is None else f"it left after {left.time:.1f} s"
@@ -102,7 +102,7 @@ def stays_in(zone: str) -> Criterion:
 def ends_in(zone: str) -> Criterion:
     """Ask that it is in a zone at the end."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         last = run.samples[-1]
         inside = run.world.zones[zone].contains(last.x, last.y)
         return inside, f"it ended at x = {last.x:.2f} m, y = {last.y:.2f} m"
@@ -113,7 +113,7 @@ def ends_in(zone: str) -> Criterion:
 def ends_still(seconds: float) -> Criterion:
     """Ask that it stands still for so long at the end, without trying to move."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         stood = run.seconds - run.still_since()
         return stood >= seconds - 1e-6, f"it stood still for {stood:.1f} s"
 
@@ -123,7 +123,7 @@ def ends_still(seconds: float) -> Criterion:
 def touches(*solids: str) -> Criterion:
     """Ask that it touches these solids, in this order."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         missing, when = _one_after_another(solids, run.touches)
         if missing is None:
             return True, f"it touched it {when}"
@@ -135,7 +135,7 @@ def touches(*solids: str) -> Criterion:
 def touches_nothing() -> Criterion:
     """Ask that it touches no solid, and not the edge of the world."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         found = next((sample for sample in run.samples if sample.touched), None)
         if found is None:
             return True, "it touched nothing"
@@ -147,7 +147,7 @@ def touches_nothing() -> Criterion:
 def pushes(solid: str, zone: str) -> Criterion:
     """Ask that a solid is in a zone at the end."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         names = [getattr(each, "name", "") for each in run.world.solids]
         x, y, _ = run.samples[-1].solids[names.index(solid)]
         return run.world.zones[zone].contains(x, y), f"the {solid} is at x = {x:.2f} m, y = {y:.2f} m"
@@ -158,7 +158,7 @@ def pushes(solid: str, zone: str) -> Criterion:
 def on_line(share: float, sensor: int = 0) -> Criterion:
     """Ask that its light sensor sees the line for this share of the time (0 … 1)."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         seen = [sample for sample in run.samples if sees_line(sample, sensor)]
         part = len(seen) / max(1, len(run.samples))
         return part >= share, f"it saw the line {part:.0%} of the time"
@@ -174,7 +174,7 @@ def sees_line(sample: Sample, sensor: int = 0) -> bool:
 def enters(state: str) -> Criterion:
     """Ask that a state of the program is entered, by name or path."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         entries = run.entries(state)
         return bool(entries), f"entered after {entries[0].now:.1f} s" if entries else "never entered"
 
@@ -184,7 +184,7 @@ def enters(state: str) -> Criterion:
 def never_restarts() -> Criterion:
     """Ask that no edit restarts the program."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         found = next((event for event in run.events if event.kind == "restarted"), None)
         return found is None, "no restart" if found is None else str(found.data)
 
@@ -194,7 +194,7 @@ def never_restarts() -> Criterion:
 def no_faults() -> Criterion:
     """Ask that the program runs without issues."""
 
-    def judge(run: Recording) -> tuple[bool, str]:
+    def judge(run: RunRecord) -> tuple[bool, str]:
         if not run.issues:
             return True, "no issue"
         issue = run.issues[0]

@@ -6,62 +6,21 @@ every criterion, whether it passed and why, and a hint where a typical mistake w
 
 from __future__ import annotations
 
-import difflib
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
+from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError, LRPSyntaxError
+from lrp_jupyter.grading.challenges import Challenge, Hint, challenge
 from lrp_jupyter.grading.criteria import Criterion, Verdict, no_faults
-from lrp_jupyter.grading.recording import Recording
+from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.sim.world import World
 
-if TYPE_CHECKING:
-    from lrp_jupyter.sim.world import World
-
-__all__ = ["Attempt", "Challenge", "Grade", "Hint", "challenge", "challenges", "grade", "register"]
-
-Hint = Callable[[Recording], str | None]
-"""Looks at a run that failed; gives the hint if the mistake that it knows was made."""
-
-
-@dataclass(frozen=True)
-class Challenge:
-    """Something to be programmed, and how it is judged.
-
-    Parameters
-    ----------
-    name : str
-    task : str
-        What the robot shall do, in a sentence or two.
-    worlds : tuple of str or World
-        Every one has to be mastered.
-    criteria : tuple of Criterion
-    seconds : float
-        Length of a run, in its own time.
-    hints : tuple of Hint
-        The first that knows the mistake speaks.
-    rate : float
-        Ticks per second.
-    noise : dict or None
-        Imperfections of the robot: ``{"motor": 0.1, "light": 10}``.
-    until : callable or None
-        Ends a run early, when a recording can only stay as good as it is.
-    """
-
-    name: str
-    task: str
-    worlds: tuple[str | World, ...]
-    criteria: tuple[Criterion, ...]
-    seconds: float = 60
-    hints: tuple[Hint, ...] = ()
-    rate: float = 10
-    noise: dict[str, float] | None = None
-    until: Callable[[Recording], bool] | None = None
-
-    def __str__(self) -> str:
-        return f"{self.name}: {self.task}"
+__all__ = ["Attempt", "Grade", "grade"]
 
 
 class Attempt(NamedTuple):
@@ -132,40 +91,6 @@ class Grade:
             yield f"  in `{world}`: {text}"
 
 
-_challenges: dict[str, Challenge] = {}
-
-
-def register(new: Challenge) -> Challenge:
-    """Make a challenge known by its name; one of the same name is replaced."""
-    _challenges[new.name] = new
-    return new
-
-
-def challenges() -> tuple[Challenge, ...]:
-    """List the challenges, from easy to hard."""
-    from lrp_jupyter.grading import challenges as bundled  # they register themselves
-
-    assert bundled
-    return tuple(_challenges.values())
-
-
-def challenge(name: str) -> Challenge:
-    """Find a challenge by name.
-
-    Raises
-    ------
-    LRPError
-        There is none of that name; the message names the nearest.
-    """
-    known = {each.name: each for each in challenges()}
-    wanted = name.replace("-", " ").replace("_", " ").casefold().strip()
-    if wanted in known:
-        return known[wanted]
-    close = difflib.get_close_matches(wanted, known, n=1)
-    hint = f" Did you mean `{close[0]}`?" if close else ""
-    raise LRPError(f"there is no challenge `{name}`.{hint} There are: {', '.join(known)}")
-
-
 def grade(
     program: str | Program | Sequence[str | Program] | Session,
     what: str | Challenge | World,
@@ -224,64 +149,61 @@ def _attempt(
 ) -> Attempt:
     name = world if isinstance(world, str) else world.name or "world"
     try:
-        recording = _record(texts, task, world, seed, namespace)
+        record = _record(texts, task, world, seed, namespace)
     except LRPSyntaxError as error:
         reason = Verdict("is a program", False, str(error.findings[0]))
         return Attempt(name, seed, 0.0, (reason,), "correct the text first: the editor marks the place")
-    verdicts = tuple(criterion(recording) for criterion in task.criteria)
+    verdicts = tuple(criterion(record) for criterion in task.criteria)
     hint = ""
     if not all(verdict.passed for verdict in verdicts):
-        hint = next((text for look in (*_FIRST, *task.hints, _watchdog) if (text := look(recording))), "")
-    return Attempt(name, seed, recording.seconds, verdicts, hint)
+        hint = next((text for look in (*_FIRST, *task.hints, _watchdog) if (text := look(record))), "")
+    return Attempt(name, seed, record.seconds, verdicts, hint)
 
 
 def _record(
     texts: list[str], task: Challenge, world: str | World, seed: int, namespace: dict[str, Any] | None
-) -> Recording:
-    from lrp_jupyter.bridges.sim import SimBridge
-    from lrp_jupyter.language.parser import parse
-
+) -> RunRecord:
     bridge = SimBridge(world, seed, task.noise)
-    recording = Recording(bridge.world)
+    record = RunRecord(bridge.world)
     programs = [parse(text, "<lrp grade>") for text in texts]
     with Session(
         programs[0], bridge, rate=task.rate, namespace=namespace, name="grade", journal=0
     ) as session:
-        session.observe(recording.events.append)
+        session.observe(record.events.append)
 
-        def over(_frame: object) -> bool:
-            recording.sample(bridge, session.interpreter)
-            return task.until is not None and task.until(recording)
+        def over() -> bool:
+            record.sample(bridge, session.interpreter)
+            return task.until is not None and task.until(record)
 
         for number, program in enumerate(programs):
             if number:
                 session.edit(program.text)
-            session.run(task.seconds / len(programs), until=over)
+            session.run(task.seconds / len(programs), after_tick=over)
         if session.fault:
             raise LRPError(f"the run broke off, and not by the program's fault:\n{session.fault}")
-        recording.issues = tuple(issue for issue in session.issues if not issue.resolved)
-        recording.notices = tuple(notice.text for notice in bridge.safety.notices)
-        recording.commands = bridge.safety.command_count
-    return recording
+        record.issues = tuple(issue for issue in session.issues if not issue.resolved)
+        record.notices = tuple(notice.text for notice in bridge.safety.notices)
+        record.commands = bridge.safety.command_count
+    return record
 
 
-def _nothing_active(run: Recording) -> str | None:
+def _nothing_active(run: RunRecord) -> str | None:
     if run.count("entered"):
         return None
     return "nothing was active: `(spawn machine state)` outside all machines says where to start"
 
 
-def _has_issues(run: Recording) -> str | None:
+def _has_issues(run: RunRecord) -> str | None:
     return f"line {run.issues[0].line}: {run.issues[0].message}" if run.issues else None
 
 
-def _no_command(run: Recording) -> str | None:
+def _no_command(run: RunRecord) -> str | None:
     if run.commands:
         return None
     return "the robot was never told to move: put `robot.move(linear=0.2)` into the `running` of a state"
 
 
-def _watchdog(run: Recording) -> str | None:
+def _watchdog(run: RunRecord) -> str | None:
     return next((text for text in run.notices if text.startswith("no command")), None)
 
 

@@ -4,7 +4,7 @@ from importlib.metadata import version
 import pytest
 
 from lrp_jupyter import programs
-from lrp_jupyter.grading.grade import challenges
+from lrp_jupyter.grading.challenges import challenges
 from lrp_jupyter.sim.worlds import BUNDLED, load
 
 

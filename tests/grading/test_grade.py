@@ -1,8 +1,9 @@
 import pytest
 
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.grading.challenges import Challenge, challenge, challenges
 from lrp_jupyter.grading.criteria import Criterion, drives, enters, touches, visits
-from lrp_jupyter.grading.grade import Challenge, challenge, challenges, grade
+from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.session import Session

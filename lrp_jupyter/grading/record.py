@@ -5,19 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
+from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import matches
+from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Path
+from lrp_jupyter.sim.world import World
 
-if TYPE_CHECKING:
-    from lrp_jupyter.bridges.sim import SimBridge
-    from lrp_jupyter.interpreter.interpreter import Interpreter
-    from lrp_jupyter.sim.world import World
-
-__all__ = ["Recording", "Sample"]
+__all__ = ["RunRecord", "Sample"]
 
 _STILL = 0.002  # m; what a robot that stands may drift in one period
 
@@ -59,7 +57,7 @@ class Sample(NamedTuple):
 
 
 @dataclass
-class Recording:
+class RunRecord:
     """One run of a program in a world, for the criteria to look at."""
 
     world: World
