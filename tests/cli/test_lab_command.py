@@ -31,7 +31,7 @@ def test_every_notebook_is_shipped():
 
 def status(url):
     """Status of an answer; the server says where it is a moment before it listens."""
-    deadline = monotonic() + 30
+    deadline = monotonic() + 110
     while True:
         try:
             with urllib.request.urlopen(url, timeout=30) as answer:

@@ -1,7 +1,7 @@
 import asyncio
 import threading
 import time
-from statistics import median
+from types import SimpleNamespace
 
 import pytest
 
@@ -23,7 +23,7 @@ ENDLESS = """
   (event done [len(stop) > 0]))
 (spawn m a)
 """
-LONG = 9.0  # seconds; reached only when something is wrong
+LONG = 120.0  # seconds; reached only when something is wrong, however busy the machine is
 
 
 class Gates(dict):
@@ -121,10 +121,8 @@ def test_at_ten_times_the_speed_time_passes_ten_times_as_fast(session):
 @pytest.mark.parametrize("bridge", ["none", "sim"])
 def test_on_a_virtual_clock_a_thread_runs_without_waiting(session, rate, bridge):
     blinking = session(BLINK, bridge, VirtualClock(), rate)
-    begun = time.monotonic()
     blinking.start()
-    frame = blinking.wait_for(lambda frame: frame.time > 60, LONG)
-    assert frame.time > time.monotonic() - begun
+    frame = blinking.wait_for(lambda frame: frame.time > 2 * LONG, LONG)  # waiting, it would never come
     assert frame.count_of("b") > 100
 
 
@@ -357,17 +355,14 @@ def test_a_fault_of_our_own_in_the_thread_stops_the_robot_and_is_told(session, p
     assert pushcart.stops >= 1
 
 
-def test_a_program_that_runs_free_lets_others_run(session):
+def test_a_program_that_runs_free_lets_others_run(session, monkeypatch):
+    pauses = []
+    monkeypatch.setattr(driver, "time", SimpleNamespace(sleep=lambda s: pauses.append(s) or time.sleep(s)))
     counting = session(COUNT, rate=0)
     counting.start()
-    counting.wait_for("a", LONG)
-    never, late = threading.Event(), []
-    for _ in range(100):
-        begun = time.perf_counter()
-        never.wait(0.001)
-        late.append(time.perf_counter() - begun - 0.001)
-    assert median(late) < 0.004  # it would be 0.005 and more
-    assert counting.frame.achieved_rate == 0 or counting.frame.achieved_rate > 1000
+    counting.wait_for(lambda frame: frame.tick > 5000, LONG)
+    assert pauses  # without them others would wait 5 ms for the interpreter lock
+    assert max(pauses) < 0.001
 
 
 def test_frames_are_few_however_many_ticks_there_are(session):

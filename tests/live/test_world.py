@@ -19,7 +19,7 @@ BOUNCE = """
 (spawn m driving)
 (onpause [robot.stop()])
 """
-LONG = 9.0
+LONG = 120.0  # seconds; reached only when something is wrong
 
 
 def poses(session):
