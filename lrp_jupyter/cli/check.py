@@ -1,4 +1,4 @@
-"""``lrp check``: what is wrong with programs, without running them."""
+"""``lrp check`` and ``lrp grade``: what is wrong with programs, and how they do in a challenge."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ import sys
 from collections.abc import Sequence
 from typing import Any
 
+from rich.text import Text
+
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
 from lrp_jupyter.cli.source import UnreadableError, read_source
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.program import Finding
 
-__all__ = ["check_files"]
+__all__ = ["check_files", "grade_file"]
 
 
 def check_files(files: Sequence[str], as_json: bool) -> int:
@@ -57,3 +59,18 @@ def _as_dict(name: str, finding: Finding) -> dict[str, Any]:
         "end_column": finding.end_column,
         "fix": fix and {"title": fix.title, "edits": [edit._asdict() for edit in fix.edits]},
     }
+
+
+def grade_file(file: str, name: str, seeds: int) -> int:
+    """Run a file in every world of a challenge with so many seeds; return 1 if it does not pass."""
+    from lrp_jupyter.grading.challenges import challenge
+    from lrp_jupyter.grading.grade import grade
+
+    task, source = challenge(name), read_source(file)
+    result = grade(source.text, task, seeds)
+    report = Text(f"{source.name}, {result}")
+    report.highlight_regex(r"✓", "green")
+    report.highlight_regex(r"✗", "bold red")
+    report.highlight_regex(r"(?m)^Hint:", "bold yellow")
+    plain_console().print(report)
+    return int(not result.passed)

@@ -236,7 +236,7 @@ def grade(
             typer.echo("lrp: grade by what? Choose a challenge: `--challenge NAME`.\n", err=True)
         list_challenges()
         raise typer.Exit(2 if file is not None or challenge is not None else 0)
-    from lrp_jupyter.cli.grade import grade_file
+    from lrp_jupyter.cli.check import grade_file
 
     raise typer.Exit(grade_file(file, challenge, seeds))
 

@@ -7,6 +7,7 @@ answered at once, whatever a block does.
 
 from __future__ import annotations
 
+import inspect
 import math
 import select
 import signal
@@ -25,18 +26,15 @@ from rich.console import Console, RenderableType
 from rich.text import Text
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge
 from lrp_jupyter.cli.board import Board, Look
+from lrp_jupyter.cli.events import EventCollector, Lines
 from lrp_jupyter.cli.excerpt import finding_text, plain_console
-from lrp_jupyter.cli.happenings import Happenings
-from lrp_jupyter.cli.initials import with_initials
-from lrp_jupyter.cli.keys import Keys
-from lrp_jupyter.cli.lines import Lines
 from lrp_jupyter.cli.map import Map, columns_for
-from lrp_jupyter.cli.options import RunOptions
+from lrp_jupyter.cli.options import RunOptions, with_initials
 from lrp_jupyter.cli.pace import Clocked, Pace, Racing
-from lrp_jupyter.cli.robot import open_robot, where
-from lrp_jupyter.cli.signals import noted_signals
-from lrp_jupyter.cli.source import Source, read_source
+from lrp_jupyter.cli.source import Source, Watch, read_source
+from lrp_jupyter.cli.terminal import Keys, noted_signals
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.frame import Frame, matches
 from lrp_jupyter.language.checks import check
@@ -45,7 +43,7 @@ from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 
-__all__ = ["run_file"]
+__all__ = ["open_robot", "run_file", "where"]
 
 _LOOKS = 1 / 12  # s between two looks
 _LAST = 3  # transitions that the board remembers
@@ -129,7 +127,7 @@ class _Run:
         self._caught: list[int] = []  # signals that end the run; that of a pipe nobody reads, too
         self._left = False  # by the key q
         self._trace = trace
-        self._happenings = Happenings(wanted.seconds, wanted.until, trace is not None)
+        self._happenings = EventCollector(wanted.seconds, wanted.until, trace is not None)
         console = plain_console(stderr=wanted.trace == "-")
         drawn = console.is_terminal and not console.is_dumb_terminal and wanted.trace != "-"
         self._board = Board(Console(highlight=False, markup=False, emoji=False)) if drawn else None
@@ -170,8 +168,6 @@ class _Run:
                 keys = stack.enter_context(Keys())
                 self._keys = keys if keys.usable else None
             if wanted.watch and self.source.path is not None:
-                from lrp_jupyter.cli.watch import Watch
-
                 stack.callback(Watch(self.source.path, self.source.text, self._saved.put).close)
             if program is not None:
                 _report(self.say, self.source.name, program.text, check(program))
@@ -368,3 +364,54 @@ class _Run:
 
 def _short(value: object) -> str:
     return f"{value:.3f}".rstrip("0").rstrip(".") if isinstance(value, float) else str(value)
+
+
+def open_robot(source: Source, wanted: RunOptions) -> Bridge:
+    """Make the bridge of a run, and open it; hardware that was named is armed.
+
+    Raises
+    ------
+    BridgeError
+        There is no such bridge or world, or its robot cannot be reached.
+    typer.BadParameter
+        An option does not fit the bridge.
+    """
+    simulated = bool(wanted.world or wanted.noise or wanted.seed is not None)
+    alone = source.world == "none" and not simulated
+    name = choose_bridge(wanted.bridge, "none" if alone else "sim")
+    if name == "sim":
+        return _open_simulator(source, wanted)
+    if simulated:
+        option = "--world" if wanted.world else "--noise" if wanted.noise else "--seed"
+        raise typer.BadParameter(f"{option} is for the simulator, and the bridge is `{name}`.")
+    kind = find_bridges()[name].load()
+    if kind.hardware and wanted.speed != 1:
+        raise typer.BadParameter(f"--speed is for the simulator: `{name}` moves in real time.")
+    taken = inspect.signature(kind).parameters
+    options = {key: text for key, text in wanted.answers.items() if key in taken}
+    bridge = make_bridge(name, **options)
+    try:
+        bridge.open()
+        for key, text in wanted.answers.items():
+            if key not in options:
+                bridge.answer(key, text)
+        if bridge.hardware:
+            bridge.arm()
+    except BaseException:
+        bridge.close()
+        raise
+    return bridge
+
+
+def _open_simulator(source: Source, wanted: RunOptions) -> Bridge:
+    world = wanted.world or (source.world if source.world not in (None, "none") else "line")
+    bridge = make_bridge("sim", world=world, seed=wanted.seed, noise=wanted.noise or None, **wanted.answers)
+    bridge.open()
+    return bridge
+
+
+def where(bridge: Bridge, world: str | None = None) -> str:
+    """Say in a few words what the robot is: ``sim: line``; a real one is in no world."""
+    simulated = getattr(bridge, "world", None)
+    name = "" if simulated is None else simulated.name or world
+    return f"{bridge.name}: {name}" if name else bridge.name

@@ -1,10 +1,14 @@
-"""Single keys from a terminal, without waiting; nothing where there is no terminal."""
+"""The terminal of a run: single keys, read without waiting, and the signals that end the run."""
 
 from __future__ import annotations
 
 import os
 import select
+import signal
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from queue import SimpleQueue
 from types import TracebackType
 from typing import Any, Self
 
@@ -14,7 +18,7 @@ try:
 except ImportError:  # pragma: no cover  (Windows: the run is ended by Ctrl-C)
     termios = None  # type: ignore[assignment]
 
-__all__ = ["Keys"]
+__all__ = ["Keys", "noted_signals"]
 
 
 class Keys:
@@ -54,3 +58,29 @@ class Keys:
                 break
             keys += data.decode(errors="ignore")
         return keys
+
+
+@contextmanager
+def noted_signals(wake: SimpleQueue[None]) -> Iterator[list[int]]:
+    """Note signals that end a run, instead of dying of them with a robot that still moves.
+
+    Parameters
+    ----------
+    wake : SimpleQueue
+        Gets an item with each signal; it may be filled by a handler, where an Event might deadlock.
+    """
+    caught: list[int] = []
+
+    def note(number: int, _: object) -> None:
+        caught.append(number)
+        wake.put(None)
+
+    names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {getattr(signal, name): signal.getsignal(getattr(signal, name)) for name in names}
+    for number in before:
+        signal.signal(number, note)
+    try:
+        yield caught
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
