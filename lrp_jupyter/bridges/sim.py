@@ -21,7 +21,7 @@ from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.sim.inputs import Draw, Input, PlaceRobot, PlaceSolid, Reset
-from lrp_jupyter.sim.robot import Robot
+from lrp_jupyter.sim.robot import SimRobot
 from lrp_jupyter.sim.simulation import STEP, Moment, Simulation
 from lrp_jupyter.sim.world import Noise, World, WorldError
 
@@ -190,7 +190,7 @@ class SimBridge(Bridge):
         return None
 
     @property
-    def _robot(self) -> Robot:
+    def _robot(self) -> SimRobot:
         return self.simulation.robot
 
     def _light(self) -> int | None:

@@ -5,12 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
-from lrp_jupyter.sim.world import PathStroke, Pose
-
-if TYPE_CHECKING:
-    from lrp_jupyter.sim.simulation import Simulation
+from lrp_jupyter.sim.world import PathStroke, Point, Pose, World
 
 __all__ = ["Draw", "Drive", "Input", "Latch", "Pen", "PlaceRobot", "PlaceSolid", "Reset", "check_input"]
 
@@ -78,7 +74,7 @@ class Reset:
 Input = Latch | Drive | Pen | PlaceRobot | PlaceSolid | Draw | Reset
 
 
-def check_input(what: Input, simulation: Simulation) -> Input:
+def check_input(what: Input, world: World) -> Input:
     """Return an input with its numbers brought into range.
 
     Speeds are clamped to the robot's limits, places to the world.
@@ -90,28 +86,25 @@ def check_input(what: Input, simulation: Simulation) -> Input:
     """
     match what:
         case Drive(linear, angular, robot):
-            spec = simulation.robots[_index(robot, simulation.robots, "robot")].spec
+            spec = world.robots[_index(robot, world.robots, "robot")]
             _finite(linear, angular)
             most, most_turning = spec.limits
             return Drive(_clamp(linear, -most, most), _clamp(angular, -most_turning, most_turning), robot)
         case Pen(down, grey, width, robot):
-            _index(robot, simulation.robots, "robot")
+            _index(robot, world.robots, "robot")
             _finite(grey, width)
             return Pen(down, _clamp(grey, 0.0, 255.0), _clamp(width, 0.001, 0.2), robot)
         case PlaceRobot(pose, robot):
-            _index(robot, simulation.robots, "robot")
-            return PlaceRobot(_inside(pose, simulation), robot)
+            _index(robot, world.robots, "robot")
+            return PlaceRobot(_inside(pose, world.size), robot)
         case PlaceSolid(pose, solid):
-            _index(solid, simulation.solids, "solid")
-            return PlaceSolid(_inside(pose, simulation), solid)
+            _index(solid, world.solids, "solid")
+            return PlaceSolid(_inside(pose, world.size), solid)
         case Draw(path, width, grey):
             if not path:
                 raise ValueError("a stroke needs a point")
             _finite(width, 0 if grey is None else grey, *(number for point in path for number in point))
-            points = tuple(
-                (_clamp(x, 0.0, simulation.world.size[0]), _clamp(y, 0.0, simulation.world.size[1]))
-                for x, y in path
-            )
+            points = tuple((_clamp(x, 0.0, world.size[0]), _clamp(y, 0.0, world.size[1])) for x, y in path)
             return Draw(points, _clamp(width, 0.001, 1.0), None if grey is None else _clamp(grey, 0.0, 255.0))
         case _:
             return what
@@ -123,10 +116,10 @@ def _index(index: int, things: Sequence[object], noun: str) -> int:
     return index
 
 
-def _inside(pose: Pose, simulation: Simulation) -> Pose:
+def _inside(pose: Pose, size: Point) -> Pose:
     x, y, angle = pose
     _finite(x, y, angle)
-    width, height = simulation.world.size
+    width, height = size
     return _clamp(x, 0.0, width), _clamp(y, 0.0, height), float(angle)
 
 

@@ -13,15 +13,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from random import Random
 from typing import Any
 
 import pymunk
 
-from lrp_jupyter.sim.floor import Paint
-from lrp_jupyter.sim.sensors import Odometer, Readings
+from lrp_jupyter.sim.floor import LiveFloor, Paint
+from lrp_jupyter.sim.sensors import Odometer, Readings, read_distances, read_lights
 from lrp_jupyter.sim.world import Box, Point, Pose, RobotSpec, Solid
 
-__all__ = ["STEP", "Memory", "Motion", "Robot", "Thing", "edge", "fresh_space"]
+__all__ = ["STEP", "Memory", "Motion", "SimRobot", "SimSolid", "edge", "fresh_space"]
 
 STEP = 0.01  # s: one step of physics
 GRAVITY = 9.81  # m/s²
@@ -42,8 +43,12 @@ Motion = tuple[float, float, float, float, float, float]  # x, y, angle; their v
 class Body(pymunk.Body):
     """A body that knows its owner."""
 
+    def __init__(self, mass: float = 0, moment: float = 0, body_type: int = pymunk.Body.DYNAMIC) -> None:
+        super().__init__(mass, moment, body_type)
+        self.contacts: set[int] = set()  # solids touched since this was cleared
+
     solid = -1  # number of the solid; -1: a robot or the edge of the world
-    wheels: Robot | None = None
+    wheels: SimRobot | None = None
     touched = False  # by anything, in this step
     awake = False
     target = (0.0, 0.0)  # of wheels: m/s, rad/s
@@ -62,6 +67,13 @@ class Body(pymunk.Body):
     def motion(self) -> Motion:
         """Return all that moves of it."""
         return (*self.position, self.angle, *self.velocity, self.angular_velocity)
+
+    @property
+    def is_loaded(self) -> bool:
+        """Whether contacts or joints remember impulses, with which they begin the next step."""
+        impulses: list[Point] = []
+        self.each_arbiter(lambda arbiter: impulses.append(arbiter.total_impulse))
+        return any(x or y for x, y in impulses) or any(joint.impulse for joint in self.constraints)
 
     def move(self, motion: Motion) -> None:
         """Set all that moves of it."""
@@ -117,7 +129,7 @@ class Memory:
         return replace(self)
 
 
-class Robot:
+class SimRobot:
     """One robot of a running world.
 
     Parameters
@@ -186,6 +198,17 @@ class Robot:
             self.body.target = (linear, angular)
             self.body.wake()
 
+    def sense(self, floor: LiveFloor, space: pymunk.Space, random: Random, bumped: bool) -> None:
+        """Read all sensors, drawing the noise that they have, and advance the odometer."""
+        spec, memory, pose = self.spec, self.memory, self.pose
+        lights = read_lights(spec, pose, floor, random)
+        distances = read_distances(spec, pose, space, self.sight, random)
+        gyro = pose[2] - spec.pose[2]
+        if spec.noise.gyro:
+            gyro += random.gauss(0.0, spec.noise.gyro)
+        memory.odometer = memory.odometer.advanced(pose, spec.noise.odom, random)
+        memory.readings = Readings(lights, int(bumped), distances, gyro, memory.odometer.pose)
+
     def embody(self, space: pymunk.Space, motion: Motion) -> None:
         """Make a body in a new space."""
         radius = self.spec.radius
@@ -208,7 +231,7 @@ class Robot:
         self.steer()
 
 
-class Thing:
+class SimSolid:
     """One solid of a running world."""
 
     def __init__(self, spec: Solid, index: int) -> None:
@@ -269,14 +292,14 @@ class Thing:
                 space.add(joint)
 
 
-class Clock:
+class StepCount:
     """Counts the steps of a world."""
 
     def __init__(self) -> None:
         self.steps = 0
 
 
-def fresh_space(clock: Clock) -> pymunk.Space:
+def fresh_space(clock: StepCount) -> pymunk.Space:
     """Return an empty space that notes contacts."""
     space = pymunk.Space()
     space.collision_slop = 0.0005
@@ -322,13 +345,14 @@ def _press(arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
     first, second = _bodies(arbiter)
     robot = first.wheels
     assert robot is not None
-    assert isinstance(data, Clock)
+    assert isinstance(data, StepCount)
     robot.memory.pressed_at = data.steps + 1  # the step that is being made
     _note(first, second)
 
 
 def _note(body: Body, other: Body) -> None:
     if body.wheels is not None and other.wheels is None:
+        body.contacts.add(other.solid)
         memory = body.wheels.memory
         if other.solid not in memory.touching:
             memory.touching |= {other.solid}

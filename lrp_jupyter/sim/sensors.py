@@ -1,33 +1,28 @@
-"""What a robot perceives in one loop: one frozen value, read once and seen by the whole loop."""
+"""What a robot perceives in one tick: one immutable value, read once and seen by the whole tick."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from random import Random
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import pymunk
 
 from lrp_jupyter.sim.floor import LiveFloor
-from lrp_jupyter.sim.world import Point, Pose
+from lrp_jupyter.sim.world import Point, Pose, RobotSpec
 
-if TYPE_CHECKING:
-    from lrp_jupyter.sim.robot import Robot
-
-__all__ = ["Odometer", "Readings", "light_spots", "sense"]
+__all__ = ["Odometer", "Readings", "light_spots", "read_distances", "read_lights"]
 
 
-@dataclass(frozen=True, slots=True)
-class Readings:
-    """What a robot's sensors say in one loop, as plain ``int`` and ``float``.
+class Readings(NamedTuple):
+    """The sensor values of a robot in one tick, as plain ``int`` and ``float``.
 
-    Parameters
+    Attributes
     ----------
     lights : tuple of int
         One grey per light sensor, 0 (black) to 255 (white).
     bumper : int
-        1 if the bumper was pressed at any moment since the last loop, else 0.
+        1 if the bumper was pressed at any moment since the last tick, else 0.
     distances : tuple of float
         Metres from the rim of the robot to the next solid, one per ray; ``inf``: nothing in range.
     gyro : float
@@ -46,7 +41,7 @@ class Readings:
 class Odometer(NamedTuple):
     """Adds up the way as the wheels see it: being lifted and put down elsewhere goes unnoticed."""
 
-    seen: Pose  # in the world, at the last loop
+    seen: Pose  # in the world, at the last tick
     pose: Pose = (0.0, 0.0, 0.0)  # by the wheels
 
     def lifted(self, here: Pose, there: Pose) -> Odometer:
@@ -56,7 +51,7 @@ class Odometer(NamedTuple):
         return self._replace(seen=(there[0] - dx, there[1] - dy, self.seen[2] + turn))
 
     def advanced(self, here: Pose, noise: float, random: Random) -> Odometer:
-        """Return the odometer after the way since the last loop."""
+        """Return the odometer after the way since the last tick."""
         x, y, theta = self.pose
         dx, dy = _turned(here[0] - self.seen[0], here[1] - self.seen[1], theta - self.seen[2])
         turn = here[2] - self.seen[2]
@@ -66,43 +61,38 @@ class Odometer(NamedTuple):
         return Odometer(here, (x + dx, y + dy, theta + turn))
 
 
-def sense(robot: Robot, floor: LiveFloor, space: pymunk.Space, random: Random, bumped: bool) -> Readings:
-    """Read all sensors of a robot, drawing the noise that it has, and advance its odometer."""
-    noise, pose = robot.spec.noise, robot.pose
-    lights = tuple(
-        _grey(floor.light(*spot) + _error(random, noise.light))
-        for spot in light_spots(pose, robot.spec.light)
-    )
-    distances = tuple(
-        _ray(robot, space, pose, ray) + _error(random, noise.distance) for ray in robot.spec.distance
-    )
-    gyro = pose[2] - robot.spec.pose[2] + _error(random, noise.gyro)
-    odometer = robot.memory.odometer.advanced(pose, noise.odom, random)
-    robot.memory.odometer = odometer
-    return Readings(lights, int(bumped), tuple(max(0.0, way) for way in distances), gyro, odometer.pose)
+def read_lights(spec: RobotSpec, pose: Pose, floor: LiveFloor, random: Random) -> tuple[int, ...]:
+    """Return the grey below each light sensor of a robot at `pose`, 0 to 255."""
+    greys = [floor.light(x, y) for x, y in light_spots(pose, spec.light)]
+    if deviation := spec.noise.light:
+        greys = [grey + random.gauss(0.0, deviation) for grey in greys]
+    return tuple([min(255, max(0, round(grey))) for grey in greys])
+
+
+def read_distances(
+    spec: RobotSpec, pose: Pose, space: pymunk.Space, seen: pymunk.ShapeFilter, random: Random
+) -> tuple[float, ...]:
+    """Return the metres from the rim of a robot at `pose` to what each of its rays hits; ``inf``: nothing."""
+    distances = [_cast(spec.radius, pose, ray, space, seen) for ray in spec.distance]
+    if deviation := spec.noise.distance:
+        distances = [distance + random.gauss(0.0, deviation) for distance in distances]
+    return tuple([max(0.0, distance) for distance in distances])
 
 
 def light_spots(pose: Pose, places: tuple[Point, ...]) -> list[Point]:
-    """Return where the light sensors of a robot at `pose` look at the floor."""
+    """Return the points of the floor below the light sensors of a robot at `pose`."""
     x, y, angle = pose
-    return [(x + dx, y + dy) for dx, dy in (_turned(*place, angle) for place in places)]
+    cos, sin = math.cos(angle), math.sin(angle)
+    return [(x + (cos * ahead - sin * left), y + (sin * ahead + cos * left)) for ahead, left in places]
 
 
-def _ray(robot: Robot, space: pymunk.Space, pose: Pose, ray: Point) -> float:
+def _cast(radius: float, pose: Pose, ray: Point, space: pymunk.Space, seen: pymunk.ShapeFilter) -> float:
     x, y, angle = pose
     bearing, reach = ray
-    length = robot.spec.radius + reach
+    length = radius + reach
     end = (x + math.cos(angle + bearing) * length, y + math.sin(angle + bearing) * length)
-    hit = space.segment_query_first((x, y), end, 0.0, robot.sight)
-    return math.inf if hit is None else hit.alpha * length - robot.spec.radius
-
-
-def _grey(grey: float) -> int:
-    return min(255, max(0, round(grey)))
-
-
-def _error(random: Random, deviation: float) -> float:
-    return random.gauss(0.0, deviation) if deviation else 0.0
+    hit = space.segment_query_first((x, y), end, 0.0, seen)
+    return math.inf if hit is None else hit.alpha * length - radius
 
 
 def _turned(x: float, y: float, angle: float) -> Point:

@@ -24,8 +24,9 @@ import pymunk
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.inputs import Draw, Drive, Input, Latch, Pen, PlaceRobot, PlaceSolid, Reset, check_input
 from lrp_jupyter.sim.recording import Checkpoint, Moment, Recording, packed, unpack
-from lrp_jupyter.sim.robot import STEP, Clock, Motion, Robot, Thing, edge, fresh_space
-from lrp_jupyter.sim.sensors import Readings, light_spots, sense
+from lrp_jupyter.sim.rest import Rest
+from lrp_jupyter.sim.robot import STEP, Motion, SimRobot, SimSolid, StepCount, edge, fresh_space
+from lrp_jupyter.sim.sensors import Readings, light_spots
 from lrp_jupyter.sim.world import Point, Pose, World
 from lrp_jupyter.sim.worlds import load
 
@@ -53,8 +54,8 @@ class Simulation:
     ----------
     world : World
         The description that it started from.
-    robots : tuple of Robot
-    solids : tuple of Thing
+    robots : tuple of SimRobot
+    solids : tuple of SimSolid
     floor : LiveFloor
     revision : int
         Grows when a solid is moved by hand, and with every reset and rewinding: what a view drew is to be
@@ -65,12 +66,12 @@ class Simulation:
         self, world: str | os.PathLike[str] | Mapping[str, object] | World = "line", seed: int | None = None
     ) -> None:
         self.world = load(world) if seed is None else replace(load(world), seed=seed)
-        self.robots = tuple(Robot(spec, index) for index, spec in enumerate(self.world.robots))
-        self.solids = tuple(Thing(spec, index) for index, spec in enumerate(self.world.solids))
+        self.robots = tuple(SimRobot(spec, index) for index, spec in enumerate(self.world.robots))
+        self.solids = tuple(SimSolid(spec, index) for index, spec in enumerate(self.world.solids))
         self.floor = LiveFloor(self.world.floor)
         self.revision = 0
         self.track: deque[tuple[int, int, float, float]] = deque(maxlen=TRACK_POINTS)
-        self._clock = Clock()
+        self._clock = StepCount()
         self._random = Random(self.world.seed)
         self._queue: deque[Input] = deque()
         self._inputs = 0
@@ -92,27 +93,43 @@ class Simulation:
         return self._clock.steps / STEPS_PER_SECOND
 
     @property
-    def robot(self) -> Robot:
+    def robot(self) -> SimRobot:
         """The robot that programs drive: the first."""
         return self.robots[0]
 
     def step(self, count: int = 1) -> None:
         """Let `count` steps of 10 ms pass."""
         self._drain()
-        for _ in range(count):
-            self._advance()
+        self._advance_to(self.steps + count)
 
-    def _advance(self) -> None:
+    def _advance_to(self, step: int) -> None:
         clock = self._clock
-        self._space.step(STEP)
-        clock.steps += 1
-        for robot in self._writing:
-            self._write(robot)
-        if clock.steps % TRACK_STEPS == 0:
-            for robot in self.robots:
-                self.track.append((clock.steps, robot.index, *robot.body.position))
-        if (clock.steps - self._base) % CHECKPOINT_STEPS == 0:
-            self._checkpoint()
+        while (now := clock.steps) < step:
+            checkpoint = now + CHECKPOINT_STEPS - (now - self._base) % CHECKPOINT_STEPS
+            self._advance(min(step, checkpoint, now + TRACK_STEPS - now % TRACK_STEPS) - now)
+            if clock.steps % TRACK_STEPS == 0:
+                for robot in self.robots:
+                    self.track.append((clock.steps, robot.index, *robot.body.position))
+            if clock.steps == checkpoint:
+                self._checkpoint()
+
+    def _advance(self, count: int) -> None:
+        """Make `count` steps between which nothing but physics happens."""
+        clock, make_step, writing = self._clock, self._space.step, self._writing
+        halted = all(robot.body.target == (0.0, 0.0) for robot in self.robots)
+        if not halted:
+            self._rest.disturb()
+        for left in range(count, 0, -1):
+            if self._rest.is_certain:
+                clock.steps += left
+                self._rest.go_on(clock.steps)
+                return
+            make_step(STEP)
+            clock.steps += 1
+            for robot in writing:
+                self._write(robot)
+            if halted:
+                self._rest.observe(clock.steps)
 
     # -- inputs -------------------------------------------------------------------------------
 
@@ -165,7 +182,7 @@ class Simulation:
             It names no robot or solid of this world, or has a number that is none.
         """
         self._drain()
-        self._act(check_input(what, self))
+        self._act(check_input(what, self.world))
 
     def submit(self, what: Input) -> None:
         """Let an input act before the next step or latch; may be called from any thread.
@@ -175,7 +192,7 @@ class Simulation:
         ValueError
             As :meth:`apply`, at once.
         """
-        self._queue.append(check_input(what, self))
+        self._queue.append(check_input(what, self.world))
 
     def _drain(self) -> None:
         while self._queue:
@@ -201,10 +218,12 @@ class Simulation:
                 robot.memory.pen_at = (pose[0], pose[1])
                 robot.body.move((*pose, 0.0, 0.0, 0.0))
                 self._space.reindex_shapes_for_body(robot.body)
+                self._rest.disturb()
             case PlaceSolid(pose, index):
                 body = self.solids[index].body
                 body.move((*pose, 0.0, 0.0, 0.0))
                 self._space.reindex_shapes_for_body(body)
+                self._rest.disturb()
                 self.revision += 1
             case Draw():
                 if len(self.floor.marks) + len(what.path) <= MOST_MARKS:
@@ -222,7 +241,7 @@ class Simulation:
                 memory.slip = (1.0 + self._random.gauss(0.0, motor), 1.0 + self._random.gauss(0.0, motor))
                 robot.steer()
             bumped = memory.pressed_at > memory.latched_at or memory.pressed_at == self.steps
-            memory.readings = sense(robot, self.floor, self._space, self._random, bumped)
+            robot.sense(self.floor, self._space, self._random, bumped)
             if memory.latched_at < self.steps:
                 memory.touched, memory.touching = memory.touching, frozenset()
             memory.latched_at = self.steps
@@ -233,10 +252,10 @@ class Simulation:
         robot.memory.pen_at = robot.pose[:2]
         self._writing = self._pens_down()
 
-    def _pens_down(self) -> list[Robot]:
+    def _pens_down(self) -> list[SimRobot]:
         return [robot for robot in self.robots if robot.memory.pen is not None]
 
-    def _write(self, robot: Robot) -> None:
+    def _write(self, robot: SimRobot) -> None:
         memory = robot.memory
         x, y = robot.body.position
         if memory.pen is None or math.hypot(x - memory.pen_at[0], y - memory.pen_at[1]) < PEN_PIECE:
@@ -344,10 +363,6 @@ class Simulation:
         self._advance_to(step)
         self.revision += 1
 
-    def _advance_to(self, step: int) -> None:
-        while self.steps < step:
-            self._advance()
-
     def _checkpoint(self, between_inputs: bool = False) -> None:
         """Record the state, and go on from what is recorded in a space built afresh."""
         checkpoint = Checkpoint(
@@ -390,4 +405,5 @@ class Simulation:
         self._writing = self._pens_down()
         for robot, motion in zip(self.robots, robots, strict=True):
             robot.embody(space, motion)
+        self._rest = Rest(self.robots, self.solids)
         return space

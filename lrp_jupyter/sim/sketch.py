@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from math import floor as _floor
 
-from lrp_jupyter.sim.robot import Thing
+from lrp_jupyter.sim.robot import SimSolid
 from lrp_jupyter.sim.simulation import Simulation
 from lrp_jupyter.sim.world import Box, Solid, World
 
@@ -89,7 +89,7 @@ def _reach(solid: Solid) -> float:
     return math.hypot(*solid.box[2:]) / 2 if isinstance(solid, Box) else solid.circle[2]
 
 
-def _covers(thing: Thing, x: float, y: float, cell: tuple[float, float]) -> bool:
+def _covers(thing: SimSolid, x: float, y: float, cell: tuple[float, float]) -> bool:
     """Whether a solid reaches into the middle of a character's cell, however thin it is."""
     centre_x, centre_y, angle = thing.pose
     x, y = x - centre_x, y - centre_y

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from html import escape
 
-from lrp_jupyter.sim.robot import BAR, BAR_HALF, WHEELBASE, Robot
+from lrp_jupyter.sim.robot import BAR, BAR_HALF, WHEELBASE, SimRobot
 from lrp_jupyter.sim.sensors import light_spots
 from lrp_jupyter.sim.simulation import Simulation
 from lrp_jupyter.sim.world import ArcStroke, Box, BoxZone, CircleStroke, Point, Solid, Stroke, World, Zone
@@ -196,7 +196,7 @@ def _solid(solid: Solid) -> str:
     )
 
 
-def _robot(robot: Robot) -> str:
+def _robot(robot: SimRobot) -> str:
     x, y, heading = robot.pose
     radius, readings = robot.spec.radius, robot.readings
     rays, spots = [], []
@@ -239,7 +239,7 @@ def _robot(robot: Robot) -> str:
     )
 
 
-def _value(robot: Robot, tall: float, scale: float) -> str:
+def _value(robot: SimRobot, tall: float, scale: float) -> str:
     """Write the light values beside their spots, upright."""
     texts = []
     for spot, seen in zip(light_spots(robot.pose, robot.spec.light), robot.readings.lights, strict=False):
