@@ -43,7 +43,9 @@ looks its members up, so that members can come and go while a program holds it.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import StrEnum
 from typing import Any, ClassVar, Self
 
 from lrp_jupyter.bridges.interface import Interface
@@ -52,13 +54,13 @@ from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.robot import Robot, attach
 from lrp_jupyter.bridges.safety import Notice
-from lrp_jupyter.bridges.status import Connection, Status
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
 __all__ = [
     "Bridge",
     "BridgeError",
-    "Connection",
+    "BridgeStatus",
+    "ConnectionState",
     "Member",
     "MemberError",
     "Message",
@@ -67,10 +69,28 @@ __all__ = [
     "NullBridge",
     "Panel",
     "Robot",
-    "Status",
     "Twist",
     "attach",
 ]
+
+
+class ConnectionState(StrEnum):
+    """How a bridge stands to its robot."""
+
+    DISCONNECTED = "disconnected"
+    CONNECTING = "connecting"
+    CONNECTED = "connected"
+    WAITING = "waiting for data"
+    STALE = "stale"
+    LOST = "lost"
+
+
+@dataclass(frozen=True, slots=True)
+class BridgeStatus:
+    """The state of the connection, and a sentence for the person."""
+
+    state: ConnectionState
+    sentence: str
 
 
 class Bridge(Interface, ABC):
@@ -115,13 +135,13 @@ class Bridge(Interface, ABC):
         """Begin closed; here, as many an ``__init__`` forgets the one above it."""
         bridge = super().__new__(cls)
         bridge._ticks = 0
-        bridge._status = Status(Connection.DISCONNECTED, f"`{cls.name}` is not open.")
+        bridge._status = BridgeStatus(ConnectionState.DISCONNECTED, f"`{cls.name}` is not open.")
         bridge._is_open = False
         bridge._opened_panel = None
         return bridge
 
     _ticks: int
-    _status: Status
+    _status: BridgeStatus
     _is_open: bool
     _opened_panel: Panel | None
 
@@ -209,14 +229,14 @@ class Bridge(Interface, ABC):
     # -- life: called by a session ----------------------------------------------------------------
 
     @property
-    def status(self) -> Status:
+    def status(self) -> BridgeStatus:
         """The state of the connection."""
         return self._status
 
-    def set_status(self, state: Connection | str, sentence: str = "") -> None:
+    def set_status(self, state: ConnectionState | str, sentence: str = "") -> None:
         """Say how the bridge stands to its robot; for authors of bridges, from any thread."""
-        connection = Connection(state)
-        self._status = Status(connection, sentence or f"`{self.name}` is {connection.value}.")
+        connection = ConnectionState(state)
+        self._status = BridgeStatus(connection, sentence or f"`{self.name}` is {connection.value}.")
 
     @property
     def is_open(self) -> bool:
@@ -233,18 +253,18 @@ class Bridge(Interface, ABC):
         """
         if self._is_open:
             return self.panel()
-        self.set_status(Connection.CONNECTING)
+        self.set_status(ConnectionState.CONNECTING)
         try:
             self._opened_panel = self.open_interface()
         except Exception as error:
             sentence = str(error) if isinstance(error, BridgeError) else f"{type(error).__name__}: {error}"
-            self.set_status(Connection.DISCONNECTED, sentence)
+            self.set_status(ConnectionState.DISCONNECTED, sentence)
             if isinstance(error, BridgeError):
                 raise
             raise BridgeError(f"The bridge `{self.name}` could not be opened: {sentence}") from error
         self._is_open = True
-        if self._status.state is Connection.CONNECTING:
-            self.set_status(Connection.CONNECTED)
+        if self._status.state is ConnectionState.CONNECTING:
+            self.set_status(ConnectionState.CONNECTED)
         return self._opened_panel
 
     def close(self) -> None:
@@ -259,18 +279,24 @@ class Bridge(Interface, ABC):
             self.safety.notice("fault", f"closing `{self.name}`: {type(error).__name__}: {error}")
         self.nodes.clear()
         self.safety.rest()
-        self.set_status(Connection.DISCONNECTED, f"`{self.name}` is closed.")
+        self.set_status(ConnectionState.DISCONNECTED, f"`{self.name}` is closed.")
 
     def begin_tick(self, now: float, period: float) -> None:
         """Begin the tick of time `now`; ticks come every `period` seconds. Never raises."""
         self._ticks += 1
         self.latch = self._ticks
         self.safety.tick(now, period)
-        self._protect("sense", self.sense, now)
+        try:
+            self.sense(now)
+        except Exception as error:
+            self._lose("sense", error)
 
     def end_tick(self, now: float) -> None:
         """End the tick. Never raises."""
-        self._protect("act", self.act, now)
+        try:
+            self.act(now)
+        except Exception as error:
+            self._lose("act", error)
         self.latch = 0  # between ticks a person reads what is there now
         sentence = self.safety.command_overdue(now)
         if sentence is not None:
@@ -289,18 +315,15 @@ class Bridge(Interface, ABC):
         self.stop_all()
         return notice
 
-    def _protect(self, what: str, hook: Callable[[float], None], now: float) -> None:
-        """Call a hook; a bridge that fails stops its robot and is lost, the loop keeps its rate."""
-        try:
-            hook(now)
-        except Exception as error:
-            sentence = (
-                str(error) if isinstance(error, BridgeError) else f"{what}: {type(error).__name__}: {error}"
-            )
-            self.safety.notice("fault", sentence)
-            if self._status.state is not Connection.LOST:
-                self.set_status(Connection.LOST, sentence)
-                self.stop_all()
+    def _lose(self, hook: str, error: Exception) -> None:
+        """Stop the robot of a bridge whose hook failed, and mark it as lost; the loop keeps its rate."""
+        sentence = (
+            str(error) if isinstance(error, BridgeError) else f"{hook}: {type(error).__name__}: {error}"
+        )
+        self.safety.notice("fault", sentence)
+        if self._status.state is not ConnectionState.LOST:
+            self.set_status(ConnectionState.LOST, sentence)
+            self.stop_all()
 
 
 class NullBridge(Bridge):

@@ -21,10 +21,11 @@ import json
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from functools import partial
 from typing import ClassVar
 
-from lrp_jupyter.bridges.bridge import Bridge, Connection, Status
+from lrp_jupyter.bridges.bridge import Bridge, BridgeStatus, ConnectionState
 from lrp_jupyter.bridges.members import MemberError
 from lrp_jupyter.bridges.probes import (
     ConformanceError,
@@ -38,10 +39,54 @@ from lrp_jupyter.bridges.probes import (
     variables,
     within,
 )
-from lrp_jupyter.bridges.report import Outcome, Report
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["BridgeConformance", "ConformanceError", "Outcome", "Report", "check_bridge"]
+__all__ = ["BridgeConformance", "ConformanceError", "ConformanceReport", "Outcome", "check_bridge"]
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """One check: what it is about, and what is wrong (empty if nothing)."""
+
+    check: str
+    problem: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether the bridge keeps it."""
+        return not self.problem
+
+
+@dataclass(frozen=True, slots=True)
+class ConformanceReport:
+    """What `check_bridge` found; printed, it is a list to read."""
+
+    bridge: str
+    outcomes: tuple[Outcome, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the bridge keeps everything."""
+        return all(outcome.passed for outcome in self.outcomes)
+
+    @property
+    def problems(self) -> tuple[Outcome, ...]:
+        """The checks that failed."""
+        return tuple(outcome for outcome in self.outcomes if not outcome.passed)
+
+    def __bool__(self) -> bool:
+        return self.passed
+
+    def __str__(self) -> str:
+        good = len(self.outcomes) - len(self.problems)
+        lines = [f"{self.bridge}: {good} of {len(self.outcomes)} checks passed"]
+        for outcome in self.outcomes:
+            lines.append(f"  {'ok  ' if outcome.passed else 'FAIL'}  {outcome.check}")
+            if outcome.problem:
+                lines.append(f"        {outcome.problem}")
+        return "\n".join(lines)
+
+    __repr__ = __str__
 
 
 class BridgeConformance:
@@ -86,7 +131,7 @@ class BridgeConformance:
         with self._opened(bridge):
             self._check_status(bridge)
         self._check_status(bridge)
-        require(bridge.status.state is Connection.DISCONNECTED, "a closed bridge is disconnected")
+        require(bridge.status.state is ConnectionState.DISCONNECTED, "a closed bridge is disconnected")
 
     def test_close_stops_first_and_once(self) -> None:
         """Closing stops the robot before it lets the connection go; a second time does nothing."""
@@ -320,7 +365,7 @@ class BridgeConformance:
 
     def _check_status(self, bridge: Bridge) -> None:
         status: object = bridge.status
-        require(isinstance(status, Status), f"`status` is {status!r}, not a Status")
+        require(isinstance(status, BridgeStatus), f"`status` is {status!r}, not a BridgeStatus")
         require(bool(bridge.status.sentence.strip()), "the status has no sentence")
 
     @contextmanager
@@ -338,7 +383,7 @@ class BridgeConformance:
             within(self.open_within, "close", bridge.close)
 
 
-def check_bridge(bridge: Bridge | Callable[[], Bridge]) -> Report:
+def check_bridge(bridge: Bridge | Callable[[], Bridge]) -> ConformanceReport:
     """Run every check on a bridge and tell what was found; never raises because of the bridge.
 
     Parameters
@@ -363,4 +408,4 @@ def check_bridge(bridge: Bridge | Callable[[], Bridge]) -> Report:
             problem = ""
         outcomes.append(Outcome((check.__doc__ or name).strip(), problem))
     title = getattr(bridge, "name", None) or getattr(bridge, "__name__", "bridge")
-    return Report(f"Bridge `{title}`", tuple(outcomes))
+    return ConformanceReport(f"Bridge `{title}`", tuple(outcomes))

@@ -14,7 +14,7 @@ from typing import ClassVar, Self
 
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.message import Message
-from lrp_jupyter.bridges.nodes import Limits, Method, Nodes, Variable
+from lrp_jupyter.bridges.nodes import Limits, Nodes, RobotMethod, RobotVariable
 from lrp_jupyter.bridges.robot import Robot
 from lrp_jupyter.bridges.safety import CommandRecord, Safety
 from lrp_jupyter.errors import BridgeError, NoDataYet
@@ -80,7 +80,7 @@ class Interface:
         age : callable, optional
             Seconds since the reading arrived, where the bridge knows better than "when it was read".
         """
-        self.nodes.add(Variable(self, name, getter, doc or _doc_of(getter), unit, type, age))
+        self.nodes.add(RobotVariable(self, name, getter, doc or _doc_of(getter), unit, type, age))
 
     def add_method(
         self,
@@ -114,7 +114,7 @@ class Interface:
         """
         is_velocity = name.rpartition(".")[2] == "move" if velocity is None else velocity
         text = doc or _doc_of(function)
-        self.nodes.add(Method(self, name, function, text, message, command, is_velocity, limits or {}))
+        self.nodes.add(RobotMethod(self, name, function, text, message, command, is_velocity, limits or {}))
 
     def remove_member(self, name: str) -> None:
         """Take a member away, or a part with all its members.
@@ -146,7 +146,7 @@ class Interface:
         Between ticks, on the interpreter's thread. Failing readings stay as they were.
         """
         for node in self.nodes.members():
-            if isinstance(node, Variable):
+            if isinstance(node, RobotVariable):
                 try:
                     node.read()
                 except (BridgeError, NoDataYet):
@@ -173,7 +173,7 @@ class Interface:
         Unless overridden: a velocity of zero through every velocity method.
         """
         for node in self.nodes.members():
-            if isinstance(node, Method) and node.velocity:
+            if isinstance(node, RobotMethod) and node.velocity:
                 node.perform(node.standstill())
 
     def stop_all(self) -> bool:
@@ -192,7 +192,7 @@ class Interface:
     def _stop_now(self) -> bool:
         return self.safety.carry_out_stop(self.stop, self.stop_timeout)
 
-    def send(self, method: Method, command: Message | inspect.BoundArguments) -> object:
+    def send(self, method: RobotMethod, command: Message | inspect.BoundArguments) -> object:
         """Bring a command within limits, record it and, if allowed, carry it out.
 
         Every call of a method of the robot comes through here; give what the method gave.

@@ -34,7 +34,7 @@ def real_number(value: object, what: str) -> float:
     BridgeError
         For anything but a finite real number; ``True`` is no number here.
     """
-    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+    if type(value) is not float and (isinstance(value, bool) or not isinstance(value, numbers.Real)):
         raise BridgeError(f"`{what}` must be a number, not {value!r} ({type(value).__name__}).")
     number = float(value)
     if not math.isfinite(number):

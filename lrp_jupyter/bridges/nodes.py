@@ -10,21 +10,46 @@ import inspect
 import keyword
 from collections.abc import Callable, Iterator, Mapping
 from types import TracebackType
-from typing import TYPE_CHECKING, NoReturn
+from typing import NoReturn, Protocol
 
 from lrp_jupyter.bridges.members import Member, MemberError, describe_value, did_you_mean
 from lrp_jupyter.bridges.message import Message, real_number
+from lrp_jupyter.bridges.safety import Safety
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
 
-if TYPE_CHECKING:
-    from lrp_jupyter.bridges.interface import Interface
-
-__all__ = ["Limits", "Method", "Nodes", "Variable"]
+__all__ = ["Limits", "MemberOwner", "Nodes", "RobotMethod", "RobotVariable"]
 
 Limits = Mapping[str, float | tuple[float, float]]
 
 
-class Variable:
+class MemberOwner(Protocol):
+    """What members need to know of their bridge.
+
+    Attributes
+    ----------
+    latch : int
+        Number of the tick that readings are latched for; 0 between ticks.
+    safety : Safety
+        Its `now` is the time of the readings.
+    nodes : Nodes
+        All members.
+    """
+
+    latch: int
+    safety: Safety
+    nodes: Nodes
+
+    @property
+    def name(self) -> str:
+        """Name of the bridge, for messages."""
+        ...
+
+    def send(self, method: RobotMethod, command: Message | inspect.BoundArguments) -> object:
+        """Pass a command through the safety and, if it allows, perform it."""
+        ...
+
+
+class RobotVariable:
     """A reading: read at most once in a tick, so that one tick sees one world.
 
     Owner: the interpreter's thread; others may look at `value` and `arrived`.
@@ -46,7 +71,7 @@ class Variable:
 
     def __init__(
         self,
-        bridge: Interface,
+        bridge: MemberOwner,
         path: str,
         getter: Callable[[], object],
         doc: str,
@@ -109,7 +134,7 @@ class Variable:
         return describe_value(member, self.type)
 
 
-class Method:
+class RobotMethod:
     """A method of the robot. A command among them passes the bridge's safety.
 
     ``robot.move(...)`` sends; ``with robot.move as msg:`` fills a message and sends it at the end,
@@ -123,7 +148,7 @@ class Method:
 
     def __init__(
         self,
-        bridge: Interface,
+        bridge: MemberOwner,
         path: str,
         function: Callable[..., object],
         doc: str,
@@ -172,14 +197,14 @@ class Method:
         path = f"robot.{self.path}"
         raise MemberError(f"`{path}` is a method and has no `{name}`; call it: `{path}{self.signature}`.")
 
-    def __copy__(self) -> Method:
+    def __copy__(self) -> RobotMethod:
         return self
 
-    def __deepcopy__(self, memo: object) -> Method:
+    def __deepcopy__(self, memo: object) -> RobotMethod:
         return self
 
     def __setattr__(self, name: str, value: object) -> None:
-        if name not in Method.__slots__:
+        if name not in RobotMethod.__slots__:
             self.__getattr__(name)
         object.__setattr__(self, name, value)
 
@@ -281,7 +306,7 @@ class Nodes:
         self._make_part = make_part
         self.table: Mapping[str, object] = {}
 
-    def add(self, node: Variable | Method) -> None:
+    def add(self, node: RobotVariable | RobotMethod) -> None:
         """Add a member; one of the same name is replaced.
 
         Raises
@@ -293,12 +318,12 @@ class Nodes:
         for part in name.split("."):
             if not part.isidentifier() or keyword.iskeyword(part) or part.startswith("_"):
                 raise ValueError(f"`{name}` cannot be written after `robot.`: `{part}` is no usable name")
-        if not isinstance(table.get(name, node), (Variable, Method)):
+        if not isinstance(table.get(name, node), (RobotVariable, RobotMethod)):
             raise ValueError(f"`{name}` has members of its own and cannot be a member itself")
         for end in [i for i, character in enumerate(name) if character == "."]:
             if name[:end] not in table:
                 table[name[:end]] = self._make_part(name[:end])
-            elif isinstance(table[name[:end]], (Variable, Method)):
+            elif isinstance(table[name[:end]], (RobotVariable, RobotMethod)):
                 raise ValueError(f"`{name[:end]}` is a member already and cannot have members")
         table[name] = node
         self.table = table
@@ -324,9 +349,9 @@ class Nodes:
         """Remove everything."""
         self.table = {}
 
-    def members(self) -> Iterator[Variable | Method]:
+    def members(self) -> Iterator[RobotVariable | RobotMethod]:
         """Every member, in the order of their addition."""
-        return (node for node in self.table.values() if isinstance(node, (Variable, Method)))
+        return (node for node in self.table.values() if isinstance(node, (RobotVariable, RobotMethod)))
 
     def describe(self, path: str) -> Member:
         """Describe a member, a part, or a field of a reading.
@@ -337,7 +362,7 @@ class Nodes:
             There is none of that name.
         """
         node = self.table.get(path)
-        if isinstance(node, (Variable, Method)):
+        if isinstance(node, (RobotVariable, RobotMethod)):
             return node.describe()
         if node is not None:
             inside = (member for member in self.members() if member.path.startswith(f"{path}."))

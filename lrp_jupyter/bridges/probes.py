@@ -10,7 +10,7 @@ from collections.abc import Callable
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.nodes import Method, Variable
+from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
 __all__ = [
@@ -74,19 +74,19 @@ def spy(bridge: Bridge, *names: str) -> list[str]:
     return calls
 
 
-def catch(method: Method) -> list[object]:
+def catch(method: RobotMethod) -> list[object]:
     """Let a method's commands end here instead of at the robot; give what was sent."""
     sent: list[object] = []
     method.redirect(sent.append)
     return sent
 
 
-def give(bridge: Bridge, method: Method) -> None:
+def give(bridge: Bridge, method: RobotMethod) -> None:
     """Give a command as a program would, of zeros."""
     bridge.send(method, method.standstill())
 
 
-def read(variable: Variable) -> object:
+def read(variable: RobotVariable) -> object:
     """Read a variable; None where it cannot be read now."""
     try:
         return variable.read()
@@ -94,16 +94,16 @@ def read(variable: Variable) -> object:
         return None
 
 
-def variables(bridge: Bridge) -> list[Variable]:
+def variables(bridge: Bridge) -> list[RobotVariable]:
     """Give the variables of a bridge."""
-    return [node for node in bridge.nodes.members() if isinstance(node, Variable)]
+    return [node for node in bridge.nodes.members() if isinstance(node, RobotVariable)]
 
 
-def methods(bridge: Bridge) -> list[Method]:
+def methods(bridge: Bridge) -> list[RobotMethod]:
     """Give the methods of a bridge."""
-    return [node for node in bridge.nodes.members() if isinstance(node, Method)]
+    return [node for node in bridge.nodes.members() if isinstance(node, RobotMethod)]
 
 
-def commands(bridge: Bridge) -> list[Method]:
+def commands(bridge: Bridge) -> list[RobotMethod]:
     """Give those methods of a bridge that make the robot do something."""
     return [method for method in methods(bridge) if method.command]

@@ -8,13 +8,10 @@ Paper: §3.2 (the pseudo-variable ``robot``), §7.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lrp_jupyter.bridges.members import MemberError, did_you_mean
-from lrp_jupyter.bridges.nodes import Method, Variable
-
-if TYPE_CHECKING:
-    from lrp_jupyter.bridges.interface import Interface
+from lrp_jupyter.bridges.nodes import MemberOwner, RobotMethod, RobotVariable
 
 __all__ = ["Robot", "attach"]
 
@@ -28,10 +25,10 @@ class Robot:
     """
 
     __slots__ = ("_bridge", "_prefix")
-    _bridge: Interface
+    _bridge: MemberOwner
     _prefix: str
 
-    def __init__(self, bridge: Interface, prefix: str = "") -> None:
+    def __init__(self, bridge: MemberOwner, prefix: str = "") -> None:
         object.__setattr__(self, "_bridge", bridge)
         object.__setattr__(self, "_prefix", prefix)
 
@@ -41,7 +38,7 @@ class Robot:
         node = self._bridge.nodes.table.get(self._prefix + name)
         if node is None:
             raise self._unknown(name)
-        return node.read() if type(node) is Variable else node
+        return node.read() if type(node) is RobotVariable else node
 
     def __setattr__(self, name: str, value: object) -> None:
         node = self._bridge.nodes.table.get(self._prefix + name)
@@ -51,7 +48,7 @@ class Robot:
         if isinstance(node, Robot):
             members = ", ".join(f"`{path}.{member}`" for member in dir(node))
             raise MemberError(f"`{path}` is a part of the robot and cannot be assigned; it has {members}.")
-        if isinstance(node, Method):
+        if isinstance(node, RobotMethod):
             raise MemberError(f"`{path}` cannot be assigned; call it: `{path}{node.signature}`.")
         raise MemberError(
             f"`{path}` is read from the robot and cannot be assigned; keep values in a `var` of the program."
@@ -91,6 +88,6 @@ class Robot:
         return MemberError(f"`{what}` has no `{name}`; it has {listed}.{did_you_mean(name, names)}")
 
 
-def attach(robot: Robot, bridge: Interface) -> None:
+def attach(robot: Robot, bridge: MemberOwner) -> None:
     """Give an existing `robot` another bridge: programs that hold the object notice nothing."""
     object.__setattr__(robot, "_bridge", bridge)

@@ -193,8 +193,8 @@ class Safety:
 
     def command_overdue(self, now: float) -> str | None:
         """Give the sentence for a robot that moves without new commands, or None."""
-        since, limit = self._moving_since, patience(self.period)
-        if since is None or now - since < limit - _ROUNDING:
+        since = self._moving_since
+        if since is None or now - since < (limit := patience(self.period)) - _ROUNDING:
             return None
         return f"no command for {limit:g} s: put `{self._moving_name}` in `running`"
 

@@ -20,9 +20,9 @@ from typing import NamedTuple
 from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.errors import BridgeError
-from lrp_jupyter.sim.inputs import Draw, Input, PlaceRobot, PlaceSolid, Reset
+from lrp_jupyter.sim.inputs import Draw, Input, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.robot import SimRobot
-from lrp_jupyter.sim.simulation import STEP, Moment, Simulation
+from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
 from lrp_jupyter.sim.world import Noise, World, WorldError
 
 __all__ = ["RobotPicture", "SimBridge", "SimPicture"]
@@ -80,9 +80,9 @@ class SimPicture:
     marks: int
 
 
-class _Moment(NamedTuple):
+class _SimMoment(NamedTuple):
     simulation: Simulation
-    world: Moment
+    world: WorldMoment
     motion: tuple[str, float | None]  # the command watchdog is part of the run too
     stopping: bool
 
@@ -203,13 +203,12 @@ class SimBridge(Bridge):
         return self._robot.readings.odom[index]
 
     def _move(self, message: Message) -> None:
-        x, *sideways = (message.linear.x, message.linear.y, message.linear.z)
-        *tilting, z = (message.angular.x, message.angular.y, message.angular.z)
-        if any(sideways) or any(tilting):
+        linear, angular = message.linear, message.angular
+        if linear.y or linear.z or angular.x or angular.y:
             raise BridgeError(
                 "This robot has two wheels: it takes `linear.x` and `angular.z`, the rest is 0."
             )
-        self.simulation.drive(x, z)
+        self.simulation.drive(linear.x, angular.z)
 
     def _pen(self, down: bool = True) -> None:
         self.simulation.pen(bool(down))
@@ -238,7 +237,7 @@ class SimBridge(Bridge):
 
     def moment(self) -> object:
         """Name this moment of the world."""
-        return _Moment(self.simulation, self.simulation.moment, self.safety.motion, self._stopping)
+        return _SimMoment(self.simulation, self.simulation.moment, self.safety.motion, self._stopping)
 
     def rewind(self, moment: object) -> None:
         """Bring the world back to a moment, exactly: what follows is what followed then.
@@ -248,7 +247,7 @@ class SimBridge(Bridge):
         BridgeError
             It is no moment of this world, or too long ago.
         """
-        if not isinstance(moment, _Moment):
+        if not isinstance(moment, _SimMoment):
             raise BridgeError(f"{moment!r} is no moment of the simulated world.")
         if moment.simulation is not self.simulation:
             raise BridgeError("That was in another world: one cannot go back behind a change of worlds.")
@@ -302,7 +301,7 @@ class SimBridge(Bridge):
 
     def reset_world(self, drawings: bool = False) -> None:
         """Put everything back to the start and erase trails; drawings too, if asked. Any thread."""
-        self._submit(Reset(drawings))
+        self._submit(ResetWorld(drawings))
 
     def place_robot(self, pose: tuple[float, float, float], robot: int = 0) -> None:
         """Put a robot down elsewhere: x, y (metres), heading (radians). Any thread.

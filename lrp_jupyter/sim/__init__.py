@@ -3,9 +3,9 @@
 Knows nothing of LRP. :class:`World` describes, :func:`load` finds, :class:`Simulation` runs.
 """
 
-from lrp_jupyter.sim.inputs import Draw, Drive, Input, Latch, Pen, PlaceRobot, PlaceSolid, Reset
+from lrp_jupyter.sim.inputs import Draw, Drive, Input, Latch, Pen, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.sensors import Readings
-from lrp_jupyter.sim.simulation import STEP, Moment, Simulation
+from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
 from lrp_jupyter.sim.world import World, WorldError
 from lrp_jupyter.sim.worlds import BUNDLED, load
 
@@ -16,14 +16,14 @@ __all__ = [
     "Drive",
     "Input",
     "Latch",
-    "Moment",
     "Pen",
     "PlaceRobot",
     "PlaceSolid",
     "Readings",
-    "Reset",
+    "ResetWorld",
     "Simulation",
     "World",
     "WorldError",
+    "WorldMoment",
     "load",
 ]

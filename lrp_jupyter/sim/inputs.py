@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from lrp_jupyter.sim.world import PathStroke, Point, Pose, World
 
-__all__ = ["Draw", "Drive", "Input", "Latch", "Pen", "PlaceRobot", "PlaceSolid", "Reset", "check_input"]
+__all__ = ["Draw", "Drive", "Input", "Latch", "Pen", "PlaceRobot", "PlaceSolid", "ResetWorld", "check_input"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,13 +65,13 @@ class Draw:
 
 
 @dataclass(frozen=True, slots=True)
-class Reset:
+class ResetWorld:
     """Put everything back to the start and erase trails; drawings too, if asked."""
 
     drawings: bool = False
 
 
-Input = Latch | Drive | Pen | PlaceRobot | PlaceSolid | Draw | Reset
+Input = Latch | Drive | Pen | PlaceRobot | PlaceSolid | Draw | ResetWorld
 
 
 def check_input(what: Input, world: World) -> Input:

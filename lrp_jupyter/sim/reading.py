@@ -12,11 +12,11 @@ from typing import Any, TypeVar
 from lrp_jupyter.sim.world import (
     VERSION,
     ArcStroke,
-    Box,
+    BoxSolid,
     BoxZone,
     CircleStroke,
     CircleZone,
-    Disc,
+    DiscSolid,
     Floor,
     Noise,
     PathStroke,
@@ -136,8 +136,8 @@ def _solid(value: object, place: str) -> Solid:
     push = None if push is None else _number(push, f"{place}.push", low=0.0, high=10.0)
     name = _text(record.get("name", ""), f"{place}.name")
     if shape == "box":
-        return Box(_box(record[shape], f"{place}.{shape}"), angle, push, name)
-    return Disc(_disc(record[shape], f"{place}.{shape}"), angle, push, name)
+        return BoxSolid(_box(record[shape], f"{place}.{shape}"), angle, push, name)
+    return DiscSolid(_disc(record[shape], f"{place}.{shape}"), angle, push, name)
 
 
 def _zones(value: object, place: str) -> dict[str, Zone]:

@@ -20,7 +20,7 @@ import pymunk
 
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.sensors import Odometer, Readings, read_distances, read_lights
-from lrp_jupyter.sim.world import Box, Point, Pose, RobotSpec, Solid
+from lrp_jupyter.sim.world import BoxSolid, Point, Pose, RobotSpec, Solid
 
 __all__ = ["STEP", "Memory", "Motion", "SimRobot", "SimSolid", "edge", "fresh_space"]
 
@@ -242,7 +242,7 @@ class SimSolid:
     @property
     def start_motion(self) -> Motion:
         """How it stands at the beginning."""
-        x, y = (self.spec.box if isinstance(self.spec, Box) else self.spec.circle)[:2]
+        x, y = (self.spec.box if isinstance(self.spec, BoxSolid) else self.spec.circle)[:2]
         return (x, y, self.spec.angle, 0.0, 0.0, 0.0)
 
     @property
@@ -253,14 +253,14 @@ class SimSolid:
     def here(self) -> Solid:
         """Return its description, where it is now."""
         x, y, angle = self.pose
-        if isinstance(self.spec, Box):
+        if isinstance(self.spec, BoxSolid):
             return replace(self.spec, box=(x, y, *self.spec.box[2:]), angle=angle)
         return replace(self.spec, circle=(x, y, self.spec.circle[2]), angle=angle)
 
     def embody(self, space: pymunk.Space, motion: Motion) -> None:
         """Make a body in a new space."""
         shape: pymunk.Shape
-        if isinstance(self.spec, Box):
+        if isinstance(self.spec, BoxSolid):
             _, _, width, height = self.spec.box
             area, reach = width * height, math.hypot(width, height) / 2
         else:
@@ -271,7 +271,7 @@ class SimSolid:
         else:
             mass = area * DENSITY
             body = Body(mass, mass * reach**2 / 2)
-        if isinstance(self.spec, Box):
+        if isinstance(self.spec, BoxSolid):
             shape = pymunk.Poly.create_box(body, (width, height))
         else:
             shape = pymunk.Circle(body, radius)

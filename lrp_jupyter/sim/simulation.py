@@ -22,15 +22,25 @@ from typing import Any
 import pymunk
 
 from lrp_jupyter.sim.floor import LiveFloor, Paint
-from lrp_jupyter.sim.inputs import Draw, Drive, Input, Latch, Pen, PlaceRobot, PlaceSolid, Reset, check_input
-from lrp_jupyter.sim.recording import Checkpoint, Moment, Recording, packed, unpack
+from lrp_jupyter.sim.input_log import Checkpoint, InputLog, WorldMoment, packed, unpack
+from lrp_jupyter.sim.inputs import (
+    Draw,
+    Drive,
+    Input,
+    Latch,
+    Pen,
+    PlaceRobot,
+    PlaceSolid,
+    ResetWorld,
+    check_input,
+)
 from lrp_jupyter.sim.rest import Rest
 from lrp_jupyter.sim.robot import STEP, Motion, SimRobot, SimSolid, StepCount, edge, fresh_space
 from lrp_jupyter.sim.sensors import Readings, light_spots
 from lrp_jupyter.sim.world import Point, Pose, World
 from lrp_jupyter.sim.worlds import load
 
-__all__ = ["STEP", "Moment", "Simulation"]
+__all__ = ["STEP", "Simulation", "WorldMoment"]
 
 STEPS_PER_SECOND = 100
 CHECKPOINT_STEPS = 1000
@@ -76,7 +86,7 @@ class Simulation:
         self._queue: deque[Input] = deque()
         self._inputs = 0
         self._base = 0
-        self._recording = Recording()
+        self._log = InputLog()
         self._space = self._start()
         self._checkpoint()
 
@@ -171,7 +181,7 @@ class Simulation:
 
         Trails are erased; what was drawn by hand stays unless `drawings`.
         """
-        self.apply(Reset(drawings))
+        self.apply(ResetWorld(drawings))
 
     def apply(self, what: Input) -> None:
         """Let an input act now.
@@ -200,7 +210,7 @@ class Simulation:
 
     def _act(self, what: Input) -> None:
         """Record an input and let it act; recorded inputs come here again when they are replayed."""
-        self._recording.note(self.steps, what)
+        self._log.note(self.steps, what)
         self._inputs += 1
         match what:
             case Latch():
@@ -228,9 +238,9 @@ class Simulation:
             case Draw():
                 if len(self.floor.marks) + len(what.path) <= MOST_MARKS:
                     self.floor.add(what.stroke(self.floor.grey), self.steps)
-            case Reset(drawings):
+            case ResetWorld(drawings):
                 self._reset(drawings)
-        if self._recording.wants_checkpoint:
+        if self._log.wants_checkpoint:
             self._checkpoint(between_inputs=True)
 
     def _latch(self) -> None:
@@ -326,21 +336,21 @@ class Simulation:
     # -- rewinding ----------------------------------------------------------------------------
 
     @property
-    def moment(self) -> Moment:
+    def moment(self) -> WorldMoment:
         """The present point of the run, for :meth:`rewind`."""
-        return Moment(self.steps, self._inputs)
+        return WorldMoment(self.steps, self._inputs)
 
     @property
     def earliest(self) -> int:
         """The first step that can still be rewound to."""
-        return self._recording.earliest
+        return self._log.earliest
 
-    def rewind(self, to: Moment | int) -> None:
+    def rewind(self, to: WorldMoment | int) -> None:
         """Go back, exactly: what follows is what would have followed then.
 
         Parameters
         ----------
-        to : Moment or int
+        to : WorldMoment or int
             A :attr:`moment` of before; or a step: then the inputs that acted at this step are undone.
 
         Raises
@@ -355,7 +365,7 @@ class Simulation:
                 f"cannot rewind to step {step}: only {self.earliest} to {self.steps} can be reached"
             )
         self._queue.clear()
-        checkpoint, inputs = self._recording.cut(step, most)
+        checkpoint, inputs = self._log.cut(step, most)
         self._restore(checkpoint)
         for at, what in inputs:
             self._advance_to(at)
@@ -375,7 +385,7 @@ class Simulation:
             mark_count=len(self.floor.marks),
             between_inputs=between_inputs,
         )
-        self._recording.add(checkpoint)
+        self._log.add(checkpoint)
         self._space = self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)
 
     def _restore(self, checkpoint: Checkpoint) -> None:

@@ -7,7 +7,7 @@ from math import floor as _floor
 
 from lrp_jupyter.sim.robot import SimSolid
 from lrp_jupyter.sim.simulation import Simulation
-from lrp_jupyter.sim.world import Box, Solid, World
+from lrp_jupyter.sim.world import BoxSolid, Solid, World
 
 __all__ = ["sketch"]
 
@@ -86,7 +86,7 @@ def _samples(cell: float) -> list[float]:
 
 
 def _reach(solid: Solid) -> float:
-    return math.hypot(*solid.box[2:]) / 2 if isinstance(solid, Box) else solid.circle[2]
+    return math.hypot(*solid.box[2:]) / 2 if isinstance(solid, BoxSolid) else solid.circle[2]
 
 
 def _covers(thing: SimSolid, x: float, y: float, cell: tuple[float, float]) -> bool:
@@ -94,7 +94,7 @@ def _covers(thing: SimSolid, x: float, y: float, cell: tuple[float, float]) -> b
     centre_x, centre_y, angle = thing.pose
     x, y = x - centre_x, y - centre_y
     half_x, half_y = 0.49 * cell[0], 0.49 * cell[1]
-    if not isinstance(thing.spec, Box):
+    if not isinstance(thing.spec, BoxSolid):
         return math.hypot(x, y) <= thing.spec.circle[2] + min(half_x, half_y)
     cos, sin = math.cos(angle), math.sin(angle)
     _, _, width, height = thing.spec.box

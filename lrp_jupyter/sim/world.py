@@ -17,11 +17,11 @@ from typing import Any
 
 __all__ = [
     "ArcStroke",
-    "Box",
+    "BoxSolid",
     "BoxZone",
     "CircleStroke",
     "CircleZone",
-    "Disc",
+    "DiscSolid",
     "Floor",
     "Noise",
     "PathStroke",
@@ -95,7 +95,7 @@ class Floor:
 
 
 @dataclass(frozen=True, slots=True)
-class Box:
+class BoxSolid:
     """A box that one bumps into.
 
     Parameters
@@ -117,8 +117,8 @@ class Box:
 
 
 @dataclass(frozen=True, slots=True)
-class Disc:
-    """A round solid: centre x, centre y, radius; otherwise like :class:`Box`."""
+class DiscSolid:
+    """A round solid: centre x, centre y, radius; otherwise like :class:`BoxSolid`."""
 
     circle: tuple[float, float, float]
     angle: float = 0
@@ -126,7 +126,7 @@ class Disc:
     name: str = ""
 
 
-Solid = Box | Disc
+Solid = BoxSolid | DiscSolid
 
 
 @dataclass(frozen=True, slots=True)

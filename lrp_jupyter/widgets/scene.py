@@ -13,7 +13,7 @@ from typing import Any
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.sim import SimBridge, SimPicture
 from lrp_jupyter.sim.floor import Mark, Paint
-from lrp_jupyter.sim.world import ArcStroke, Box, BoxZone, CircleStroke, Solid, Stroke, Zone
+from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, Solid, Stroke, Zone
 from lrp_jupyter.widgets import protocol
 from lrp_jupyter.widgets.protocol import pack_poses
 
@@ -65,10 +65,10 @@ def _stroke(stroke: Stroke) -> protocol.Stroke:
 
 
 def _solid(solid: Solid, place: tuple[float, float, float] | None) -> protocol.Solid:
-    shape: tuple[float, ...] = solid.box if isinstance(solid, Box) else solid.circle
+    shape: tuple[float, ...] = solid.box if isinstance(solid, BoxSolid) else solid.circle
     x, y, angle = place or (*shape[:2], solid.angle)
     told: protocol.Solid = {"angle": angle, "push": solid.push}
-    if isinstance(solid, Box):
+    if isinstance(solid, BoxSolid):
         told["box"] = [x, y, *solid.box[2:]]
     else:
         told["circle"] = (x, y, solid.circle[2])

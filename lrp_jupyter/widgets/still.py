@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.graph.still import draw
-from lrp_jupyter.sim.still import svg as world_svg
+from lrp_jupyter.sim.svg import svg as world_svg
 
 if TYPE_CHECKING:
     from lrp_jupyter.widgets.connection import Connection

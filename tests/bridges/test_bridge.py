@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from lrp_jupyter.bridges.bridge import Bridge, Connection, MemberError, NullBridge, Robot, Twist, attach
+from lrp_jupyter.bridges.bridge import Bridge, ConnectionState, MemberError, NullBridge, Robot, Twist, attach
 from lrp_jupyter.bridges.panel import Button, Field, Panel, Question, Table
 from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
 
@@ -415,10 +415,10 @@ class Noted(Bridge):
 
 def test_opening_connects_once_and_gives_the_panel() -> None:
     bridge = Noted()
-    assert bridge.status.state is Connection.DISCONNECTED
+    assert bridge.status.state is ConnectionState.DISCONNECTED
     assert bridge.open() == bridge.open() == Panel("Noted")
     assert bridge.calls == ["open"]
-    assert bridge.status.state is Connection.CONNECTED
+    assert bridge.status.state is ConnectionState.CONNECTED
     assert bridge.is_open
 
 
@@ -444,7 +444,7 @@ def test_a_robot_that_is_not_there_is_a_bridge_error_and_a_status() -> None:
     with pytest.raises(BridgeError, match=r"`test-noted` could not be opened: OSError: no such port"):
         bridge.open()
     assert not bridge.is_open
-    assert bridge.status.state is Connection.DISCONNECTED
+    assert bridge.status.state is ConnectionState.DISCONNECTED
 
 
 def test_closing_goes_on_when_the_bridge_fails() -> None:
@@ -463,7 +463,7 @@ def test_a_bridge_that_fails_in_a_tick_is_lost_and_stopped_and_the_loop_goes_on(
     for tick in range(3):
         bridge.begin_tick(tick / 10, 0.1)
         bridge.end_tick(tick / 10)
-    assert bridge.status.state is Connection.LOST
+    assert bridge.status.state is ConnectionState.LOST
     assert bridge.status.sentence == "the server is gone"
     assert bridge.calls.count("stop") == 1
     assert [notice.count for notice in bridge.safety.notices] == [3]
@@ -483,15 +483,15 @@ def test_a_bridge_says_itself_how_it_stands() -> None:
     bridge = Asking()
     bridge.open()
     assert bridge.status.sentence == "waiting for the address"
-    bridge.set_status(Connection.STALE)
+    bridge.set_status(ConnectionState.STALE)
     assert bridge.status.sentence == "`test-asking` is stale."
-    with pytest.raises(ValueError, match="not a valid Connection"):
+    with pytest.raises(ValueError, match="not a valid ConnectionState"):
         bridge.set_status("fine")
 
 
 def test_a_constructor_need_not_call_the_one_above(cart: Any) -> None:
     assert "super" not in type(cart).__init__.__code__.co_names
-    assert cart.status.state is Connection.CONNECTED
+    assert cart.status.state is ConnectionState.CONNECTED
 
 
 def test_a_bridge_without_open_interface_cannot_be_made() -> None:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import pytest
 
-from lrp_jupyter.bridges.bridge import Connection, MemberError, Robot
+from lrp_jupyter.bridges.bridge import ConnectionState, MemberError, Robot
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError
 
@@ -40,7 +40,7 @@ def pose(sim: SimBridge) -> tuple[float, float, float]:
 def test_it_is_armed_and_no_hardware(sim: SimBridge) -> None:
     assert sim.safety.armed
     assert not sim.hardware
-    assert sim.status.state is Connection.CONNECTED
+    assert sim.status.state is ConnectionState.CONNECTED
     assert sim.time_step == 0.01
 
 

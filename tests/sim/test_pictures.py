@@ -4,8 +4,8 @@ import pytest
 
 from lrp_jupyter.sim import BUNDLED, Simulation, World, load
 from lrp_jupyter.sim.sketch import sketch
-from lrp_jupyter.sim.still import svg
-from lrp_jupyter.sim.world import Box, Disc, Floor, PathStroke, RobotSpec
+from lrp_jupyter.sim.svg import svg
+from lrp_jupyter.sim.world import BoxSolid, DiscSolid, Floor, PathStroke, RobotSpec
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -33,7 +33,9 @@ def test_the_picture_says_what_it_shows():
 
 
 def test_a_pressed_bumper_is_lit():
-    simulation = Simulation(World((2, 1), (RobotSpec((1, 0.5, 0)),), solids=(Box((1.15, 0.5, 0.1, 0.3)),)))
+    simulation = Simulation(
+        World((2, 1), (RobotSpec((1, 0.5, 0)),), solids=(BoxSolid((1.15, 0.5, 0.1, 0.3)),))
+    )
     assert 'stroke="#E31A1C" stroke-width="0.02"' not in svg(simulation)
     simulation.drive(0.2)
     simulation.step(30)
@@ -66,7 +68,7 @@ def test_a_picture_can_do_without_caption():
 
 def test_a_sketch_shows_line_walls_boxes_and_heading():
     floor = Floor(strokes=(PathStroke(((0, 0.75), (2, 0.75))),))
-    solids = (Box((0.1, 0.3, 0.2, 0.2)), Disc((1.75, 0.3, 0.1), push=0.3))
+    solids = (BoxSolid((0.1, 0.3, 0.2, 0.2)), DiscSolid((1.75, 0.3, 0.1), push=0.3))
     world = World((2, 1), (RobotSpec((1.05, 0.3, 1.6)),), floor, solids)
     assert sketch(world, 20) == [
         "                    ",
@@ -78,7 +80,9 @@ def test_a_sketch_shows_line_walls_boxes_and_heading():
 
 
 def test_a_pressed_bumper_is_a_star_in_the_sketch():
-    simulation = Simulation(World((2, 1), (RobotSpec((1, 0.5, 0)),), solids=(Box((1.15, 0.5, 0.1, 0.3)),)))
+    simulation = Simulation(
+        World((2, 1), (RobotSpec((1, 0.5, 0)),), solids=(BoxSolid((1.15, 0.5, 0.1, 0.3)),))
+    )
     simulation.drive(0.2)
     simulation.step(30)
     simulation.latch()

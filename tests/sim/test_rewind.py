@@ -12,10 +12,10 @@ from lrp_jupyter.sim import (
     Pen,
     PlaceRobot,
     PlaceSolid,
-    Reset,
+    ResetWorld,
     Simulation,
+    input_log,
     load,
-    recording,
 )
 from lrp_jupyter.sim.world import Noise
 
@@ -108,7 +108,7 @@ inputs = st.one_of(
     st.builds(
         Draw, st.lists(st.tuples(st.floats(0, 1.6), st.floats(0, 1.3)), min_size=1, max_size=3).map(tuple)
     ),
-    st.builds(Reset, st.booleans()),
+    st.builds(ResetWorld, st.booleans()),
 )
 
 
@@ -184,7 +184,7 @@ def test_a_moment_of_a_future_that_was_undone_is_refused():
 
 
 def test_memory_is_bounded_by_forgetting_the_oldest(monkeypatch):
-    monkeypatch.setattr(recording, "MOST_CHECKPOINTS", 3)
+    monkeypatch.setattr(input_log, "MOST_CHECKPOINTS", 3)
     simulation = Simulation("empty")
     simulation.step(5500)
     assert simulation.earliest == 3000
@@ -193,8 +193,8 @@ def test_memory_is_bounded_by_forgetting_the_oldest(monkeypatch):
 
 
 def test_many_inputs_are_bounded_too(monkeypatch):
-    monkeypatch.setattr(recording, "CHECKPOINT_INPUTS", 10)
-    monkeypatch.setattr(recording, "MOST_INPUTS", 50)
+    monkeypatch.setattr(input_log, "CHECKPOINT_INPUTS", 10)
+    monkeypatch.setattr(input_log, "MOST_INPUTS", 50)
     simulation = Simulation(crowded())
     for _ in range(30):
         simulation.latch()

@@ -4,7 +4,7 @@ import statistics
 import pytest
 
 from lrp_jupyter.sim import Simulation, World
-from lrp_jupyter.sim.world import Box, Disc, Floor, Noise, PathStroke, RobotSpec
+from lrp_jupyter.sim.world import BoxSolid, DiscSolid, Floor, Noise, PathStroke, RobotSpec
 
 
 def room(pose=(1, 1, 0), *, solids=(), strokes=(), size=(4, 2), seed=0, **robot):
@@ -27,7 +27,7 @@ def test_readings_are_plain_numbers():
 @pytest.mark.parametrize(("heading", "distance"), [(0, 0.42), (math.pi, 0.92), (math.pi / 4, math.inf)])
 def test_the_distance_is_from_the_rim_to_the_next_solid_in_range(heading, distance):
     simulation = room(
-        (1, 1, heading), solids=[Disc((1.6, 1, 0.1)), Box((3, 1, 0.1, 2))], distance=((0, 1.0),)
+        (1, 1, heading), solids=[DiscSolid((1.6, 1, 0.1)), BoxSolid((3, 1, 0.1, 2))], distance=((0, 1.0),)
     )
     assert simulation.latch().distances == (pytest.approx(distance),)
 
@@ -54,7 +54,7 @@ def test_an_open_world_has_no_wall_to_see_or_to_bump_into():
 
 
 def test_the_bumper_is_pressed_by_what_is_in_front():
-    simulation = room((1, 1, 0), solids=[Box((1.3, 1, 0.1, 0.3))])
+    simulation = room((1, 1, 0), solids=[BoxSolid((1.3, 1, 0.1, 0.3))])
     simulation.drive(0.2)
     pressed = []
     for _ in range(20):
@@ -67,7 +67,7 @@ def test_the_bumper_is_pressed_by_what_is_in_front():
 
 
 def test_the_bumper_does_not_feel_what_is_behind():
-    simulation = room((1, 1, 0), solids=[Box((0.7, 1, 0.1, 0.3))])
+    simulation = room((1, 1, 0), solids=[BoxSolid((0.7, 1, 0.1, 0.3))])
     simulation.drive(-0.2)
     simulation.step(200)
     assert simulation.latch().bumper == 0
@@ -76,7 +76,7 @@ def test_the_bumper_does_not_feel_what_is_behind():
 
 
 def test_a_short_bump_is_latched_for_one_loop():
-    simulation = room((1, 1, 0), solids=[Box((1.16, 1, 0.1, 0.3))])
+    simulation = room((1, 1, 0), solids=[BoxSolid((1.16, 1, 0.1, 0.3))])
     simulation.latch()
     simulation.drive(0.5)
     simulation.step(6)
@@ -89,7 +89,7 @@ def test_a_short_bump_is_latched_for_one_loop():
 
 
 def test_reading_twice_in_one_step_says_the_same():
-    simulation = room((1, 1, 0), solids=[Box((1.132, 1, 0.1, 0.3))])
+    simulation = room((1, 1, 0), solids=[BoxSolid((1.132, 1, 0.1, 0.3))])
     simulation.drive(0.2)
     simulation.step(10)
     first = simulation.latch()
@@ -98,7 +98,7 @@ def test_reading_twice_in_one_step_says_the_same():
 
 
 def test_a_robot_without_sensors_reads_nothing():
-    simulation = room(light=(), bumper=False, distance=(), solids=[Box((1.2, 1, 0.1, 0.3))])
+    simulation = room(light=(), bumper=False, distance=(), solids=[BoxSolid((1.2, 1, 0.1, 0.3))])
     simulation.drive(0.3)
     simulation.step(100)
     readings = simulation.latch()
@@ -147,7 +147,7 @@ def test_noise_is_as_large_as_told_and_drawn_once_per_loop():
 
 
 def test_distance_noise_never_makes_a_distance_negative():
-    simulation = room(solids=[Box((1.15, 1, 0.1, 0.5))], noise=Noise(distance=0.1))
+    simulation = room(solids=[BoxSolid((1.15, 1, 0.1, 0.5))], noise=Noise(distance=0.1))
     ways = [simulation.latch().distances[0] for _ in range(300)]
     assert min(ways) == 0
     assert max(ways) > 0.1

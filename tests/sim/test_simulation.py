@@ -6,7 +6,7 @@ import pytest
 
 from lrp_jupyter.sim import Draw, Drive, Pen, PlaceRobot, PlaceSolid, Simulation, World, load
 from lrp_jupyter.sim.robot import Body
-from lrp_jupyter.sim.world import Box, Disc, RobotSpec
+from lrp_jupyter.sim.world import BoxSolid, DiscSolid, RobotSpec
 
 
 def room(*solids, pose=(1, 1, 0), size=(4, 2)):
@@ -61,7 +61,7 @@ def test_a_speed_must_be_a_number(speeds):
 
 
 def test_a_wall_stops_a_robot_and_stands_fast():
-    simulation = room(Box((2, 1, 0.1, 1)))
+    simulation = room(BoxSolid((2, 1, 0.1, 1)))
     simulation.drive(0.5)
     simulation.step(500)
     assert simulation.robot.pose[0] == pytest.approx(1.87, abs=0.002)
@@ -77,7 +77,9 @@ def test_the_edge_of_the_world_is_a_wall():
     assert simulation.robot.memory.touched == {-1}
 
 
-@pytest.mark.parametrize("solid", [Box((1.4, 1, 0.2, 0.2), push=0.3), Disc((1.4, 1, 0.1), push=0.3)])
+@pytest.mark.parametrize(
+    "solid", [BoxSolid((1.4, 1, 0.2, 0.2), push=0.3), DiscSolid((1.4, 1, 0.1), push=0.3)]
+)
 def test_a_box_is_pushed_and_does_not_slide_on(solid):
     simulation = room(solid)
     simulation.drive(0.3)
@@ -92,14 +94,14 @@ def test_a_box_is_pushed_and_does_not_slide_on(solid):
 
 
 def test_more_friction_than_the_wheels_grip_cannot_be_pushed():
-    simulation = room(Box((1.5, 1, 0.4, 0.4), push=1.0))
+    simulation = room(BoxSolid((1.5, 1, 0.4, 0.4), push=1.0))
     simulation.drive(0.3)
     simulation.step(300)
     assert simulation.solids[0].pose[0] == pytest.approx(1.5, abs=0.01)
 
 
 def test_a_box_between_robot_and_wall_holds():
-    simulation = room(Box((1.4, 1, 0.2, 0.2), push=0.3), Box((1.8, 1, 0.1, 1)))
+    simulation = room(BoxSolid((1.4, 1, 0.2, 0.2), push=0.3), BoxSolid((1.8, 1, 0.1, 1)))
     simulation.drive(0.5)
     simulation.step(600)
     assert simulation.solids[0].pose[0] < 1.66
@@ -160,7 +162,7 @@ def test_a_robot_is_never_put_outside_the_world():
 
 
 def test_a_moved_wall_is_felt_where_it_is_now():
-    simulation = room(Box((3, 0.2, 0.1, 0.3)))
+    simulation = room(BoxSolid((3, 0.2, 0.1, 0.3)))
     simulation.place_solid(0, (2, 1, 0))
     simulation.drive(0.5)
     simulation.step(300)
@@ -169,7 +171,7 @@ def test_a_moved_wall_is_felt_where_it_is_now():
 
 
 def test_a_pushable_box_is_put_elsewhere():
-    simulation = room(Box((3, 0.2, 0.1, 0.1), push=0.3))
+    simulation = room(BoxSolid((3, 0.2, 0.1, 0.1), push=0.3))
     simulation.place_solid(0, (1.5, 1, 0.3))
     simulation.step(5)
     assert simulation.solids[0].pose == (1.5, 1, 0.3)
@@ -297,7 +299,7 @@ def test_nothing_in_range_is_null_in_the_state():
 
 
 def test_the_revision_grows_when_a_drawing_of_the_scene_has_become_wrong():
-    simulation = room(Box((3, 1, 0.1, 0.1)))
+    simulation = room(BoxSolid((3, 1, 0.1, 0.1)))
     seen = [simulation.revision]
     for change in (
         lambda: simulation.place_solid(0, (2, 1, 0)),

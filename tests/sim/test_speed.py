@@ -3,11 +3,13 @@
 import pytest
 
 from lrp_jupyter.sim import Simulation, World
-from lrp_jupyter.sim.world import Box, RobotSpec
+from lrp_jupyter.sim.world import BoxSolid, RobotSpec
 
 
 def crowd():
-    solids = tuple(Box((0.3 + 0.3 * (index % 10), 1 + 0.3 * (index // 10), 0.1, 0.1)) for index in range(50))
+    solids = tuple(
+        BoxSolid((0.3 + 0.3 * (index % 10), 1 + 0.3 * (index // 10), 0.1, 0.1)) for index in range(50)
+    )
     return Simulation(World((4, 4), (RobotSpec((0.5, 0.4, 0)),), solids=solids))
 
 

@@ -9,11 +9,11 @@ from lrp_jupyter.sim import BUNDLED, Simulation, World, WorldError, load
 from lrp_jupyter.sim.reading import read_world
 from lrp_jupyter.sim.world import (
     ArcStroke,
-    Box,
+    BoxSolid,
     BoxZone,
     CircleStroke,
     CircleZone,
-    Disc,
+    DiscSolid,
     Floor,
     Noise,
     PathStroke,
@@ -48,8 +48,8 @@ strokes = st.one_of(
 )
 push = st.none() | st.floats(0, 2)
 solids = st.one_of(
-    st.builds(Box, st.tuples(number, number, positive, positive), number, push, st.text(max_size=3)),
-    st.builds(Disc, st.tuples(number, number, positive), number, push),
+    st.builds(BoxSolid, st.tuples(number, number, positive, positive), number, push, st.text(max_size=3)),
+    st.builds(DiscSolid, st.tuples(number, number, positive), number, push),
 )
 zones = st.one_of(
     st.builds(BoxZone, st.tuples(number, number, positive, positive)),
@@ -85,7 +85,7 @@ def test_json_loses_nothing(world):
 
 def test_the_documented_form_is_read():
     world = load(COMPLETE)
-    assert world.solids == (Box((2.63, 1, 0.06, 0.3)), Box((1, 0.5, 0.1, 0.1), push=0.3))
+    assert world.solids == (BoxSolid((2.63, 1, 0.06, 0.3)), BoxSolid((1, 0.5, 0.1, 0.1), push=0.3))
     assert world.zones["goal"].contains(2.45, 1.05)
     assert load(world.to_dict()) == world
 

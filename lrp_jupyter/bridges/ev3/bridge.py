@@ -19,12 +19,12 @@ import math
 import time
 from collections.abc import Callable, Mapping
 
-from lrp_jupyter.bridges.bridge import Bridge, Connection
+from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.ev3 import protocol
 from lrp_jupyter.bridges.ev3.client import BrickClient, check_address, connect
 from lrp_jupyter.bridges.ev3.devices import ABSENT, MODES, UNITS, Motor, Sensor, mode_name, type_name
-from lrp_jupyter.bridges.ev3.link import Link, Snapshot
-from lrp_jupyter.bridges.ev3.protocol import Reading, SensorReading
+from lrp_jupyter.bridges.ev3.link import BrickLink, BrickState
+from lrp_jupyter.bridges.ev3.protocol import BrickReading, SensorReading
 from lrp_jupyter.bridges.message import real_number
 from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table
 from lrp_jupyter.errors import BridgeError
@@ -62,12 +62,12 @@ class EV3Bridge(Bridge):
         self.host = check_address(host) if host else None
         self.serial, self.port = serial, port
         self._beacon_port, self._patience = beacon_port, patience
-        self._latched: Snapshot | None = None  # what a tick sees
+        self._latched: BrickState | None = None  # what a tick sees
         self.motors = tuple(Motor(self, i) for i in range(4))
         self.sensors = tuple(Sensor(self, i) for i in range(4))
         self.link = self._new_link()
 
-    def _new_link(self) -> Link:
+    def _new_link(self) -> BrickLink:
         serial = self.serial
 
         def find(cancelled: Callable[[], bool]) -> BrickClient:
@@ -83,7 +83,7 @@ class EV3Bridge(Bridge):
             serial = client.serial  # a brick that was lost is looked for, not any other
             return client
 
-        return Link(find, self._report)
+        return BrickLink(find, self._report)
 
     def _report(self, state: str, sentence: str) -> None:
         self.set_status(state, sentence)
@@ -100,7 +100,7 @@ class EV3Bridge(Bridge):
         """
         self.link = self._new_link()
         if self.host is None:
-            self.set_status(Connection.WAITING, "waiting for the beacon of a brick, or for its address")
+            self.set_status(ConnectionState.WAITING, "waiting for the beacon of a brick, or for its address")
             self.link.search()
         else:
             self.link.open()
@@ -119,7 +119,7 @@ class EV3Bridge(Bridge):
         """Latch the latest reading: a tick sees one world."""
         self._latched = self.link.snapshot
 
-    def seen(self) -> Reading:
+    def seen(self) -> BrickReading:
         """Give the reading that counts: within a tick the latched one, else the latest.
 
         Raises
@@ -190,7 +190,7 @@ class EV3Bridge(Bridge):
             questions=(Question("host", "Address of the brick (it shows it under Brick Info)", address),),
         )
 
-    def _motor_table(self, reading: Reading | None) -> Table:
+    def _motor_table(self, reading: BrickReading | None) -> Table:
         rows = [("", "", "")] * 4
         if reading:
             rows = [(type_name(m.type), str(m.degrees), str(m.speed)) for m in reading.motors]
@@ -208,7 +208,7 @@ class EV3Bridge(Bridge):
             ),
         )
 
-    def _sensor_table(self, reading: Reading | None) -> Table:
+    def _sensor_table(self, reading: BrickReading | None) -> Table:
         rows = [("", "", "", "")] * 4
         if reading:
             rows = [sensor_texts(seen) for seen in reading.sensors]
@@ -268,7 +268,7 @@ class EV3Bridge(Bridge):
             self.stop_all()
             self.link.close()
             self.link = self._new_link()
-            self.set_status(Connection.CONNECTING, f"connecting to {self.host}")
+            self.set_status(ConnectionState.CONNECTING, f"connecting to {self.host}")
             self.link.search()
 
 

@@ -22,7 +22,7 @@ from contextlib import closing, suppress
 from functools import partial
 from typing import NamedTuple, NoReturn, TypeVar
 
-from lrp_jupyter.bridges.ev3.protocol import Reply, frame, split_replies
+from lrp_jupyter.bridges.ev3.protocol import BrickReply, frame, split_replies
 from lrp_jupyter.errors import BridgeError
 
 __all__ = [
@@ -190,7 +190,7 @@ class BrickClient:
             sent = self._wait(partial(self._socket.send, data), deadline, "takes no commands")
             data = data[sent:]
 
-    def _receive(self, deadline: float) -> list[Reply]:
+    def _receive(self, deadline: float) -> list[BrickReply]:
         while True:
             try:
                 replies, self._received = split_replies(self._received)

@@ -8,18 +8,16 @@ Paper: §7.2.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from lrp_jupyter.bridges.ev3 import protocol
-from lrp_jupyter.bridges.ev3.protocol import MotorReading, SensorReading
+from lrp_jupyter.bridges.ev3.link import BrickLink
+from lrp_jupyter.bridges.ev3.protocol import BrickReading, MotorReading, SensorReading
 from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.message import real_number
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
-if TYPE_CHECKING:
-    from lrp_jupyter.bridges.ev3.bridge import EV3Bridge
-
-__all__ = ["ABSENT", "MODES", "UNITS", "Motor", "Sensor", "mode_name", "type_name"]
+__all__ = ["ABSENT", "MODES", "UNITS", "Brick", "Motor", "Sensor", "mode_name", "type_name"]
 
 TYPES = {
     1: "NXT touch", 2: "NXT light", 3: "NXT sound", 4: "NXT colour", 5: "NXT ultrasonic",
@@ -40,26 +38,36 @@ ABSENT = (126, 127)
 _LONGEST = 2**31 - 1  # degrees or milliseconds
 
 
+class Brick(Protocol):
+    """The brick of a motor or sensor; it keeps its identity when the connection is replaced."""
+
+    link: BrickLink
+
+    def seen(self) -> BrickReading:
+        """Return the reading of this tick, or the latest between ticks."""
+        ...
+
+
 class Motor:
     """A motor of the brick, `robot.motorA` to `robot.motorD`."""
 
-    def __init__(self, bridge: EV3Bridge, index: int) -> None:
-        self._bridge, self._index, self._port = bridge, index, 1 << index
+    def __init__(self, brick: Brick, index: int) -> None:
+        self._brick, self._index, self._port = brick, index, 1 << index
         self.name = f"motor{'ABCD'[index]}"
 
     def start_at_speed(self, speed: float) -> None:
         """Turn at a regulated speed (%), -100 to 100, until told otherwise."""
         percent = self._percent("start_at_speed", "speed", speed)
-        self._bridge.link.command(protocol.start_speed(self._port, percent))
+        self._brick.link.command(protocol.start_speed(self._port, percent))
 
     def start_at_power(self, power: float) -> None:
         """Turn with unregulated power (%), -100 to 100, until told otherwise."""
         percent = self._percent("start_at_power", "power", power)
-        self._bridge.link.command(protocol.start_power(self._port, percent))
+        self._brick.link.command(protocol.start_power(self._port, percent))
 
     def stop(self, brake: bool = True) -> None:
         """Stop, and hold the position (brake=True) or run out."""
-        self._bridge.link.command(protocol.stop(self._port, self._flag("stop", brake)))
+        self._brick.link.command(protocol.stop(self._port, self._flag("stop", brake)))
 
     def run_for(
         self,
@@ -85,11 +93,11 @@ class Motor:
             amount = self._amount(round(1000 * real_number(seconds, f"{self.name}.run_for(seconds=…)")))
             encode = protocol.run_milliseconds
         if amount:  # to turn by nothing is done already
-            self._bridge.link.command(encode(self._port, percent, amount, holds))
+            self._brick.link.command(encode(self._port, percent, amount, holds))
 
     def reset_count(self) -> None:
         """Make the present position 0."""
-        self._bridge.link.reset_count(self._index)
+        self._brick.link.reset_count(self._index)
 
     def count(self) -> int:
         """Give the angle turned since the count was 0."""
@@ -105,13 +113,13 @@ class Motor:
 
     def reading(self) -> MotorReading:
         """Give what is known of it."""
-        return self._bridge.seen().motors[self._index]
+        return self._brick.seen().motors[self._index]
 
     def _percent(self, method: str, what: str, value: object) -> int:
         number = real_number(value, f"{self.name}.{method}({what}=…)")
         if not -100 <= number <= 100:
             raise BridgeError(f"`{self.name}.{method}`: {what} goes from -100 to 100, not {value!r}.")
-        reading = self._bridge.link.snapshot.reading
+        reading = self._brick.link.snapshot.reading
         if reading is not None and reading.motors[self._index].type in ABSENT:
             raise BridgeError(f"`{self.name}`: nothing is plugged in port {self.name[-1]}")
         return round(number)
@@ -132,14 +140,14 @@ class Motor:
 class Sensor:
     """A sensor of the brick, `robot.sensor1` to `robot.sensor4`."""
 
-    def __init__(self, bridge: EV3Bridge, index: int) -> None:
-        self._bridge, self._index = bridge, index
+    def __init__(self, brick: Brick, index: int) -> None:
+        self._brick, self._index = brick, index
         self.name = f"sensor{index + 1}"
 
     def read(self) -> float:
         """Give the value: touch 1 or 0, colour %, ultrasonic cm, gyro deg; other modes, other units."""
         reading = self.reading()
-        wanted = self._bridge.link.wanted_mode(self._index)
+        wanted = self._brick.link.wanted_mode(self._index)
         if reading.type in ABSENT:
             raise self._nothing()
         if math.isnan(reading.value) or wanted not in (protocol.SAME_MODE, reading.mode):
@@ -162,7 +170,7 @@ class Sensor:
             raise BridgeError(
                 f"`{self.name}` ({type_name(kind)}) has no mode {mode!r}; it has {known}.{hint}"
             )
-        self._bridge.link.set_mode(self._index, number)
+        self._brick.link.set_mode(self._index, number)
 
     def mode(self) -> str:
         """Say what it measures."""
@@ -174,7 +182,7 @@ class Sensor:
 
     def reading(self) -> SensorReading:
         """Give what is known of it."""
-        return self._bridge.seen().sensors[self._index]
+        return self._brick.seen().sensors[self._index]
 
     def _nothing(self) -> BridgeError:
         return BridgeError(f"`{self.name}`: nothing is plugged in port {self._index + 1}")

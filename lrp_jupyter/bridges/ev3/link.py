@@ -14,26 +14,26 @@ from dataclasses import dataclass, replace
 
 from lrp_jupyter.bridges.ev3 import protocol
 from lrp_jupyter.bridges.ev3.client import BrickClient
-from lrp_jupyter.bridges.ev3.protocol import SAME_MODE, Reading
+from lrp_jupyter.bridges.ev3.protocol import SAME_MODE, BrickReading
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
-__all__ = ["Link", "Snapshot"]
+__all__ = ["BrickLink", "BrickState"]
 
 _PERIOD = 0.02  # seconds between two readings
 _REST = 0.5  # seconds between two searches that failed at once
 _STOP_TIME = 0.3  # seconds that sending the runstop may take
 
 Find = Callable[[Callable[[], bool]], BrickClient]
-Report = Callable[[str, str], None]
+OnStatus = Callable[[str, str], None]
 
 
 @dataclass(frozen=True, slots=True)
-class Snapshot:
+class BrickState:
     """What is known of the brick.
 
     Attributes
     ----------
-    reading : Reading or None
+    reading : BrickReading or None
         None before the first one.
     trouble : str
         Why it could not be read since then, in a sentence.
@@ -41,12 +41,12 @@ class Snapshot:
         When it was read, by `time.monotonic`.
     """
 
-    reading: Reading | None = None
+    reading: BrickReading | None = None
     trouble: str = ""
     time: float = 0.0
 
 
-class Link:
+class BrickLink:
     """The connection to one brick over its losses.
 
     Owner: any thread may use it; its own one is the only one that reads the brick.
@@ -61,9 +61,9 @@ class Link:
         it changes.
     """
 
-    def __init__(self, find: Find, report: Report) -> None:
+    def __init__(self, find: Find, report: OnStatus) -> None:
         self._find, self._report = find, report
-        self.snapshot = Snapshot()
+        self.snapshot = BrickState()
         self.name = ""
         self._client: BrickClient | None = None
         self._closing = threading.Event()
@@ -127,7 +127,7 @@ class Link:
             why = self.snapshot.trouble or "the brick is just being found again"
             raise BridgeError(f"{why}; it is stopped as soon as it is found")
 
-    def latest(self, snapshot: Snapshot | None = None) -> Reading:
+    def latest(self, snapshot: BrickState | None = None) -> BrickReading:
         """Give the latest reading (or that of a snapshot).
 
         Raises
@@ -216,7 +216,7 @@ class Link:
         with self._latest:
             before = self.snapshot
             zeroed = [motor for motor in range(4) if self._resets[motor] != resets[motor]]
-            self.snapshot = Snapshot(_with_zero(reading, zeroed), "", time.monotonic())
+            self.snapshot = BrickState(_with_zero(reading, zeroed), "", time.monotonic())
         for port, sensor in enumerate(reading.sensors):
             if before.reading is not None and before.reading.sensors[port].type != sensor.type:
                 self._modes[port] = SAME_MODE  # another sensor: it has other modes
@@ -229,7 +229,7 @@ class Link:
             client.close()
 
 
-def _with_zero(reading: Reading, motors: list[int]) -> Reading:
+def _with_zero(reading: BrickReading, motors: list[int]) -> BrickReading:
     """Replace counts that were read before they were set to zero."""
     if not motors:
         return reading

@@ -16,9 +16,9 @@ from lrp_jupyter.errors import BridgeError
 __all__ = [
     "ALL_MOTORS",
     "SAME_MODE",
+    "BrickReading",
+    "BrickReply",
     "MotorReading",
-    "Reading",
-    "Reply",
     "SensorReading",
     "beep",
     "brick_name",
@@ -88,7 +88,7 @@ def frame(counter: int, code: bytes, size: int = 0, reply: bool = False) -> byte
     return struct.pack("<HHBH", len(code) + 5, counter, kind, size) + code
 
 
-class Reply(NamedTuple):
+class BrickReply(NamedTuple):
     """One reply: the counter of its command, whether it was carried out, the globals."""
 
     counter: int
@@ -96,7 +96,7 @@ class Reply(NamedTuple):
     data: bytes
 
 
-def split_replies(buffer: bytes) -> tuple[list[Reply], bytes]:
+def split_replies(buffer: bytes) -> tuple[list[BrickReply], bytes]:
     """Take the whole replies from what has arrived; what is left is the begin of the next.
 
     Raises
@@ -114,7 +114,7 @@ def split_replies(buffer: bytes) -> tuple[list[Reply], bytes]:
         counter, kind = struct.unpack_from("<HB", buffer, 2)
         if kind not in (_REPLY_OK, _REPLY_ERROR):
             raise BridgeError(f"the brick sent a frame of type 0x{kind:02x}, which is no reply")
-        replies.append(Reply(counter, kind == _REPLY_OK, buffer[5:end]))
+        replies.append(BrickReply(counter, kind == _REPLY_OK, buffer[5:end]))
         buffer = buffer[end:]
     return replies, buffer
 
@@ -183,7 +183,7 @@ class SensorReading(NamedTuple):
     mode: int
 
 
-class Reading(NamedTuple):
+class BrickReading(NamedTuple):
     """Everything that the brick knows at one moment; the battery in percent."""
 
     motors: tuple[MotorReading, ...]
@@ -221,7 +221,7 @@ def read_everything(modes: tuple[int, ...] = (SAME_MODE,) * 4) -> tuple[bytes, i
     return code + _operation(0x81, 0x12, results=(_BATTERY,)), _LAYOUT.size
 
 
-def parse_reading(data: bytes) -> Reading:
+def parse_reading(data: bytes) -> BrickReading:
     """Read the reply to :func:`read_everything`.
 
     Raises
@@ -234,7 +234,7 @@ def parse_reading(data: bytes) -> Reading:
     numbers = _LAYOUT.unpack(data)
     counts, values, speeds = numbers[0:4], numbers[4:8], numbers[9:13]
     motor_types, sensor_types, sensor_modes = numbers[13:21:2], numbers[21:29:2], numbers[22:29:2]
-    return Reading(
+    return BrickReading(
         tuple(map(MotorReading, counts, speeds, motor_types)),
         tuple(map(SensorReading, values, sensor_types, sensor_modes)),
         numbers[29],

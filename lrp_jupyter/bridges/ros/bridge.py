@@ -26,18 +26,18 @@ from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
-from lrp_jupyter.bridges.bridge import Bridge, Connection
+from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.nodes import Limits
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.ros.channel import Channel
-from lrp_jupyter.bridges.ros.link import Link, Transport
-from lrp_jupyter.bridges.ros.panel import Console
+from lrp_jupyter.bridges.ros.link import TopicLink, Transport
+from lrp_jupyter.bridges.ros.panel import Draft, draw_panel
 from lrp_jupyter.bridges.ros.rosbridge import RosbridgeTransport
 from lrp_jupyter.bridges.ros.rospy import RospyTransport
-from lrp_jupyter.bridges.ros.setup import Wire, parse_address
-from lrp_jupyter.bridges.ros.types import Reading, RosMessage
+from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type, parse_address
+from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
@@ -90,9 +90,8 @@ class RosBridge(Bridge):
         self.backend = backend
         self._address = parse_address(host, port, _BACKENDS[backend])
         self._patience = real_number(_number(patience), "patience")
-        self._console = Console(self)
-        self.wiring = Wiring(self)
-        self.link: Link | None = None
+        self._draft = Draft()
+        self.wiring = Wiring(self._offer, self._withdraw)
         self._in_tick = 0  # the thread of the tick that is under way: it must not wait
         if setup is not None:
             self.wiring.take(setup)
@@ -173,7 +172,7 @@ class RosBridge(Bridge):
 
     # -- the robot --------------------------------------------------------------------------------
 
-    def offer(self, channel: Channel) -> None:
+    def _offer(self, channel: Channel) -> None:
         """Make a channel a member of the robot; again when its type has become known.
 
         Raises
@@ -203,7 +202,11 @@ class RosBridge(Bridge):
         except ValueError as error:
             raise BridgeError(str(error)) from error
 
-    def _read(self, channel: Channel) -> Reading:
+    def _withdraw(self, variable: str) -> None:
+        if variable in self.nodes.table:
+            self.remove_member(variable)
+
+    def _read(self, channel: Channel) -> ReceivedMessage:
         arrival = channel.latched if self.latch else channel.latest
         if arrival is not None:
             return arrival.value
@@ -212,7 +215,7 @@ class RosBridge(Bridge):
         raise NoDataYet(f"`robot.{channel.wire.variable}` has no data yet.")
 
     def _send(self, channel: Channel, message: Message) -> None:
-        link = self.link
+        link = self.wiring.link
         if link is None:
             raise BridgeError("The bridge `ros` is closed.")
         values = message.as_dict()
@@ -227,24 +230,12 @@ class RosBridge(Bridge):
         failures = []
         for channel in self.wiring.channels:
             try:
-                self.stand_still(channel)
+                self.wiring.stand_still(channel)
             except BridgeError as error:
                 if channel.has_moved:
                     failures.append(str(error))
         if failures:
             raise BridgeError(f"{failures[0]} It is stopped as soon as it is found.")
-
-    def stand_still(self, channel: Channel) -> None:
-        """Publish a velocity of zero, if velocities go there.
-
-        Raises
-        ------
-        BridgeError
-            It could not be sent.
-        """
-        link = self.link
-        if link is not None and channel.message is not None and channel.is_velocity:
-            link.send(channel, channel.message().as_dict(), urgent=True)
 
     def sense(self, now: float) -> None:
         """Latch the last messages: a tick sees one world."""
@@ -273,15 +264,12 @@ class RosBridge(Bridge):
 
     def close_interface(self) -> None:
         """End all connections; the set-up stays."""
-        link, self.link = self.link, None
-        if link is not None:
-            link.close()
+        self.wiring.close()
 
     def _start(self, searching: bool) -> None:
         """Make a link, with new channels for all that is set up."""
-        link = Link(self._make_transport(), self._report, self.wiring.learned)
-        self._told = (Connection.CONNECTING, f"connecting to {link.transport.place}")
-        self.link = link
+        link = TopicLink(self._make_transport(), self._report, self.wiring.learned)
+        self._told = (ConnectionState.CONNECTING, f"connecting to {link.transport.place}")
         self.add_method("stop", self.stop, "publish a velocity of zero wherever velocities go")
         try:
             self.wiring.renew(link)
@@ -290,7 +278,7 @@ class RosBridge(Bridge):
             else:
                 link.open(self._patience)
         except BridgeError:
-            self.link = None
+            self.wiring.link = None
             self.nodes.clear()
             raise
 
@@ -300,21 +288,21 @@ class RosBridge(Bridge):
             return RospyTransport(f"http://{host}:{port}" if host else "")
         return RosbridgeTransport(f"ws://{host or '127.0.0.1'}:{port}", self._warn)
 
-    _told: tuple[Connection, str] = (Connection.DISCONNECTED, "not open")
+    _told: tuple[ConnectionState, str] = (ConnectionState.DISCONNECTED, "not open")
 
     def _warn(self, sentence: str) -> None:
         self.safety.notice("fault", sentence)
 
-    def _report(self, state: Connection, sentence: str) -> None:
+    def _report(self, state: ConnectionState, sentence: str) -> None:
         """Show how the connection is; a robot that does not answer is stopped. On the link's thread."""
         before, self._told = self._told[0], (state, sentence)
         self.set_status(state, sentence)
-        link = self.link
-        if link is None or state not in (Connection.LOST, Connection.STALE):
+        link = self.wiring.link
+        if link is None or state not in (ConnectionState.LOST, ConnectionState.STALE):
             return
-        if state is Connection.LOST or link.transport.trouble():
+        if state is ConnectionState.LOST or link.transport.trouble():
             self.safety.notice("fault", sentence)
-            if before is not Connection.LOST:
+            if before is not ConnectionState.LOST:
                 self.stop_all()
 
     # -- the panel --------------------------------------------------------------------------------
@@ -322,7 +310,8 @@ class RosBridge(Bridge):
     @property
     def topics(self) -> Mapping[str, str]:
         """The live topics with their types, as they were a moment ago."""
-        return self.link.topics if self.link is not None else {}
+        link = self.wiring.link
+        return link.topics if link is not None else {}
 
     @property
     def address(self) -> str:
@@ -332,7 +321,15 @@ class RosBridge(Bridge):
 
     def panel(self) -> Panel:
         """Give the table of what is connected, the fields for a new one, and the live topics."""
-        return self._console.draw()
+        return draw_panel(
+            status=self.status.sentence,
+            backend=self.backend,
+            address=self.address,
+            setup=self.wiring.path,
+            draft=self._draft,
+            channels=self.wiring.channels,
+            topics=self.topics,
+        )
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
         """Press a button: ``subscribe`` and ``publish`` take what stands in the fields, without waiting.
@@ -342,7 +339,23 @@ class RosBridge(Bridge):
         BridgeError
             A name is illegal, or there is no such button or row.
         """
-        if not self._console.press(key, row, values or {}):
+        fields = values or {}
+        variable = fields.get("variable", "").strip()
+        if key in ("subscribe", "publish"):
+            type_ = check_type(fields.get("type", ""), self.topics.values())
+            direction: Direction = "subscription" if key == "subscribe" else "publisher"
+            self.connect(Wire(variable, direction, fields.get("topic", ""), type_), wait=False)
+            self._draft = Draft()
+        elif key == "pick":
+            self._draft = Draft(variable or row.rpartition("/")[2], row, self.topics.get(row, ""))
+        elif key == "remove":
+            self.remove(row)
+        elif key == "save":
+            path = fields.get("setup", "").strip() or self.wiring.path
+            if not path:
+                raise BridgeError("There is no file for the set-up. Name one.")
+            self.save(path)
+        else:
             super().press(key, row, values)
 
     def answer(self, key: str, value: str) -> None:
@@ -360,11 +373,11 @@ class RosBridge(Bridge):
             if address == self._address:
                 return
             self._address = address
-            link = self.link
+            link = self.wiring.link
             if self.is_open and link is not None:
                 self.stop_all()
                 link.close()
-                self.set_status(Connection.CONNECTING, f"connecting to {value}")
+                self.set_status(ConnectionState.CONNECTING, f"connecting to {value}")
                 self._start(searching=True)
         else:
             super().answer(key, value)

@@ -13,7 +13,7 @@ from collections import deque
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.ros.setup import Wire
-from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, Reading, RosMessage
+from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
 
 __all__ = ["Arrival", "Channel"]
 
@@ -23,7 +23,7 @@ _SILENT = 2.0  # seconds without a message after which a topic that had a rate i
 class Arrival(NamedTuple):
     """A message and when it arrived, by `time.monotonic`."""
 
-    value: Reading
+    value: ReceivedMessage
     time: float
 
 

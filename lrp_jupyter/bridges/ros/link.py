@@ -15,15 +15,15 @@ from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from typing import Any
 
+from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import Types
-from lrp_jupyter.bridges.status import Connection
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["Link", "RefusedError", "Report", "Transport"]
+__all__ = ["OnStatus", "RefusedError", "TopicLink", "Transport"]
 
 _AGAIN = 0.5  # seconds until a connection that was lost, or a topic that is missing, is tried again
 _JOIN = 2.0  # seconds that ending the thread may take
@@ -93,10 +93,10 @@ class Transport(ABC):
         """Publish; only a message that is `urgent` (a stop) goes to a robot that does not answer."""
 
 
-Report = Callable[[Connection, str], None]
+OnStatus = Callable[[ConnectionState, str], None]
 
 
-class Link:
+class TopicLink:
     """The connections of a set-up.
 
     Parameters
@@ -108,13 +108,13 @@ class Link:
         Told of a channel whose type has become known; on the link's thread.
     """
 
-    def __init__(self, transport: Transport, report: Report, learned: Callable[[Channel], None]) -> None:
+    def __init__(self, transport: Transport, report: OnStatus, learned: Callable[[Channel], None]) -> None:
         self.transport = transport
         self.types = Types()
         self.topics: Mapping[str, str] = {}
         self.connected = False
         self._report, self._learned = report, learned
-        self._told: tuple[Connection, str] | None = None
+        self._told: tuple[ConnectionState, str] | None = None
         self._channels: tuple[Channel, ...] = ()
         self._dropped: list[Channel] = []
         self._lock = threading.Lock()  # for the two above
@@ -219,7 +219,7 @@ class Link:
         """Compare what is with what shall be, and make it so; give the seconds until the next look."""
         trouble = self.transport.trouble()
         if trouble:
-            self._tell(Connection.STALE, trouble)
+            self._tell(ConnectionState.STALE, trouble)
             return self.transport.period
         self.topics = self.transport.topics()
         with self._lock:
@@ -300,25 +300,25 @@ class Link:
             channel.forget()
             channel.problem = sentence
             channel.owes_stop |= channel.has_moved
-        self._tell(Connection.LOST, sentence)  # before the transport is let go: it may still take a stop
+        self._tell(ConnectionState.LOST, sentence)  # before the transport is let go: it may still take a stop
         self.transport.disconnect()
         return _AGAIN
 
-    def _summary(self, channels: tuple[Channel, ...]) -> tuple[Connection, str]:
+    def _summary(self, channels: tuple[Channel, ...]) -> tuple[ConnectionState, str]:
         for channel in channels:
             why = channel.problem or channel.waiting
             if why:
-                return Connection.WAITING, f"`robot.{channel.wire.variable}`: {why}"
+                return ConnectionState.WAITING, f"`robot.{channel.wire.variable}`: {why}"
         inputs = [channel for channel in channels if channel.wire.direction == "subscription"]
         silent = [f"`{channel.wire.topic}`" for channel in inputs if channel.silent()]
         if silent:
-            return Connection.STALE, f"{', '.join(silent)}: nothing has arrived for a while"
+            return ConnectionState.STALE, f"{', '.join(silent)}: nothing has arrived for a while"
         empty = [f"`{channel.wire.topic}`" for channel in inputs if channel.expects]
         if empty:
-            return Connection.WAITING, f"{', '.join(empty)}: nothing has arrived yet"
-        return Connection.CONNECTED, f"connected to {self.transport.place}"
+            return ConnectionState.WAITING, f"{', '.join(empty)}: nothing has arrived yet"
+        return ConnectionState.CONNECTED, f"connected to {self.transport.place}"
 
-    def _tell(self, state: Connection, sentence: str) -> None:
+    def _tell(self, state: ConnectionState, sentence: str) -> None:
         if self._told != (state, sentence):
             self._told = (state, sentence)
             self._report(state, sentence)

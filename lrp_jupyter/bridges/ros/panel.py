@@ -6,116 +6,85 @@ Paper: §7.1, figure 4 (the publishers and subscriptions, and the buttons to cre
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import reprlib
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from itertools import islice
 
 from lrp_jupyter.bridges.panel import STOP, Button, Field, Panel, Question, Table
 from lrp_jupyter.bridges.ros.channel import Channel
-from lrp_jupyter.bridges.ros.gist import gist
-from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 
-if TYPE_CHECKING:
-    from lrp_jupyter.bridges.ros.bridge import RosBridge
+__all__ = ["Draft", "draw_panel", "gist"]
 
-__all__ = ["Console"]
-
+_MOST = 6  # fields of a message that are shown
+_short = reprlib.Repr()
+_short.maxother = _short.maxstring = 120
 _COLUMNS = ("variable", "direction", "topic", "type", "rate (Hz)", "age (s)", "value")
 
 
 @dataclass(frozen=True, slots=True)
-class _Draft:
-    """What stands in the fields for a new subscription or publisher."""
+class Draft:
+    """The contents of the fields for a new subscription or publisher."""
 
     variable: str = ""
     topic: str = ""
     type: str = ""
 
 
-class Console:
-    """The panel of a bridge, and what its buttons do.
-
-    Owner: any thread may draw; whoever presses does it between two ticks.
-    """
-
-    def __init__(self, bridge: RosBridge) -> None:
-        self._bridge = bridge
-        self._draft = _Draft()
-
-    def draw(self) -> Panel:
-        """Draw the panel as it is now."""
-        bridge, draft, topics = self._bridge, self._draft, self._bridge.topics
-        rows = {channel.wire.variable: _row(channel) for channel in bridge.wiring.channels}
-        names = tuple(sorted(topics))
-        return Panel(
-            "ROS",
-            fields=(
-                Field("status", "Status", value=bridge.status.sentence),
-                Field("backend", "Connected by", value=bridge.backend),
-                Field("address", "Address", value=bridge.address),
-                Field("variable", "Variable", "text", draft.variable),
-                Field("topic", "Topic", "text", draft.topic, names, press="pick"),
-                Field("type", "Type", "text", draft.type, tuple(sorted(set(topics.values())))),
-                Field("setup", "Set-up file", "text", bridge.wiring.path),
+def draw_panel(
+    *,
+    status: str,
+    backend: str,
+    address: str,
+    setup: str,
+    draft: Draft,
+    channels: Iterable[Channel],
+    topics: Mapping[str, str],
+) -> Panel:
+    """Return the panel: the channels, the fields for a new one, and the live topics with their types."""
+    rows = {channel.wire.variable: _row(channel) for channel in channels}
+    names = tuple(sorted(topics))
+    return Panel(
+        "ROS",
+        fields=(
+            Field("status", "Status", value=status),
+            Field("backend", "Connected by", value=backend),
+            Field("address", "Address", value=address),
+            Field("variable", "Variable", "text", draft.variable),
+            Field("topic", "Topic", "text", draft.topic, names, press="pick"),
+            Field("type", "Type", "text", draft.type, tuple(sorted(set(topics.values())))),
+            Field("setup", "Set-up file", "text", setup),
+        ),
+        tables=(
+            Table(
+                "connections",
+                "Publishers and subscriptions",
+                _COLUMNS,
+                tuple(rows),
+                tuple(rows.values()),
+                (Button("remove", "Remove"),),
             ),
-            tables=(
-                Table(
-                    "connections",
-                    "Publishers and subscriptions",
-                    _COLUMNS,
-                    tuple(rows),
-                    tuple(rows.values()),
-                    (Button("remove", "Remove"),),
-                ),
-                Table(
-                    "topics",
-                    "Topics of the robot",
-                    ("topic", "type"),
-                    names,
-                    tuple((name, topics[name]) for name in names),
-                    (Button("pick", "Pick"),),
-                ),
+            Table(
+                "topics",
+                "Topics of the robot",
+                ("topic", "type"),
+                names,
+                tuple((name, topics[name]) for name in names),
+                (Button("pick", "Pick"),),
             ),
-            buttons=(
-                STOP,
-                Button("subscribe", "New subscription"),
-                Button("publish", "New publisher"),
-                Button("save", "Save set-up"),
-            ),
-            questions=(
-                Question("host", "Address of the robot (`host` or `host:port`)", bridge.address),
-                Question("setup", "File with a set-up", bridge.wiring.path, "Load"),
-            ),
-        )
-
-    def press(self, key: str, row: str, values: Mapping[str, str]) -> bool:
-        """Do what a button says, without waiting; give whether it is one of these.
-
-        Raises
-        ------
-        BridgeError
-            What stands in the fields cannot be, or there is no such row.
-        """
-        bridge = self._bridge
-        variable, topic = values.get("variable", "").strip(), values.get("topic", "")
-        if key in ("subscribe", "publish"):
-            type_ = check_type(values.get("type", ""), bridge.topics.values())
-            direction: Direction = "subscription" if key == "subscribe" else "publisher"
-            bridge.connect(Wire(variable, direction, topic, type_), wait=False)
-            self._draft = _Draft()
-        elif key == "pick":
-            self._draft = _Draft(variable or row.rpartition("/")[2], row, bridge.topics.get(row, ""))
-        elif key == "remove":
-            bridge.remove(row)
-        elif key == "save":
-            path = values.get("setup", "").strip() or bridge.wiring.path
-            if not path:
-                raise BridgeError("Name the file in which the set-up shall be kept.")
-            bridge.save(path)
-        else:
-            return False
-        return True
+        ),
+        buttons=(
+            STOP,
+            Button("subscribe", "New subscription"),
+            Button("publish", "New publisher"),
+            Button("save", "Save set-up"),
+        ),
+        questions=(
+            Question("host", "Address of the robot (`host` or `host:port`)", address),
+            Question("setup", "File with a set-up", setup, "Load"),
+        ),
+    )
 
 
 def _row(channel: Channel) -> tuple[str, ...]:
@@ -134,3 +103,30 @@ def _row(channel: Channel) -> tuple[str, ...]:
         "" if age is None else f"{age:.1f}",
         shown,
     )
+
+
+def gist(message: ReceivedMessage | RosMessage) -> str:
+    """Write what a message says: the place of an odometry, the one value of a simple message.
+
+    Of others the fields that are not zero. Headers and covariances say nothing at a glance.
+    """
+    fields = message._as_dict() if isinstance(message, ReceivedMessage) else message.as_dict()
+    short = [name for name in type(message).__slots__ if name not in fields]
+    leaves = {name: getattr(message, name) for name in short} or dict(_leaves(fields))
+    if len(leaves) == 1:
+        return _text(*leaves.values())
+    told = leaves if short else {name: value for name, value in leaves.items() if value} or leaves
+    return ", ".join(f"{name}={_text(value)}" for name, value in islice(told.items(), _MOST))
+
+
+def _leaves(fields: Mapping[str, object], path: str = "") -> Iterator[tuple[str, object]]:
+    for name, value in fields.items():
+        if isinstance(value, Mapping):
+            if name != "header":
+                yield from _leaves(value, f"{path}{name}.")
+        elif name != "covariance":
+            yield f"{path}{name}", value
+
+
+def _text(value: object) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else _short.repr(value)

@@ -30,7 +30,7 @@ from lrp_jupyter.bridges.ros.definitions import (
 )
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["VELOCITIES", "Form", "Reading", "RosMessage", "Types"]
+__all__ = ["VELOCITIES", "Form", "ReceivedMessage", "RosMessage", "Types"]
 
 VELOCITIES = frozenset({"geometry_msgs/Twist", "geometry_msgs/TwistStamped"})
 """Types of which a zero stops the robot; the command watchdog watches over them."""
@@ -49,17 +49,17 @@ class Form:
 
     Attributes
     ----------
-    kind : Reading class
+    kind : ReceivedMessage class
     decode : callable
         Makes a reading of a dictionary (rosbridge) or of an object with attributes (rospy); raises
         ValueError, TypeError or AttributeError for what is no message of the type.
-    zero : Reading
+    zero : ReceivedMessage
         The one in which nothing is set.
     """
 
-    kind: type[Reading]
-    decode: Callable[[Any], Reading]
-    zero: Reading
+    kind: type[ReceivedMessage]
+    decode: Callable[[Any], ReceivedMessage]
+    zero: ReceivedMessage
 
 
 class RosMessage(Message):
@@ -69,7 +69,7 @@ class RosMessage(Message):
     _TYPE: ClassVar[str] = ""
 
     def _assign(self, name: str, value: object) -> None:
-        if isinstance(value, Reading):  # what arrived on one topic may go out on another
+        if isinstance(value, ReceivedMessage):  # what arrived on one topic may go out on another
             value = value._as_dict()
         if name in self.WORDS and name not in self.FIELDS:
             self.set(name, value)
@@ -88,7 +88,7 @@ class RosMessage(Message):
         raise self._unknown(name)
 
 
-class Reading:
+class ReceivedMessage:
     """A ROS message that arrived, as a frozen value."""
 
     __slots__: tuple[str, ...] = ()
@@ -114,10 +114,10 @@ class Reading:
     def __hash__(self) -> int:
         return hash(self._values())
 
-    def __copy__(self) -> Reading:
+    def __copy__(self) -> ReceivedMessage:
         return self
 
-    def __deepcopy__(self, memo: object) -> Reading:
+    def __deepcopy__(self, memo: object) -> ReceivedMessage:
         return self
 
     def __repr__(self) -> str:
@@ -137,7 +137,7 @@ class Reading:
 
 
 def _plain(value: object) -> object:
-    if isinstance(value, Reading):
+    if isinstance(value, ReceivedMessage):
         return value._as_dict()
     return tuple(map(_plain, value)) if isinstance(value, tuple) else value
 
@@ -223,9 +223,9 @@ class Types:
         decoders = {name: self._decoder(field) for name, field in fields.items()}
         zeros = {name: self._zero(field) for name, field in fields.items()}
         extra = [name for name in _EXTRA.get(definition.type, ()) if name not in fields]
-        kind: type[Reading] = type(
+        kind: type[ReceivedMessage] = type(
             definition.type.rpartition("/")[2],
-            (Reading,),
+            (ReceivedMessage,),
             {
                 "__slots__": (*fields, *extra),
                 "__doc__": f"A `{definition.type}` that arrived.",
@@ -234,10 +234,10 @@ class Types:
             },
         )
 
-        def make(values: dict[str, Any]) -> Reading:
+        def make(values: dict[str, Any]) -> ReceivedMessage:
             return kind(*values.values(), *(_plane(values["pose"]) if extra else ()))
 
-        def decode(raw: Any) -> Reading:
+        def decode(raw: Any) -> ReceivedMessage:
             if not isinstance(raw, Mapping):
                 return make({name: decoders[name](getattr(raw, name)) for name in fields})
             if fields and not any(name in raw for name in fields):
@@ -319,7 +319,7 @@ def _array(field: FieldType, message: type[Message] | None) -> Plain:
             return _PLAIN[field.base].check(value, path)
         if isinstance(value, message):
             return value.as_dict()
-        if isinstance(value, Reading):
+        if isinstance(value, ReceivedMessage):
             value = value._as_dict()
         if not isinstance(value, Mapping):
             raise BridgeError(f"`{path}` must be a `{field.base}`, or a dictionary, not {value!r}.")

@@ -10,17 +10,14 @@ import contextlib
 import os
 import threading
 import time
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.ros.channel import Channel
-from lrp_jupyter.bridges.ros.link import Link
+from lrp_jupyter.bridges.ros.link import TopicLink
 from lrp_jupyter.bridges.ros.setup import Wire, load_setup, save_setup, setup_as_dict, setup_from_dict
 from lrp_jupyter.errors import BridgeError
-
-if TYPE_CHECKING:
-    from lrp_jupyter.bridges.ros.bridge import RosBridge
 
 __all__ = ["Wiring"]
 
@@ -36,9 +33,10 @@ class Wiring:
         The file in which every change is kept; empty: none.
     """
 
-    def __init__(self, bridge: RosBridge) -> None:
+    def __init__(self, offer: Callable[[Channel], None], withdraw: Callable[[str], None]) -> None:
         self.path = ""
-        self._bridge = bridge
+        self.link: TopicLink | None = None
+        self._offer, self._withdraw = offer, withdraw
         self._changing = threading.RLock()
         self._channels: dict[str, Channel] = {}
 
@@ -60,7 +58,7 @@ class Wiring:
             It cannot be; what was there before stays.
         """
         before, channel = self._put(wire)
-        link = self._bridge.link
+        link = self.link
         if patience and link is not None and link.connected:
             channel.settled.wait(patience)
             if channel.problem and channel.handle is None and link.connected:
@@ -120,13 +118,32 @@ class Wiring:
         save_setup(path, [channel.wire for channel in self.channels])
         self.path = os.fspath(path)
 
-    def renew(self, link: Link) -> None:
+    def renew(self, link: TopicLink) -> None:
         """Begin anew, with channels on which nothing has arrived yet, for another link."""
         with self._changing:
+            self.link = link
             self._channels = {wire.variable: Channel(wire) for wire in [c.wire for c in self.channels]}
             for channel in self.channels:
-                self._bridge.offer(channel)
+                self._offer(channel)
                 link.add(channel)
+
+    def close(self) -> None:
+        """End all connections; the channels stay set up."""
+        link, self.link = self.link, None
+        if link is not None:
+            link.close()
+
+    def stand_still(self, channel: Channel) -> None:
+        """Publish a velocity of zero on a channel, if it carries velocities.
+
+        Raises
+        ------
+        BridgeError
+            It could not be sent.
+        """
+        link = self.link
+        if link is not None and channel.message is not None and channel.is_velocity:
+            link.send(channel, channel.message().as_dict(), urgent=True)
 
     def settle(self, patience: float) -> None:
         """Wait until the robot has answered for every channel, so many seconds at most."""
@@ -138,18 +155,18 @@ class Wiring:
         """Offer a channel whose type has become known. On the link's thread."""
         with self._changing:
             if self._channels.get(channel.wire.variable) is channel:
-                self._bridge.offer(channel)
+                self._offer(channel)
 
     def _put(self, wire: Wire) -> tuple[Wire | None, Channel]:
         """Note a connection that shall be; give what was there before."""
-        link = self._bridge.link
+        link = self.link
         with self._changing:
             old = self._channels.get(wire.variable)
             if old is not None and old.wire == wire and not old.problem:
                 return old.wire, old
             channel = Channel(wire)
             if link is not None:
-                self._bridge.offer(channel)  # first: it may find that the name cannot be
+                self._offer(channel)  # first: it may find that the name cannot be
             if old is not None:
                 self._let_go(old, channel)
             self._channels[wire.variable] = channel
@@ -158,15 +175,15 @@ class Wiring:
             return old.wire if old is not None else None, channel
 
     def _let_go(self, channel: Channel, successor: Channel | None = None) -> None:
-        link = self._bridge.link
+        link = self.link
         if link is None:
             return
         if channel.has_moved:
             with contextlib.suppress(BridgeError):  # it is lost: nobody can stop it here
-                self._bridge.stand_still(channel)
+                self.stand_still(channel)
         link.drop(channel)
-        if successor is None and channel.wire.variable in self._bridge.nodes.table:
-            self._bridge.remove_member(channel.wire.variable)
+        if successor is None:
+            self._withdraw(channel.wire.variable)
 
     def _store(self) -> None:
         if self.path:

@@ -82,18 +82,18 @@ def test_a_place_in_the_reply_equals_that_of_ev3_dc(ev3_dc_functions: ModuleType
 
 
 REPLIES = st.lists(
-    st.builds(protocol.Reply, st.integers(0, 0xFFFF), st.booleans(), st.binary(max_size=60)), max_size=5
+    st.builds(protocol.BrickReply, st.integers(0, 0xFFFF), st.booleans(), st.binary(max_size=60)), max_size=5
 )
 
 
-def written(reply: protocol.Reply) -> bytes:
+def written(reply: protocol.BrickReply) -> bytes:
     kind = 2 if reply.ok else 4
     return struct.pack("<HHB", 3 + len(reply.data), reply.counter, kind) + reply.data
 
 
 @given(REPLIES, st.lists(st.integers(1, 9), min_size=1))
 def test_replies_are_the_same_however_the_network_cuts_them(
-    replies: list[protocol.Reply], cuts: list[int]
+    replies: list[protocol.BrickReply], cuts: list[int]
 ) -> None:
     stream, rest, found = b"".join(map(written, replies)), b"", []
     for turn in range(len(stream)):
@@ -105,7 +105,7 @@ def test_replies_are_the_same_however_the_network_cuts_them(
 
 
 def test_half_a_reply_is_kept_for_later() -> None:
-    data = written(protocol.Reply(7, True, b"abcd"))
+    data = written(protocol.BrickReply(7, True, b"abcd"))
     assert protocol.split_replies(data[:6]) == ([], data[:6])
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from lrp_jupyter.bridges.bridge import Connection
+from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge, rosbridge, websocket
 from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.live.session import Session
@@ -70,7 +70,7 @@ def test_without_a_server_opening_fails_at_once_and_says_how_to_start_one() -> N
         ):
             ros.open()
     assert time.monotonic() - began < 1.0
-    assert ros.status.state is Connection.DISCONNECTED
+    assert ros.status.state is ConnectionState.DISCONNECTED
     assert ros.members() == ()
 
 
@@ -166,7 +166,7 @@ def test_a_lost_server_refuses_readings_and_commands_in_a_sentence(
     until(lambda: driver.describe("odom").age is not None)
     wire.target = 1
     wire.cut()
-    until(lambda: driver.status.state is Connection.LOST)
+    until(lambda: driver.status.state is ConnectionState.LOST)
     until(lambda: "rosbridge server" in fails(driver, "odom"))
     assert "`robot.move` was not sent: " in fails(driver, "move", linear=0.2)
 
@@ -179,11 +179,11 @@ def test_after_a_reconnect_subscriptions_are_back_and_the_values_new(
     wire.cut()
     until(lambda: len(graph.listeners) == 0)
     until(lambda: len(graph.listeners) == 1)
-    until(lambda: driver.status.state is Connection.WAITING)
+    until(lambda: driver.status.state is ConnectionState.WAITING)
     with pytest.raises(NoDataYet):
         _ = driver.robot.odom  # what arrived before the loss is no reading any more
     graph.say("/odom", **ODOM)
-    until(lambda: driver.status.state is Connection.CONNECTED)
+    until(lambda: driver.status.state is ConnectionState.CONNECTED)
     assert driver.robot.odom.x == 1.0
 
 
@@ -194,7 +194,7 @@ def test_nothing_that_was_commanded_without_a_connection_is_sent_later(
     until(lambda: commands(graph) == [0.1])
     port, wire.target = wire.target, 1
     wire.cut()
-    until(lambda: driver.status.state is Connection.LOST)
+    until(lambda: driver.status.state is ConnectionState.LOST)
     for _ in range(5):
         assert fails(driver, "move", linear=0.9)
     wire.target = port
@@ -209,7 +209,7 @@ def test_a_robot_that_never_moved_is_not_told_to_stop_after_a_reconnect(
     wire.cut()
     until(lambda: len(graph.listeners) == 0)
     until(lambda: len(graph.listeners) == 1 and graph.advertised)
-    until(lambda: driver.status.state is Connection.WAITING)
+    until(lambda: driver.status.state is ConnectionState.WAITING)
     assert commands(graph) == []
 
 
@@ -221,14 +221,14 @@ def test_a_server_that_hangs_gets_no_pile_of_commands(
     until(lambda: commands(graph) == [0.1])
     wire.hold()
     sent, end, tick = 0, time.monotonic() + 2.0, threading.Event()
-    while time.monotonic() < end and driver.status.state is not Connection.LOST:
+    while time.monotonic() < end and driver.status.state is not ConnectionState.LOST:
         sent += not fails(driver, "move", linear=0.9)
         tick.wait(0.05)
     assert sent < 22  # those of the first moment, before anybody could know
-    assert driver.status.state is Connection.LOST
+    assert driver.status.state is ConnectionState.LOST
     before = len(commands(graph))
     wire.release()
-    until(lambda: driver.status.state is not Connection.LOST)
+    until(lambda: driver.status.state is not ConnectionState.LOST)
     until(lambda: commands(graph)[-1:] == [0.0])
     assert len(commands(graph)) - before <= sent + 3
 
@@ -239,9 +239,9 @@ def test_half_a_frame_is_a_loss_and_the_bridge_comes_back(
 ) -> None:
     wire.hold_after(20)
     graph.say("/odom", **ODOM)
-    until(lambda: driver.status.state is Connection.LOST, 6)
+    until(lambda: driver.status.state is ConnectionState.LOST, 6)
     wire.cut()
-    until(lambda: driver.status.state is Connection.WAITING, 6)
+    until(lambda: driver.status.state is ConnectionState.WAITING, 6)
     graph.say("/odom", **ODOM)
     until(lambda: not fails(driver, "odom") and driver.describe("odom").age is not None)
 
@@ -257,7 +257,7 @@ def test_the_loop_keeps_its_rate_while_the_server_is_gone(
         until(lambda: 0.2 in commands(graph))
         wire.target = 1
         wire.cut()
-        until(lambda: driver.status.state is Connection.LOST)
+        until(lambda: driver.status.state is ConnectionState.LOST)
         first, began = session.frame.tick, time.monotonic()
         until(lambda: session.frame.tick >= first + 50)
         assert time.monotonic() - began < 2.0
@@ -274,9 +274,9 @@ def test_a_server_whose_master_dies_is_lost_until_the_master_is_back(
     ros.subscribe("odom", "/odom")
     graph.master_is_alive = False
     until(lambda: "its ROS master does not" in ros.status.sentence)
-    assert ros.status.state is Connection.LOST
+    assert ros.status.state is ConnectionState.LOST
     graph.master_is_alive = True
-    until(lambda: ros.status.state is Connection.WAITING)
+    until(lambda: ros.status.state is ConnectionState.WAITING)
     graph.say("/odom", **ODOM)
     until(lambda: ros.describe("odom").age is not None)
     assert ros.robot.odom.y == 2.0

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from lrp_jupyter.bridges.bridge import Connection
+from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.live.session import Session
@@ -255,7 +255,7 @@ def test_a_master_that_dies_stops_the_robot_and_does_not_slow_the_loop(
     try:
         until(lambda: ros.safety.command_count > 10, 10)
         real.kill_master()
-        until(lambda: ros.status.state is Connection.LOST, 10)
+        until(lambda: ros.status.state is ConnectionState.LOST, 10)
         with pytest.raises(BridgeError, match="master"):
             _ = ros.robot.text
         until(lambda: any("was not sent" in issue.message for issue in session.issues), 5)
@@ -267,7 +267,7 @@ def test_a_master_that_dies_stops_the_robot_and_does_not_slow_the_loop(
         real.start_master()
         chatter(real, "after")
         until(lambda: getattr(reading(ros, "text"), "data", "") == "after", 20)
-        until(lambda: ros.status.state is Connection.CONNECTED, 5)
+        until(lambda: ros.status.state is ConnectionState.CONNECTED, 5)
         lines = echo(real, until, "/cmd_vel")
         until(lambda: (0.2, 0.0) in velocities(lines), 10)
         assert len(real.subscribers("/chatter")) == 1
@@ -288,7 +288,7 @@ def test_a_rosbridge_server_that_dies_and_comes_back_gets_no_old_commands(
     ros.robot.move(linear=0.1)
     until(lambda: velocities(lines), 10)
     real.kill_rosbridge()
-    until(lambda: ros.status.state is Connection.LOST, 10)
+    until(lambda: ros.status.state is ConnectionState.LOST, 10)
     for _ in range(5):
         with pytest.raises(BridgeError):
             ros.robot.move(linear=0.9)
@@ -306,7 +306,7 @@ def test_a_master_that_hangs_is_lost_too(real: Any, connect: Connect, until: Any
     ros.subscribe("text", "/chatter", "std_msgs/String")
     real.signal_master(signal.SIGSTOP)
     try:
-        until(lambda: ros.status.state is Connection.LOST, 12)
+        until(lambda: ros.status.state is ConnectionState.LOST, 12)
         with pytest.raises(BridgeError, match=r"master|answer"):
             _ = ros.robot.text
     finally:
@@ -322,7 +322,7 @@ def test_without_a_master_rospy_does_not_open_and_says_so(real: Any) -> None:
     with pytest.raises(BridgeError, match="No ROS master answers"):
         ros.open()
     assert time.monotonic() - began < 3.0
-    assert ros.status.state is Connection.DISCONNECTED
+    assert ros.status.state is ConnectionState.DISCONNECTED
 
 
 def test_one_process_has_one_node(real: Any) -> None:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lrp_jupyter.bridges.bridge import Connection
+from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.bridges.ros.setup import Wire, setup_as_dict, setup_from_dict
@@ -159,7 +159,7 @@ def test_the_type_of_a_live_topic_is_filled_in(ros: RosBridge) -> None:
 def test_a_topic_that_does_not_exist_yet_is_waited_for(ros: RosBridge, graph: Any, until: Any) -> None:
     ros.subscribe("far", "/far")
     ros.publish("horn", "/horn")
-    assert ros.status.state is Connection.WAITING
+    assert ros.status.state is ConnectionState.WAITING
     with pytest.raises(NoDataYet):
         _ = ros.robot.far
     with pytest.raises(BridgeError, match="`/horn` does not exist yet"):

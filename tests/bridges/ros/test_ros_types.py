@@ -23,7 +23,7 @@ from lrp_jupyter.bridges.ros.definitions import (
     from_rosapi,
     parse_field,
 )
-from lrp_jupyter.bridges.ros.gist import gist
+from lrp_jupyter.bridges.ros.panel import gist
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import BridgeError
 

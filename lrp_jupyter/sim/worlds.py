@@ -11,10 +11,10 @@ from pathlib import Path
 from lrp_jupyter.sim.reading import did_you_mean, read_file, read_world
 from lrp_jupyter.sim.world import (
     ArcStroke,
-    Box,
+    BoxSolid,
     BoxZone,
     CircleZone,
-    Disc,
+    DiscSolid,
     Floor,
     PathStroke,
     RobotSpec,
@@ -54,8 +54,8 @@ def _line() -> World:
         size=(right + 0.4, 1.3),
         floor=Floor(strokes=strokes),
         solids=(
-            Box((left - 0.03, level, 0.06, 0.3), name="near wall"),
-            Box((right + 0.03, level, 0.06, 0.3), name="far wall"),
+            BoxSolid((left - 0.03, level, 0.06, 0.3), name="near wall"),
+            BoxSolid((right + 0.03, level, 0.06, 0.3), name="far wall"),
         ),
         robots=(RobotSpec((left + 0.3, level, 0)),),
         zones={"near": CircleZone((left, level, 0.25)), "far": CircleZone((right, level, 0.25))},
@@ -102,11 +102,11 @@ def _maze() -> World:
         y = height - row * cell / 2
         for column in range(0, len(text), 3):
             if row % 2 and 0 < column < len(text) - 1 and text[column] == "|":
-                solids.append(Box((column / 3 * cell, y, thick, cell + thick)))
+                solids.append(BoxSolid((column / 3 * cell, y, thick, cell + thick)))
         if row % 2 == 0:
             for run in re.finditer(r"--(?:[+]--)*", text):
                 first, last = (run.start() - 1) / 3, run.end() / 3
-                solids.append(Box(((first + last) / 2 * cell, y, (last - first) * cell + thick, thick)))
+                solids.append(BoxSolid(((first + last) / 2 * cell, y, (last - first) * cell + thick, thick)))
     robot = RobotSpec((cell / 2, height - cell / 2, 0), distance=_AROUND)
     zones = {"goal": CircleZone((width - cell / 2, cell / 2, 0.2))}
     return World(name="maze", size=(width, height), solids=tuple(solids), robots=(robot,), zones=zones)
@@ -130,10 +130,10 @@ def _arena() -> World:
 def _boxes() -> World:
     """Put boxes and a can into a room."""
     solids = (
-        Box((1.2, 1, 0.2, 0.2), push=0.3, name="box"),
-        Box((0.9, 1.6, 0.15, 0.15), angle=0.5, push=0.3, name="light box"),
-        Disc((1.5, 0.4, 0.1), push=0.2, name="can"),
-        Box((2.6, 1.7, 0.3, 0.3), name="fixed box"),
+        BoxSolid((1.2, 1, 0.2, 0.2), push=0.3, name="box"),
+        BoxSolid((0.9, 1.6, 0.15, 0.15), angle=0.5, push=0.3, name="light box"),
+        DiscSolid((1.5, 0.4, 0.1), push=0.2, name="can"),
+        BoxSolid((2.6, 1.7, 0.3, 0.3), name="fixed box"),
     )
     zones = {"goal": CircleZone((2.4, 1, 0.25))}
     return World(name="boxes", size=(3, 2), solids=solids, robots=(RobotSpec((0.5, 1, 0)),), zones=zones)
@@ -142,10 +142,10 @@ def _boxes() -> World:
 def _walls() -> World:
     """Put walls into a room."""
     solids = (
-        Box((1.6, 1, 1.2, 0.08), name="wall"),
-        Box((2.16, 1.3, 0.08, 0.6), name="end of the wall"),
-        Disc((0.6, 1.5, 0.12), name="pillar"),
-        Disc((2.5, 0.5, 0.12), name="other pillar"),
+        BoxSolid((1.6, 1, 1.2, 0.08), name="wall"),
+        BoxSolid((2.16, 1.3, 0.08, 0.6), name="end of the wall"),
+        DiscSolid((0.6, 1.5, 0.12), name="pillar"),
+        DiscSolid((2.5, 0.5, 0.12), name="other pillar"),
     )
     robot = RobotSpec((0.5, 0.5, 0), distance=_AROUND)
     return World(name="walls", size=(3, 2), solids=solids, robots=(robot,))

@@ -15,14 +15,14 @@ from lrp_jupyter.sim.floor import Mark
 from lrp_jupyter.sim.inputs import Input
 from lrp_jupyter.sim.robot import Memory, Motion
 
-__all__ = ["Checkpoint", "Moment", "Recording", "packed", "unpack"]
+__all__ = ["Checkpoint", "InputLog", "WorldMoment", "packed", "unpack"]
 
 CHECKPOINT_INPUTS = 20_000
 MOST_CHECKPOINTS = 1_000
 MOST_INPUTS = 250_000
 
 
-class Moment(NamedTuple):
+class WorldMoment(NamedTuple):
     """A point of a run: a step, and the number of inputs that had acted."""
 
     step: int
@@ -33,7 +33,7 @@ class Moment(NamedTuple):
 class Checkpoint:
     """Everything that changes in a run, at one moment of it, and the inputs since then."""
 
-    moment: Moment
+    moment: WorldMoment
     base: int  # step of the start or last reset
     robots: list[tuple[Motion, Memory]]
     solids: list[Motion]
@@ -50,7 +50,7 @@ class Checkpoint:
         return self.moment.step > step or self.moment.inputs > inputs
 
 
-class Recording:
+class InputLog:
     """The checkpoints of a run in their order, each with the inputs up to the next."""
 
     def __init__(self) -> None:

@@ -8,7 +8,17 @@ from html import escape
 from lrp_jupyter.sim.robot import BAR, BAR_HALF, WHEELBASE, SimRobot
 from lrp_jupyter.sim.sensors import light_spots
 from lrp_jupyter.sim.simulation import Simulation
-from lrp_jupyter.sim.world import ArcStroke, Box, BoxZone, CircleStroke, Point, Solid, Stroke, World, Zone
+from lrp_jupyter.sim.world import (
+    ArcStroke,
+    BoxSolid,
+    BoxZone,
+    CircleStroke,
+    Point,
+    Solid,
+    Stroke,
+    World,
+    Zone,
+)
 
 __all__ = ["svg"]
 
@@ -185,7 +195,7 @@ def _solid(solid: Solid) -> str:
     fill, edge = ("#646d77", "#4b525a") if solid.push is None else ("#d9a566", "#8a5a1f")
     look = f'fill="{fill}" stroke="{edge}" stroke-width="0.008"'
     turn = f" rotate({_n(math.degrees(solid.angle))})" if solid.angle else ""
-    if not isinstance(solid, Box):
+    if not isinstance(solid, BoxSolid):
         x, y, radius = solid.circle
         return f'<circle cx="{_n(x)}" cy="{_n(y)}" r="{_n(radius - 0.004)}" {look}/>'
     x, y, width, height = solid.box
