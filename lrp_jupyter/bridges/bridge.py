@@ -1,4 +1,4 @@
-"""The abstract bridge: what connects the ``robot`` of a program to a robot.
+"""The abstract bridge, which connects the ``robot`` of a program to a robot.
 
 A bridge for a robot of one's own needs one method::
 
@@ -18,7 +18,7 @@ A bridge for a robot of one's own needs one method::
 
 Two sides meet in the class. The author of a bridge overrides `open_interface` and, where wanted,
 `close_interface`, `stop`, `sense`, `act`, `on_start`, `on_pause`, `on_resume`, `answer`, `press`,
-`panel`. A session calls, on the interpreter's thread unless said otherwise::
+`panel`. A session calls, on the interpreter's thread unless stated otherwise::
 
     bridge.open()                          # once
     bridge.on_start()                      # the program starts
@@ -37,7 +37,7 @@ a bridge does it once.
 
 Paper: §7.3.
 Deviation: §7.3 generates a temporary class for ``robot``; here ``robot`` is one stable object that
-looks its members up, so that members can come and go while a program holds it.
+looks up its members, so that members can come and go while a program holds it.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ __all__ = [
 
 
 class ConnectionState(StrEnum):
-    """How a bridge stands to its robot."""
+    """The state of the connection between a bridge and its robot."""
 
     DISCONNECTED = "disconnected"
     CONNECTING = "connecting"
@@ -87,7 +87,7 @@ class ConnectionState(StrEnum):
 
 @dataclass(frozen=True, slots=True)
 class BridgeStatus:
-    """The state of the connection, and a sentence for the person."""
+    """The state of the connection, with a sentence for the user."""
 
     state: ConnectionState
     sentence: str
@@ -108,7 +108,7 @@ class Bridge(Interface, ABC):
         Name under which the bridge is chosen; the name of the class where it is not given.
     hardware : bool
         Whether something real moves. Hardware opens disarmed: commands are recorded and shown, and
-        sent after `arm`. A bridge is hardware unless it says that it is not.
+        sent after `arm`. A bridge is hardware unless its class sets this to False.
     time_step : float or None
         For a bridge with a world of its own: the seconds of one step of it. Its time passes in
         `advance` only. None where time passes by itself.
@@ -128,11 +128,11 @@ class Bridge(Interface, ABC):
         if not cls.__dict__.get("name"):
             cls.name = cls.__name__.removesuffix("Bridge").lower() or cls.__name__.lower()
         if cls.name in ("none", "sim") and not cls.__module__.startswith("lrp_jupyter."):
-            raise BridgeError(f"The name `{cls.name}` is taken; give `{cls.__name__}` another `name`.")
+            raise BridgeError(f"The name `{cls.name}` is taken: give `{cls.__name__}` another `name`.")
         Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
 
     def __new__(cls, *_args: object, **_options: object) -> Self:
-        """Begin closed; here, as many an ``__init__`` forgets the one above it."""
+        """Create a closed bridge; in ``__new__``, because subclasses forget ``super().__init__()``."""
         bridge = super().__new__(cls)
         bridge._ticks = 0
         bridge._status = BridgeStatus(ConnectionState.DISCONNECTED, f"`{cls.name}` is not open.")
@@ -149,19 +149,19 @@ class Bridge(Interface, ABC):
 
     @abstractmethod
     def open_interface(self) -> Panel | None:
-        """Connect and add the members; give the panel, if there is one.
+        """Connect and add the members; return the panel, if there is one.
 
-        In bounded time, and without waiting for a person: a bridge that needs an answer gives a
+        In bounded time, and without waiting for a person: a bridge that needs an answer returns a
         panel with a question, sets its status and connects in `answer`.
 
         Raises
         ------
         BridgeError
-            The robot cannot be reached; the sentence says what to do.
+            The robot cannot be reached; the message contains what to do.
         """
 
     def close_interface(self) -> None:
-        """Let the connection go; the robot was stopped before."""
+        """Close the connection; the robot was stopped before."""
 
     def sense(self, now: float) -> None:
         """Before a tick: fetch what the readings of this tick are taken from, if that is of use."""
@@ -170,25 +170,25 @@ class Bridge(Interface, ABC):
         """After a tick: send what was collected, if commands are not sent at once."""
 
     def on_start(self) -> None:
-        """Follow the program: it starts, or starts anew."""
+        """React to the start, or restart, of the program."""
 
     def on_pause(self) -> None:
-        """Follow the program: it pauses, its ``onpause`` actions are done. Unless overridden: `stop_all`."""
+        """React to a pause, after the ``onpause`` actions. Default: `stop_all`."""
         self.stop_all()
 
     def on_resume(self) -> None:
-        """Follow the program: it goes on. Nothing commanded before the pause is sent again."""
+        """React to the end of a pause. Nothing commanded before the pause is sent again."""
 
     def panel(self) -> Panel | None:
-        """Give the panel as it is now; unless overridden: as it was when the bridge was opened."""
+        """Return the current panel. Default: the panel that `open_interface` returned."""
         return self._opened_panel
 
     def answer(self, key: str, value: str) -> None:
-        """Take the answer to a question of the panel; on the command line ``--<key> VALUE``."""
-        raise BridgeError(f"The bridge `{self.name}` asks no `{key}`.")
+        """Apply the answer to a question of the panel; on the command line ``--<key> VALUE``."""
+        raise BridgeError(f"The bridge `{self.name}` has no question `{key}`.")
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
-        """Do what a button of the panel says; ``"stop"`` stops the robot, on any thread.
+        """Run the action of a button of the panel; ``"stop"`` stops the robot, on any thread.
 
         Parameters
         ----------
@@ -209,19 +209,19 @@ class Bridge(Interface, ABC):
         return None
 
     def advance(self, seconds: float) -> None:
-        """Let the bridge's own world pass `seconds` (whole steps of `time_step`)."""
+        """Advance the bridge's own world by `seconds`, whole steps of `time_step`."""
 
     def moment(self) -> object:
-        """Name this moment of the bridge's own world, for `rewind`."""
+        """Return a token for the present moment of the bridge's own world, for `rewind`."""
         return None
 
     def rewind(self, moment: object) -> None:
-        """Bring the bridge's own world back to an earlier moment.
+        """Rewind the bridge's own world to an earlier moment.
 
         Raises
         ------
         BridgeError
-            Something real is armed: the past of a robot cannot be had again.
+            Something real is armed: the past of a robot cannot be restored.
         """
         if self.hardware and self.safety.armed:
             raise BridgeError(f"`{self.name}` is armed: a real robot cannot step back. Disarm it first.")
@@ -234,7 +234,7 @@ class Bridge(Interface, ABC):
         return self._status
 
     def set_status(self, state: ConnectionState | str, sentence: str = "") -> None:
-        """Say how the bridge stands to its robot; for authors of bridges, from any thread."""
+        """Set the state of the connection; for authors of bridges, from any thread."""
         connection = ConnectionState(state)
         self._status = BridgeStatus(connection, sentence or f"`{self.name}` is {connection.value}.")
 
@@ -244,12 +244,12 @@ class Bridge(Interface, ABC):
         return self._is_open
 
     def open(self) -> Panel | None:
-        """Open the interface, once; give the panel.
+        """Open the interface, once; return the panel.
 
         Raises
         ------
         BridgeError
-            The robot cannot be reached; whatever else `open_interface` raised is its cause.
+            The robot cannot be reached; any other error of `open_interface` is its cause.
         """
         if self._is_open:
             return self.panel()
@@ -268,15 +268,15 @@ class Bridge(Interface, ABC):
         return self._opened_panel
 
     def close(self) -> None:
-        """Stop the robot, then let the connection go; doing it twice does nothing. Never raises."""
+        """Stop the robot, then close the connection; idempotent. Never raises."""
         if not self._is_open:
             return
         self.stop_all()
         self._is_open = False
         try:
             self.close_interface()
-        except Exception as error:  # closing goes on: nobody could do anything about it
-            self.safety.notice("fault", f"closing `{self.name}`: {type(error).__name__}: {error}")
+        except Exception as error:  # closing goes on: no caller could do anything about it
+            self.safety.notice("fault", f"Closing `{self.name}` failed: {type(error).__name__}: {error}.")
         self.nodes.clear()
         self.safety.rest()
         self.set_status(ConnectionState.DISCONNECTED, f"`{self.name}` is closed.")

@@ -1,4 +1,4 @@
-"""What every bridge has to keep: tests that whoever writes a bridge runs on it.
+"""The conformance tests: rules of every bridge, to be run by the author of a new one.
 
 In a notebook::
 
@@ -46,27 +46,27 @@ __all__ = ["BridgeConformance", "ConformanceError", "ConformanceReport", "Outcom
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """One check: what it is about, and what is wrong (empty if nothing)."""
+    """The result of one check; `problem` is empty if it passed."""
 
     check: str
     problem: str = ""
 
     @property
     def passed(self) -> bool:
-        """Whether the bridge keeps it."""
+        """Whether the check passed."""
         return not self.problem
 
 
 @dataclass(frozen=True, slots=True)
 class ConformanceReport:
-    """What `check_bridge` found; printed, it is a list to read."""
+    """The outcomes of `check_bridge`; its text is a readable list."""
 
     bridge: str
     outcomes: tuple[Outcome, ...]
 
     @property
     def passed(self) -> bool:
-        """Whether the bridge keeps everything."""
+        """Whether all checks passed."""
         return all(outcome.passed for outcome in self.outcomes)
 
     @property
@@ -90,7 +90,7 @@ class ConformanceReport:
 
 
 class BridgeConformance:
-    """The checks; a subclass says with `make_bridge` which bridge they are for.
+    """The checks; a subclass defines with `make_bridge` which bridge they are for.
 
     Attributes
     ----------
@@ -102,8 +102,8 @@ class BridgeConformance:
     answer_within: ClassVar[float] = 1.5
 
     def make_bridge(self) -> Bridge:
-        """Give the bridge to check, not open; called anew for each check."""
-        raise NotImplementedError("a subclass says with `make_bridge` which bridge is checked")
+        """Return a new bridge to check, not open; called for each check."""
+        raise NotImplementedError("A subclass defines with `make_bridge` which bridge is checked.")
 
     # -- opening and closing ----------------------------------------------------------------------
 
@@ -125,7 +125,7 @@ class BridgeConformance:
             require(bridge.is_open, "it is not open after `open`")
 
     def test_status_is_said_in_a_sentence(self) -> None:
-        """Its status is one of the known words, with a sentence, whether open or not."""
+        """Its status is one of the known states, with a sentence, whether open or not."""
         bridge = self.make_bridge()
         self._check_status(bridge)
         with self._opened(bridge):
@@ -134,7 +134,7 @@ class BridgeConformance:
         require(bridge.status.state is ConnectionState.DISCONNECTED, "a closed bridge is disconnected")
 
     def test_close_stops_first_and_once(self) -> None:
-        """Closing stops the robot before it lets the connection go; a second time does nothing."""
+        """Closing stops the robot before it closes the connection; a second time does nothing."""
         bridge = self.make_bridge()
         with self._opened(bridge):
             calls = spy(bridge, "stop", "stop_all", "close_interface")
@@ -226,7 +226,7 @@ class BridgeConformance:
             except Exception as error:
                 raise ConformanceError(f"an unknown member raises {type(error).__name__}: {error}") from error
             else:
-                raise ConformanceError("an unknown member is no error")
+                raise ConformanceError("an unknown member raises no error")
             for name in [*dir(bridge.robot), "no_such_member"]:
                 try:
                     setattr(bridge.robot, name, 0)
@@ -237,7 +237,7 @@ class BridgeConformance:
     # -- safety -----------------------------------------------------------------------------------
 
     def test_hardware_opens_disarmed(self) -> None:
-        """Hardware is disarmed until somebody arms it."""
+        """Hardware is disarmed until a person arms it."""
         with self._opened() as bridge:
             require(not (bridge.hardware and bridge.safety.armed), "opening armed it")
 
@@ -290,7 +290,7 @@ class BridgeConformance:
                 calls = spy(bridge, "stop")
                 took = within(self.answer_within, "stop_all", bridge.stop_all)
                 notices = bridge.safety.notices
-                why = notices[-1].text if notices else "`stop_all` gave False"
+                why = notices[-1].text if notices else "`stop_all` returned False"
                 require(took is not False, why)
                 overridden = type(bridge).stop_all is not Bridge.stop_all
                 require(bool(calls) or overridden, "`stop_all` did not call `stop`")
@@ -328,7 +328,7 @@ class BridgeConformance:
                 require(bool(calls), f"`{method.path}` moved on without new commands")
 
     def test_a_hanging_loop_stops_the_robot(self) -> None:
-        """No tick for half a second: the robot is stopped, unless its world stands still with it."""
+        """No tick for half a second: the robot is stopped, unless its world stops with it."""
         with self._opened() as bridge:
             if bridge.time_step is not None:
                 return
@@ -336,7 +336,7 @@ class BridgeConformance:
             bridge.begin_tick(0.0, 0.1)
             calls = spy(bridge, "stop", "stop_all")
             require(bridge.check_watchdog(0.3) is None, "it was stopped too early")
-            require(bridge.check_watchdog(0.6) is not None, "the tick watchdog says nothing")
+            require(bridge.check_watchdog(0.6) is not None, "the tick watchdog did not report it")
             require(bool(calls), "the tick watchdog did not stop the robot")
 
     def test_ticks_are_short_and_never_raise(self) -> None:
@@ -384,12 +384,12 @@ class BridgeConformance:
 
 
 def check_bridge(bridge: Bridge | Callable[[], Bridge]) -> ConformanceReport:
-    """Run every check on a bridge and tell what was found; never raises because of the bridge.
+    """Run every check on a bridge and return a report; never raises because of the bridge.
 
     Parameters
     ----------
     bridge : Bridge, Bridge class or function that makes one
-        From a class or function each check gets a new bridge. A bridge that is given itself is
+        From a class or function each check gets a new bridge. A bridge instance is
         opened and closed by each check, and is closed in the end.
     """
     make = (lambda: bridge) if isinstance(bridge, Bridge) else bridge

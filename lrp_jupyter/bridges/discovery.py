@@ -1,11 +1,11 @@
-"""Which bridges there are, and which one is chosen.
+"""Discovery of the available bridges, and the choice among them.
 
 Packages offer bridges as entry points of the group ``lrp.bridges``; a class defined in a notebook
-is there as soon as it is defined, and wins over a package's of the same name. Looking at the list
+is there as soon as it is defined, and wins over a package's of the same name. Listing them
 imports nothing: a bridge's own libraries are loaded when it is opened.
 
 Paper: §7.3 (the interpreter finds the subclass of the abstract bridge by reflection).
-Deviation: §7.3 takes any subclass that it finds; here hardware is never chosen by itself: somebody
+Deviation: §7.3 takes any subclass that it finds; here hardware is never chosen by itself: a person
 names it, or it is the default.
 """
 
@@ -43,12 +43,12 @@ class Offer:
     source: EntryPoint | type[Bridge]
 
     def load(self) -> type[Bridge]:
-        """Give the class.
+        """Return the class.
 
         Raises
         ------
         BridgeError
-            It cannot be imported, or is no usable bridge; other bridges are not concerned.
+            It cannot be imported, or is not a usable bridge; other bridges are not affected.
         """
         if isinstance(self.source, type):
             return self.source
@@ -60,12 +60,14 @@ class Offer:
                 f" {type(error).__name__}: {error}"
             ) from error
         if not (isinstance(bridge, type) and issubclass(bridge, Bridge)):
-            raise BridgeError(f"`{self.source.value}` of the package {self.origin} is no subclass of Bridge.")
+            raise BridgeError(
+                f"`{self.source.value}` of the package {self.origin} is not a subclass of Bridge."
+            )
         return bridge
 
 
 def find_bridges() -> Mapping[str, Offer]:
-    """List every bridge that can be chosen, by name; imports none of them."""
+    """Return every bridge that can be chosen, by name; imports none of them."""
     found: dict[str, Offer] = {}
     for point in entry_points(group=GROUP):
         origin = point.dist.name if point.dist is not None else "unknown"
@@ -79,14 +81,14 @@ def find_bridges() -> Mapping[str, Offer]:
 
 
 def choose_bridge(explicit: str | None = None, default: str = "sim") -> str:
-    """Settle the name of the bridge: the one that somebody names, else the default.
+    """Return the name of the bridge to use: the explicit one, else the default.
 
     The default is the simulator for lab, magic and command line, and ``"none"`` for a session.
 
     Raises
     ------
     BridgeError
-        There is no bridge of that name; the sentence lists those that there are.
+        There is no bridge of that name; the message lists the known ones.
     """
     name = explicit or default
     known = find_bridges()
@@ -97,9 +99,9 @@ def choose_bridge(explicit: str | None = None, default: str = "sim") -> str:
 
 
 def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any) -> Bridge:
-    """Make a bridge without opening it, from a name, a class, or what is a bridge already.
+    """Create a bridge without opening it, from a name, a class or an existing bridge.
 
-    None gives the `NullBridge`.
+    None stands for the `NullBridge`.
 
     Raises
     ------
@@ -108,7 +110,7 @@ def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any
     """
     if isinstance(which, Bridge):
         if options:
-            raise BridgeError(f"The bridge `{which.name}` exists already and takes no more options.")
+            raise BridgeError(f"The bridge `{which.name}` exists already and accepts no more options.")
         return which
     if which is None:
         bridge: type[Bridge] = NullBridge
@@ -122,7 +124,7 @@ def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any
 
 
 def _as_numbers(bridge: type[Bridge], options: Mapping[str, Any]) -> dict[str, Any]:
-    """Read what was typed for an option that is a number by default."""
+    """Convert the typed text of options that are numbers by default."""
     known = inspect.signature(bridge).parameters
     read = dict(options)
     for option, value in options.items():
@@ -137,7 +139,7 @@ def _as_numbers(bridge: type[Bridge], options: Mapping[str, Any]) -> dict[str, A
 
 
 def _check_options(bridge: type[Bridge], options: Mapping[str, Any]) -> None:
-    """Say in a sentence which option is wrong, before Python says it in terms of ``__init__``."""
+    """Raise a BridgeError for a wrong option, before Python names ``__init__`` in its own."""
     known = dict(inspect.signature(bridge).parameters)
     if bridge.__init__ is object.__init__:
         known = {}
@@ -156,7 +158,7 @@ def _check_options(bridge: type[Bridge], options: Mapping[str, Any]) -> None:
 
 
 def open_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any) -> Bridge:
-    """Make a bridge and open it.
+    """Create a bridge and open it.
 
     Raises
     ------

@@ -1,7 +1,7 @@
-"""The interface of a bridge: the members that a program finds in ``robot``, and the way of its commands.
+"""The interface of a bridge: the members of ``robot``, and the path of its commands.
 
-It knows what the robot offers, what its safety allows and how it is stopped. When it is connected,
-and when a tick begins and ends, is up to the :class:`~lrp_jupyter.bridges.bridge.Bridge` on top.
+It holds the members and the safety, and stops the robot. Connecting, and the beginning and end of
+a tick, belong to the :class:`~lrp_jupyter.bridges.bridge.Bridge` on top.
 
 Paper: §7.3.
 """
@@ -40,7 +40,7 @@ class Interface:
     stop_timeout: ClassVar[float | None] = 1.0
 
     def __new__(cls, *_args: object, **_options: object) -> Self:
-        """Make the parts of every bridge; here, as many an ``__init__`` forgets the one above it."""
+        """Create the parts of every bridge; subclasses may forget ``super().__init__()``."""
         interface = super().__new__(cls)
         interface.nodes = Nodes(lambda path: Robot(interface, f"{path}."))
         interface.latch = 0
@@ -65,7 +65,7 @@ class Interface:
         type: type | str | None = None,  # noqa: A002  (what a view calls it)
         age: Callable[[], float | None] | None = None,
     ) -> None:
-        """Make a reading available as ``robot.<name>``; a second one of that name replaces the first.
+        """Register a reading as ``robot.<name>``; a second one of that name replaces the first.
 
         Parameters
         ----------
@@ -93,7 +93,7 @@ class Interface:
         velocity: bool | None = None,
         limits: Limits | None = None,
     ) -> None:
-        """Make a function available as ``robot.<name>(...)``.
+        """Register a function as ``robot.<name>(...)``.
 
         Parameters
         ----------
@@ -105,19 +105,19 @@ class Interface:
         message : Message class, optional
             ``message=Twist``: the program may fill it in any of the ways of `lrp_jupyter.bridges.message`.
         command : bool
-            Whether the robot does something: not sent while disarmed. False for a mere question.
+            Whether the robot acts: such a call is not sent while disarmed. False for a mere query.
         velocity : bool, optional
             Whether the command watchdog applies, which stops the robot if the program does not keep
-            commanding. Unless given: for ``move``.
+            commanding. Default: True for ``move``.
         limits : mapping of str to float or (float, float), optional
-            ``{"linear": 0.5}``: numbers beyond are brought back to -0.5 ... 0.5, and that is shown.
+            ``{"linear": 0.5}``: larger numbers are clamped to -0.5 ... 0.5, and that is shown.
         """
         is_velocity = name.rpartition(".")[2] == "move" if velocity is None else velocity
         text = doc or _doc_of(function)
         self.nodes.add(RobotMethod(self, name, function, text, message, command, is_velocity, limits or {}))
 
     def remove_member(self, name: str) -> None:
-        """Take a member away, or a part with all its members.
+        """Remove a member, or a part with all its members.
 
         Raises
         ------
@@ -127,7 +127,7 @@ class Interface:
         self.nodes.remove(name)
 
     def members(self) -> tuple[Member, ...]:
-        """Every member with its last reading; reads nothing, and may be called on any thread."""
+        """Return every member with its last reading, without reading; on any thread."""
         return tuple(node.describe() for node in self.nodes.members())
 
     def describe(self, path: str) -> Member:
@@ -155,22 +155,22 @@ class Interface:
     # -- commands and safety ----------------------------------------------------------------------
 
     def arm(self) -> None:
-        """From now on commands are sent."""
+        """Arm the bridge: commands are sent from now on."""
         if not self.safety.armed:
             self.safety.armed = True
-            self.safety.notice("armed", f"`{self.name}` is armed: commands move the robot")
+            self.safety.notice("armed", f"`{self.name}` is armed: commands move the robot.")
 
     def disarm(self) -> None:
-        """Stop the robot; from now on commands are recorded and shown, not sent."""
+        """Stop the robot and disarm the bridge: commands are recorded and shown, not sent."""
         if self.safety.armed:
             self.stop_all()
             self.safety.armed = False
-            self.safety.notice("disarmed", f"`{self.name}` is disarmed: commands are shown, not sent")
+            self.safety.notice("disarmed", f"`{self.name}` is disarmed: commands are shown, not sent.")
 
     def stop(self) -> None:
-        """Make the robot stand still. Called on any thread, at any time, also while disarmed.
+        """Stop the robot. Called on any thread, at any time, also while disarmed.
 
-        Unless overridden: a velocity of zero through every velocity method.
+        Default: send a velocity of zero through every velocity method.
         """
         for node in self.nodes.members():
             if isinstance(node, RobotMethod) and node.velocity:
@@ -184,7 +184,7 @@ class Interface:
         Returns
         -------
         bool
-            Whether the robot took it; if not, a notice says why.
+            Whether the robot was stopped; if not, a notice contains the reason.
         """
         self.safety.stopped()
         return self._stop_now()
@@ -193,9 +193,9 @@ class Interface:
         return self.safety.carry_out_stop(self.stop, self.stop_timeout)
 
     def send(self, method: RobotMethod, command: Message | inspect.BoundArguments) -> object:
-        """Bring a command within limits, record it and, if allowed, carry it out.
+        """Clamp a command to its limits, record it and, if allowed, perform it.
 
-        Every call of a method of the robot comes through here; give what the method gave.
+        Every call of a method of the robot comes through here; return its result.
         """
         if not method.command:
             return method.perform(command)
@@ -208,16 +208,16 @@ class Interface:
         safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited))
         if not sent:
             if safety.armed:
-                safety.notice("held", f"`{method.path}` was not sent: the robot was stopped in this tick")
+                safety.notice("held", f"`{method.path}` was not sent: the robot was stopped in this tick.")
             else:
-                safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed")
+                safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed.")
             return None
         if method.velocity:
             safety.moving(method.path, _moves(arguments))
         try:
             return method.perform(command)
         finally:
-            if safety.held:  # stopped on another thread while this was under way: the stop is the last word
+            if safety.held:  # stopped on another thread while this was being performed: the stop comes last
                 self._stop_now()
 
 

@@ -1,4 +1,4 @@
-"""What a robot offers, as plain values: for completion, hover, the card of members, inspection."""
+"""Descriptions of a robot's members as plain values, for completion, hover, member list and inspection."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ _PLAIN = (bool, int, float, str, bytes, type(None))
 
 
 class MemberError(BridgeError, AttributeError):
-    """The robot (or a message) has no member of that name, or the member cannot be assigned."""
+    """The robot (or a message) has no member of that name, or it cannot be assigned."""
 
 
 @dataclass(frozen=True, slots=True)
 class Member:
-    """One member of the robot, as a view may know it.
+    """The description of one member of the robot, for views.
 
     Attributes
     ----------
@@ -57,7 +57,7 @@ class Member:
     fields: tuple[Member, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything as JSON: a value that JSON does not know is given as a short text."""
+        """Return a JSON form; a value without one becomes a short text."""
         return {
             "name": self.name,
             "kind": self.kind,
@@ -80,13 +80,13 @@ def _json_value(value: object) -> object:
 
 
 def _public_fields(value: object, type_: object) -> dict[str, object]:
-    """Names and values of the data that an object holds; None where only the type is known."""
+    """Return names and values of an object's data; the values are None where only the type is known."""
     if value is None:
         if not isinstance(type_, type) or type_ in _PLAIN:
             return {}
         try:
             hints = typing.get_type_hints(type_)
-        except Exception:  # an annotation that cannot be resolved is no reason to describe nothing
+        except Exception:  # an annotation that cannot be resolved must not hide the others
             hints = dict(getattr(type_, "__annotations__", {}))
         return {name: None for name in hints if not name.startswith("_")}
     if isinstance(value, (*_PLAIN, type)):

@@ -27,12 +27,12 @@ __all__ = ["NUMBER", "Message", "Plain", "Twist", "Vector3", "real_number"]
 
 
 def real_number(value: object, what: str) -> float:
-    """Give `value` as a float, or say in a sentence why it is none.
+    """Return `value` as a float.
 
     Raises
     ------
     BridgeError
-        For anything but a finite real number; ``True`` is no number here.
+        `value` is not a finite real number; ``True`` does not count as one.
     """
     if type(value) is not float and (isinstance(value, bool) or not isinstance(value, numbers.Real)):
         raise BridgeError(f"`{what}` must be a number, not {value!r} ({type(value).__name__}).")
@@ -44,16 +44,16 @@ def real_number(value: object, what: str) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Plain:
-    """A kind of field that is no message.
+    """A kind of field that is not a message.
 
     Parameters
     ----------
     type : str
-        What a view calls it.
+        Its name in views.
     default : object
         The value of a field that is not set.
     check : callable
-        Takes a value and the name of the field, gives what is stored, or raises `BridgeError`.
+        Maps a value and the name of the field to what is stored, or raises `BridgeError`.
     """
 
     type: str
@@ -68,7 +68,7 @@ class Message:
     """A message with named fields, each of them plain or another message.
 
     A subclass names its fields in `FIELDS`; `WORDS` are short forms: ``{"linear": "linear.x"}``
-    lets a number stand for the nested message.
+    accepts a number in place of the nested message.
     """
 
     __slots__ = ("_fields", "_path")
@@ -156,7 +156,7 @@ class Message:
         target._assign(last, value)
 
     def as_dict(self) -> dict[str, Any]:
-        """Give the message as nested dictionaries."""
+        """Return the fields as nested dictionaries."""
         return {
             name: value if isinstance(self.FIELDS[name], Plain) else value.as_dict()
             for name, value in self._fields.items()

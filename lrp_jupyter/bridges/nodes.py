@@ -1,6 +1,6 @@
-"""What stands behind the members of a robot: readings, methods, and the tree of their names.
+"""The members of a robot: readings, methods, and the tree of their names.
 
-Owner: the interpreter's thread. Other threads may look: the table of members is never changed in
+Owner: the interpreter's thread. Other threads may read: the table of members is never changed in
 place, a new one replaces it.
 """
 
@@ -52,7 +52,7 @@ class MemberOwner(Protocol):
 class RobotVariable:
     """A reading: read at most once in a tick, so that one tick sees one world.
 
-    Owner: the interpreter's thread; others may look at `value` and `arrived`.
+    Owner: the interpreter's thread; other threads may read `value` and `arrived`.
     """
 
     __slots__ = (
@@ -87,12 +87,12 @@ class RobotVariable:
         self._failure: LRPError | None = None
 
     def read(self) -> object:
-        """Read, or give what was read before in this tick.
+        """Return the reading of this tick; the getter is called at most once in a tick.
 
         Raises
         ------
         NoDataYet
-            Nothing has arrived yet (the getter said so, or gave None).
+            Nothing has arrived yet (the getter raised it, or returned None).
         BridgeError
             The robot could not be read.
         """
@@ -125,7 +125,7 @@ class RobotVariable:
         return None if self.arrived is None else max(0.0, self._bridge.safety.now - self.arrived)
 
     def describe(self) -> Member:
-        """Give what is known, without reading."""
+        """Return the description with the last reading, without reading."""
         value, kind = self.value, self.type
         if kind is None:
             kind = "" if value is None else type(value).__name__
@@ -171,7 +171,7 @@ class RobotMethod:
         self._redirected: Callable[[Message | inspect.BoundArguments], object] | None = None
 
     def __call__(self, *args: object, **kwargs: object) -> object:
-        """Check the arguments, and send them if the bridge's safety lets them pass."""
+        """Check the arguments, and send them if the bridge's safety allows it."""
         if self.message is not None:
             return self._bridge.send(self, self._fill(self.message, args, kwargs))
         return self._bridge.send(self, self._bind(args, kwargs))
@@ -179,7 +179,7 @@ class RobotMethod:
     def __enter__(self) -> Message:
         if self.message is None:
             raise BridgeError(
-                f"`robot.{self.path}` takes no message: call it, `robot.{self.path}{self.signature}`."
+                f"`robot.{self.path}` does not take a message: call it, `robot.{self.path}{self.signature}`."
             )
         self._filling.append(self.message())
         return self._filling[-1]
@@ -193,7 +193,7 @@ class RobotMethod:
 
     def __getattr__(self, name: str) -> NoReturn:
         if name.startswith("_"):  # copy, pickle and notebooks ask for these
-            raise MemberError(f"a method of `robot` has no `{name}`.")
+            raise MemberError(f"A method of `robot` has no `{name}`.")
         path = f"robot.{self.path}"
         raise MemberError(f"`{path}` is a method and has no `{name}`; call it: `{path}{self.signature}`.")
 
@@ -212,7 +212,7 @@ class RobotMethod:
         return f"<robot.{self.path}{self.signature}>"
 
     def perform(self, command: Message | inspect.BoundArguments) -> object:
-        """Do it, past the safety (the bridge calls this); faults come as BridgeError."""
+        """Perform a command that the safety allowed; raise its faults as BridgeError."""
         if self._redirected is not None:
             return self._redirected(command)
         try:
@@ -225,11 +225,11 @@ class RobotMethod:
             raise BridgeError(f"`robot.{self.path}` failed: {_sentence(error)}") from error
 
     def redirect(self, receive: Callable[[Message | inspect.BoundArguments], object]) -> None:
-        """From now on let commands end in `receive` instead of at the robot (for tests)."""
+        """Redirect all later commands to `receive` instead of the robot (for tests)."""
         self._redirected = receive
 
     def standstill(self) -> Message | inspect.BoundArguments:
-        """Give the command that stops: a message of zeros, or 0 for every argument without default."""
+        """Return the command that stops: a message of zeros, or 0 for every argument without default."""
         if self.message is not None:
             return self.message()
         still = self._parameters.bind_partial()
@@ -268,12 +268,12 @@ class RobotMethod:
         return f"for example `robot.{self.path}({name}=0.2)`"
 
     def describe(self) -> Member:
-        """Give what is known."""
+        """Return the description."""
         fields = self.message.describe(self.path) if self.message is not None else ()
         return Member(self.path, "method", doc=self.doc, signature=self.signature, fields=fields)
 
     def clamp(self, command: Message | inspect.BoundArguments) -> tuple[str, ...]:
-        """Bring a command within the limits; give a sentence for each number that was beyond."""
+        """Clamp a command to the limits in place; return a sentence for each number that was clamped."""
         sentences = []
         for name, (low, high) in self.limits.items():
             if isinstance(command, Message):
@@ -289,7 +289,7 @@ class RobotMethod:
                 command.set(name, allowed)
             else:
                 command.arguments[name] = allowed
-            sentences.append(f"`{self.path}`: {name} {value:g} limited to {allowed:g}")
+            sentences.append(f"`{self.path}`: {name} {value:g} limited to {allowed:g}.")
         return tuple(sentences)
 
 
@@ -299,7 +299,7 @@ class Nodes:
     Parameters
     ----------
     make_part : callable
-        Gives the object that a program gets for a name with members of its own.
+        Returns the object that a program gets for a name with members of its own.
     """
 
     def __init__(self, make_part: Callable[[str], object]) -> None:
@@ -317,7 +317,7 @@ class Nodes:
         name, table = node.path, dict(self.table)
         for part in name.split("."):
             if not part.isidentifier() or keyword.iskeyword(part) or part.startswith("_"):
-                raise ValueError(f"`{name}` cannot be written after `robot.`: `{part}` is no usable name")
+                raise ValueError(f"`{name}` cannot be written after `robot.`: `{part}` is not a usable name")
         if not isinstance(table.get(name, node), (RobotVariable, RobotMethod)):
             raise ValueError(f"`{name}` has members of its own and cannot be a member itself")
         for end in [i for i, character in enumerate(name) if character == "."]:
@@ -334,7 +334,7 @@ class Nodes:
         Raises
         ------
         MemberError
-            There is none of that name.
+            There is no member of that name.
         """
         if name not in self.table:
             raise MemberError(f"There is no member `{name}` to remove.{did_you_mean(name, self.table)}")
@@ -346,11 +346,11 @@ class Nodes:
         self.table = table
 
     def clear(self) -> None:
-        """Remove everything."""
+        """Remove all members."""
         self.table = {}
 
     def members(self) -> Iterator[RobotVariable | RobotMethod]:
-        """Every member, in the order of their addition."""
+        """Iterate over the members in the order of their registration."""
         return (node for node in self.table.values() if isinstance(node, (RobotVariable, RobotMethod)))
 
     def describe(self, path: str) -> Member:
@@ -359,7 +359,7 @@ class Nodes:
         Raises
         ------
         MemberError
-            There is none of that name.
+            There is no member of that name.
         """
         node = self.table.get(path)
         if isinstance(node, (RobotVariable, RobotMethod)):

@@ -1,11 +1,11 @@
 """A bridge's panel as plain data: the lab draws it, the command line answers it.
 
-A bridge opens no window. It says what there is to see and to fill in (fields, tables), to press
-(buttons) and to answer before it can connect (questions, such as the address of the robot). What a
-person does comes back to :meth:`Bridge.press` and :meth:`Bridge.answer`, between two ticks.
+A bridge opens no window. Its panel lists what is shown and filled in (fields, tables), what is pressed
+(buttons) and what is answered before it can connect (questions, such as the address of the robot). What
+a person does is passed to :meth:`Bridge.press` and :meth:`Bridge.answer`, between two ticks.
 
 Paper: §7.1 (figures 4 and 5), §7.2 (the dialog for the address, the runstop), §7.3.
-Deviation: §7.3 lets the bridge open its windows itself; here it describes them, so that the same
+Deviation: in §7.3 the bridge opens its windows itself; here it describes them, so that the same
 bridge serves a notebook, a terminal and a test.
 """
 
@@ -20,9 +20,9 @@ __all__ = ["STOP", "Button", "Field", "Panel", "Question", "Table"]
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """Something to see (kind ``"value"``) or to fill in; what was filled in comes with each button.
+    """A value that is shown (kind ``"value"``) or an input; the inputs are sent with each button.
 
-    A text may have `choices` as well: they are offered. To take one of them presses the button `press`,
+    A text may have `choices` as well: they are offered. Choosing one of them presses the button `press`,
     with the choice as its row.
     """
 
@@ -37,7 +37,7 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Button:
-    """Something to press: comes back as ``bridge.press(key, row, values)``."""
+    """A button; pressing it calls ``bridge.press(key, row, values)``."""
 
     key: str
     label: str
@@ -49,7 +49,7 @@ STOP = Button("stop", "Stop robot")
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """Rows of texts below columns; `keys` name the rows, each row has all the `buttons`."""
+    """A table of texts; `keys` name the rows, each row has all the `buttons`."""
 
     key: str
     title: str
@@ -65,10 +65,10 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Question:
-    """Something that the bridge needs to know: comes back as ``bridge.answer(key, value)``.
+    """A question of the bridge; the answer calls ``bridge.answer(key, value)``.
 
     On the command line the key is the option: ``--host`` answers the question ``host``. In the lab the
-    answer is given with a button.
+    answer is sent with a button.
     """
 
     key: str
@@ -79,7 +79,7 @@ class Question:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """Everything that a bridge shows and asks."""
+    """All that a bridge shows and asks."""
 
     title: str
     fields: tuple[Field, ...] = ()
@@ -88,5 +88,5 @@ class Panel:
     questions: tuple[Question, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything as JSON."""
+        """Return a JSON form."""
         return dataclasses.asdict(self)

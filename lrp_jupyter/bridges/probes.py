@@ -1,4 +1,4 @@
-"""How the conformance tests look at a bridge: with limits of time, spies, and commands that are caught.
+"""Probes of the conformance tests: calls with a time limit, spies, and commands that are caught.
 
 No probe moves the robot.
 """
@@ -28,11 +28,11 @@ __all__ = [
 
 
 class ConformanceError(AssertionError):
-    """A bridge does not keep what every bridge has to keep."""
+    """A bridge violates a rule that holds for every bridge."""
 
 
 def require(holds: bool, otherwise: str) -> None:
-    """Raise a ConformanceError with a sentence where something does not hold."""
+    """Raise a ConformanceError with a sentence where a condition does not hold."""
     if not holds:
         raise ConformanceError(otherwise)
 
@@ -59,7 +59,7 @@ def within(seconds: float, what: str, function: Callable[[], Any]) -> Any:
 
 
 def spy(bridge: Bridge, *names: str) -> list[str]:
-    """Note the calls of a bridge's methods, in their order, and carry them out all the same."""
+    """Record the calls of a bridge's methods, in their order, and pass them on."""
     calls: list[str] = []
 
     def noting(name: str, function: Callable[..., Any]) -> Callable[..., Any]:
@@ -75,14 +75,14 @@ def spy(bridge: Bridge, *names: str) -> list[str]:
 
 
 def catch(method: RobotMethod) -> list[object]:
-    """Let a method's commands end here instead of at the robot; give what was sent."""
+    """Redirect a method's commands to a list; return the list."""
     sent: list[object] = []
     method.redirect(sent.append)
     return sent
 
 
 def give(bridge: Bridge, method: RobotMethod) -> None:
-    """Give a command as a program would, of zeros."""
+    """Send a command of zeros, as a program would."""
     bridge.send(method, method.standstill())
 
 
@@ -95,15 +95,15 @@ def read(variable: RobotVariable) -> object:
 
 
 def variables(bridge: Bridge) -> list[RobotVariable]:
-    """Give the variables of a bridge."""
+    """Return the variables of a bridge."""
     return [node for node in bridge.nodes.members() if isinstance(node, RobotVariable)]
 
 
 def methods(bridge: Bridge) -> list[RobotMethod]:
-    """Give the methods of a bridge."""
+    """Return the methods of a bridge."""
     return [node for node in bridge.nodes.members() if isinstance(node, RobotMethod)]
 
 
 def commands(bridge: Bridge) -> list[RobotMethod]:
-    """Give those methods of a bridge that make the robot do something."""
+    """Return those methods of a bridge that are commands."""
     return [method for method in methods(bridge) if method.command]

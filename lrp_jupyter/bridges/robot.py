@@ -1,4 +1,4 @@
-"""``robot``: the one object that a program sees of a bridge.
+"""``robot``: the only object of a bridge that a program sees.
 
 It is stable: bridges come and go, members come and go, the object stays. It offers what the bridge
 added and nothing else, so that completion and errors speak of the robot only.
@@ -89,5 +89,5 @@ class Robot:
 
 
 def attach(robot: Robot, bridge: MemberOwner) -> None:
-    """Give an existing `robot` another bridge: programs that hold the object notice nothing."""
+    """Attach an existing `robot` to another bridge; programs keep the same object."""
     object.__setattr__(robot, "_bridge", bridge)

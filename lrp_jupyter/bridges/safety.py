@@ -1,7 +1,7 @@
-"""What keeps a robot from running away: for every bridge, whoever wrote it.
+"""The safety of a bridge, the same for every bridge: arming, limits, two watchdogs.
 
-Armed or not, limits, two watchdogs. Nothing here knows a clock: times are given, in seconds of
-the session's clock, so that the same rules hold in virtual time.
+Nothing here reads a clock: times are arguments, in seconds of the session's clock, so that the same
+rules hold in virtual time.
 
 Owner: the interpreter's thread feeds it; the monitor's thread reads the times and may stop.
 Every field that both touch is one reference, replaced by one assignment; the log has a lock.
@@ -24,15 +24,15 @@ _ROUNDING = 1e-9  # s; 5 periods of 0.1 s are half a second
 
 
 def patience(period: float) -> float:
-    """Seconds without a tick, or without a velocity command, after which the robot is stopped."""
+    """Return the seconds without a tick or velocity command after which the robot is stopped."""
     return max(_SHORTEST, 3 * period)
 
 
 @dataclass(frozen=True, slots=True)
 class Notice:
-    """Something that the safety of a bridge did, and why, in a sentence.
+    """An entry of the safety log: what was done, and why.
 
-    `count` says how often it happened in a row; `now` is the last time, in seconds.
+    `count` is how often it happened in a row; `now` is the last time, in seconds.
     """
 
     kind: NoticeKind
@@ -41,7 +41,7 @@ class Notice:
     count: int = 1
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything as JSON."""
+        """Return a JSON form."""
         return {"kind": self.kind, "text": self.text, "now": self.now, "count": self.count}
 
 
@@ -56,7 +56,7 @@ class CommandRecord:
     limited: tuple[str, ...] = ()
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything as JSON; an argument that JSON does not know is given as a text."""
+        """Return a JSON form; an argument without one becomes a text."""
         arguments = {
             k: v if isinstance(v, (bool, int, float, str, dict)) else repr(v)
             for k, v in self.arguments.items()
@@ -109,7 +109,7 @@ class Safety:
             return tuple(self._commands)
 
     def notice(self, kind: NoticeKind, text: str) -> Notice:
-        """Log what was done; the same again and again is one notice that counts."""
+        """Log a notice; a repeated one increments its count."""
         with self._log_lock:
             self.notice_count += 1
             last = self._notices[-1] if self._notices else None
@@ -127,7 +127,7 @@ class Safety:
             self._commands.append(command)
 
     def tick(self, now: float, period: float) -> None:
-        """Note that a tick begins: what was held by a stop may go on."""
+        """Register the beginning of a tick: commands held by a stop are allowed again."""
         self.now, self.period = now, period
         self._last_tick = now
         self._overdue_reported = False
@@ -135,7 +135,7 @@ class Safety:
 
     @property
     def ticking(self) -> bool:
-        """Whether a loop drives the bridge; a person who drives by hand is not held by a stop."""
+        """Whether a loop drives the bridge; a person who drives by hand is not blocked by a stop."""
         return self._last_tick is not None
 
     @property
@@ -148,12 +148,12 @@ class Safety:
         self._moving_name, self._moving_since = motion
 
     def moving(self, name: str, is_moving: bool) -> None:
-        """Note a velocity command that went out."""
+        """Register a velocity command that was sent."""
         self._moving_name = name
         self._moving_since = self.now if is_moving else None
 
     def stopped(self) -> None:
-        """Note that the robot was told to stop: nothing more goes out in this tick."""
+        """Register a stop: nothing more is sent in this tick."""
         self._moving_since = None
         self.held = self.ticking
 
@@ -163,7 +163,7 @@ class Safety:
         Returns
         -------
         bool
-            Whether it ended in time and without a fault; if not, a notice says so.
+            Whether it ended in time and without a fault; if not, a notice is logged.
         """
         self._moving_since = None
         failures: list[str] = []
@@ -183,25 +183,25 @@ class Safety:
             if thread.is_alive():
                 failures.append(f"no answer for {timeout:g} s")
         if failures:
-            self.notice("fault", f"the robot may not have stopped: {failures[0]}")
+            self.notice("fault", f"The robot may not have stopped: {failures[0]}.")
         return not failures
 
     def rest(self) -> None:
-        """No ticks are expected for now: the program is paused or has ended."""
+        """Expect no ticks for now: the program is paused or has ended."""
         self._last_tick = None
         self.held = False
 
     def command_overdue(self, now: float) -> str | None:
-        """Give the sentence for a robot that moves without new commands, or None."""
+        """Return the notice for a robot that moves without new commands, or None."""
         since = self._moving_since
         if since is None or now - since < (limit := patience(self.period)) - _ROUNDING:
             return None
-        return f"no command for {limit:g} s: put `{self._moving_name}` in `running`"
+        return f"No command for {limit:g} s: put `{self._moving_name}` in `running`."
 
     def tick_overdue(self, now: float) -> str | None:
-        """Give the sentence for a loop that hangs, once for each silence, or None."""
+        """Return the notice for a loop that hangs, once for each silence, or None."""
         last, limit = self._last_tick, patience(self.period)
         if last is None or self._overdue_reported or now - last < limit - _ROUNDING:
             return None
         self._overdue_reported = True
-        return f"no tick for {now - last:.1f} s: the robot was stopped"
+        return f"No tick for {now - last:.1f} s: the robot was stopped."

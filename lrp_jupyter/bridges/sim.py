@@ -1,8 +1,8 @@
 """The simulated robot as a bridge: the default.
 
 Owner: the interpreter's thread, like that of every bridge. What a person does to the world from
-another thread (`reset_world`, `place_robot`, `place_solid`, `draw`, `erase`) is queued and acts
-between two ticks; `stop` only sets a flag. Commands act at once, and the world moves in `advance`
+another thread (`reset_world`, `place_robot`, `place_solid`, `draw`, `erase`) is queued and applied
+between two ticks; `stop` only sets a flag. Commands are applied at once, and the world moves in `advance`
 only, by whole steps of 10 ms: program and world live in one time.
 
 Paper: §3.2, §4 (the world that the line follower drives in).
@@ -30,7 +30,7 @@ __all__ = ["RobotPicture", "SimBridge", "SimPicture"]
 
 @dataclass(frozen=True, slots=True)
 class RobotPicture:
-    """What can be seen of a robot, and of its sensors when they were read last.
+    """The visible state of a robot, with its last sensor readings.
 
     Attributes
     ----------
@@ -58,7 +58,7 @@ class RobotPicture:
 
 @dataclass(frozen=True, slots=True)
 class SimPicture:
-    """The world at one moment, as far as it moves; what stands still is `SimBridge.world`.
+    """The moving part of the world at one moment; the static part is `SimBridge.world`.
 
     Attributes
     ----------
@@ -68,7 +68,7 @@ class SimPicture:
     solids : tuple of tuple
         x, y, angle of every solid.
     revision : int
-        Grows when the scene changes other than by motion and trails.
+        Increases when the world changes other than by motion and trails.
     marks : int
         Number of pieces of trails and drawings on the floor.
     """
@@ -95,15 +95,15 @@ class SimBridge(Bridge):
     world : str, path, mapping or World
         A bundled world's name, a JSON file, or a world.
     seed : int, optional
-        Of all noise; the world's own unless given.
+        Of all noise. Default: the world's own.
     noise : Noise or mapping, optional
-        Of the robot that the program drives: ``{"motor": 0.2, "light": 20}``; the world's own unless
-        given.
+        Of the robot that the program drives: ``{"motor": 0.2, "light": 20}``. Default: the
+        world's own.
 
     Raises
     ------
     BridgeError
-        There is no such world, or it has a mistake; the sentence says where.
+        There is no such world, or it has a mistake; the message names the place.
     """
 
     name = "sim"
@@ -137,7 +137,7 @@ class SimBridge(Bridge):
     # -- the robot --------------------------------------------------------------------------------
 
     def open_interface(self) -> Panel | None:
-        """Offer what the robot of this world has."""
+        """Register the members of this world's robot."""
         robot = self.simulation.robot
         spec = robot.spec
         if spec.light:
@@ -214,7 +214,7 @@ class SimBridge(Bridge):
         self.simulation.pen(bool(down))
 
     def stop(self) -> None:
-        """Let the robot stand still before the world moves on; only sets a flag."""
+        """Stop the robot before the next step of the world; only sets a flag."""
         self._stopping = True
 
     def sense(self, now: float) -> None:
@@ -231,26 +231,26 @@ class SimBridge(Bridge):
     # -- time -------------------------------------------------------------------------------------
 
     def advance(self, seconds: float) -> None:
-        """Let the world pass `seconds`, a whole number of steps."""
+        """Advance the world by `seconds`, a whole number of steps."""
         self._stop_if_asked()
         self.simulation.step(round(seconds / STEP))
 
     def moment(self) -> object:
-        """Name this moment of the world."""
+        """Return a token for the present moment of the world."""
         return _SimMoment(self.simulation, self.simulation.moment, self.safety.motion, self._stopping)
 
     def rewind(self, moment: object) -> None:
-        """Bring the world back to a moment, exactly: what follows is what followed then.
+        """Rewind the world to a moment, exactly: the same inputs give the same continuation.
 
         Raises
         ------
         BridgeError
-            It is no moment of this world, or too long ago.
+            It is not a moment of this world, or it is too long ago.
         """
         if not isinstance(moment, _SimMoment):
-            raise BridgeError(f"{moment!r} is no moment of the simulated world.")
+            raise BridgeError(f"{moment!r} is not a moment of the simulated world.")
         if moment.simulation is not self.simulation:
-            raise BridgeError("That was in another world: one cannot go back behind a change of worlds.")
+            raise BridgeError("That was in another world: a change of worlds cannot be undone by rewinding.")
         try:
             self.simulation.rewind(moment.world)
         except ValueError as error:
@@ -262,12 +262,12 @@ class SimBridge(Bridge):
 
     @property
     def world(self) -> World:
-        """The world as it was in the beginning."""
+        """The description that the world started from."""
         return self.simulation.world
 
     @property
     def picture(self) -> SimPicture:
-        """What moves, now; what a person did to the world acts first. On the interpreter's thread."""
+        """The moving part, now, with all queued inputs applied. On the interpreter's thread."""
         simulation = self.simulation
         simulation.step(0)
         robots = tuple(
@@ -287,12 +287,12 @@ class SimBridge(Bridge):
     def load_world(
         self, world: str | os.PathLike[str] | Mapping[str, object] | World, seed: int | None = None
     ) -> None:
-        """Go on in another world. On the interpreter's thread, between two ticks.
+        """Load another world. On the interpreter's thread, between two ticks.
 
         Raises
         ------
         BridgeError
-            There is no such world, or it has a mistake; the old one stays.
+            There is no such world, or it has a mistake; the old world stays.
         """
         self.simulation = self._simulate(world, seed)
         if self.is_open:
@@ -300,7 +300,7 @@ class SimBridge(Bridge):
             self.open_interface()
 
     def reset_world(self, drawings: bool = False) -> None:
-        """Put everything back to the start and erase trails; drawings too, if asked. Any thread."""
+        """Reset the world to its start and erase trails; drawings too, if `drawings`. Any thread."""
         self._submit(ResetWorld(drawings))
 
     def place_robot(self, pose: tuple[float, float, float], robot: int = 0) -> None:
@@ -309,7 +309,7 @@ class SimBridge(Bridge):
         Raises
         ------
         BridgeError
-            There is no such robot, or a number is none.
+            There is no such robot, or a number is not finite.
         """
         self._submit(PlaceRobot(pose, robot))
 
@@ -319,7 +319,7 @@ class SimBridge(Bridge):
         Raises
         ------
         BridgeError
-            There is no such solid, or a number is none.
+            There is no such solid, or a number is not finite.
         """
         self._submit(PlaceSolid(pose, solid))
 
@@ -329,7 +329,7 @@ class SimBridge(Bridge):
         Raises
         ------
         BridgeError
-            There is no point, or a number is none.
+            There is no point, or a number is not finite.
         """
         self._submit(Draw(tuple(path), width, grey))
 
@@ -339,7 +339,7 @@ class SimBridge(Bridge):
         Raises
         ------
         BridgeError
-            There is no point, or a number is none.
+            There is no point, or a number is not finite.
         """
         self._submit(Draw(tuple(path), width, None))
 

@@ -32,7 +32,7 @@ from lrp_jupyter.grading.criteria import (
 from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.sim.world import (
     ArcStroke,
-    Box,
+    BoxSolid,
     BoxZone,
     CircleZone,
     Floor,
@@ -144,7 +144,7 @@ def _square() -> World:
 
 def _wall_ahead() -> World:
     """Put a wall in the way."""
-    wall = Box((2.2, 1, 0.08, 1.2), name="wall")
+    wall = BoxSolid((2.2, 1, 0.08, 1.2), name="wall")
     return World(name="wall ahead", size=(3, 2), solids=(wall,), robots=(RobotSpec((0.5, 1, 0)),))
 
 
@@ -176,7 +176,7 @@ def _block() -> World:
     return World(
         name="block",
         size=(3, 2),
-        solids=(Box((1.5, 1, 1.2, 0.4), name="wall"),),
+        solids=(BoxSolid((1.5, 1, 1.2, 0.4), name="wall"),),
         robots=(RobotSpec((1.0, 0.5, 0), distance=((0.0, 2.0), (_QUARTER, 2.0))),),
         zones={name: CircleZone((x, y, 0.4)) for name, (x, y) in around.items()},
     )

@@ -1,7 +1,7 @@
-"""What the light sensor sees: strokes on the floor, queried analytically, point by point.
+"""The floor as light sensors see it: strokes, queried analytically, point by point.
 
 A stroke is cut into pieces (segments and arcs). Each piece is entered into the cells of a grid
-that it can touch, so that a query looks at the few pieces of one cell, however long trails and
+that it can touch, so that a query visits the few pieces of one cell, however long trails and
 drawings have become. Marks are only ever appended: the floor at an earlier moment is a prefix.
 """
 
@@ -14,14 +14,14 @@ from lrp_jupyter.sim.world import ArcStroke, CircleStroke, Floor, PathStroke, Po
 
 __all__ = ["SPOT", "LiveFloor", "Mark", "Paint"]
 
-SPOT = 0.002  # m: radius of the spot over which a light sensor takes the mean
+SPOT = 0.002  # m: radius of the spot over which a light sensor averages
 _CELL = 0.05  # m
 _REACH = _CELL * math.sqrt(0.5) + SPOT
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Paint:
-    """How the pieces of one stroke cover what lies below them.
+    """The paint of one stroke.
 
     Ink only darkens: a light trail does not rub out the line below it. Other paint covers.
     """
@@ -86,14 +86,14 @@ Mark = tuple[int, Paint, Segment]  # step, how, what
 
 
 class LiveFloor:
-    """The floor of a running world: that of its description, and what was drawn on it since.
+    """The floor of a running world: its description, and the marks drawn since.
 
     Parameters
     ----------
     floor : Floor
-        What is there from the beginning.
+        The strokes of the description.
     marks : list of Mark, optional
-        What was drawn since, oldest first; the list is taken over and appended to.
+        The marks drawn since, oldest first; the list is kept and appended to.
     """
 
     def __init__(self, floor: Floor, marks: list[Mark] | None = None) -> None:
@@ -109,7 +109,7 @@ class LiveFloor:
             self._enter(paint, piece)
 
     def add(self, stroke: PathStroke, step: int) -> None:
-        """Paint a stroke over all that is there."""
+        """Paint a stroke over everything."""
         paint = Paint(stroke.width / 2, stroke.grey, False)
         for piece in _segments(stroke.path):
             self._append(step, paint, piece)

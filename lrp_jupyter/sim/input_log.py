@@ -1,7 +1,7 @@
-"""What is recorded of a run: checkpoints, and after each of them the inputs with their steps.
+"""The log of a run: checkpoints, and after each of them the inputs with their steps.
 
-From a checkpoint and the inputs that followed it the run can be made again up to any later moment.
-The recording is bounded: the oldest checkpoints are forgotten, with their inputs.
+A checkpoint and the inputs after it reproduce the run up to any later moment. The log is bounded:
+the oldest checkpoints are dropped, with their inputs.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ MOST_INPUTS = 250_000
 
 
 class WorldMoment(NamedTuple):
-    """A point of a run: a step, and the number of inputs that had acted."""
+    """A moment of a run: a step, and the number of inputs applied before it."""
 
     step: int
     inputs: int
@@ -31,7 +31,7 @@ class WorldMoment(NamedTuple):
 
 @dataclass(slots=True)
 class Checkpoint:
-    """Everything that changes in a run, at one moment of it, and the inputs since then."""
+    """The full state of a run at one moment, and the inputs since then."""
 
     moment: WorldMoment
     base: int  # step of the start or last reset
@@ -40,11 +40,11 @@ class Checkpoint:
     random: tuple[Any, ...]
     marks: list[Mark]
     mark_count: int
-    between_inputs: bool  # made by an input, so that earlier inputs of its step belong before it
+    between_inputs: bool  # made by an input: earlier inputs of its step come before it
     inputs: list[tuple[int, Input]] = field(default_factory=list)
 
     def is_after(self, step: int, inputs: int | None) -> bool:
-        """Whether it comes later than a step (and a number of inputs; none: before all of that step)."""
+        """Return whether it is later than a step (and a number of inputs; None: all of that step)."""
         if inputs is None:
             return self.moment.step > step or (self.moment.step == step and self.between_inputs)
         return self.moment.step > step or self.moment.inputs > inputs
@@ -58,16 +58,16 @@ class InputLog:
 
     @property
     def earliest(self) -> int:
-        """The first step that can be made again."""
+        """The first step that can be reproduced."""
         return self._checkpoints[0].moment.step
 
     @property
     def wants_checkpoint(self) -> bool:
-        """Whether many inputs acted since the last checkpoint: all would have to act again."""
+        """Whether a replay from the last checkpoint would have to apply many inputs."""
         return len(self._checkpoints[-1].inputs) >= CHECKPOINT_INPUTS
 
     def add(self, checkpoint: Checkpoint) -> None:
-        """Add a checkpoint; forget the oldest where there are too many of them, or of their inputs."""
+        """Add a checkpoint; drop the oldest ones beyond the limits of checkpoints and inputs."""
         self._checkpoints.append(checkpoint)
         kept = sum(len(old.inputs) for old in self._checkpoints)
         while len(self._checkpoints) > 1 and (
@@ -75,25 +75,25 @@ class InputLog:
         ):
             kept -= len(self._checkpoints.pop(0).inputs)
 
-    def note(self, step: int, what: Input) -> None:
-        """Note that an input acts at a step."""
+    def record(self, step: int, what: Input) -> None:
+        """Record an input applied at a step."""
         self._checkpoints[-1].inputs.append((step, what))
 
     def cut(self, step: int, inputs: int | None) -> tuple[Checkpoint, list[tuple[int, Input]]]:
-        """Forget what came after a point of the run; give what it is made again from.
+        """Drop everything after a moment of the run; return what reproduces the moment.
 
         Parameters
         ----------
         step : int
         inputs : int or None
-            How many inputs had acted; None: those before this step.
+            Number of inputs applied before it; None: those before this step.
 
         Returns
         -------
         Checkpoint
-            The last one before the point.
+            The last one before the moment.
         list of (int, Input)
-            What acted between the two, to be noted again.
+            The inputs between the two, to be recorded again.
         """
         while len(self._checkpoints) > 1 and self._checkpoints[-1].is_after(step, inputs):
             self._checkpoints.pop()
@@ -106,13 +106,13 @@ class InputLog:
 
 
 def packed(random: Random) -> tuple[Any, ...]:
-    """Return the state of a generator, a tenth of its size."""
+    """Return the state of a generator, packed to a tenth of its size."""
     version, numbers, spare = random.getstate()
     return version, array("L", numbers).tobytes(), spare
 
 
 def unpack(random: Random, state: tuple[Any, ...]) -> None:
-    """Bring a generator into a state that was packed."""
+    """Restore a packed state of a generator."""
     version, numbers_of, spare = state
     numbers = array("L")
     numbers.frombytes(numbers_of)

@@ -1,4 +1,4 @@
-"""What acts on a running world from outside: values, so that a run can be recorded and run again."""
+"""The inputs of a running world: values, so that a run can be recorded and replayed."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ __all__ = ["Draw", "Drive", "Input", "Latch", "Pen", "PlaceRobot", "PlaceSolid",
 
 @dataclass(frozen=True, slots=True)
 class Latch:
-    """Read all sensors and draw this loop's noise."""
+    """Read all sensors and draw the noise of this tick."""
 
 
 @dataclass(frozen=True, slots=True)
 class Drive:
-    """Ask a robot for speeds, in m/s and rad/s; they hold until the next ones."""
+    """Command the speeds of a robot, in m/s and rad/s; they hold until the next command."""
 
     linear: float = 0.0
     angular: float = 0.0
@@ -37,7 +37,7 @@ class Pen:
 
 @dataclass(frozen=True, slots=True)
 class PlaceRobot:
-    """Take a robot by hand and put it down elsewhere, at rest."""
+    """Move a robot by hand to a pose, at rest."""
 
     pose: Pose
     robot: int = 0
@@ -45,7 +45,7 @@ class PlaceRobot:
 
 @dataclass(frozen=True, slots=True)
 class PlaceSolid:
-    """Take a solid by hand and put it down elsewhere, at rest."""
+    """Move a solid by hand to a pose, at rest."""
 
     pose: Pose
     solid: int
@@ -60,13 +60,13 @@ class Draw:
     grey: float | None = 0
 
     def stroke(self, floor_grey: float) -> PathStroke:
-        """Return what is painted."""
+        """Return the stroke to paint."""
         return PathStroke(self.path, self.width, floor_grey if self.grey is None else self.grey)
 
 
 @dataclass(frozen=True, slots=True)
 class ResetWorld:
-    """Put everything back to the start and erase trails; drawings too, if asked."""
+    """Reset the world to its start and erase trails; drawings too, if `drawings`."""
 
     drawings: bool = False
 
@@ -75,14 +75,12 @@ Input = Latch | Drive | Pen | PlaceRobot | PlaceSolid | Draw | ResetWorld
 
 
 def check_input(what: Input, world: World) -> Input:
-    """Return an input with its numbers brought into range.
-
-    Speeds are clamped to the robot's limits, places to the world.
+    """Return an input with its numbers clamped: speeds to the robot's limits, positions to the world.
 
     Raises
     ------
     ValueError
-        No such robot or solid, or a number that is none.
+        No such robot or solid, or a number that is not finite.
     """
     match what:
         case Drive(linear, angular, robot):

@@ -1,4 +1,4 @@
-"""From JSON to a world, with every mistake named by its place: ``solids[2].box: expected 4 numbers``."""
+"""Reading a world from JSON; every error names its place: ``solids[2].box: expected 4 numbers``."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from lrp_jupyter.sim.world import (
 __all__ = ["did_you_mean", "read_file", "read_world"]
 
 T = TypeVar("T")
-_FAR = 1000.0  # metres: beyond it a world is surely a mistake of units
+_FAR = 1000.0  # metres: larger worlds are surely a mistake of units
 _SMALL = 1e-4
 
 
@@ -47,7 +47,7 @@ def read_file(path: Path) -> World:
     Raises
     ------
     WorldError
-        The file cannot be read, is not JSON, or is no world.
+        The file cannot be read, is not JSON, or is not a world.
     """
     try:
         text = path.read_text(encoding="utf-8")
@@ -78,7 +78,7 @@ def read_world(value: object) -> World:
     Raises
     ------
     WorldError
-        Beginning with the place of the first mistake.
+        The message begins with the place of the first mistake.
     """
     known = ("version", "name", "size", "seed", "open", "floor", "solids", "robots", "zones")
     record = _record(value, "", known, ("version", "size", "robots"))
@@ -276,7 +276,7 @@ def _text(value: object, place: str) -> str:
 
 
 def _shown(value: object) -> str:
-    """Return a value for a message, short and in JSON's words."""
+    """Return a short text for a value, with JSON's names of types."""
     words: dict[type, str] = {
         dict: "an object",
         list: "a list",

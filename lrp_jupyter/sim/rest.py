@@ -1,4 +1,4 @@
-"""When steps of physics change nothing, so that they need not be made.
+"""Detection of a world at rest, whose steps of physics need not be made.
 
 Standing is exact here: a robot that was stopped has the velocity 0.0, not nearly so. A step is a
 function of the positions and velocities of the bodies, and of the impulses that contacts and joints
@@ -16,7 +16,7 @@ _CERTAIN = 5  # steps in a row; pymunk forgets ended contacts after 3
 
 
 class Rest:
-    """Whether a space is at rest; the contacts that its robots have meanwhile.
+    """Detects that a space is at rest, and keeps up the contacts of its robots meanwhile.
 
     Parameters
     ----------
@@ -32,13 +32,13 @@ class Rest:
         self.disturb()
 
     def disturb(self) -> None:
-        """Begin again: something may move now."""
+        """Start over: something may move now."""
         self.is_certain = False
         self._unchanged = 0
         self._motions: list[Motion] = []
 
     def observe(self, step: int) -> None:
-        """Compare the world with the one before this step, that is just made."""
+        """Compare the world with the one before this step, which was just made."""
         motions = [body.motion() for body in self._bodies]
         self._contacts = [
             (robot.memory, frozenset(robot.body.contacts), robot.memory.pressed_at == step)
@@ -55,7 +55,7 @@ class Rest:
             self.is_certain = self._unchanged >= _CERTAIN
 
     def go_on(self, step: int) -> None:
-        """Note what the robots still touch at a step that need not be made."""
+        """Record the contacts that the robots still have at a step that is not made."""
         for memory, touching, is_pressed in self._contacts:
             memory.touching |= touching
             if is_pressed:

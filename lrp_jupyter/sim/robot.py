@@ -1,11 +1,11 @@
-"""The things in a world as pymunk knows them: robots on two wheels, and solids, fixed or pushable.
+"""Robots on two wheels and solids, fixed or pushable, as pymunk bodies.
 
 Seen from above no gravity presses things to the ground. The floor brakes a pushable solid through
 two joints with bounded force, which is Coulomb's friction. It moves a robot through `_roll`, a
 `velocity_func`, which pymunk calls in every step; it is module-level, because bound ones break
 copying, and costs three times the rest of a step. A robot whose velocity it would not change, because
-it stands, turns or drives straight and touches nothing, therefore sleeps: it takes its function off
-until a command or a contact wakes it. What happens is the same, bit for bit.
+it stands, turns or drives straight and touches nothing, therefore sleeps: its function is removed
+until a command or a contact wakes it. The result is the same, bit for bit.
 """
 
 from __future__ import annotations
@@ -54,18 +54,18 @@ class Body(pymunk.Body):
     target = (0.0, 0.0)  # of wheels: m/s, rad/s
 
     def wake(self) -> None:
-        """Let the floor act on the body again."""
+        """Make the floor act on the body again."""
         if not self.awake and self.wheels is not None:
             self.awake = True
             self.velocity_func = _roll
 
     def sleep(self) -> None:
-        """Leave the body to inertia alone."""
+        """Leave the body to inertia."""
         self.awake = False
         self.velocity_func = pymunk.Body.update_velocity
 
     def motion(self) -> Motion:
-        """Return all that moves of it."""
+        """Return its position, angle and velocities."""
         return (*self.position, self.angle, *self.velocity, self.angular_velocity)
 
     @property
@@ -76,7 +76,7 @@ class Body(pymunk.Body):
         return any(x or y for x, y in impulses) or any(joint.impulse for joint in self.constraints)
 
     def move(self, motion: Motion) -> None:
-        """Set all that moves of it."""
+        """Set its position, angle and velocities."""
         x, y, angle, vx, vy, spin = motion
         self.position = (x, y)
         self.angle = angle
@@ -87,7 +87,7 @@ class Body(pymunk.Body):
 
 
 def _roll(body: pymunk.Body, gravity: Point, damping: float, dt: float) -> None:
-    """Bring a robot to the speeds asked for, as far as its wheels grip; they do not slip sideways."""
+    """Accelerate a robot to its target speeds, as far as the wheels grip; they do not slip sideways."""
     assert isinstance(body, Body)
     cos, sin = body.rotation_vector
     vx, vy = body.velocity
@@ -110,17 +110,17 @@ def _roll(body: pymunk.Body, gravity: Point, damping: float, dt: float) -> None:
 
 @dataclass(slots=True)
 class Memory:
-    """What a robot is besides its body; every field is a value, so that a copy is a snapshot."""
+    """The state of a robot besides its body; every field is a value, so that a copy is a snapshot."""
 
     odometer: Odometer
     command: tuple[float, float] = (0.0, 0.0)
     commanded_at: int = 0  # step of the last command
-    slip: tuple[float, float] = (1.0, 1.0)  # what motor noise makes of each wheel's speed, for this loop
+    slip: tuple[float, float] = (1.0, 1.0)  # factor of motor noise on each wheel's speed, in this tick
     readings: Readings = field(default_factory=Readings)
     latched_at: int = -1
     pressed_at: int = -1
     touching: frozenset[int] = frozenset()  # solids touched since the last latch; -1 is the edge
-    touched: frozenset[int] = frozenset()  # the same, of the whole loop before the last latch
+    touched: frozenset[int] = frozenset()  # the same, in the tick before the last latch
     pen: Paint | None = None
     pen_at: Point = (0.0, 0.0)
 
@@ -135,7 +135,7 @@ class SimRobot:
     Parameters
     ----------
     spec : RobotSpec
-        What it is.
+        Its description.
     index : int
         Its number in the world.
     """
@@ -148,31 +148,31 @@ class SimRobot:
         self.start()
 
     def start(self) -> None:
-        """Forget everything."""
+        """Reset the memory."""
         self.memory = Memory(Odometer(self.spec.pose))
 
     @property
     def start_motion(self) -> Motion:
-        """How it stands at the beginning."""
+        """The position and velocities at the start."""
         return (*self.spec.pose, 0.0, 0.0, 0.0)
 
     @property
     def pose(self) -> Pose:
-        """Where it really is: x, y, heading."""
+        """The true pose: x, y (metres), heading (radians)."""
         return (*self.body.position, self.body.angle)
 
     @property
     def readings(self) -> Readings:
-        """What its sensors said when they were read last."""
+        """The sensor values of the last latch."""
         return self.memory.readings
 
     @property
     def command(self) -> tuple[float, float]:
-        """The speeds asked of it, in m/s and rad/s, within its limits."""
+        """The commanded speeds, in m/s and rad/s, within its limits."""
         return self.memory.command
 
     def state(self) -> dict[str, Any]:
-        """Return what a view may know, as plain data; see ``Simulation.state``."""
+        """Return the visible state as plain data; see ``Simulation.state``."""
         readings = self.memory.readings
         return {
             "pose": list(self.pose),
@@ -186,7 +186,7 @@ class SimRobot:
         }
 
     def steer(self) -> None:
-        """Make target speeds of the command and the motor noise of this loop."""
+        """Compute the target speeds from the command and the motor noise of this tick."""
         linear, angular = self.memory.command
         left_slip, right_slip = self.memory.slip
         if left_slip != 1.0 or right_slip != 1.0:
@@ -210,7 +210,7 @@ class SimRobot:
         memory.readings = Readings(lights, int(bumped), distances, gyro, memory.odometer.pose)
 
     def embody(self, space: pymunk.Space, motion: Motion) -> None:
-        """Make a body in a new space."""
+        """Create the body in a new space."""
         radius = self.spec.radius
         self.body = Body(MASS, pymunk.moment_for_circle(MASS, 0, radius))
         self.body.wheels = self
@@ -241,24 +241,24 @@ class SimSolid:
 
     @property
     def start_motion(self) -> Motion:
-        """How it stands at the beginning."""
+        """The position and velocities at the start."""
         x, y = (self.spec.box if isinstance(self.spec, BoxSolid) else self.spec.circle)[:2]
         return (x, y, self.spec.angle, 0.0, 0.0, 0.0)
 
     @property
     def pose(self) -> Pose:
-        """Where it is: x, y, angle."""
+        """The present pose: x, y (metres), angle (radians)."""
         return (*self.body.position, self.body.angle)
 
     def here(self) -> Solid:
-        """Return its description, where it is now."""
+        """Return its description with the present pose."""
         x, y, angle = self.pose
         if isinstance(self.spec, BoxSolid):
             return replace(self.spec, box=(x, y, *self.spec.box[2:]), angle=angle)
         return replace(self.spec, circle=(x, y, self.spec.circle[2]), angle=angle)
 
     def embody(self, space: pymunk.Space, motion: Motion) -> None:
-        """Make a body in a new space."""
+        """Create the body in a new space."""
         shape: pymunk.Shape
         if isinstance(self.spec, BoxSolid):
             _, _, width, height = self.spec.box
@@ -300,7 +300,7 @@ class StepCount:
 
 
 def fresh_space(clock: StepCount) -> pymunk.Space:
-    """Return an empty space that notes contacts."""
+    """Return an empty space that records contacts."""
     space = pymunk.Space()
     space.collision_slop = 0.0005
     space.on_collision(_ROLLING, None, pre_solve=_touch)
@@ -309,7 +309,7 @@ def fresh_space(clock: StepCount) -> pymunk.Space:
 
 
 def edge(space: pymunk.Space, size: Point) -> None:
-    """Put a wall around a world, outside of it."""
+    """Add walls around a world, outside of it."""
     width, height = size
     body = Body(body_type=pymunk.Body.STATIC)
     thick = 0.1

@@ -1,4 +1,4 @@
-"""What a robot perceives in one tick: one immutable value, read once and seen by the whole tick."""
+"""The sensors of a robot: read once per tick into one immutable value."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Readings(NamedTuple):
 
 
 class Odometer(NamedTuple):
-    """Adds up the way as the wheels see it: being lifted and put down elsewhere goes unnoticed."""
+    """Sums up the distance by the wheels, which do not notice being lifted and moved."""
 
     seen: Pose  # in the world, at the last tick
     pose: Pose = (0.0, 0.0, 0.0)  # by the wheels

@@ -1,10 +1,10 @@
-"""A world that runs: steps of physics, inputs with the step at which they act, and exact rewinding.
+"""A running world: steps of physics, inputs with the step at which they are applied, and exact rewinding.
 
 A run is a function of the world, its seed and the inputs with their steps. Everything from outside,
 the reading of the sensors included, is an input and is recorded. A pymunk space can be neither
 copied nor rebuilt exactly once things touch (contacts remember impulses), so every ten seconds, and
-at every reset, the *live* run itself goes on in a space built afresh from a checkpoint: running
-the inputs again from there gives the same run, bit for bit.
+at every reset, the *live* run itself continues in a new space built from a checkpoint: replaying
+the inputs from there gives the same run, bit for bit.
 
 Owned by one thread. Only :meth:`Simulation.submit` may be called from others.
 """
@@ -44,7 +44,7 @@ __all__ = ["STEP", "Simulation", "WorldMoment"]
 
 STEPS_PER_SECOND = 100
 CHECKPOINT_STEPS = 1000
-MOST_MARKS = 20_000  # pieces of trails and drawings: a pen runs dry
+MOST_MARKS = 20_000  # pieces of trails and drawings; later ones are not drawn
 PEN_PIECE = 0.005  # m
 TRACK_STEPS = 10
 TRACK_POINTS = 3_000
@@ -56,7 +56,7 @@ class Simulation:
     Parameters
     ----------
     world : str, path, mapping or World
-        What :func:`~lrp_jupyter.sim.worlds.load` takes.
+        An argument of :func:`~lrp_jupyter.sim.worlds.load`.
     seed : int, optional
         Of all noise; the world's own by default.
 
@@ -68,8 +68,8 @@ class Simulation:
     solids : tuple of SimSolid
     floor : LiveFloor
     revision : int
-        Grows when a solid is moved by hand, and with every reset and rewinding: what a view drew is to be
-        drawn anew. Motion, trails and drawing on the floor leave it as it is.
+        Increases when a solid is moved by hand, and with every reset and rewinding: a view has to draw the
+        world again. Motion, trails and drawing on the floor do not change it.
     """
 
     def __init__(
@@ -108,7 +108,7 @@ class Simulation:
         return self.robots[0]
 
     def step(self, count: int = 1) -> None:
-        """Let `count` steps of 10 ms pass."""
+        """Make `count` steps of 10 ms."""
         self._drain()
         self._advance_to(self.steps + count)
 
@@ -144,13 +144,13 @@ class Simulation:
     # -- inputs -------------------------------------------------------------------------------
 
     def latch(self) -> Readings:
-        """Read the sensors of all robots, once for this loop; return those of the first."""
+        """Read the sensors of all robots, once per tick; return the readings of the first."""
         self._drain()
-        self._act(Latch())
+        self._apply_now(Latch())
         return self.robot.memory.readings
 
     def drive(self, linear: float = 0.0, angular: float = 0.0, robot: int = 0) -> tuple[float, float]:
-        """Ask a robot for speeds; return them as its limits allow.
+        """Command the speeds of a robot; return them clamped to its limits.
 
         Raises
         ------
@@ -165,11 +165,11 @@ class Simulation:
         self.apply(Pen(down, grey, width, robot))
 
     def place(self, pose: Pose, robot: int = 0) -> None:
-        """Put a robot down elsewhere by hand."""
+        """Move a robot by hand; it is at rest there."""
         self.apply(PlaceRobot(pose, robot))
 
     def place_solid(self, solid: int, pose: Pose) -> None:
-        """Put a solid down elsewhere by hand."""
+        """Move a solid by hand; it is at rest there."""
         self.apply(PlaceSolid(pose, solid))
 
     def draw(self, path: tuple[Point, ...], width: float = 0.03, grey: float | None = 0) -> None:
@@ -177,40 +177,40 @@ class Simulation:
         self.apply(Draw(path, width, grey))
 
     def reset(self, drawings: bool = False) -> None:
-        """Put everything back to the start, sensors and noise included; time goes on.
+        """Reset the world to its start, sensors and noise included; time continues.
 
         Trails are erased; what was drawn by hand stays unless `drawings`.
         """
         self.apply(ResetWorld(drawings))
 
     def apply(self, what: Input) -> None:
-        """Let an input act now.
+        """Apply an input now.
 
         Raises
         ------
         ValueError
-            It names no robot or solid of this world, or has a number that is none.
+            It names no robot or solid of this world, or a number is not finite.
         """
         self._drain()
-        self._act(check_input(what, self.world))
+        self._apply_now(check_input(what, self.world))
 
     def submit(self, what: Input) -> None:
-        """Let an input act before the next step or latch; may be called from any thread.
+        """Queue an input, which is applied before the next step or latch. Any thread.
 
         Raises
         ------
         ValueError
-            As :meth:`apply`, at once.
+            As :meth:`apply`; raised at once.
         """
         self._queue.append(check_input(what, self.world))
 
     def _drain(self) -> None:
         while self._queue:
-            self._act(self._queue.popleft())
+            self._apply_now(self._queue.popleft())
 
-    def _act(self, what: Input) -> None:
-        """Record an input and let it act; recorded inputs come here again when they are replayed."""
-        self._log.note(self.steps, what)
+    def _apply_now(self, what: Input) -> None:
+        """Record and apply an input; a replay applies recorded inputs here, too."""
+        self._log.record(self.steps, what)
         self._inputs += 1
         match what:
             case Latch():
@@ -274,7 +274,7 @@ class Simulation:
             self.floor.ink(memory.pen, memory.pen_at, (x, y), self.steps)
         memory.pen_at = (x, y)
 
-    # -- looking at it ------------------------------------------------------------------------
+    # -- queries -------------------------------------------------------------------------------
 
     def zones(self, robot: int = 0) -> frozenset[str]:
         """Return the names of the zones in which the middle of a robot is."""
@@ -282,25 +282,25 @@ class Simulation:
         return frozenset(name for name, zone in self.world.zones.items() if zone.contains(x, y))
 
     def greys(self, robot: int = 0) -> tuple[float, ...]:
-        """Return what a robot's light sensors would see now without noise."""
+        """Return the present values of a robot's light sensors without noise."""
         mover = self.robots[robot]
         return tuple(self.floor.light(*spot) for spot in light_spots(mover.pose, mover.spec.light))
 
     def scene(self) -> dict[str, Any]:
-        """Return what stands still, as plain data: the world's JSON form with the solids where they are.
+        """Return the static part as plain data: the world's JSON form with the present poses of solids.
 
-        To be drawn anew when :attr:`revision` has changed.
+        Views draw it again when :attr:`revision` has changed.
         """
         return replace(self.world, solids=tuple(thing.here() for thing in self.solids)).to_dict()
 
     def state(self, marks: int = 0) -> dict[str, Any]:
-        """Return what moves, as plain data that JSON can say.
+        """Return the moving part as JSON-compatible data.
 
         Parameters
         ----------
         marks : int
-            How many of the floor's marks (trails, drawings) the caller knows; only later ones are in
-            the answer. Known ones stay true as long as `revision` is the same.
+            Number of the floor's marks (trails, drawings) that the caller knows; only later ones are
+            returned. Known ones stay valid while `revision` is the same.
 
         Returns
         -------
@@ -337,7 +337,7 @@ class Simulation:
 
     @property
     def moment(self) -> WorldMoment:
-        """The present point of the run, for :meth:`rewind`."""
+        """The present moment of the run, for :meth:`rewind`."""
         return WorldMoment(self.steps, self._inputs)
 
     @property
@@ -346,12 +346,12 @@ class Simulation:
         return self._log.earliest
 
     def rewind(self, to: WorldMoment | int) -> None:
-        """Go back, exactly: what follows is what would have followed then.
+        """Rewind, exactly: the same inputs give the same continuation.
 
         Parameters
         ----------
         to : WorldMoment or int
-            A :attr:`moment` of before; or a step: then the inputs that acted at this step are undone.
+            An earlier :attr:`moment`; or a step: then the inputs applied at this step are undone.
 
         Raises
         ------
@@ -369,12 +369,12 @@ class Simulation:
         self._restore(checkpoint)
         for at, what in inputs:
             self._advance_to(at)
-            self._act(what)
+            self._apply_now(what)
         self._advance_to(step)
         self.revision += 1
 
     def _checkpoint(self, between_inputs: bool = False) -> None:
-        """Record the state, and go on from what is recorded in a space built afresh."""
+        """Record the state, and continue from the record in a new space."""
         checkpoint = Checkpoint(
             moment=self.moment,
             base=self._base,

@@ -1,4 +1,4 @@
-"""A world in characters, for terminals."""
+"""A map of a world in characters, for terminals."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["sketch"]
 
 _ARROWS = "→↗↑↖←↙↓↘"
 _DARK = 160  # greys below this are a line
-_GRAIN = 0.025  # m: how far apart the floor is looked at, a little less than a line is wide
+_GRAIN = 0.025  # m: distance between samples of the floor, a little less than the width of a line
 
 
 def sketch(world: Simulation | World, columns: int = 60, rows: int = 0) -> list[str]:
@@ -58,7 +58,7 @@ def sketch(world: Simulation | World, columns: int = 60, rows: int = 0) -> list[
 
 
 def _lines(simulation: Simulation, columns: int, rows: int) -> list[list[bool]]:
-    """Return where the floor is dark; kept with the floor until something is drawn."""
+    """Return which cells of the floor are dark; cached with the floor until something is drawn."""
     floor = simulation.floor
     key = (columns, rows, len(floor.marks))
     if floor.raster is None or floor.raster[0] != key:
@@ -90,7 +90,7 @@ def _reach(solid: Solid) -> float:
 
 
 def _covers(thing: SimSolid, x: float, y: float, cell: tuple[float, float]) -> bool:
-    """Whether a solid reaches into the middle of a character's cell, however thin it is."""
+    """Return whether a solid covers the middle of a character's cell, however thin it is."""
     centre_x, centre_y, angle = thing.pose
     x, y = x - centre_x, y - centre_y
     half_x, half_y = 0.49 * cell[0], 0.49 * cell[1]

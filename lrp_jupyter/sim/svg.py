@@ -1,4 +1,4 @@
-"""A still picture of a world as SVG: self-contained, legible on light and dark pages."""
+"""A picture of a world as SVG: self-contained, legible on light and dark pages."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def svg(world: Simulation | World, width: int = 640, caption: bool = True) -> st
     width : int
         Pixels; the height follows from the world.
     caption : bool
-        Whether time and readings stand below.
+        Whether to write time and readings below.
     """
     simulation = world if isinstance(world, Simulation) else Simulation(world)
     length, depth = simulation.world.size
@@ -117,16 +117,16 @@ def _ruler(width: int, tall: float, scale: float) -> str:
 
 
 def _zone(zone: Zone) -> str:
-    look = (
+    style = (
         'fill="#33A02C" fill-opacity="0.07" stroke="#33A02C" stroke-width="0.006" stroke-opacity="0.7" '
         'stroke-dasharray="0.03 0.02"'
     )
     if isinstance(zone, BoxZone):
         x, y, width, height = zone.box
         corner = f'x="{_n(x - width / 2)}" y="{_n(y - height / 2)}"'
-        return f'<rect {corner} width="{_n(width)}" height="{_n(height)}" {look}/>'
+        return f'<rect {corner} width="{_n(width)}" height="{_n(height)}" {style}/>'
     x, y, radius = zone.circle
-    return f'<circle cx="{_n(x)}" cy="{_n(y)}" r="{_n(radius)}" {look}/>'
+    return f'<circle cx="{_n(x)}" cy="{_n(y)}" r="{_n(radius)}" {style}/>'
 
 
 def _label(name: str, zone: Zone, tall: float, scale: float) -> str:
@@ -139,13 +139,13 @@ def _label(name: str, zone: Zone, tall: float, scale: float) -> str:
 
 
 def _stroke(stroke: Stroke) -> str:
-    look = (
+    style = (
         f'fill="none" stroke="{_grey(stroke.grey)}" stroke-width="{_n(stroke.width)}" '
         'stroke-linecap="round" stroke-linejoin="round"'
     )
     if isinstance(stroke, CircleStroke):
         x, y, radius = stroke.circle
-        return f'<circle cx="{_n(x)}" cy="{_n(y)}" r="{_n(radius)}" {look}/>'
+        return f'<circle cx="{_n(x)}" cy="{_n(y)}" r="{_n(radius)}" {style}/>'
     if isinstance(stroke, ArcStroke):
         x, y, radius, first, last = stroke.arc
         turns = max(1, math.ceil(abs(last - first) / 3))  # an SVG arc is shorter than a full turn
@@ -153,8 +153,8 @@ def _stroke(stroke: Stroke) -> str:
         ends = [(x + radius * math.cos(angle), y + radius * math.sin(angle)) for angle in angles]
         sweep = int(last > first)
         arcs = "".join(f"A{_n(radius)} {_n(radius)} 0 0 {sweep} {_n(px)} {_n(py)}" for px, py in ends[1:])
-        return f'<path d="M{_n(ends[0][0])} {_n(ends[0][1])}{arcs}" {look}/>'
-    return f'<path d="{_path(stroke.path)}" {look}/>'
+        return f'<path d="M{_n(ends[0][0])} {_n(ends[0][1])}{arcs}" {style}/>'
+    return f'<path d="{_path(stroke.path)}" {style}/>'
 
 
 def _marks(simulation: Simulation) -> list[str]:
@@ -193,16 +193,16 @@ def _track(simulation: Simulation) -> list[str]:
 
 def _solid(solid: Solid) -> str:
     fill, edge = ("#646d77", "#4b525a") if solid.push is None else ("#d9a566", "#8a5a1f")
-    look = f'fill="{fill}" stroke="{edge}" stroke-width="0.008"'
+    style = f'fill="{fill}" stroke="{edge}" stroke-width="0.008"'
     turn = f" rotate({_n(math.degrees(solid.angle))})" if solid.angle else ""
     if not isinstance(solid, BoxSolid):
         x, y, radius = solid.circle
-        return f'<circle cx="{_n(x)}" cy="{_n(y)}" r="{_n(radius - 0.004)}" {look}/>'
+        return f'<circle cx="{_n(x)}" cy="{_n(y)}" r="{_n(radius - 0.004)}" {style}/>'
     x, y, width, height = solid.box
     inner, outer = max(width - 0.008, 0.004), max(height - 0.008, 0.004)
     return (
         f'<rect x="{_n(-inner / 2)}" y="{_n(-outer / 2)}" width="{_n(inner)}" height="{_n(outer)}" '
-        f'transform="translate({_n(x)} {_n(y)}){turn}" {look}/>'
+        f'transform="translate({_n(x)} {_n(y)}){turn}" {style}/>'
     )
 
 

@@ -1,11 +1,11 @@
-"""The description of a world: frozen values, and their JSON form, without loss in either direction.
+"""The description of a world: immutable values with a lossless JSON form.
 
-A world is a *floor* (what the light sensor sees), *solids* (what one bumps into), *robots* and
+A world is a *floor* (what the light sensor sees), *solids* (fixed and pushable obstacles), *robots* and
 *zones* (named regions that mean nothing to the physics). The floor and the solids are separate
-things: a line is no obstacle and a wall casts no shade. Lengths are metres, angles radians,
+things: a line is not an obstacle and a wall does not cast a shadow. Lengths are metres, angles radians,
 counter-clockwise from the x axis, greys 0 (black) to 255 (white).
 
-Nothing here moves: :class:`~lrp_jupyter.sim.simulation.Simulation` runs a world.
+These values do not change: :class:`~lrp_jupyter.sim.simulation.Simulation` runs a world.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ Json = dict[str, Any]
 
 
 class WorldError(ValueError):
-    """A text, file or object is not a world; the message begins with the place of the mistake."""
+    """A text, file or object is not a valid world; the message begins with the place of the mistake."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,7 +88,7 @@ Stroke = PathStroke | ArcStroke | CircleStroke
 
 @dataclass(frozen=True, slots=True)
 class Floor:
-    """What the light sensor sees: strokes painted one over the other on an even grey."""
+    """The floor as light sensors see it: strokes painted in order on an even grey."""
 
     grey: float = 255
     strokes: tuple[Stroke, ...] = ()
@@ -96,7 +96,7 @@ class Floor:
 
 @dataclass(frozen=True, slots=True)
 class BoxSolid:
-    """A box that one bumps into.
+    """A solid box, fixed or pushable.
 
     Parameters
     ----------
@@ -105,9 +105,9 @@ class BoxSolid:
     angle : float
         Radians.
     push : float or None
-        Coefficient of friction on the floor of a box that can be pushed; ``None`` stands fast.
+        Coefficient of friction on the floor of a box that can be pushed; ``None``: it is fixed.
     name : str
-        How graders and error messages call it.
+        Its name for graders and in messages.
     """
 
     box: tuple[float, float, float, float]
@@ -158,7 +158,7 @@ Zone = CircleZone | BoxZone
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """Standard deviations of a robot's imperfections, drawn anew once per loop.
+    """Standard deviations of a robot's imperfections, drawn once per tick.
 
     Parameters
     ----------
@@ -171,7 +171,7 @@ class Noise:
     gyro : float
         Radians.
     odom : float
-        Of the way driven and the angle turned since the last loop, as a fraction of them; it adds up.
+        Of the way driven and the angle turned since the last tick, as a fraction of them; it adds up.
     """
 
     motor: float = 0
@@ -192,7 +192,7 @@ class RobotSpec:
     radius : float
         Of its body.
     light : tuple of (forward, left)
-        Where the light sensors look at the floor, from the middle of the robot.
+        Positions of the light sensors, from the middle of the robot.
     bumper : bool
         Whether it has a bumper bar in front.
     distance : tuple of (bearing, range)
@@ -214,7 +214,7 @@ class RobotSpec:
 
 @dataclass(frozen=True, slots=True)
 class World:
-    """A world at its beginning. Compares by value; :meth:`to_json` loses nothing.
+    """The description of a world. Compares by value; :meth:`to_json` is lossless.
 
     Parameters
     ----------
@@ -225,7 +225,7 @@ class World:
     floor : Floor
         White by default.
     solids : tuple of Solid
-        What one bumps into.
+        Fixed and pushable obstacles.
     zones : mapping of str to Zone
         Named regions, for graders.
     seed : int
@@ -233,7 +233,7 @@ class World:
     open : bool
         Whether one can drive out of it; otherwise its edge is a wall.
     name : str
-        What views call it.
+        Its name in views.
     """
 
     size: tuple[float, float]
@@ -262,7 +262,7 @@ _ORDER = ("name", "size", "seed", "open", "floor", "solids", "robots", "zones")
 
 
 def _plain(value: object, keep: tuple[str, ...] = ()) -> Any:
-    """Turn frozen nouns into dicts without the fields that have their default, unless in `keep`."""
+    """Convert dataclasses into dicts without the fields that have their default, except `keep`."""
     if isinstance(value, Mapping):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, tuple):

@@ -184,7 +184,7 @@ def load(world: str | os.PathLike[str] | Mapping[str, object] | World) -> World:
     Raises
     ------
     WorldError
-        There is no such world, or it has a mistake; the message says where.
+        There is no such world, or it has a mistake; the message names the place.
     """
     if isinstance(world, World):
         return world

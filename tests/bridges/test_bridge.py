@@ -130,7 +130,7 @@ def test_a_member_of_the_same_name_replaces_the_first(bare: Bare) -> None:
 
 @pytest.mark.parametrize("name", ["", "1st", "a b", "class", "_hidden", "a..b", "a.", "light.if"])
 def test_a_name_that_cannot_be_written_after_robot_is_refused(bare: Bare, name: str) -> None:
-    with pytest.raises(ValueError, match="no usable name"):
+    with pytest.raises(ValueError, match="not a usable name"):
         bare.add_variable(name, lambda: 1)
 
 
@@ -372,7 +372,7 @@ def test_a_method_that_fails_is_a_bridge_error_with_its_cause(bare: Bare) -> Non
 
 
 def test_a_method_without_message_cannot_be_filled(cart: Any) -> None:
-    with pytest.raises(BridgeError, match="takes no message"), cart.robot.beep:
+    with pytest.raises(BridgeError, match="does not take a message"), cart.robot.beep:
         pass
 
 
@@ -453,7 +453,7 @@ def test_closing_goes_on_when_the_bridge_fails() -> None:
     bridge.fail = OSError("gone")
     bridge.close()
     assert not bridge.is_open
-    assert bridge.safety.notices[-1].text == "closing `test-noted`: OSError: gone"
+    assert bridge.safety.notices[-1].text == "Closing `test-noted` failed: OSError: gone."
 
 
 def test_a_bridge_that_fails_in_a_tick_is_lost_and_stopped_and_the_loop_goes_on() -> None:
@@ -550,7 +550,7 @@ def test_the_stop_button_works_on_every_bridge_and_others_are_refused() -> None:
     assert bridge.calls == ["open", "stop"]
     with pytest.raises(BridgeError, match="no button `dance`"):
         bridge.press("dance")
-    with pytest.raises(BridgeError, match="asks no `host`"):
+    with pytest.raises(BridgeError, match="has no question `host`"):
         bridge.answer("host", "10.0.0.7")
     assert bridge.panel() == Panel("Noted")
     assert bridge.picture is None

@@ -118,7 +118,7 @@ def test_what_is_abstract_is_not_listed(registry: dict[str, type[Bridge]]) -> No
 
 @pytest.mark.parametrize("taken", ["none", "sim"])
 def test_the_names_of_the_defaults_cannot_be_taken(registry: dict[str, type[Bridge]], taken: str) -> None:
-    with pytest.raises(BridgeError, match=f"The name `{taken}` is taken; give `Mine` another"):
+    with pytest.raises(BridgeError, match=f"The name `{taken}` is taken: give `Mine` another"):
         type("Mine", (NullBridge,), {"name": taken, "__module__": "__main__"})
     assert find_bridges()[taken].origin == "lrp-jupyter"
 
@@ -156,7 +156,7 @@ def test_a_bridge_that_cannot_be_imported_disturbs_no_other(
         "The bridge `test-bad` of the package robots-for-all cannot be loaded:"
         " ModuleNotFoundError: No module named 'a_library_that_is_not_installed'"
     )
-    with pytest.raises(BridgeError, match=r"`robots_for_all:nothing` .* is no subclass of Bridge"):
+    with pytest.raises(BridgeError, match=r"`robots_for_all:nothing` .* is not a subclass of Bridge"):
         open_bridge("test-none")
     assert open_bridge("test-good").is_open
 

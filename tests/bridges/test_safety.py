@@ -32,7 +32,7 @@ def test_hardware_opens_disarmed_and_records_what_it_does_not_send(disarmed: Any
     assert disarmed.sent == []
     record = disarmed.safety.commands[-1]
     assert (record.name, record.arguments, record.sent) == ("move", {"linear": 0.2}, False)
-    assert texts(disarmed) == ["`move` was not sent: the robot is disarmed"]
+    assert texts(disarmed) == ["`move` was not sent: the robot is disarmed."]
 
 
 def test_arming_sends_from_then_on_and_nothing_of_before(disarmed: Any) -> None:
@@ -42,7 +42,7 @@ def test_arming_sends_from_then_on_and_nothing_of_before(disarmed: Any) -> None:
     assert disarmed.sent == []
     disarmed.robot.move(linear=0.3)
     assert disarmed.sent == [(0.3, 0.0)]
-    assert texts(disarmed)[1:] == ["`test-cart` is armed: commands move the robot"]
+    assert texts(disarmed)[1:] == ["`test-cart` is armed: commands move the robot."]
 
 
 def test_disarming_stops_the_robot_first(cart: Any) -> None:
@@ -97,8 +97,8 @@ def test_a_number_beyond_the_limit_is_brought_back_and_shown(cart: Any) -> None:
     cart.robot.move(linear=2)
     cart.robot.move(-2)
     assert cart.sent == [(0.5, 0.0), (-0.5, 0.0)]
-    assert texts(cart)[1:] == ["`move`: linear 2 limited to 0.5", "`move`: linear -2 limited to -0.5"]
-    assert cart.safety.commands[-1].limited == ("`move`: linear -2 limited to -0.5",)
+    assert texts(cart)[1:] == ["`move`: linear 2 limited to 0.5.", "`move`: linear -2 limited to -0.5."]
+    assert cart.safety.commands[-1].limited == ("`move`: linear -2 limited to -0.5.",)
 
 
 def test_a_number_within_the_limit_is_left_alone(cart: Any) -> None:
@@ -160,7 +160,7 @@ def test_a_velocity_that_is_not_repeated_ends_after_half_a_second(cart: Any) -> 
     assert cart.sent == [(0.2, 0.0)]
     tick(cart, 0.5)
     assert cart.sent[1:] == [(0.0, 0.0)]
-    assert texts(cart)[-1] == "no command for 0.5 s: put `move` in `running`"
+    assert texts(cart)[-1] == "No command for 0.5 s: put `move` in `running`."
     for number in range(6, 20):
         tick(cart, number / 10)
     assert len(cart.sent) == 2, "a robot that stands still needs no stop"
@@ -182,7 +182,7 @@ def test_a_slow_program_has_three_periods(cart: Any) -> None:
     tick(cart, 2.0, 1.0)
     assert len(cart.sent) == 1
     tick(cart, 3.0, 1.0)
-    assert texts(cart)[-1] == "no command for 3 s: put `move` in `running`"
+    assert texts(cart)[-1] == "No command for 3 s: put `move` in `running`."
 
 
 def test_standing_still_needs_no_repetition(cart: Any) -> None:
@@ -223,7 +223,7 @@ def test_a_loop_that_hangs_stops_the_robot_once(cart: Any) -> None:
     cart.robot.move(linear=0.2)
     assert cart.check_watchdog(0.4) is None
     notice = cart.check_watchdog(0.6)
-    assert notice.text == "no tick for 0.6 s: the robot was stopped"
+    assert notice.text == "No tick for 0.6 s: the robot was stopped."
     assert cart.check_watchdog(0.9) is None
     assert cart.sent == [(0.2, 0.0), (0.0, 0.0)]
 
@@ -233,7 +233,7 @@ def test_a_block_that_comes_back_after_the_stop_does_not_start_the_robot_again(c
     cart.check_watchdog(1.0)
     cart.robot.move(linear=0.2)
     assert cart.sent == [(0.0, 0.0)]
-    assert texts(cart)[-1] == "`move` was not sent: the robot was stopped in this tick"
+    assert texts(cart)[-1] == "`move` was not sent: the robot was stopped in this tick."
     cart.begin_tick(1.1, 0.1)
     cart.robot.move(linear=0.2)
     assert cart.sent == [(0.0, 0.0), (0.2, 0.0)]
@@ -293,7 +293,7 @@ def test_a_stop_that_fails_does_not_raise_and_says_so() -> None:
     bridge = Broken()
     bridge.open()
     assert bridge.stop_all() is False
-    assert texts(bridge) == ["the robot may not have stopped: OSError: unplugged"]
+    assert texts(bridge) == ["The robot may not have stopped: OSError: unplugged."]
 
 
 def test_a_stop_that_hangs_does_not_hang_the_caller() -> None:
@@ -311,7 +311,7 @@ def test_a_stop_that_hangs_does_not_hang_the_caller() -> None:
     bridge = Hanging()
     bridge.open()
     assert bridge.stop_all() is False
-    assert texts(bridge) == ["the robot may not have stopped: no answer for 0.05 s"]
+    assert texts(bridge) == ["The robot may not have stopped: no answer for 0.05 s."]
     Hanging.go.set()
 
 

@@ -158,7 +158,9 @@ def test_a_robot_that_is_not_commanded_stops_after_half_a_second(sim: SimBridge)
         sim.end_tick(tick * PERIOD)
         sim.advance(PERIOD)
     assert sim.picture.robots[0].command == (0.0, 0.0)
-    assert [notice.text for notice in sim.safety.notices] == ["no command for 0.5 s: put `move` in `running`"]
+    assert [notice.text for notice in sim.safety.notices] == [
+        "No command for 0.5 s: put `move` in `running`."
+    ]
 
 
 def test_the_program_can_stop_and_lower_the_pen(sim: SimBridge) -> None:
@@ -209,7 +211,7 @@ def test_rewinding_to_nowhere_is_refused(sim: SimBridge) -> None:
     drive(other, 5)
     with pytest.raises(BridgeError, match="in another world"):
         sim.rewind(other.moment())
-    with pytest.raises(BridgeError, match="is no moment"):
+    with pytest.raises(BridgeError, match="is not a moment"):
         sim.rewind(7)
 
 

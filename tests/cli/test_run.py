@@ -204,7 +204,7 @@ def test_an_issue_ends_the_run_when_nobody_could_let_it_go_on(lrp, program, spee
 def test_what_the_robot_has_to_say_is_told_once(lrp, program):
     text = "(machine m (state a (onentry [robot.move(linear=0.1)]))) (spawn m a)"
     result = lrp("run", program(text), "--speed", "max", "--for", "3")
-    assert result.stdout.count("no command for 0.5 s: put `move` in `running`") == 1
+    assert result.stdout.count("No command for 0.5 s: put `move` in `running`.") == 1
 
 
 def test_the_text_itself_says_where_it_runs(lrp, program, tmp_path):
@@ -289,7 +289,7 @@ def test_hardware_that_is_named_is_armed_and_ctrl_c_stops_it(lrp, program):
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--option", "colour=red"], "asks no `colour`"),
+        (["--option", "colour=red"], "has no question `colour`"),
         (["--option", "port=seven"], "is not a number"),
         (["--speed", "2"], "moves in real time"),
         (["--seed", "2"], "--seed is for the simulator"),

@@ -6,11 +6,11 @@ A program turns motors and reads sensors and does nothing else; the connection i
     (event bump [robot.sensor1.read() == 1])
 
 Readings are the latest that arrived, the same for a whole tick; commands do not wait for the brick
-to carry them out. A command or reading that is not possible raises a `BridgeError` that says why.
+to perform them. A command or reading that is not possible raises a `BridgeError` with the reason.
 
 Paper: §7.2.
 Deviation: §7.2 asks for the address in a dialog whenever the interpreter is started; here it is
-asked once, and a brick is also found by itself, by the beacon that it sends.
+asked once, and a brick is also found by the beacon that it sends.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class EV3Bridge(Bridge):
     Parameters
     ----------
     host : str or None
-        Its IP address; None: the first brick whose beacon is heard is taken, and the panel asks.
+        Its IP address; None: the first brick whose beacon is heard, and the panel asks.
     serial : str
         Only the brick with this serial number.
     port, beacon_port : int
@@ -62,7 +62,7 @@ class EV3Bridge(Bridge):
         self.host = check_address(host) if host else None
         self.serial, self.port = serial, port
         self._beacon_port, self._patience = beacon_port, patience
-        self._latched: BrickState | None = None  # what a tick sees
+        self._latched: BrickState | None = None  # the reading of this tick
         self.motors = tuple(Motor(self, i) for i in range(4))
         self.sensors = tuple(Sensor(self, i) for i in range(4))
         self.link = self._new_link()
@@ -80,7 +80,7 @@ class EV3Bridge(Bridge):
                 beacon_port=self._beacon_port,
                 cancelled=cancelled,
             )
-            serial = client.serial  # a brick that was lost is looked for, not any other
+            serial = client.serial  # after a loss, search for this brick, not any other
             return client
 
         return BrickLink(find, self._report)
@@ -91,7 +91,7 @@ class EV3Bridge(Bridge):
             self.safety.notice("fault", sentence)
 
     def open_interface(self) -> Panel:
-        """Connect where an address is known, else look for a brick in the background and ask.
+        """Connect where an address is known, else search for a brick in the background and ask.
 
         Raises
         ------
@@ -100,7 +100,7 @@ class EV3Bridge(Bridge):
         """
         self.link = self._new_link()
         if self.host is None:
-            self.set_status(ConnectionState.WAITING, "waiting for the beacon of a brick, or for its address")
+            self.set_status(ConnectionState.WAITING, "Waiting for the beacon of a brick, or for its address.")
             self.link.search()
         else:
             self.link.open()
@@ -120,7 +120,7 @@ class EV3Bridge(Bridge):
         self._latched = self.link.snapshot
 
     def seen(self) -> BrickReading:
-        """Give the reading that counts: within a tick the latched one, else the latest.
+        """Return the latched reading within a tick, else the latest.
 
         Raises
         ------
@@ -173,7 +173,7 @@ class EV3Bridge(Bridge):
     # -- the panel --------------------------------------------------------------------------------
 
     def panel(self) -> Panel:
-        """Give every motor and sensor with its value and buttons, the runstop, the brick's address."""
+        """Return every motor and sensor with its value and buttons, the runstop, the brick's address."""
         client, reading = self.link.client, self.link.snapshot.reading
         address = client.address[0] if client else self.host or ""
         return Panel(
@@ -222,18 +222,18 @@ class EV3Bridge(Bridge):
         )
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
-        """Press a button: whatever moves the robot goes through the bridge's safety, as for a program.
+        """Press a button; commands pass the bridge's safety, as those of a program do.
 
         Raises
         ------
         BridgeError
-            There is no such button or row, the speed is none, or the brick is not there.
+            There is no such button or row, the speed is not a number, or no brick is connected.
         """
         if key == "stop":
             self.stop_all()
             return
         if not self.is_open:
-            raise BridgeError("no brick is connected: answer its address first")
+            raise BridgeError("No brick is connected: answer its address first.")
         motor = next((motor for motor in self.motors if motor.name == row), None)
         sensor = next((sensor for sensor in self.sensors if sensor.name == row), None)
         if key == "beep":
@@ -249,15 +249,15 @@ class EV3Bridge(Bridge):
             seen = sensor.reading()
             sensor.set_mode((seen.mode + 1) % max(1, len(MODES.get(seen.type, ()))))
         else:
-            raise BridgeError(f"the panel has no button `{key}` for {row!r}")
+            raise BridgeError(f"The panel has no button `{key}` for {row!r}.")
 
     def answer(self, key: str, value: str) -> None:
-        """Take the address of the brick; where the bridge is open, connect in the background.
+        """Apply the address of the brick; where the bridge is open, connect in the background.
 
         Raises
         ------
         BridgeError
-            It is no address.
+            It is not an address.
         """
         if key != "host":
             super().answer(key, value)
@@ -268,20 +268,20 @@ class EV3Bridge(Bridge):
             self.stop_all()
             self.link.close()
             self.link = self._new_link()
-            self.set_status(ConnectionState.CONNECTING, f"connecting to {self.host}")
+            self.set_status(ConnectionState.CONNECTING, f"Connecting to {self.host}.")
             self.link.search()
 
 
 def number_in(text: str) -> float:
-    """Read what a person wrote into a field of numbers."""
+    """Convert the text of a number field."""
     try:
         return float(text.replace(",", "."))
     except ValueError:
-        raise BridgeError(f"the speed by hand must be a number, not {text!r}") from None
+        raise BridgeError(f"The speed by hand must be a number, not {text!r}.") from None
 
 
 def sensor_texts(seen: SensorReading) -> tuple[str, str, str, str]:
-    """Write a sensor's row: type, mode, value, unit."""
+    """Return a sensor's row: type, mode, value, unit."""
     if seen.type in ABSENT:
         return type_name(seen.type), "", "", ""
     value = "" if math.isnan(seen.value) else f"{seen.value:g}"

@@ -1,11 +1,11 @@
-"""Talk to a Lego EV3 brick over TCP: every call ends in time, with a result or a `BridgeError`.
+"""The TCP client of a Lego EV3 brick: every call ends in time, with a result or a `BridgeError`.
 
-The brick's own firmware accepts TCP only from somebody who has answered its UDP beacon, which it
-sends every few seconds. Then it wants an unlocking text, and from then on takes frames
+The brick's own firmware accepts TCP only from a host that has answered its UDP beacon, which it
+sends every few seconds. Then it expects an unlocking text, and after that frames
 (:mod:`~lrp_jupyter.bridges.ev3.protocol`).
 
 A connection that fails once is lost for good: it is cut, not closed, so that nothing that was
-still under way reaches the brick later. Whoever wants another one calls :func:`connect` again.
+still under way reaches the brick later. Call :func:`connect` again for another one.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ __all__ = [
 ANSWER_TIME = 0.5
 """Seconds in which a brick must answer, or the connection is lost."""
 
-_SLICE = 0.05  # seconds a socket waits before its user looks at the time and at what has happened
+_SLICE = 0.05  # seconds that a socket waits before the time and other events are checked
 _UNLOCKED = b"Accept:EV340\r\n\r\n"
 _PAUSE = 0.5  # seconds between two attempts at the same address
 
@@ -50,11 +50,11 @@ _Value = TypeVar("_Value")
 
 
 class NoBrickError(BridgeError):
-    """Something answers at an address, but not as a brick does."""
+    """A host answers at an address, but not as a brick does."""
 
 
 class BusyError(BridgeError):
-    """Something takes a connection and hangs up, as a brick does that serves somebody else."""
+    """A host accepts a connection and hangs up, as a brick does that serves another client."""
 
 
 class BrickClient:
@@ -89,7 +89,7 @@ class BrickClient:
         try:
             self._socket = socket.create_connection(address, ANSWER_TIME)
         except OSError as error:
-            raise BridgeError(f"no connection to {address[0]}:{address[1]}: {_reason(error)}") from None
+            raise BridgeError(f"No connection to {address[0]}:{address[1]}: {_reason(error)}.") from None
         try:
             self._socket.settimeout(_SLICE)
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -108,19 +108,19 @@ class BrickClient:
                 answer += self._receive_bytes(len(_UNLOCKED) - len(answer), deadline)
         except BridgeError:
             if not answer and time.monotonic() < deadline:
-                busy = f"{where} hangs up: is it a brick, and somebody else connected to it?"
+                busy = f"{where} hangs up: is it a brick that another program is connected to?"
                 raise BusyError(busy) from None
-            raise NoBrickError(f"{where} is no EV3 brick: it does not answer as one") from None
+            raise NoBrickError(f"{where} is not an EV3 brick: it does not answer as one.") from None
         if answer != _UNLOCKED:
-            raise NoBrickError(f"{where} is no EV3 brick: it says {answer!r}")
+            raise NoBrickError(f"{where} is not an EV3 brick: it answers {answer!r}.")
 
     def command(self, code: bytes, timeout: float = ANSWER_TIME) -> None:
-        """Send a byte code and do not wait for the brick to carry it out.
+        """Send a byte code without waiting for the brick to perform it.
 
         Raises
         ------
         BridgeError
-            The connection is lost, or does not take the frame within `timeout` seconds.
+            The connection is lost, or does not accept the frame within `timeout` seconds.
         """
         self._send(code, 0, False, time.monotonic() + timeout)
 
@@ -142,20 +142,20 @@ class BrickClient:
         """
         deadline = time.monotonic() + timeout
         if not self._asking.acquire(timeout=timeout):
-            raise BridgeError("the brick is still busy with another question")
+            raise BridgeError("The brick is still busy with another request.")
         try:
             counter = self._send(code, size, True, deadline)
             while True:
                 for reply in self._receive(deadline):
-                    if reply.counter == counter:  # others belong to nobody
+                    if reply.counter == counter:  # others were given up
                         if not reply.ok:
-                            raise BridgeError("the brick refused a command")
+                            raise BridgeError("The brick refused a command.")
                         return reply.data
         finally:
             self._asking.release()
 
     def lose(self, why: str) -> NoReturn:
-        """Give the connection up: whoever waits on it gets the same error; `close` will cut it.
+        """Mark the connection as lost and raise; all waiting callers get the same error.
 
         Raises
         ------
@@ -169,7 +169,7 @@ class BrickClient:
 
     def close(self) -> None:
         """Close the socket. What was sent still arrives, unless the connection was lost."""
-        self.lost = self.lost or "the connection is closed"
+        self.lost = self.lost or "The connection is closed."
         free = self._sending.acquire(timeout=ANSWER_TIME)
         self._socket.close()
         if free:
@@ -177,7 +177,7 @@ class BrickClient:
 
     def _send(self, code: bytes, size: int, reply: bool, deadline: float) -> int:
         if not self._sending.acquire(timeout=max(0.0, deadline - time.monotonic())):
-            self.lose("the brick takes no more commands")
+            self.lose("The brick accepts no more commands.")
         try:
             self._counter = self._counter % 0xFFFF + 1
             self._send_bytes(frame(self._counter, code, size, reply), deadline)
@@ -187,7 +187,7 @@ class BrickClient:
 
     def _send_bytes(self, data: bytes, deadline: float) -> None:
         while data:
-            sent = self._wait(partial(self._socket.send, data), deadline, "takes no commands")
+            sent = self._wait(partial(self._socket.send, data), deadline, "accepts no commands")
             data = data[sent:]
 
     def _receive(self, deadline: float) -> list[BrickReply]:
@@ -203,7 +203,7 @@ class BrickClient:
     def _receive_bytes(self, size: int, deadline: float) -> bytes:
         data = self._wait(partial(self._socket.recv, size), deadline, "does not answer")
         if not data:
-            self.lose("the brick closed the connection")
+            self.lose("The brick closed the connection.")
         return data
 
     def _wait(self, act: Callable[[], _Value], deadline: float, complaint: str) -> _Value:
@@ -214,13 +214,13 @@ class BrickClient:
                 return act()
             except TimeoutError:
                 if time.monotonic() >= deadline:
-                    self.lose(f"the brick {complaint}")
+                    self.lose(f"The brick {complaint}.")
             except OSError as error:
-                self.lose(f"the connection to the brick broke: {_reason(error)}")
+                self.lose(f"The connection to the brick broke: {_reason(error)}.")
 
 
 class Beacon(NamedTuple):
-    """What a brick tells everybody: where it may be reached, and who it is."""
+    """The beacon of a brick: its address and serial number."""
 
     serial: str
     port: int
@@ -228,7 +228,7 @@ class Beacon(NamedTuple):
 
 
 def parse_beacon(data: bytes) -> Beacon | None:
-    """Read a datagram; None if it is no brick's beacon."""
+    """Parse a datagram; return None if it is not a brick's beacon."""
     fields = dict(re.findall(r"([\w-]+): *([^\r\n]*?) *[\r\n]", data.decode("utf-8", "replace")))
     port = int(fields["Port"]) if re.fullmatch(r"[0-9]{1,5}", fields.get("Port", "")) else 0
     serial = fields.get("Serial-Number", "")
@@ -247,7 +247,7 @@ class _Ear:
         try:
             self._socket.bind(("", port))
         except OSError as error:
-            self.deaf = f"UDP port {port} cannot be listened to: {_reason(error)}"
+            self.deaf = f"UDP port {port} cannot be listened to: {_reason(error)}."
 
     def hear(self) -> tuple[Beacon, tuple[str, int]] | None:
         """Wait one slice of time for a beacon and its source."""
@@ -256,13 +256,13 @@ class _Ear:
             return None
         try:
             data, source = self._socket.recvfrom(1024)
-        except OSError:  # nothing came, or an earlier answer found nobody
+        except OSError:  # nothing came, or an earlier answer was rejected
             return None
         beacon = parse_beacon(data)
         return beacon and (beacon, source)
 
     def answer(self, source: tuple[str, int]) -> None:
-        """Tell a brick that somebody wants to connect."""
+        """Answer a beacon, so that the brick accepts a connection."""
         with suppress(OSError):
             self._socket.sendto(b" ", source)
 
@@ -296,12 +296,12 @@ def connect(
     beacon_port : int
         UDP port that bricks send their beacons to.
     cancelled : callable
-        Asked about ten times a second whether to give up.
+        Called about ten times a second; returns whether to stop searching.
 
     Raises
     ------
     BridgeError
-        No brick was found, or what is at `host` is none (then at once).
+        No brick was found, or the host is not a brick (then at once).
     """
     deadline = time.monotonic() + patience
     trouble, busy = "", False
@@ -309,7 +309,7 @@ def connect(
         if host is not None:
             host = check_address(host)
         elif ear.deaf:
-            raise BridgeError(f"no beacon of a brick can be heard: {ear.deaf}")
+            raise BridgeError(f"No beacon of a brick can be heard. {ear.deaf}")
         tried = found = float("-inf")  # when TCP was tried last, when a beacon was answered last
         address = None if host is None else (host, port)
         while True:
@@ -331,22 +331,22 @@ def connect(
                 if host in (None, source[0]) and (not serial or _same_serial(serial, beacon.serial)):
                     ear.answer(source)
                     address, serial, found = (source[0], beacon.port), beacon.serial, time.monotonic()
-    unheard = ear.deaf or f"no beacon of it within {patience:g} s"
+    unheard = ear.deaf or f"No beacon of it within {patience:g} s."
     raise BridgeError(
-        f"no EV3 brick found: {trouble + '; ' if trouble else ''}{unheard}. "
+        f"No EV3 brick was found. {trouble + ' ' if trouble else ''}{unheard} "
         "Is it switched on, its WiFi too, and in this network?"
     )
 
 
 def check_address(host: str) -> str:
-    """Give back an IP address as it is.
+    """Check an IP address and return it.
 
-    Names are refused: to look one up may take any time, and a brick has none.
+    Names are refused: resolving one may take any time, and a brick has none.
 
     Raises
     ------
     BridgeError
-        It is none.
+        It is not an address.
     """
     if host == "localhost":
         return "127.0.0.1"
@@ -354,8 +354,8 @@ def check_address(host: str) -> str:
         return str(ipaddress.IPv4Address(host.strip()))
     except ValueError:
         raise BridgeError(
-            f"{host!r} is no address of a brick: four numbers such as 192.168.1.7, "
-            "which the brick shows under `Brick Info`"
+            f"{host!r} is not the address of a brick: write four numbers such as 192.168.1.7, "
+            "which the brick shows under `Brick Info`."
         ) from None
 
 

@@ -1,6 +1,6 @@
 """The motors and sensors of an EV3 brick, as a program sees them.
 
-Whatever the brick would not understand, or would take for something else, is refused here.
+Arguments that the brick would refuse or misunderstand raise an error here.
 
 Paper: §7.2.
 """
@@ -56,12 +56,12 @@ class Motor:
         self.name = f"motor{'ABCD'[index]}"
 
     def start_at_speed(self, speed: float) -> None:
-        """Turn at a regulated speed (%), -100 to 100, until told otherwise."""
+        """Turn at a regulated speed (%), -100 to 100, until the next command."""
         percent = self._percent("start_at_speed", "speed", speed)
         self._brick.link.command(protocol.start_speed(self._port, percent))
 
     def start_at_power(self, power: float) -> None:
-        """Turn with unregulated power (%), -100 to 100, until told otherwise."""
+        """Turn with unregulated power (%), -100 to 100, until the next command."""
         percent = self._percent("start_at_power", "power", power)
         self._brick.link.command(protocol.start_power(self._port, percent))
 
@@ -92,7 +92,7 @@ class Motor:
         else:
             amount = self._amount(round(1000 * real_number(seconds, f"{self.name}.run_for(seconds=…)")))
             encode = protocol.run_milliseconds
-        if amount:  # to turn by nothing is done already
+        if amount:  # nothing to do for 0
             self._brick.link.command(encode(self._port, percent, amount, holds))
 
     def reset_count(self) -> None:
@@ -100,19 +100,19 @@ class Motor:
         self._brick.link.reset_count(self._index)
 
     def count(self) -> int:
-        """Give the angle turned since the count was 0."""
+        """Return the angle turned since the count was 0."""
         return self.reading().degrees
 
     def speed(self) -> int:
-        """Give the speed that it turns with now."""
+        """Return the speed that it turns with now."""
         return self.reading().speed
 
     def type(self) -> str:
-        """Say what is plugged in."""
+        """Return the type of the device."""
         return type_name(self.reading().type)
 
     def reading(self) -> MotorReading:
-        """Give what is known of it."""
+        """Return its latest reading."""
         return self._brick.seen().motors[self._index]
 
     def _percent(self, method: str, what: str, value: object) -> int:
@@ -121,7 +121,7 @@ class Motor:
             raise BridgeError(f"`{self.name}.{method}`: {what} goes from -100 to 100, not {value!r}.")
         reading = self._brick.link.snapshot.reading
         if reading is not None and reading.motors[self._index].type in ABSENT:
-            raise BridgeError(f"`{self.name}`: nothing is plugged in port {self.name[-1]}")
+            raise BridgeError(f"`{self.name}`: nothing is plugged in port {self.name[-1]}.")
         return round(number)
 
     def _amount(self, number: int) -> int:
@@ -145,17 +145,17 @@ class Sensor:
         self.name = f"sensor{index + 1}"
 
     def read(self) -> float:
-        """Give the value: touch 1 or 0, colour %, ultrasonic cm, gyro deg; other modes, other units."""
+        """Return the value: touch 1 or 0, colour %, ultrasonic cm, gyro deg; other modes, other units."""
         reading = self.reading()
         wanted = self._brick.link.wanted_mode(self._index)
         if reading.type in ABSENT:
             raise self._nothing()
         if math.isnan(reading.value) or wanted not in (protocol.SAME_MODE, reading.mode):
-            raise NoDataYet(f"`robot.{self.name}` has no value yet")
+            raise NoDataYet(f"`robot.{self.name}` has no value yet.")
         return reading.value if reading.type in _FRACTIONS else round(reading.value)
 
     def set_mode(self, mode: int | str) -> None:
-        """Measure something else: a mode's number or its name, such as "ambient"."""
+        """Set the mode: its number or its name, such as "ambient"."""
         kind = self.reading().type
         if kind in ABSENT:
             raise self._nothing()
@@ -173,27 +173,27 @@ class Sensor:
         self._brick.link.set_mode(self._index, number)
 
     def mode(self) -> str:
-        """Say what it measures."""
+        """Return the name of its mode."""
         return mode_name(self.reading())
 
     def type(self) -> str:
-        """Say what is plugged in."""
+        """Return the type of the device."""
         return type_name(self.reading().type)
 
     def reading(self) -> SensorReading:
-        """Give what is known of it."""
+        """Return its latest reading."""
         return self._brick.seen().sensors[self._index]
 
     def _nothing(self) -> BridgeError:
-        return BridgeError(f"`{self.name}`: nothing is plugged in port {self._index + 1}")
+        return BridgeError(f"`{self.name}`: nothing is plugged in port {self._index + 1}.")
 
 
 def type_name(number: int) -> str:
-    """Give the word for a type of sensor or motor."""
+    """Return the name of a type of sensor or motor."""
     return TYPES.get(number, f"type {number}")
 
 
 def mode_name(sensor: SensorReading) -> str:
-    """Give the word for what a sensor measures."""
+    """Return the name of a sensor's mode."""
     names = MODES.get(sensor.type, ())
     return names[sensor.mode] if 0 <= sensor.mode < len(names) else f"mode {sensor.mode}"

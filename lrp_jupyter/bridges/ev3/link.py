@@ -1,8 +1,7 @@
-"""Keep a brick at hand: one thread that reads it, notices its loss and finds it again.
+"""The connection to a brick: one thread that reads it, detects its loss and reconnects.
 
-The loop of a program never waits for a brick: it takes the latest reading, and its commands are
-handed to the network without waiting for an answer. Whether the brick is still there is this
-thread's business, at every reading of it.
+The loop of a program never waits for a brick: it uses the latest reading, and its commands are sent
+without waiting for an answer. Each reading of the thread detects whether the brick is still there.
 """
 
 from __future__ import annotations
@@ -29,14 +28,14 @@ OnStatus = Callable[[str, str], None]
 
 @dataclass(frozen=True, slots=True)
 class BrickState:
-    """What is known of the brick.
+    """The last known state of the brick.
 
     Attributes
     ----------
     reading : BrickReading or None
         None before the first one.
     trouble : str
-        Why it could not be read since then, in a sentence.
+        The reason why it could not be read since then.
     time : float
         When it was read, by `time.monotonic`.
     """
@@ -54,10 +53,10 @@ class BrickLink:
     Parameters
     ----------
     find : callable
-        Gives a new connection, as :func:`~lrp_jupyter.bridges.ev3.client.connect` does; takes a
-        function that says whether to give up.
+        Returns a new connection, like :func:`~lrp_jupyter.bridges.ev3.client.connect`; its argument is
+        a function that returns whether to stop searching.
     report : callable
-        Told the state (``connected``, ``stale``, ``lost``, ``disconnected``) and a sentence whenever
+        Called with the state (``connected``, ``stale``, ``lost``, ``disconnected``) and a sentence when
         it changes.
     """
 
@@ -67,7 +66,7 @@ class BrickLink:
         self.name = ""
         self._client: BrickClient | None = None
         self._closing = threading.Event()
-        self._latest = threading.Lock()  # held while the snapshot is replaced by another one
+        self._latest = threading.Lock()  # held while the snapshot is replaced
         self._resets = [0] * 4  # how often each motor's count was set to zero
         self._modes = [SAME_MODE] * 4
         self._thread = threading.Thread(target=self._run, name="EV3", daemon=True)
@@ -78,7 +77,7 @@ class BrickLink:
         return self._client
 
     def open(self) -> None:
-        """Find the brick and read it once; then go on reading.
+        """Find the brick and read it once; then read it periodically.
 
         Raises
         ------
@@ -89,18 +88,18 @@ class BrickLink:
         self._thread.start()
 
     def search(self) -> None:
-        """Look for the brick in the background for as long as it takes."""
+        """Search for the brick in the background for as long as it takes."""
         self._thread.start()
 
     def close(self) -> None:
-        """End the thread and the connection; doing it twice does nothing."""
+        """End the thread and the connection; idempotent."""
         self._closing.set()
         if self._thread.is_alive() and self._thread is not threading.current_thread():
             self._thread.join(2.0)
-        self._let_go()
+        self._disconnect()
 
     def command(self, code: bytes) -> None:
-        """Send a byte code without waiting for the brick to carry it out.
+        """Send a byte code without waiting for the brick to perform it.
 
         Raises
         ------
@@ -109,7 +108,7 @@ class BrickLink:
         """
         client = self._client
         if client is None:
-            raise BridgeError(self.snapshot.trouble or "no brick is connected")
+            raise BridgeError(self.snapshot.trouble or "No brick is connected.")
         client.command(code)
 
     def stop(self) -> None:
@@ -118,17 +117,17 @@ class BrickLink:
         Raises
         ------
         BridgeError
-            The brick was lost, so nobody knows; it is stopped when it is found again.
+            The brick was lost, so its motors may turn; they are stopped when it is found again.
         """
         client = self._client
         if client is not None:
             client.command(protocol.stop(protocol.ALL_MOTORS, brake=True), _STOP_TIME)
         elif self.snapshot.reading is not None and not self._closing.is_set():
-            why = self.snapshot.trouble or "the brick is just being found again"
-            raise BridgeError(f"{why}; it is stopped as soon as it is found")
+            why = self.snapshot.trouble or "The brick is just being reconnected."
+            raise BridgeError(f"{why} It is stopped as soon as it is found.")
 
     def latest(self, snapshot: BrickState | None = None) -> BrickReading:
-        """Give the latest reading (or that of a snapshot).
+        """Return the latest reading (or that of a snapshot).
 
         Raises
         ------
@@ -141,11 +140,11 @@ class BrickLink:
         if seen.trouble:
             raise BridgeError(seen.trouble)
         if seen.reading is None:
-            raise NoDataYet("no brick has been found yet")
+            raise NoDataYet("No brick has been found yet.")
         return seen.reading
 
     def reset_count(self, motor: int) -> None:
-        """Set the count of a motor (0 to 3) to zero, on the brick and in what is known of it."""
+        """Set the count of a motor (0 to 3) to zero, on the brick and in the latest reading."""
         with self._latest:
             self.command(protocol.clear_count(1 << motor))
             self._resets[motor] += 1
@@ -154,11 +153,11 @@ class BrickLink:
                 self.snapshot = replace(seen, reading=_with_zero(seen.reading, [motor]))
 
     def set_mode(self, sensor: int, mode: int) -> None:
-        """Let a sensor (0 to 3) measure in another mode from the next reading on."""
+        """Set the mode of a sensor (0 to 3) from the next reading on."""
         self._modes[sensor] = mode
 
     def wanted_mode(self, sensor: int) -> int:
-        """Give the mode that was asked for; -1 for none."""
+        """Return the requested mode; -1 for none."""
         return self._modes[sensor]
 
     def _run(self) -> None:
@@ -170,15 +169,17 @@ class BrickLink:
                 else:
                     self._read(self._client)
             except BridgeError as error:
-                pause = self._suffer(str(error))
-            except Exception as error:  # a fault of ours: say so, rather than go on with old readings
-                self._suffer(f"the EV3 bridge itself failed: {type(error).__name__}: {error}")
+                pause = self._handle_trouble(str(error))
+            except (
+                Exception
+            ) as error:  # a fault of this bridge: report it rather than continue with old readings
+                self._handle_trouble(f"The EV3 bridge itself failed: {type(error).__name__}: {error}.")
                 break
             self._closing.wait(pause)
-        self._let_go()
+        self._disconnect()
 
-    def _suffer(self, trouble: str) -> float:
-        """Say what is wrong, once; give the seconds until the next attempt."""
+    def _handle_trouble(self, trouble: str) -> float:
+        """Report a trouble, once; return the seconds until the next attempt."""
         if self._closing.is_set():
             return 0.0
         client, known = self._client, self.snapshot.trouble
@@ -187,15 +188,15 @@ class BrickLink:
             if refused or not known:
                 self.snapshot = replace(self.snapshot, trouble=trouble)
         if not refused:
-            self._let_go()
+            self._disconnect()
         if client is not None and trouble != known:
             self._report("stale" if refused else "lost", trouble)
         elif client is None and self.snapshot.reading is None:
-            self._report("disconnected", f"{trouble} Still looking for it")
+            self._report("disconnected", f"{trouble} The search goes on.")
         return _PERIOD if client is not None else _REST
 
     def _adopt(self, client: BrickClient, again: bool = False) -> None:
-        """Take a new connection. A brick that was lost may still be driving: it is stopped first."""
+        """Adopt a new connection. A brick that was lost may still be driving: it is stopped first."""
         try:
             if again:
                 client.command(protocol.stop(protocol.ALL_MOTORS, brake=True))
@@ -205,9 +206,9 @@ class BrickLink:
             client.close()
             raise
         self._client = client
-        sentence = f"connected to `{self.name}` at {client.address[0]}"
+        sentence = f"Connected to `{self.name}` at {client.address[0]}."
         if again:
-            sentence += "; it had been lost, so its motors were stopped: start them anew"
+            sentence += " It had been lost, so its motors were stopped: start them again."
         self._report("connected", sentence)
 
     def _read(self, client: BrickClient) -> None:
@@ -221,9 +222,9 @@ class BrickLink:
             if before.reading is not None and before.reading.sensors[port].type != sensor.type:
                 self._modes[port] = SAME_MODE  # another sensor: it has other modes
         if before.trouble and client is self._client:
-            self._report("connected", f"connected to `{self.name}` at {client.address[0]}")
+            self._report("connected", f"Connected to `{self.name}` at {client.address[0]}.")
 
-    def _let_go(self) -> None:
+    def _disconnect(self) -> None:
         client, self._client = self._client, None
         if client is not None:
             client.close()

@@ -1,4 +1,4 @@
-"""The bytes that a Lego EV3 brick understands: direct commands, little endian.
+"""The protocol of a Lego EV3 brick: direct commands, little endian.
 
 Pure functions. A *byte code* is one or more operations; a *frame* is a byte code with its
 header. Motor ports are a bit mask (A = 1 … D = 8) where a command may name several, and a number
@@ -38,16 +38,16 @@ __all__ = [
 
 ALL_MOTORS = 0b1111
 NAME_SIZE = 32
-MAXIMUM_FRAME = 1024  # the brick's buffer: what announces more is no brick
+MAXIMUM_FRAME = 1024  # the brick's buffer: a sender that announces more is not a brick
 
 _WITH_REPLY, _WITHOUT_REPLY = 0x00, 0x80
 _REPLY_OK, _REPLY_ERROR = 0x02, 0x04
 
 
 def constant(value: int) -> bytes:
-    """Encode a number as the shortest constant that the brick does not take for NaN.
+    """Encode a number as the shortest constant that the brick does not read as NaN.
 
-    The smallest number of each size (-128, -32768, …) *is* the brick's NaN, so it takes the next
+    The smallest number of each size (-128, -32768, …) *is* the brick's NaN, so it needs the next
     size.
 
     Raises
@@ -60,7 +60,7 @@ def constant(value: int) -> bytes:
     for tag, size in ((0x81, 1), (0x82, 2), (0x83, 4)):
         if abs(value) < 1 << (8 * size - 1):
             return bytes([tag]) + value.to_bytes(size, "little", signed=True)
-    raise BridgeError(f"{value} is too large for the brick: 32 bits at most")
+    raise BridgeError(f"{value} is too large for the brick: 32 bits at most.")
 
 
 def variable(offset: int) -> bytes:
@@ -89,7 +89,7 @@ def frame(counter: int, code: bytes, size: int = 0, reply: bool = False) -> byte
 
 
 class BrickReply(NamedTuple):
-    """One reply: the counter of its command, whether it was carried out, the globals."""
+    """One reply: the counter of its command, whether it was performed, the globals."""
 
     counter: int
     ok: bool
@@ -97,23 +97,23 @@ class BrickReply(NamedTuple):
 
 
 def split_replies(buffer: bytes) -> tuple[list[BrickReply], bytes]:
-    """Take the whole replies from what has arrived; what is left is the begin of the next.
+    """Split off the complete replies; the rest is the beginning of the next.
 
     Raises
     ------
     BridgeError
-        These bytes are no replies of a brick.
+        These bytes are not replies of a brick.
     """
     replies = []
     while len(buffer) >= 2:
         end = 2 + int.from_bytes(buffer[:2], "little")
         if not 5 <= end <= MAXIMUM_FRAME:
-            raise BridgeError(f"the brick sent a frame of {end} bytes, which is none of its replies")
+            raise BridgeError(f"The brick sent a frame of {end} bytes, which is not a reply.")
         if len(buffer) < end:
             break
         counter, kind = struct.unpack_from("<HB", buffer, 2)
         if kind not in (_REPLY_OK, _REPLY_ERROR):
-            raise BridgeError(f"the brick sent a frame of type 0x{kind:02x}, which is no reply")
+            raise BridgeError(f"The brick sent a frame of type 0x{kind:02x}, which is not a reply.")
         replies.append(BrickReply(counter, kind == _REPLY_OK, buffer[5:end]))
         buffer = buffer[end:]
     return replies, buffer
@@ -128,12 +128,12 @@ def _then_start(code: bytes, ports: int) -> bytes:
 
 
 def start_speed(ports: int, speed: int) -> bytes:
-    """Turn motors at a regulated speed, -100 to 100, until told otherwise."""
+    """Turn motors at a regulated speed, -100 to 100, until the next command."""
     return _then_start(_operation(0xA5, values=(0, ports, speed)), ports)
 
 
 def start_power(ports: int, power: int) -> bytes:
-    """Turn motors with unregulated power, -100 to 100, until told otherwise."""
+    """Turn motors with unregulated power, -100 to 100, until the next command."""
     return _then_start(_operation(0xA4, values=(0, ports, power)), ports)
 
 
@@ -148,7 +148,7 @@ def run_milliseconds(ports: int, speed: int, amount: int, brake: bool) -> bytes:
 
 
 def stop(ports: int, brake: bool) -> bytes:
-    """Stop motors and hold them (brake), or let them run out."""
+    """Stop motors and hold them (brake), or coast (not brake)."""
     return _operation(0xA3, values=(0, ports, brake))
 
 
@@ -184,7 +184,7 @@ class SensorReading(NamedTuple):
 
 
 class BrickReading(NamedTuple):
-    """Everything that the brick knows at one moment; the battery in percent."""
+    """All motors and sensors at one moment; the battery in percent."""
 
     motors: tuple[MotorReading, ...]
     sensors: tuple[SensorReading, ...]
@@ -200,12 +200,12 @@ _SAME_TYPE, SAME_MODE = 0, -1
 def read_everything(modes: tuple[int, ...] = (SAME_MODE,) * 4) -> tuple[bytes, int]:
     """Ask for all motors, sensors and the battery in one frame: the byte code, the reply's size.
 
-    It never makes the brick wait for a sensor (a sensor that has just changed its mode says NaN).
+    It never makes the brick wait for a sensor (a sensor that has just changed its mode reads NaN).
 
     Parameters
     ----------
     modes : tuple of int
-        The mode that each sensor shall measure in, or -1 for the one it is in.
+        The mode to measure in for each sensor, or -1 for the present one.
     """
     code = b""
     for motor in range(4):
@@ -230,7 +230,7 @@ def parse_reading(data: bytes) -> BrickReading:
         The reply has another size.
     """
     if len(data) != _LAYOUT.size:
-        raise BridgeError(f"the brick answered with {len(data)} bytes instead of {_LAYOUT.size}")
+        raise BridgeError(f"The brick answered with {len(data)} bytes instead of {_LAYOUT.size}.")
     numbers = _LAYOUT.unpack(data)
     counts, values, speeds = numbers[0:4], numbers[4:8], numbers[9:13]
     motor_types, sensor_types, sensor_modes = numbers[13:21:2], numbers[21:29:2], numbers[22:29:2]

@@ -1,7 +1,7 @@
 """The bridge to ROS: topics become variables and methods of `robot`.
 
-A person connects them once, in the panel, from Python or in a set-up file; a program uses them and
-never knows of topics::
+A person connects them once, in the panel, from Python or in a set-up file; a program uses them
+without knowing of topics::
 
     ros = RosBridge(host="turtle.local")
     ros.subscribe("odom", "/odom")
@@ -10,12 +10,12 @@ never knows of topics::
     (running [robot.move(linear_x=0.2)])
     (event there [robot.odom.x > 1])
 
-Two back ends do the talking: rosbridge (the default; ROS 1 and 2, nothing of ROS needed here) and
+Two back ends communicate with ROS: rosbridge (the default; ROS 1 and 2, no ROS installation needed here) and
 rospy (ROS 1, where Python can import it).
 
 Paper: §7.1.
 Deviation: §7.1 asks for the class of a PhaROS package when the interpreter starts; here the address
-of the robot takes that place, asked once.
+of the robot replaces it, asked once.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ from lrp_jupyter.errors import BridgeError, NoDataYet
 __all__ = ["RosBridge"]
 
 _BACKENDS = {"rosbridge": 9090, "rospy": 11311}  # with their ports
-_SETTLE = 1.0  # seconds that a person waits for a new connection to be made
-_SETTLE_ALL = 2.0  # … and that opening waits for those of the set-up
+_ANSWER = 1.0  # seconds that a person waits for a new connection to be made
+_ANSWER_ALL = 2.0  # … and that opening waits for those of the set-up
 
 
 class RosBridge(Bridge):
@@ -55,20 +55,20 @@ class RosBridge(Bridge):
     ----------
     backend : {"rosbridge", "rospy"}
     host : str, optional
-        Of the rosbridge server or the ROS master, ``host`` or ``host:port``. Unless given:
-        this machine or, with rospy, what ``ROS_MASTER_URI`` says.
+        Of the rosbridge server or the ROS master, ``host`` or ``host:port``. Default:
+        this machine or, with rospy, the value of ``ROS_MASTER_URI``.
     port : int, optional
         9090 for rosbridge, 11311 for rospy.
     setup : path or mapping, optional
-        What is connected to what; see `lrp_jupyter.bridges.ros.setup`. A file is kept: what is
-        changed later is written to it.
+        The connections; see `lrp_jupyter.bridges.ros.setup`. Later
+        changes are written to a file.
     patience : float
         Seconds that opening may take.
 
     Raises
     ------
     BridgeError
-        An option or the set-up has a mistake; the sentence says which.
+        An option or the set-up has a mistake; the message names it.
     """
 
     name = "ros"
@@ -94,20 +94,20 @@ class RosBridge(Bridge):
         self.wiring = Wiring(self._offer, self._withdraw)
         self._in_tick = 0  # the thread of the tick that is under way: it must not wait
         if setup is not None:
-            self.wiring.take(setup)
+            self.wiring.load(setup)
 
     # -- what is connected to what ----------------------------------------------------------------
 
     def subscribe(self, variable: str, topic: str, type: str = "") -> None:  # noqa: A002
-        """Make the last message of a topic available as ``robot.<variable>``.
+        """Subscribe ``robot.<variable>`` to a topic; its value is the last message.
 
-        Once: the same again does nothing; another topic takes the place of the first.
+        Idempotent; another topic replaces the first.
 
         Parameters
         ----------
         variable, topic : str
         type : str, optional
-            That of the live topic unless given.
+            Default: that of the live topic.
 
         Raises
         ------
@@ -117,15 +117,15 @@ class RosBridge(Bridge):
         self.connect(Wire(variable, "subscription", topic, type))
 
     def publish(self, variable: str, topic: str, type: str = "", limits: Limits | None = None) -> None:  # noqa: A002
-        """Make a topic available as ``robot.<variable>(…)``.
+        """Register ``robot.<variable>(…)`` as the publisher of a topic.
 
         Parameters
         ----------
         variable, topic : str
         type : str, optional
-            That of the live topic unless given.
+            Default: that of the live topic.
         limits : mapping of str to float or (float, float), optional
-            ``{"linear": 0.5}``: numbers beyond are brought back to -0.5 ... 0.5, and that is shown.
+            ``{"linear": 0.5}``: larger numbers are clamped to -0.5 ... 0.5, and that is shown.
 
         Raises
         ------
@@ -135,22 +135,22 @@ class RosBridge(Bridge):
         self.connect(Wire(variable, "publisher", topic, type, dict(limits or {})))
 
     def remove(self, variable: str) -> None:
-        """End a subscription or publisher, and take the variable away.
+        """Remove a variable and its subscription or publisher.
 
         Raises
         ------
         BridgeError
-            There is none of that name.
+            There is no variable of that name.
         """
         self.wiring.remove(variable)
 
     @property
     def setup(self) -> dict[str, Any]:
-        """The set-up as JSON, to be stored with a notebook, say."""
+        """The set-up in its JSON form."""
         return self.wiring.as_dict()
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the set-up to a file, and from now on every change of it.
+        """Write the set-up to a file, now and after every change.
 
         Raises
         ------
@@ -160,20 +160,20 @@ class RosBridge(Bridge):
         self.wiring.save(path)
 
     def connect(self, wire: Wire, wait: bool = True) -> None:
-        """Connect a variable and, unless told otherwise, wait a moment for what the robot says to it.
+        """Connect a variable and, if `wait`, wait a moment for the robot's answer.
 
         Raises
         ------
         BridgeError
-            It cannot be; what was there before stays.
+            It cannot be connected; the previous connection stays.
         """
         may_wait = wait and threading.get_ident() != self._in_tick
-        self.wiring.connect(wire, _SETTLE if may_wait else 0.0)
+        self.wiring.connect(wire, _ANSWER if may_wait else 0.0)
 
     # -- the robot --------------------------------------------------------------------------------
 
     def _offer(self, channel: Channel) -> None:
-        """Make a channel a member of the robot; again when its type has become known.
+        """Register a channel as a member of the robot; again when its type is known.
 
         Raises
         ------
@@ -221,12 +221,12 @@ class RosBridge(Bridge):
         values = message.as_dict()
         channel.has_moved |= channel.is_velocity and _any_number(values)
         link.send(channel, values)
-        channel.note()
+        channel.stamp()
         assert isinstance(message, RosMessage)
         channel.last_sent = message
 
     def stop(self) -> None:
-        """Publish a velocity of zero wherever velocities go."""
+        """Publish a velocity of zero on every velocity topic."""
         failures = []
         for channel in self.wiring.channels:
             try:
@@ -244,22 +244,22 @@ class RosBridge(Bridge):
             channel.latched = channel.latest
 
     def act(self, now: float) -> None:
-        """Leave the tick."""
+        """Mark the end of the tick."""
         self._in_tick = 0
 
     # -- the connection ---------------------------------------------------------------------------
 
     def open_interface(self) -> Panel:
-        """Connect, and connect what the set-up says.
+        """Connect to the robot, and connect all channels of the set-up.
 
         Raises
         ------
         BridgeError
-            There is no robot, or something is not installed.
+            There is no robot, or a library is not installed.
         """
         self._start(searching=False)
-        self.wiring.settle(_SETTLE_ALL)
-        self.set_status(*self._told)
+        self.wiring.wait_for_answers(_ANSWER_ALL)
+        self.set_status(*self._last_status)
         return self.panel()
 
     def close_interface(self) -> None:
@@ -267,12 +267,12 @@ class RosBridge(Bridge):
         self.wiring.close()
 
     def _start(self, searching: bool) -> None:
-        """Make a link, with new channels for all that is set up."""
+        """Create a link, with a new channel for each connection of the set-up."""
         link = TopicLink(self._make_transport(), self._report, self.wiring.learned)
-        self._told = (ConnectionState.CONNECTING, f"connecting to {link.transport.place}")
-        self.add_method("stop", self.stop, "publish a velocity of zero wherever velocities go")
+        self._last_status = (ConnectionState.CONNECTING, f"Connecting to {link.transport.place}.")
+        self.add_method("stop", self.stop, "publish a velocity of zero on every velocity topic")
         try:
-            self.wiring.renew(link)
+            self.wiring.attach(link)
             if searching:
                 link.search()
             else:
@@ -288,14 +288,14 @@ class RosBridge(Bridge):
             return RospyTransport(f"http://{host}:{port}" if host else "")
         return RosbridgeTransport(f"ws://{host or '127.0.0.1'}:{port}", self._warn)
 
-    _told: tuple[ConnectionState, str] = (ConnectionState.DISCONNECTED, "not open")
+    _last_status: tuple[ConnectionState, str] = (ConnectionState.DISCONNECTED, "not open")
 
     def _warn(self, sentence: str) -> None:
         self.safety.notice("fault", sentence)
 
     def _report(self, state: ConnectionState, sentence: str) -> None:
-        """Show how the connection is; a robot that does not answer is stopped. On the link's thread."""
-        before, self._told = self._told[0], (state, sentence)
+        """Apply a change of the connection; stop a robot that does not answer. On the link's thread."""
+        before, self._last_status = self._last_status[0], (state, sentence)
         self.set_status(state, sentence)
         link = self.wiring.link
         if link is None or state not in (ConnectionState.LOST, ConnectionState.STALE):
@@ -315,12 +315,12 @@ class RosBridge(Bridge):
 
     @property
     def address(self) -> str:
-        """Where the robot is; empty: on this machine, or where the environment says."""
+        """The robot's address; empty: this machine, or the one that the environment names."""
         host, port = self._address
         return f"{host}:{port}" if host else ""
 
     def panel(self) -> Panel:
-        """Give the table of what is connected, the fields for a new one, and the live topics."""
+        """Return the table of connections, the fields for a new one, and the live topics."""
         return draw_panel(
             status=self.status.sentence,
             backend=self.backend,
@@ -332,7 +332,7 @@ class RosBridge(Bridge):
         )
 
     def press(self, key: str, row: str = "", values: Mapping[str, str] | None = None) -> None:
-        """Press a button: ``subscribe`` and ``publish`` take what stands in the fields, without waiting.
+        """Press a button: ``subscribe`` and ``publish`` use the values of the fields, without waiting.
 
         Raises
         ------
@@ -353,21 +353,21 @@ class RosBridge(Bridge):
         elif key == "save":
             path = fields.get("setup", "").strip() or self.wiring.path
             if not path:
-                raise BridgeError("There is no file for the set-up. Name one.")
+                raise BridgeError("There is no file for the set-up: name one.")
             self.save(path)
         else:
             super().press(key, row, values)
 
     def answer(self, key: str, value: str) -> None:
-        """Take the robot's address, or the file with the set-up; an open bridge connects anew.
+        """Apply the robot's address, or the file with the set-up; an open bridge reconnects.
 
         Raises
         ------
         BridgeError
-            It is no address, or no set-up.
+            It is not an address, or not a set-up.
         """
         if key == "setup":
-            self.wiring.take(value)
+            self.wiring.load(value)
         elif key == "host":
             address = parse_address(value, None, _BACKENDS[self.backend])
             if address == self._address:
@@ -377,14 +377,14 @@ class RosBridge(Bridge):
             if self.is_open and link is not None:
                 self.stop_all()
                 link.close()
-                self.set_status(ConnectionState.CONNECTING, f"connecting to {value}")
+                self.set_status(ConnectionState.CONNECTING, f"Connecting to {value}.")
                 self._start(searching=True)
         else:
             super().answer(key, value)
 
 
 def _number(text: float | str) -> object:
-    """Give what was typed on a command line as a number, if it is one."""
+    """Convert the text of a command line into a number, if it is one."""
     try:
         return float(text)
     except ValueError:

@@ -2,7 +2,7 @@
 
 Owner: `latest`, `times` and `count` belong to the thread on which messages arrive (or, for a
 publisher, leave); what the connection decides (`problem`, `waiting`, `handle`, …) to the thread of
-the link. Each is replaced by one assignment, and anybody may look.
+the link. Each is replaced by one assignment; any thread may read them.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class Arrival(NamedTuple):
 
 
 class Channel:
-    """A wire that is, or shall be, connected.
+    """A wire with the state of its connection.
 
     Attributes
     ----------
@@ -36,20 +36,20 @@ class Channel:
     type : str
         Of the wire or, where that leaves it out, of the live topic; empty while unknown.
     form : Form or None
-        How readings are made, for a subscription whose type is known.
+        Decodes messages, for a subscription whose type is known.
     message : RosMessage class or None
         For a publisher whose type is known.
     latest : Arrival or None
         None before the first message, and again after the connection was lost.
     problem : str
-        Why it cannot be connected, or is not connected any more.
+        Why it cannot be connected, or is no longer connected.
     waiting : str
-        What has to appear first: the topic, or its type.
+        What is missing: the topic, or its type.
     has_moved : bool
-        Whether a velocity that is not zero went out: nobody knows what arrived of it, and of a stop,
-        when the connection is lost.
+        Whether a velocity other than zero was sent: when the connection is lost, it is unknown whether
+        it, or a stop, arrived.
     owes_stop : bool
-        Whether that happened: a stop is sent as soon as there is a connection again.
+        Whether a stop has to be sent as soon as there is a connection again.
     """
 
     def __init__(self, wire: Wire) -> None:
@@ -65,7 +65,7 @@ class Channel:
         self.handle: object = None
         self.has_moved = False
         self.owes_stop = False
-        self.settled = threading.Event()
+        self.answered = threading.Event()
         self.last_sent: RosMessage | None = None
         self._times: deque[float] = deque(maxlen=20)
 
@@ -77,40 +77,40 @@ class Channel:
 
     @property
     def expects(self) -> bool:
-        """Whether it is a subscription on which nothing has arrived yet."""
+        """Whether it is a subscription without a message so far."""
         return self.wire.direction == "subscription" and self.latest is None
 
     def receive(self, raw: Any) -> None:
-        """Take a message as it came from the network; on any one thread."""
+        """Receive a raw message from the network; always on the same thread."""
         form = self.form
-        if not self.live or form is None:  # what is late belongs to a connection that is gone
+        if not self.live or form is None:  # a late message of a connection that is gone
             return
         try:
             value = form.decode(raw)
         except (AttributeError, TypeError, ValueError) as error:
-            self.problem = f"what arrives on `{self.wire.topic}` is no `{self.type}`: {error}"
+            self.problem = f"A message on `{self.wire.topic}` is not a `{self.type}`: {error}"
             return
         self.problem = ""
-        self.note()
+        self.stamp()
         self.latest = Arrival(value, self._times[-1])
 
-    def note(self) -> None:
-        """Note that a message came, or went."""
+    def stamp(self) -> None:
+        """Record the time of a received or sent message."""
         self._times.append(time.monotonic())
 
     def forget(self) -> None:
-        """Go back to "no data yet"."""
+        """Return to "no data yet"."""
         self.live = False
         self.latest = None
         self._times.clear()
 
     def age(self) -> float | None:
-        """Seconds since the last message; None before the first."""
+        """Return the seconds since the last message; None before the first."""
         times = self._times
         return time.monotonic() - times[-1] if times else None
 
     def rate(self) -> float:
-        """Messages per second, lately; 0 when there are none any more."""
+        """Return the recent messages per second; 0 when they have ceased."""
         times = list(self._times)
         if len(times) < 2 or times[-1] <= times[0]:
             return 0.0
@@ -118,7 +118,7 @@ class Channel:
         return 0.0 if time.monotonic() - times[-1] > max(1.0, 5 * period) else 1 / period
 
     def silent(self) -> float:
-        """Seconds for which a topic that used to speak has said nothing; 0 if it still speaks."""
+        """Return the seconds of silence of a topic that used to have messages; 0 if it still has."""
         times = list(self._times)
         if len(times) < 3:
             return 0.0

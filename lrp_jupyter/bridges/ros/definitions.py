@@ -1,7 +1,7 @@
-"""What a ROS message type consists of, whoever tells it: rosapi, rospy, or the few known from the start.
+"""Definitions of ROS message types from rosapi, from rospy, or from the few built in.
 
 ROS 1 writes ``geometry_msgs/Twist``, ROS 2 ``geometry_msgs/msg/Twist``: here it is the short form
-throughout. Definitions as rosapi of ROS 2 gives them follow its sources and were not run against a
+throughout. The parser for rosapi of ROS 2 follows its sources and was not run against a
 live one.
 """
 
@@ -72,7 +72,7 @@ class Definition:
 
 
 def canonical(type_: str) -> str:
-    """Give the short form of the name of a type: ``pkg/msg/Type`` is ``pkg/Type``."""
+    """Return the short form of the name of a type: ``pkg/msg/Type`` is ``pkg/Type``."""
     parts = type_.strip().split("/")
     if len(parts) == 3 and parts[1] == "msg":
         parts = [parts[0], parts[2]]
@@ -87,7 +87,7 @@ def parse_field(text: str, length: int = -1) -> FieldType:
     ----------
     text : str
     length : int
-        Where it is told apart from the type, as rosapi does.
+        Where it is separate from the type, as in rosapi.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def parse_field(text: str, length: int = -1) -> FieldType:
     """
     found = _SHAPE.match(text.partition(", ")[0].strip() if "sequence" not in text else text.strip())
     if found is None:
-        raise BridgeError(f"the type of a field cannot be understood: {text!r}")
+        raise BridgeError(f"The type of a field cannot be understood: {text!r}.")
     base, array = found.groups()
     if text.strip().startswith("sequence<"):
         length = 0
@@ -107,12 +107,12 @@ def parse_field(text: str, length: int = -1) -> FieldType:
 
 
 def from_rosapi(typedefs: Iterable[Mapping[str, Any]]) -> dict[str, Definition]:
-    """Read what ``/rosapi/message_details`` answers: a type and all those in it.
+    """Parse an answer of ``/rosapi/message_details``: a type and all those in it.
 
     Raises
     ------
     BridgeError
-        It is no such answer.
+        It is not such an answer.
     """
     found = {}
     try:
@@ -123,7 +123,7 @@ def from_rosapi(typedefs: Iterable[Mapping[str, Any]]) -> dict[str, Definition]:
             name = canonical(typedef["type"])
             found[name] = Definition(name, fields)
     except (KeyError, TypeError, ValueError) as error:
-        raise BridgeError(f"the server's description of a type cannot be understood: {error!r}") from error
+        raise BridgeError(f"The server's description of a type cannot be understood: {error!r}.") from error
     return found
 
 

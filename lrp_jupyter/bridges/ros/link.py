@@ -1,8 +1,8 @@
-"""Keep the connections of a set-up as they should be, over every loss of the robot.
+"""The connections of a set-up, kept up by one thread over every loss of the robot.
 
-The set-up says what shall be connected; one thread makes it so, looks again every now and then,
-and makes it so anew after a loss. Everything that may block happens on that thread: a dead master
-or server costs a program's loop nothing. How one talks to ROS is the affair of a `Transport`.
+The set-up lists the wanted connections; the thread compares them with the actual ones periodically,
+and reconnects after a loss. All calls that may block happen on that thread: a dead master or server
+does not delay a program's loop. A `Transport` communicates with ROS.
 
 Paper: §7.1 (subscriptions are the bridge's, not the program's, so a restart makes no second one).
 """
@@ -30,24 +30,24 @@ _JOIN = 2.0  # seconds that ending the thread may take
 
 
 class RefusedError(BridgeError):
-    """One topic cannot be connected; the others are not concerned."""
+    """One topic cannot be connected; the others are not affected."""
 
 
 class Transport(ABC):
-    """A way to talk to ROS: one connection at a time.
+    """A way to communicate with ROS: one connection at a time.
 
     All methods are called on the link's thread and may block, for a bounded time; `send` is called
-    on any thread and must not block. Whatever cannot be done raises `BridgeError`, and `RefusedError`
-    where only the one topic is concerned.
+    on any thread and must not block. A failure raises `BridgeError`, and `RefusedError` where only one
+    topic is affected.
 
     Attributes
     ----------
     place : str
-        Where the robot is, for sentences.
+        Address of the robot, for messages.
     period : float
-        Seconds between two looks at the robot.
+        Seconds between two comparisons with the robot.
     changed : callable
-        To be called, on any thread, when the link should look at once.
+        To be called, on any thread, when the link should compare at once.
     """
 
     place: str = ""
@@ -58,31 +58,31 @@ class Transport(ABC):
 
     @abstractmethod
     def connect(self) -> None:
-        """Connect anew; whatever was left of an earlier connection is let go."""
+        """Connect or reconnect; an earlier connection is closed."""
 
     @abstractmethod
     def disconnect(self) -> None:
-        """Let the connection go; what was sent before still goes out."""
+        """Close the connection; messages sent before are still delivered."""
 
     @abstractmethod
     def trouble(self) -> str:
-        """Say in a sentence that the robot does not answer; empty while it does. Does not block."""
+        """Return a sentence if the robot does not answer, else an empty text. Does not block."""
 
     @abstractmethod
     def topics(self) -> Mapping[str, str]:
-        """Give the live topics with their types."""
+        """Return the live topics with their types."""
 
     @abstractmethod
     def define(self, type_: str) -> Mapping[str, Definition]:
-        """Describe a type and those in it; empty where nobody can be asked."""
+        """Return the definitions of a type and those in it; empty without a service to ask."""
 
     @abstractmethod
     def taken(self, topic: str) -> bool:
-        """Whether somebody else really uses a topic: a type may be all that is left of it."""
+        """Return whether another node uses a topic; a type may outlive its topic."""
 
     @abstractmethod
     def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
-        """Subscribe or advertise; give what `leave` and `send` need."""
+        """Subscribe or advertise; return the handle for `leave` and `send`."""
 
     @abstractmethod
     def leave(self, handle: object) -> None:
@@ -103,9 +103,9 @@ class TopicLink:
     ----------
     transport : Transport
     report : callable
-        Told the state and a sentence whenever they change; on the link's thread.
+        Called with the state and a sentence when they change; on the link's thread.
     learned : callable
-        Told of a channel whose type has become known; on the link's thread.
+        Called with a channel whose type has become known; on the link's thread.
     """
 
     def __init__(self, transport: Transport, report: OnStatus, learned: Callable[[Channel], None]) -> None:
@@ -114,7 +114,7 @@ class TopicLink:
         self.topics: Mapping[str, str] = {}
         self.connected = False
         self._report, self._learned = report, learned
-        self._told: tuple[ConnectionState, str] | None = None
+        self._last_status: tuple[ConnectionState, str] | None = None
         self._channels: tuple[Channel, ...] = ()
         self._dropped: list[Channel] = []
         self._lock = threading.Lock()  # for the two above
@@ -134,7 +134,7 @@ class TopicLink:
         Raises
         ------
         BridgeError
-            There is nobody, or nobody who speaks ROS.
+            No server answers, or it does not speak ROS.
         """
         self._thread.start()
         try:
@@ -144,7 +144,7 @@ class TopicLink:
             raise
         except TimeoutError:
             self._closing.set()
-            self.transport.disconnect()  # whatever the thread waits for
+            self.transport.disconnect()  # ends what the thread waits for
             self.close()
             raise BridgeError(f"`{self.transport.place}` did not answer within {patience:g} s.") from None
 
@@ -154,7 +154,7 @@ class TopicLink:
         self._thread.start()
 
     def close(self) -> None:
-        """End all connections; doing it twice does nothing."""
+        """End all connections; idempotent."""
         self._closing.set()
         self._wake.set()
         if self._thread.is_alive() and self._thread is not threading.current_thread():
@@ -167,7 +167,7 @@ class TopicLink:
         self._wake.set()
 
     def drop(self, channel: Channel) -> None:
-        """Let a channel go, soon; nothing arrives in it from now on."""
+        """Disconnect a channel, soon; nothing arrives in it from now on."""
         with self._lock:
             self._channels = tuple(other for other in self._channels if other is not channel)
             self._dropped.append(channel)
@@ -175,7 +175,7 @@ class TopicLink:
         self._wake.set()
 
     def send(self, channel: Channel, values: Mapping[str, Any], urgent: bool = False) -> None:
-        """Publish, without waiting; `urgent` for a stop, which is tried whatever is wrong.
+        """Publish, without waiting; `urgent` for a stop, which is always tried.
 
         Raises
         ------
@@ -198,11 +198,13 @@ class TopicLink:
             try:
                 if not self.connected:
                     self._connect()
-                pause = self._look()
+                pause = self._synchronize()
             except BridgeError as error:
                 pause = self._lose(str(error))
-            except Exception as error:  # a fault of ours: say so, rather than go on with old readings
-                pause = self._lose(f"the ROS bridge itself failed: {type(error).__name__}: {error}")
+            except (
+                Exception
+            ) as error:  # a fault of this bridge: report it rather than continue with old readings
+                pause = self._lose(f"The ROS bridge itself failed: {type(error).__name__}: {error}.")
             self._wake.wait(pause)
         self.connected = False
         for channel in (*self._channels, *self._dropped):
@@ -215,11 +217,11 @@ class TopicLink:
         for channel in (*self._channels, *self._dropped):
             self._leave(channel)
 
-    def _look(self) -> float:
-        """Compare what is with what shall be, and make it so; give the seconds until the next look."""
+    def _synchronize(self) -> float:
+        """Make the actual connections match the wanted ones; return the seconds until the next time."""
         trouble = self.transport.trouble()
         if trouble:
-            self._tell(ConnectionState.STALE, trouble)
+            self._report_change(ConnectionState.STALE, trouble)
             return self.transport.period
         self.topics = self.transport.topics()
         with self._lock:
@@ -229,19 +231,19 @@ class TopicLink:
             self._leave(channel)
         for channel in channels:
             try:
-                self._settle(channel)
+                self._connect_channel(channel)
             except RefusedError as error:
                 self._leave(channel)
                 channel.problem = str(error)
-            channel.settled.set()
+            channel.answered.set()
         self.connected = True
-        self._tell(*self._summary(channels))
+        self._report_change(*self._summary(channels))
         if not self._first.done():
             self._first.set_result(None)
         waits = any(channel.waiting or channel.problem or channel.expects for channel in channels)
         return min(self.transport.period, _AGAIN) if waits else self.transport.period
 
-    def _settle(self, channel: Channel) -> None:
+    def _connect_channel(self, channel: Channel) -> None:
         wire = channel.wire
         live = canonical(self.topics.get(wire.topic, ""))
         type_ = wire.type or live or channel.type
@@ -288,7 +290,7 @@ class TopicLink:
             self.transport.leave(handle)
 
     def _lose(self, sentence: str) -> float:
-        """Say that the robot is lost; give the seconds until the next attempt."""
+        """Report that the robot is lost; return the seconds until the next attempt."""
         if self._closing.is_set():
             return 0.0
         if not self._first.done():
@@ -300,7 +302,7 @@ class TopicLink:
             channel.forget()
             channel.problem = sentence
             channel.owes_stop |= channel.has_moved
-        self._tell(ConnectionState.LOST, sentence)  # before the transport is let go: it may still take a stop
+        self._report_change(ConnectionState.LOST, sentence)  # first: the transport may still send a stop
         self.transport.disconnect()
         return _AGAIN
 
@@ -316,16 +318,16 @@ class TopicLink:
         empty = [f"`{channel.wire.topic}`" for channel in inputs if channel.expects]
         if empty:
             return ConnectionState.WAITING, f"{', '.join(empty)}: nothing has arrived yet"
-        return ConnectionState.CONNECTED, f"connected to {self.transport.place}"
+        return ConnectionState.CONNECTED, f"Connected to {self.transport.place}."
 
-    def _tell(self, state: ConnectionState, sentence: str) -> None:
-        if self._told != (state, sentence):
-            self._told = (state, sentence)
+    def _report_change(self, state: ConnectionState, sentence: str) -> None:
+        if self._last_status != (state, sentence):
+            self._last_status = (state, sentence)
             self._report(state, sentence)
 
 
 def _check_limits(channel: Channel) -> None:
-    """Refuse limits of fields that a message does not have, or that are no numbers."""
+    """Raise RefusedError for limits of fields that do not exist or are not numbers."""
     assert channel.message is not None
     for name in channel.wire.limits:
         try:

@@ -1,4 +1,4 @@
-"""The panel of the ROS bridge: what is connected to what, and what else there is.
+"""The panel of the ROS bridge: the connections, and the live topics.
 
 Paper: §7.1, figure 4 (the publishers and subscriptions, and the buttons to create them) and figure 5
 (variable, topic and type of a new one; picking a topic fills in its type).
@@ -106,17 +106,17 @@ def _row(channel: Channel) -> tuple[str, ...]:
 
 
 def gist(message: ReceivedMessage | RosMessage) -> str:
-    """Write what a message says: the place of an odometry, the one value of a simple message.
+    """Return a message in a line: the pose of an odometry, the one value of a simple message.
 
-    Of others the fields that are not zero. Headers and covariances say nothing at a glance.
+    Of others the fields that are not zero, without headers and covariances.
     """
     fields = message._as_dict() if isinstance(message, ReceivedMessage) else message.as_dict()
     short = [name for name in type(message).__slots__ if name not in fields]
     leaves = {name: getattr(message, name) for name in short} or dict(_leaves(fields))
     if len(leaves) == 1:
         return _text(*leaves.values())
-    told = leaves if short else {name: value for name, value in leaves.items() if value} or leaves
-    return ", ".join(f"{name}={_text(value)}" for name, value in islice(told.items(), _MOST))
+    shown = leaves if short else {name: value for name, value in leaves.items() if value} or leaves
+    return ", ".join(f"{name}={_text(value)}" for name, value in islice(shown.items(), _MOST))
 
 
 def _leaves(fields: Mapping[str, object], path: str = "") -> Iterator[tuple[str, object]]:

@@ -1,9 +1,9 @@
-"""ROS over rosbridge: a websocket that speaks JSON, so that nothing of ROS is needed on this side.
+"""The rosbridge back end: JSON over a websocket, without a ROS installation on this side.
 
 An own client of the rosbridge protocol 2.0, for what matters to a robot stands in
 `lrp_jupyter.bridges.ros.websocket`: a command is sent now or never.
 
-ROS 1 and ROS 2 differ in the names of types (`pkg/Type`, `pkg/msg/Type`): each is told its own. Time
+ROS 1 and ROS 2 differ in the names of types (`pkg/Type`, `pkg/msg/Type`): each gets its own. Time
 stamps and rosapi's names of fields differ too, and come with the definitions. ROS 2 was not run.
 """
 
@@ -33,7 +33,7 @@ class RosbridgeTransport(Transport):
     url : str
         ``ws://host:9090``
     warn : callable
-        Told, in a sentence, what the server complains about.
+        Called with a sentence for each complaint of the server.
     """
 
     def __init__(self, url: str, warn: Callable[[str], None]) -> None:
@@ -54,7 +54,7 @@ class RosbridgeTransport(Transport):
         Raises
         ------
         BridgeError
-            Nobody answers, or nobody who speaks websocket; or `websockets` is not installed.
+            No server answers, or it does not speak websocket; or `websockets` is not installed.
         """
         require_websockets()
         self.disconnect()
@@ -71,16 +71,16 @@ class RosbridgeTransport(Transport):
             socket.close()
 
     def trouble(self) -> str:
-        """Say that the server hangs."""
+        """Return a sentence if the server hangs."""
         socket = self._socket
         hangs = socket is not None and socket.is_open and socket.is_stale
-        return f"`{self.place}` does not answer any more" if hangs else ""
+        return f"`{self.place}` no longer answers" if hangs else ""
 
     def _open_socket(self) -> Socket:
         socket = self._socket
         if socket is None or not socket.is_open:
             why = socket.ended if socket is not None else ""
-            raise BridgeError(f"the connection to `{self.place}` is lost{f' ({why})' if why else ''}.")
+            raise BridgeError(f"The connection to `{self.place}` is lost{f' ({why})' if why else ''}.")
         return socket
 
     # -- topics -----------------------------------------------------------------------------------
@@ -93,7 +93,7 @@ class RosbridgeTransport(Transport):
         try:
             values = self._ask("/rosapi/topics")
         except RefusedError as error:
-            if self._has_rosapi:  # it is still there: what it asks is not
+            if self._has_rosapi:  # it is still there: its own ROS master is not
                 raise BridgeError(f"`{self.place}` answers, but its ROS master does not: {error}") from None
             self._has_rosapi = False
             self._warn(
@@ -102,13 +102,13 @@ class RosbridgeTransport(Transport):
             return {}
         self._has_rosapi = True
         names, types = values.get("topics", []), values.get("types")
-        if types is None:  # an old rosapi: a type at a time, for the topics that matter
+        if types is None:  # an old rosapi: one type at a time, for the topics in use
             types = [self._type_of(name) for name in names]
         self._is_ros2 = any("/msg/" in str(type_) for type_ in types)
         return {str(name): canonical(str(type_)) for name, type_ in zip(names, types, strict=False)}
 
     def _spelled(self, type_: str) -> str:
-        """Write the name of a type as this ROS does."""
+        """Return the name of a type in the notation of this ROS."""
         return type_.replace("/", "/msg/", 1) if self._is_ros2 else type_
 
     def _type_of(self, topic: str) -> str:
@@ -120,7 +120,7 @@ class RosbridgeTransport(Transport):
         Raises
         ------
         RefusedError
-            There is none of that name.
+            The server does not know the type.
         """
         if not self._has_rosapi:
             return {}
@@ -140,7 +140,7 @@ class RosbridgeTransport(Transport):
             return True
 
     def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
-        """Subscribe or advertise. A topic is subscribed to once, however many listen."""
+        """Subscribe or advertise. A topic is subscribed to once, however many variables read it."""
         socket, number = self._open_socket(), next(self._ids)
         wanted = {"topic": topic, "type": self._spelled(type_)}
         if direction == "publisher":
@@ -154,7 +154,7 @@ class RosbridgeTransport(Transport):
         return _Handle(direction, topic, number, socket)
 
     def leave(self, handle: object) -> None:
-        """Unsubscribe or unadvertise; on a connection that is gone there is nothing to do."""
+        """Unsubscribe or unadvertise; nothing to do on a connection that is gone."""
         assert isinstance(handle, _Handle)
         socket, topic, number = handle.socket, handle.topic, handle.number
         if socket is not self._socket:
@@ -190,7 +190,7 @@ class RosbridgeTransport(Transport):
         Raises
         ------
         RefusedError
-            The server says that it failed, or that there is no such service.
+            The call failed, or there is no such service.
         BridgeError
             The connection is gone, or nothing came back.
         """
@@ -200,7 +200,7 @@ class RosbridgeTransport(Transport):
         try:
             response = answer.result(_ANSWER)
         except TimeoutError:
-            raise BridgeError(f"`{self.place}` does not answer what it is asked ({service}).") from None
+            raise BridgeError(f"`{self.place}` does not answer the call of {service}.") from None
         finally:
             socket.forget(key)
         values = response.get("values")
@@ -209,7 +209,7 @@ class RosbridgeTransport(Transport):
         return values
 
     def _receive(self, message: Mapping[str, Any]) -> None:
-        """Take a message of the server; on the socket's thread."""
+        """Process a message of the server; on the socket's thread."""
         operation = message.get("op")
         if operation == "publish":
             for receive in tuple(self._receivers.get(str(message.get("topic")), {}).values()):

@@ -1,4 +1,4 @@
-"""ROS 1 by its own library, where this Python can import it.
+"""The rospy back end: ROS 1 by its own library, where this Python can import it.
 
 rospy was made for programs that are one node from beginning to end, so it is held at arm's length:
 
@@ -6,7 +6,7 @@ rospy was made for programs that are one node from beginning to end, so it is he
 * it may not touch the process: no signals, no handlers of the root logger, no arguments;
 * whoever registers while the master is dead waits until it lives: the master is asked first, with a
   time limit, and only the link's thread ever registers;
-* a master that comes back knows nobody: everything is unregistered and registered again.
+* a master that comes back has forgotten all nodes: everything is unregistered and registered again.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class RospyTransport(Transport):
         self._pid: int | None = None
 
     def connect(self) -> None:
-        """Find the master and, in a process's first connection, make the node.
+        """Find the master and, in a process's first connection, create the node.
 
         Raises
         ------
@@ -71,10 +71,10 @@ class RospyTransport(Transport):
             )
 
     def disconnect(self) -> None:
-        """Do nothing: the node stays, and its topics were left one by one."""
+        """Do nothing: the node stays, and its topics were unregistered one by one."""
 
     def trouble(self) -> str:
-        """Nothing is known without asking."""
+        """Return an empty text: the state is known only to the master."""
         return ""
 
     def topics(self) -> Mapping[str, str]:
@@ -93,7 +93,7 @@ class RospyTransport(Transport):
         return {str(topic): canonical(str(type_)) for topic, type_ in pairs if type_ != "*"}
 
     def taken(self, topic: str) -> bool:
-        """Ask the master who else is there: it never forgets a type."""
+        """Ask the master for other nodes of the topic: it never forgets a type."""
         return self._others(topic, 0) or self._others(topic, 1)
 
     def _others(self, topic: str, section: int) -> bool:
@@ -105,7 +105,7 @@ class RospyTransport(Transport):
         )
 
     def define(self, type_: str) -> Mapping[str, Definition]:
-        """Look at the classes of the installed packages.
+        """Return the definitions from the classes of the installed packages.
 
         Raises
         ------
@@ -117,7 +117,7 @@ class RospyTransport(Transport):
         return found
 
     def join(self, topic: str, type_: str, direction: Direction, receive: Callable[[Any], None]) -> object:
-        """Make a subscriber or a publisher."""
+        """Create a subscriber or a publisher."""
         rospy, kind = _rospy(), _class_of(type_)
         try:
             if direction == "publisher":
@@ -129,7 +129,7 @@ class RospyTransport(Transport):
             raise RefusedError(f"`{topic}`: {error}") from error
 
     def _wait_for_listeners(self, publisher: Any, topic: str) -> None:
-        """Wait a moment for those who listen already, or the first message would be lost on them."""
+        """Wait a moment for existing subscribers, or they would miss the first message."""
         if self._others(topic, 1):
             end = time.monotonic() + _MEET
             while publisher.get_num_connections() == 0 and time.monotonic() < end:
@@ -141,12 +141,12 @@ class RospyTransport(Transport):
         unregister()
 
     def send(self, handle: object, values: Mapping[str, Any], urgent: bool) -> None:
-        """Publish. Types were checked when the message was filled: rospy does it for listeners only.
+        """Publish. Types were checked when the message was filled: rospy does it only for subscribers.
 
         Raises
         ------
         BridgeError
-            rospy does not take it.
+            rospy refuses the message.
         """
         import genpy
 
@@ -157,7 +157,7 @@ class RospyTransport(Transport):
             genpy.message.fill_message_args(message, [dict(values)])
             publisher.publish(message)
         except (genpy.MessageException, rospy.ROSException) as error:
-            raise BridgeError(f"`{publisher.resolved_name}` does not take the message: {error}") from error
+            raise BridgeError(f"`{publisher.resolved_name}` refuses the message: {error}") from error
 
 
 def _rospy() -> Any:
@@ -166,14 +166,14 @@ def _rospy() -> Any:
     except ImportError as error:
         raise BridgeError(
             f"This Python cannot import rospy ({error}). Install it (Debian: `apt install python3-rospy`), or"
-            " start Jupyter in a shell with ROS set up (`source /opt/ros/noetic/setup.bash`); or take the"
+            " start Jupyter in a shell with ROS set up (`source /opt/ros/noetic/setup.bash`); or use the"
             " back end `rosbridge`, which needs nothing of ROS here."
         ) from error
     return rospy
 
 
 def _make_node(master: str) -> None:
-    """Make the one node of this process."""
+    """Create the one node of this process."""
     global _node_master
     rospy = _rospy()
     with _node_lock:
@@ -187,7 +187,7 @@ def _make_node(master: str) -> None:
         root = logging.getLogger()
         handlers, level = root.handlers[:], root.level
         before = os.environ.get("ROS_MASTER_URI")
-        os.environ["ROS_MASTER_URI"] = master  # rospy knows no other way to be told
+        os.environ["ROS_MASTER_URI"] = master  # rospy has no other way to set it
         try:
             rospy.init_node(
                 "lrp",
@@ -198,7 +198,7 @@ def _make_node(master: str) -> None:
                 disable_rostime=True,
             )
         except (rospy.ROSException, OSError) as error:
-            raise BridgeError(f"The ROS node cannot be made: {error}") from error
+            raise BridgeError(f"The ROS node cannot be created: {error}") from error
         finally:
             if before is None:
                 del os.environ["ROS_MASTER_URI"]
@@ -236,7 +236,7 @@ def _define(type_: str, found: dict[str, Definition]) -> None:
 
 
 class _Timed(xmlrpc.client.Transport):
-    """XML-RPC that gives up."""
+    """XML-RPC with a timeout."""
 
     def make_connection(self, host: Any) -> HTTPConnection:
         connection = super().make_connection(host)
@@ -250,10 +250,10 @@ class _Master:
     def __init__(self, uri: str) -> None:
         self._uri = uri
         if not urlsplit(uri).hostname:
-            raise BridgeError(f"`{uri}` is no address of a ROS master: `http://host:11311`.")
+            raise BridgeError(f"`{uri}` is not the address of a ROS master: write `http://host:11311`.")
 
     def ask(self, question: str) -> Any:
-        """Ask, and give the answer.
+        """Call a function of the master and return its answer.
 
         Raises
         ------

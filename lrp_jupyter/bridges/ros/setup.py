@@ -1,4 +1,4 @@
-"""What is connected to what, and where: the set-up of a ROS robot, as a value and as JSON.
+"""The set-up of a ROS robot, i.e. the connections of its variables, as a value and as JSON.
 
 ::
 
@@ -9,7 +9,7 @@
                              "limits": {"linear": 0.5, "angular": 1.0}}}}
 
 A type that is left out is taken from the live topic. Everything is checked here as far as it can
-be without a robot; what the robot has to say comes later.
+be without a robot; the robot checks the rest later.
 
 Paper: §7.1 (figures 4 and 5: variable, topic, type).
 """
@@ -54,10 +54,10 @@ class Wire:
     Attributes
     ----------
     variable : str
-        What is written after ``robot.``
+        The name after ``robot.``
     direction : {"subscription", "publisher"}
     topic : str
-        Absolute: ``odom`` is made ``/odom``.
+        Absolute: ``odom`` becomes ``/odom``.
     type : str
         In the form ``package/Type``; empty: that of the live topic.
     limits : mapping of str to float
@@ -66,7 +66,7 @@ class Wire:
     Raises
     ------
     BridgeError
-        A name is illegal; the sentence says which and why.
+        A name is illegal; the message names it and the reason.
     """
 
     variable: str
@@ -87,7 +87,7 @@ class Wire:
             better = re.sub(r"/+", "/", "/" + re.sub(r"[^\w/]+", "/", topic, flags=re.ASCII)).rstrip("/")
             hint = f" Did you mean `{better}`?" if _TOPIC.match(better) else ""
             raise BridgeError(
-                f"`{topic}` is no name of a topic: letters, digits and `_`, with `/` between names.{hint}"
+                f"`{topic}` is not a topic name: letters, digits and `_`, with `/` between names.{hint}"
             )
         object.__setattr__(self, "topic", absolute)
         object.__setattr__(self, "type", check_type(self.type))
@@ -103,7 +103,7 @@ class Wire:
 
 
 def check_type(type_: str, also: Iterable[str] = ()) -> str:
-    """Give the short form of a type's name; empty is allowed.
+    """Return the short form of a type's name; empty is allowed.
 
     Raises
     ------
@@ -114,12 +114,12 @@ def check_type(type_: str, also: Iterable[str] = ()) -> str:
     if name and not _TYPE.match(name):
         full = [known for known in (*also, *KNOWN) if known.rpartition("/")[2] == name.rpartition("/")[2]]
         hint = f" Did you mean `{full[0]}`?" if full else did_you_mean(name, (*also, *KNOWN))
-        raise BridgeError(f"`{type_}` is no message type: it is written `package/Type`.{hint}")
+        raise BridgeError(f"`{type_}` is not a message type: write `package/Type`.{hint}")
     return name
 
 
 def setup_as_dict(wires: Iterable[Wire]) -> dict[str, Any]:
-    """Give a set-up as JSON."""
+    """Return the JSON form of a set-up."""
     setup: dict[str, Any] = {"version": 1, "subscriptions": {}, "publishers": {}}
     for wire in wires:
         setup[f"{wire.direction}s"][wire.variable] = wire.as_dict()
@@ -132,10 +132,10 @@ def setup_from_dict(setup: object, where: str = "the set-up") -> tuple[Wire, ...
     Raises
     ------
     BridgeError
-        It is none; the sentence says where the mistake is.
+        It is not a set-up; the message names the place of the mistake.
     """
     if not isinstance(setup, Mapping):
-        raise BridgeError(f"{where} is no set-up: an object with `subscriptions` and `publishers`.")
+        raise BridgeError(f"{where} is not a set-up: write an object with `subscriptions` and `publishers`.")
     if setup.get("version", 1) != 1:
         raise BridgeError(f"{where} is of version {setup['version']!r}; this is version 1.")
     _no_others(setup, ("version", *_SECTIONS), where)
@@ -174,7 +174,7 @@ def _limits_from(limits: object) -> dict[str, float | tuple[float, float]]:
     for name, limit in limits.items():
         ends = limit if isinstance(limit, (list, tuple)) else (limit,)
         if len(ends) not in (1, 2) or not all(type(end) in (int, float) for end in ends):
-            raise BridgeError(f"the limit of `{name}` must be a number, or two of them, not {limit!r}.")
+            raise BridgeError(f"The limit of `{name}` must be a number, or two of them, not {limit!r}.")
         found[str(name)] = (ends[0], ends[1]) if len(ends) == 2 else ends[0]
     return found
 
@@ -192,7 +192,7 @@ def load_setup(path: str | os.PathLike[str]) -> tuple[Wire, ...]:
     Raises
     ------
     BridgeError
-        The file cannot be read, or holds no set-up.
+        The file cannot be read, or does not contain a set-up.
     """
     try:
         text = Path(path).read_text(encoding="utf-8")
@@ -200,11 +200,11 @@ def load_setup(path: str | os.PathLike[str]) -> tuple[Wire, ...]:
     except OSError as error:
         raise BridgeError(f"The set-up {path} cannot be read: {error.strerror or error}.") from error
     except ValueError as error:
-        raise BridgeError(f"The set-up {path} is no JSON: {error}.") from error
+        raise BridgeError(f"The set-up {path} is not JSON: {error}.") from error
 
 
 def save_setup(path: str | os.PathLike[str], wires: Iterable[Wire]) -> None:
-    """Write a set-up to a file, as a whole or not at all.
+    """Write a set-up to a file, atomically.
 
     Raises
     ------
@@ -221,17 +221,19 @@ def save_setup(path: str | os.PathLike[str], wires: Iterable[Wire]) -> None:
 
 
 def parse_address(host: str | None, port: int | str | None, default: int) -> tuple[str, int]:
-    """Take an address apart: ``turtle.local``, ``10.0.0.5:9090``, ``ws://turtle.local:9090/``.
+    """Split an address into host and port: ``turtle.local``, ``10.0.0.5:9090``, ``ws://turtle.local:9090/``.
 
     Raises
     ------
     BridgeError
-        It is none.
+        It is not an address.
     """
     text = (host or "").strip()
     bare = text.rpartition("//")[2].rstrip("/")
     name, colon, digits = bare.rpartition(":") if bare.count(":") == 1 else (bare, "", "")
     number = str(port) if port is not None else digits if colon else str(default)
     if not number.isdigit() or not 0 < int(number) < 65536 or (text and not name) or set(name) & set(" /?#"):
-        raise BridgeError(f"`{text}`{f', port {port}' if port else ''} is no address: `host` or `host:port`.")
+        raise BridgeError(
+            f"`{text}`{f', port {port}' if port else ''} is not an address: write `host` or `host:port`."
+        )
     return name, int(number)

@@ -1,9 +1,9 @@
-"""ROS message types as Python classes: messages that a program fills, readings that it gets.
+"""ROS message types as Python classes: messages that a program fills, and messages that it receives.
 
 Both are made from a definition when the first connection of a type is set up. A message checks
-every field and type where it is filled, for rosbridge tells its client nothing and rospy checks
-only while somebody listens. A reading is a frozen value: what arrived does not change while a
-program looks at it.
+every field and type where it is filled, because rosbridge reports nothing to its client and rospy
+checks only while there are subscribers. A received message is an immutable value: it does not change while a
+program reads it.
 
 Paper: §7.1 (``data linear x: forwardSpeed``; the last odometry as ``robot odom``).
 """
@@ -45,14 +45,14 @@ Decode = Callable[[Any], Any]
 
 @dataclass(frozen=True, slots=True)
 class Form:
-    """How messages of a type arrive.
+    """The decoder of a message type.
 
     Attributes
     ----------
     kind : ReceivedMessage class
     decode : callable
         Makes a reading of a dictionary (rosbridge) or of an object with attributes (rospy); raises
-        ValueError, TypeError or AttributeError for what is no message of the type.
+        ValueError, TypeError or AttributeError for data that is not a message of the type.
     zero : ReceivedMessage
         The one in which nothing is set.
     """
@@ -89,7 +89,7 @@ class RosMessage(Message):
 
 
 class ReceivedMessage:
-    """A ROS message that arrived, as a frozen value."""
+    """A ROS message that arrived, as an immutable value."""
 
     __slots__: tuple[str, ...] = ()
     _type: ClassVar[str] = ""
@@ -154,7 +154,7 @@ class Types:
         self._forms: dict[str, Form] = {}
 
     def add(self, definitions: Mapping[str, Definition]) -> None:
-        """Learn types; what was known before is replaced, as the robot knows best."""
+        """Add definitions; those of the robot replace known ones."""
         self._definitions.update(definitions)
         self._messages.clear()
         self._forms.clear()
@@ -167,7 +167,7 @@ class Types:
         )
 
     def names(self) -> list[str]:
-        """Every type known, for "did you mean"."""
+        """Return the names of all known types, for "did you mean"."""
         return [name for name in self._definitions if "/" in name]
 
     def _definition(self, type_: str) -> Definition:
@@ -177,7 +177,7 @@ class Types:
         return definition
 
     def message(self, type_: str) -> type[RosMessage]:
-        """Give the class of messages to fill.
+        """Return the class of messages to fill.
 
         Raises
         ------
@@ -206,7 +206,7 @@ class Types:
         return _PLAIN[field.base] if field.base in PRIMITIVES else self.message(field.base)
 
     def form(self, type_: str) -> Form:
-        """Give the class of readings, and what makes one.
+        """Return the class of received messages, and its decoder.
 
         Raises
         ------
@@ -362,7 +362,7 @@ def _bytes(raw: Any) -> bytes:
 def _exactly(kind: type, *also: type) -> Decode:
     def decode(raw: Any) -> object:
         if not isinstance(raw, (kind, *also)):
-            raise TypeError(f"{raw!r} is no {kind.__name__}")
+            raise TypeError(f"{raw!r} is not a {kind.__name__}")
         return kind(raw)
 
     return decode
@@ -380,7 +380,7 @@ _EXTRA = {"nav_msgs/Odometry": ("x", "y", "theta")}
 
 
 def _plane(pose: Any) -> tuple[float, float, float]:
-    """Give x, y (metres) and the heading (radians) of a robot on the floor."""
+    """Return x, y (metres) and the heading (radians) of a robot on the floor."""
     position, turn = pose.pose.position, pose.pose.orientation
     heading = math.atan2(2 * (turn.w * turn.z + turn.x * turn.y), 1 - 2 * (turn.y * turn.y + turn.z * turn.z))
     return position.x, position.y, heading

@@ -3,7 +3,7 @@
 Two things matter to a robot. A command is sent now or never: what could not leave within half a
 second, or was waiting when the connection broke, is dropped. And a server that hangs is noticed: it
 is pinged four times a second, and is called stale until it answers, so that commands do not pile up
-in the network and arrive when nobody wants them any more.
+in the network and arrive when they are outdated.
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ __all__ = ["Socket", "require_websockets"]
 _CONNECT = 3.0  # seconds to reach the server
 _PING = 0.25  # seconds between two pings
 _STALE = 0.6  # seconds without a pong after which it gets no more commands …
-_LOST = 4.0  # … and after which the connection is given up
+_LOST = 4.0  # … and after which the connection is closed
 _FRESH = 0.5  # seconds that a command may wait for the network
-_FLUSH = 0.3  # seconds for the last words
+_FLUSH = 0.3  # seconds to send what is queued
 _LARGEST = 64 * 2**20  # bytes of a message; images are large
 
 
@@ -77,7 +77,7 @@ class Socket:
         Raises
         ------
         BridgeError
-            Nobody answers, or nobody who speaks websocket.
+            No server answers, or it does not speak websocket.
         """
         self._thread.start()
         try:
@@ -87,14 +87,14 @@ class Socket:
             raise BridgeError(f"`{self._url}` does not answer.") from None
 
     def close(self) -> None:
-        """Send the last words and end; bounded."""
+        """Send what is queued and end; bounded."""
         self._closing = True
         self._post()
         if self._thread is not threading.current_thread():
             self._thread.join(2 * _FLUSH + 0.5)
 
     def put(self, text: str, topic: str = "", urgent: bool = False) -> None:
-        """Send, from any thread, without waiting; an urgent message replaces what its topic had to say."""
+        """Send, from any thread, without waiting; an urgent message replaces those queued for its topic."""
         if urgent:
             for entry in [entry for entry in tuple(self._outbox) if entry[1] == topic]:
                 try:
@@ -109,11 +109,11 @@ class Socket:
         answer: Future[Mapping[str, Any]] = Future()
         self._waiting[key] = answer
         if not self.is_open:
-            answer.set_exception(BridgeError(f"the connection to `{self._url}` is lost."))
+            answer.set_exception(BridgeError(f"The connection to `{self._url}` is lost."))
         return answer
 
     def forget(self, key: str) -> None:
-        """Wait for that answer no longer."""
+        """Discard the future of an answer."""
         self._waiting.pop(key, None)
 
     def _post(self) -> None:
@@ -138,7 +138,7 @@ class Socket:
             self._opened.set_exception(BridgeError(self.ended or f"`{self._url}` closed the connection."))
         for answer in tuple(self._waiting.values()):
             if not answer.done():
-                answer.set_exception(BridgeError(f"the connection to `{self._url}` is lost."))
+                answer.set_exception(BridgeError(f"The connection to `{self._url}` is lost."))
         self._changed()
 
     async def _live(self) -> None:
@@ -169,7 +169,7 @@ class Socket:
             try:
                 message = json.loads(frame)
             except ValueError:
-                continue  # what cannot be read is no message; the next one may be
+                continue  # not a message; the next one may be
             if not isinstance(message, dict):
                 continue
             if message.get("op") == "service_response":
@@ -211,7 +211,7 @@ class Socket:
 
 
 def require_websockets() -> None:
-    """See that the library is there; nothing of it is imported before it is needed.
+    """Check that the library is installed; it is imported only where it is needed.
 
     Raises
     ------
@@ -236,7 +236,7 @@ async def _reach(url: str) -> ClientConnection:
             url,
             open_timeout=_CONNECT,
             close_timeout=_FLUSH,
-            ping_interval=None,  # we ask ourselves, more often
+            ping_interval=None,  # the loop below pings more often
             max_size=_LARGEST,
             compression=None,
             proxy=None,
@@ -248,11 +248,11 @@ async def _reach(url: str) -> ClientConnection:
             " `ros2 launch rosbridge_server rosbridge_websocket_launch.xml` (ROS 2), or name its `host`."
         ) from None
     except (WebSocketException, ValueError) as error:
-        raise BridgeError(f"What answers at `{url}` is no rosbridge server: {error}.") from None
+        raise BridgeError(f"The server at `{url}` is not a rosbridge server: {error}.") from None
 
 
 def _cut(connection: ClientConnection) -> None:
-    """End a connection so that nothing that still waits in it arrives: no stale command."""
+    """Abort a connection so that nothing queued in it arrives: no stale command."""
     socket = connection.transport.get_extra_info("socket")
     if socket is not None:
         with contextlib.suppress(OSError):

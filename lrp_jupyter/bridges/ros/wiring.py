@@ -1,7 +1,7 @@
-"""What of a bridge is connected to what, and every change of it.
+"""The connections of a bridge, and their changes.
 
-A change is made at once on this side (the member is there, or gone), and by the link, soon, on the
-other. Whoever makes it may wait a moment for what the robot says to it.
+A change is applied at once on this side (the member is there, or gone), and soon, by the link, on the
+other. The caller may wait a moment for the robot's answer.
 """
 
 from __future__ import annotations
@@ -25,12 +25,12 @@ __all__ = ["Wiring"]
 class Wiring:
     """The channels of a bridge.
 
-    Owner: a person, the link and the loop may all change it; a lock keeps them apart.
+    Owner: the threads of a person, the link and the loop may change it; a lock serializes them.
 
     Attributes
     ----------
     path : str
-        The file in which every change is kept; empty: none.
+        The file to which every change is written; empty: none.
     """
 
     def __init__(self, offer: Callable[[Channel], None], withdraw: Callable[[str], None]) -> None:
@@ -42,28 +42,28 @@ class Wiring:
 
     @property
     def channels(self) -> tuple[Channel, ...]:
-        """Everything that is, or shall be, connected."""
+        """All channels, connected or not yet."""
         return tuple(self._channels.values())
 
     def as_dict(self) -> dict[str, Any]:
-        """Give the set-up as JSON."""
+        """Return the set-up in its JSON form."""
         return setup_as_dict(channel.wire for channel in self.channels)
 
     def connect(self, wire: Wire, patience: float) -> None:
-        """Connect a variable, and wait so many seconds for what the robot says to it.
+        """Connect a variable, and wait at most `patience` seconds for the robot's answer.
 
         Raises
         ------
         BridgeError
-            It cannot be; what was there before stays.
+            It cannot be connected; the previous connection stays.
         """
         before, channel = self._put(wire)
         link = self.link
         if patience and link is not None and link.connected:
-            channel.settled.wait(patience)
+            channel.answered.wait(patience)
             if channel.problem and channel.handle is None and link.connected:
                 with self._changing:
-                    self._let_go(channel)
+                    self._disconnect(channel)
                     self._channels.pop(wire.variable, None)
                     if before is not None:
                         self._put(before)
@@ -72,28 +72,28 @@ class Wiring:
             self._store()
 
     def remove(self, variable: str) -> None:
-        """Let a variable go.
+        """Disconnect a variable.
 
         Raises
         ------
         BridgeError
-            There is none of that name.
+            There is no variable of that name.
         """
         with self._changing:
             if variable not in self._channels:
                 raise BridgeError(
                     f"`{variable}` is connected to no topic.{did_you_mean(variable, self._channels)}"
                 )
-            self._let_go(self._channels.pop(variable))
+            self._disconnect(self._channels.pop(variable))
             self._store()
 
-    def take(self, setup: str | os.PathLike[str] | Mapping[str, object]) -> None:
-        """Connect what a set-up says, and nothing else; from now on a file keeps every change.
+    def load(self, setup: str | os.PathLike[str] | Mapping[str, object]) -> None:
+        """Replace all connections by those of a set-up; later changes are written to its file.
 
         Raises
         ------
         BridgeError
-            It is no set-up.
+            It is not a valid set-up.
         """
         if isinstance(setup, Mapping):
             wires, path = setup_from_dict(setup), ""
@@ -101,14 +101,14 @@ class Wiring:
             wires, path = load_setup(setup), os.fspath(setup)
         with self._changing:
             for channel in self.channels:
-                self._let_go(channel)
+                self._disconnect(channel)
             self._channels.clear()
             self.path = path
             for wire in wires:
                 self._put(wire)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the set-up to a file, and from now on every change of it.
+        """Write the set-up to a file, now and after every change.
 
         Raises
         ------
@@ -118,8 +118,8 @@ class Wiring:
         save_setup(path, [channel.wire for channel in self.channels])
         self.path = os.fspath(path)
 
-    def renew(self, link: TopicLink) -> None:
-        """Begin anew, with channels on which nothing has arrived yet, for another link."""
+    def attach(self, link: TopicLink) -> None:
+        """Replace the link, with new channels on which nothing has arrived yet."""
         with self._changing:
             self.link = link
             self._channels = {wire.variable: Channel(wire) for wire in [c.wire for c in self.channels]}
@@ -145,20 +145,20 @@ class Wiring:
         if link is not None and channel.message is not None and channel.is_velocity:
             link.send(channel, channel.message().as_dict(), urgent=True)
 
-    def settle(self, patience: float) -> None:
-        """Wait until the robot has answered for every channel, so many seconds at most."""
+    def wait_for_answers(self, patience: float) -> None:
+        """Wait until the robot has answered for every channel, at most `patience` seconds."""
         end = time.monotonic() + patience
         for channel in self.channels:
-            channel.settled.wait(max(0.0, end - time.monotonic()))
+            channel.answered.wait(max(0.0, end - time.monotonic()))
 
     def learned(self, channel: Channel) -> None:
-        """Offer a channel whose type has become known. On the link's thread."""
+        """Register a channel whose type has become known. On the link's thread."""
         with self._changing:
             if self._channels.get(channel.wire.variable) is channel:
                 self._offer(channel)
 
     def _put(self, wire: Wire) -> tuple[Wire | None, Channel]:
-        """Note a connection that shall be; give what was there before."""
+        """Add a connection; return the one that it replaces, and its channel."""
         link = self.link
         with self._changing:
             old = self._channels.get(wire.variable)
@@ -166,20 +166,20 @@ class Wiring:
                 return old.wire, old
             channel = Channel(wire)
             if link is not None:
-                self._offer(channel)  # first: it may find that the name cannot be
+                self._offer(channel)  # first: it may refuse the name
             if old is not None:
-                self._let_go(old, channel)
+                self._disconnect(old, channel)
             self._channels[wire.variable] = channel
             if link is not None:
                 link.add(channel)
             return old.wire if old is not None else None, channel
 
-    def _let_go(self, channel: Channel, successor: Channel | None = None) -> None:
+    def _disconnect(self, channel: Channel, successor: Channel | None = None) -> None:
         link = self.link
         if link is None:
             return
         if channel.has_moved:
-            with contextlib.suppress(BridgeError):  # it is lost: nobody can stop it here
+            with contextlib.suppress(BridgeError):  # it is lost and cannot be stopped from here
                 self.stand_still(channel)
         link.drop(channel)
         if successor is None:

@@ -80,7 +80,7 @@ def test_a_brick_that_is_unplugged_is_said_and_the_run_goes_on(
     brick.unplug()
     told, complaints = run.communicate(timeout=30)
     assert (run.returncode, complaints) == (0, "")
-    assert "the brick does not answer" in told
+    assert "The brick does not answer" in told
     assert "rover/drive active; 1 issue" in told.splitlines()[-1]
 
 

@@ -67,8 +67,8 @@ def test_the_loss_of_the_brick_is_an_issue_within_a_second_and_the_loop_keeps_it
     brick.unplug()
     until(lambda: session.issues)
     (issue,) = session.issues
-    assert "the brick does not answer" in issue.message
-    assert "the brick does not answer" in session.frame.bridge
+    assert "The brick does not answer" in issue.message
+    assert "The brick does not answer" in session.frame.bridge
     ticks = session.frame.tick
     until(lambda: session.frame.tick >= ticks + 25)
     assert len(session.issues) == 1

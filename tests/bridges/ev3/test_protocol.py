@@ -113,7 +113,7 @@ def test_half_a_reply_is_kept_for_later() -> None:
     "noise", [b"\xff\xff\x01\x00\x02", b"\x00\x00\x01\x00\x02", b"\x03\x00\x01\x00\x03", b"HTTP/1.1 400"]
 )
 def test_noise_is_no_reply(noise: bytes) -> None:
-    with pytest.raises(BridgeError, match="the brick sent a frame"):
+    with pytest.raises(BridgeError, match="The brick sent a frame"):
         protocol.split_replies(noise)
 
 

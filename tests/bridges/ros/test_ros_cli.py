@@ -191,7 +191,7 @@ def test_an_option_that_the_bridge_does_not_know_gives_2(server: Any, bare_lrp: 
     run = bare_lrp("run", drive, *on(server.port, "--option", "topic=/light"), missing=ROS)
     _told, complaints = run.communicate(timeout=20)
     assert run.returncode == 2
-    assert "asks no `topic`" in complaints
+    assert "has no question `topic`" in complaints
 
 
 @pytest.mark.parametrize(

@@ -108,7 +108,7 @@ def stranger() -> Iterator[Callable[[bytes], int]]:
 
 def test_what_is_no_rosbridge_server_is_told_so(stranger: Callable[[bytes], int]) -> None:
     port = stranger(b"HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n")
-    with pytest.raises(BridgeError, match="is no rosbridge server"):
+    with pytest.raises(BridgeError, match="is not a rosbridge server"):
         RosBridge(host="127.0.0.1", port=port).open()
 
 
@@ -308,7 +308,7 @@ def test_a_message_of_another_type_is_reported_with_its_topic(
     driver: RosBridge, graph: Any, until: Any, words: dict[str, Any]
 ) -> None:
     graph.say("/odom", **words)
-    until(lambda: "what arrives on `/odom` is no `nav_msgs/Odometry`" in fails(driver, "odom"))
+    until(lambda: "A message on `/odom` is not a `nav_msgs/Odometry`" in fails(driver, "odom"))
     graph.say("/odom", **ODOM)
     until(lambda: not fails(driver, "odom"))
 

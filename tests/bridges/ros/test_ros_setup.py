@@ -47,15 +47,15 @@ def fields(ros: RosBridge) -> dict[str, Any]:
         ("class", "/odom", "", "cannot be written after `robot.`"),
         ("_odom", "/odom", "", "cannot be written after `robot.`"),
         ("", "/odom", "", "cannot be written after `robot.`"),
-        ("odom", "/odom//x", "", "no name of a topic.*Did you mean `/odom/x`"),
+        ("odom", "/odom//x", "", "not a topic name.*Did you mean `/odom/x`"),
         ("odom", "/odom/", "", "Did you mean `/odom`"),
         ("odom", "/my odom", "", "Did you mean `/my/odom`"),
-        ("odom", "~odom", "", "no name of a topic"),
-        ("odom", "/2odom", "", "no name of a topic"),
-        ("odom", "", "", "no name of a topic"),
+        ("odom", "~odom", "", "not a topic name"),
+        ("odom", "/2odom", "", "not a topic name"),
+        ("odom", "", "", "not a topic name"),
         ("move", "/mobile_base/commands.velocity", "", "Did you mean `/mobile_base/commands/velocity`"),
         ("odom", "/odom", "Odometry", "Did you mean `nav_msgs/Odometry`"),
-        ("odom", "/odom", "a/b/c", "no message type"),
+        ("odom", "/odom", "a/b/c", "not a message type"),
     ],
 )
 def test_an_illegal_name_is_refused_with_a_better_one(
@@ -88,12 +88,12 @@ def test_a_setup_is_the_same_after_a_way_through_json(setup: list[Wire]) -> None
 @pytest.mark.parametrize(
     ("setup", "sentence"),
     [
-        ([], "is no set-up"),
+        ([], "is not a set-up"),
         ({"version": 2}, "of version 2"),
         ({"subscription": {}}, "Did you mean `subscriptions`"),
         ({"subscriptions": []}, "must be an object of variables"),
         ({"subscriptions": {"odom": {}}}, r"`subscriptions\.odom`: there must be a `topic`"),
-        ({"subscriptions": {"odom": {"topic": "//"}}}, r"`subscriptions\.odom`: .*no name of a topic"),
+        ({"subscriptions": {"odom": {"topic": "//"}}}, r"`subscriptions\.odom`: .*not a topic name"),
         ({"subscriptions": {"odom": {"topic": "/o", "typ": "x"}}}, "Did you mean `type`"),
         ({"subscriptions": {"odom": {"topic": "/o", "type": 3}}}, "must be a text"),
         ({"publishers": {"move": {"topic": "/m", "limits": 3}}}, "`limits` must be an object"),
@@ -110,7 +110,7 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     with pytest.raises(BridgeError, match=r"none\.json cannot be read"):
         RosBridge(setup=tmp_path / "none.json")
     (tmp_path / "bad.json").write_text("{")
-    with pytest.raises(BridgeError, match=r"bad\.json is no JSON"):
+    with pytest.raises(BridgeError, match=r"bad\.json is not JSON"):
         RosBridge(setup=tmp_path / "bad.json")
 
 
@@ -118,9 +118,9 @@ def test_a_file_that_cannot_be_read_is_named(tmp_path: Path) -> None:
     ("options", "sentence"),
     [
         ({"backend": "rospi"}, "Did you mean `rospy`"),
-        ({"host": "a b"}, "is no address"),
-        ({"host": "robot:x"}, "is no address"),
-        ({"port": "0"}, "is no address"),
+        ({"host": "a b"}, "is not an address"),
+        ({"host": "robot:x"}, "is not an address"),
+        ({"port": "0"}, "is not an address"),
         ({"hots": "robot"}, "Did you mean `host`"),
         ({"patience": "long"}, "`patience=long` is not a number"),
     ],
@@ -307,10 +307,10 @@ def test_what_cannot_be_connected_says_so_in_its_row(ros: RosBridge, until: Any)
     ("key", "row", "values", "sentence"),
     [
         ("subscribe", "", {"variable": "", "topic": "/odom"}, "cannot be written"),
-        ("subscribe", "", {"variable": "odom", "topic": ""}, "no name of a topic"),
+        ("subscribe", "", {"variable": "odom", "topic": ""}, "not a topic name"),
         ("publish", "", {"variable": "move", "topic": "/m", "type": "Twist"}, "geometry_msgs/Twist"),
         ("remove", "nothing", {}, "connected to no topic"),
-        ("save", "", {}, "Name the file"),
+        ("save", "", {}, "name one"),
         ("jump", "", {}, "no button `jump`"),
     ],
 )
@@ -351,7 +351,7 @@ def test_another_address_is_connected_in_the_background(
 
 
 def test_an_address_that_is_none_is_refused(ros: RosBridge) -> None:
-    with pytest.raises(BridgeError, match="is no address"):
+    with pytest.raises(BridgeError, match="is not an address"):
         ros.answer("host", "where?")
-    with pytest.raises(BridgeError, match="asks no `colour`"):
+    with pytest.raises(BridgeError, match="has no question `colour`"):
         ros.answer("colour", "red")
