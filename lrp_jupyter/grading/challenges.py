@@ -35,7 +35,7 @@ from lrp_jupyter.sim.world import (
     BoxSolid,
     BoxZone,
     CircleZone,
-    Floor,
+    FloorSpec,
     PathStroke,
     RobotSpec,
     World,
@@ -124,7 +124,7 @@ def _line_across() -> World:
     return World(
         name="line across",
         size=(3, 2),
-        floor=Floor(strokes=(PathStroke(((2, 0.4), (2, 1.6))),)),
+        floor=FloorSpec(strokes=(PathStroke(((2, 0.4), (2, 1.6))),)),
         robots=(RobotSpec((0.5, 1, 0)),),
         zones={"at the line": BoxZone((1.95, 1, 0.2, 1.2)), "beyond": BoxZone((2.5, 1, 0.8, 2))},
     )
@@ -160,7 +160,7 @@ def _oval(radius: float) -> World:
     return World(
         name=f"oval of radius {radius:g} m",
         size=(right + radius + 0.4, 2 * middle),
-        floor=Floor(strokes=strokes),
+        floor=FloorSpec(strokes=strokes),
         robots=(RobotSpec((left + 0.3, middle - radius, 0)),),
         zones={
             "right": CircleZone((right + radius, middle, 0.25)),

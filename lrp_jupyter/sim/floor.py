@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from lrp_jupyter.sim.world import ArcStroke, CircleStroke, Floor, PathStroke, Point, Stroke
+from lrp_jupyter.sim.world import ArcStroke, CircleStroke, FloorSpec, PathStroke, Point, Stroke
 
 __all__ = ["SPOT", "LiveFloor", "Mark", "Paint"]
 
@@ -90,13 +90,13 @@ class LiveFloor:
 
     Parameters
     ----------
-    floor : Floor
+    floor : FloorSpec
         The strokes of the description.
     marks : list of Mark, optional
         The marks drawn since, oldest first; the list is kept and appended to.
     """
 
-    def __init__(self, floor: Floor, marks: list[Mark] | None = None) -> None:
+    def __init__(self, floor: FloorSpec, marks: list[Mark] | None = None) -> None:
         self.grey = float(floor.grey)
         self.marks: list[Mark] = [] if marks is None else marks
         self.raster: tuple[tuple[int, int, int], list[list[bool]]] | None = None  # kept for sketches

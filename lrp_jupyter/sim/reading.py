@@ -17,7 +17,7 @@ from lrp_jupyter.sim.world import (
     CircleStroke,
     CircleZone,
     DiscSolid,
-    Floor,
+    FloorSpec,
     Noise,
     PathStroke,
     RobotSpec,
@@ -100,9 +100,9 @@ def read_world(value: object) -> World:
     )
 
 
-def _floor(value: object, place: str) -> Floor:
+def _floor(value: object, place: str) -> FloorSpec:
     record = _record(value, place, ("grey", "strokes"))
-    return Floor(
+    return FloorSpec(
         grey=_grey(record.get("grey", 255), f"{place}.grey"),
         strokes=_each(record.get("strokes", []), f"{place}.strokes", _stroke),
     )

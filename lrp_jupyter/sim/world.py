@@ -22,7 +22,7 @@ __all__ = [
     "CircleStroke",
     "CircleZone",
     "DiscSolid",
-    "Floor",
+    "FloorSpec",
     "Noise",
     "PathStroke",
     "Point",
@@ -87,7 +87,7 @@ Stroke = PathStroke | ArcStroke | CircleStroke
 
 
 @dataclass(frozen=True, slots=True)
-class Floor:
+class FloorSpec:
     """The floor as light sensors see it: strokes painted in order on an even grey."""
 
     grey: float = 255
@@ -222,7 +222,7 @@ class World:
         Length along x and y; the origin is the lower left corner.
     robots : tuple of RobotSpec
         At least one; programs drive the first.
-    floor : Floor
+    floor : FloorSpec
         White by default.
     solids : tuple of Solid
         Fixed and pushable obstacles.
@@ -238,7 +238,7 @@ class World:
 
     size: tuple[float, float]
     robots: tuple[RobotSpec, ...]
-    floor: Floor = Floor()
+    floor: FloorSpec = FloorSpec()
     solids: tuple[Solid, ...] = ()
     zones: Mapping[str, Zone] = field(default_factory=dict, hash=False)
     seed: int = 0

@@ -15,7 +15,7 @@ from lrp_jupyter.sim.world import (
     BoxZone,
     CircleZone,
     DiscSolid,
-    Floor,
+    FloorSpec,
     PathStroke,
     RobotSpec,
     World,
@@ -52,7 +52,7 @@ def _line() -> World:
     return World(
         name="line",
         size=(right + 0.4, 1.3),
-        floor=Floor(strokes=strokes),
+        floor=FloorSpec(strokes=strokes),
         solids=(
             BoxSolid((left - 0.03, level, 0.06, 0.3), name="near wall"),
             BoxSolid((right + 0.03, level, 0.06, 0.3), name="far wall"),
@@ -76,7 +76,7 @@ def _oval() -> World:
         "right": CircleZone((right + radius, middle, 0.25)),
         "left": CircleZone((left - radius, middle, 0.25)),
     }
-    return World(name="oval", size=(3, 1.8), floor=Floor(strokes=strokes), robots=(robot,), zones=zones)
+    return World(name="oval", size=(3, 1.8), floor=FloorSpec(strokes=strokes), robots=(robot,), zones=zones)
 
 
 _MAZE = """
@@ -121,7 +121,7 @@ def _arena() -> World:
         (width - margin, height - margin),
         (margin, height - margin),
     )
-    floor = Floor(strokes=(PathStroke((*corners, corners[0]), width=0.05),))
+    floor = FloorSpec(strokes=(PathStroke((*corners, corners[0]), width=0.05),))
     inside = BoxZone((width / 2, height / 2, width - 2 * margin, height - 2 * margin))
     robot = RobotSpec((width / 2, height / 2, 0.4))
     return World(name="arena", size=(width, height), floor=floor, robots=(robot,), zones={"inside": inside})

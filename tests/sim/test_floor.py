@@ -5,11 +5,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.sim.floor import SPOT, LiveFloor, Paint
-from lrp_jupyter.sim.world import ArcStroke, CircleStroke, Floor, PathStroke
+from lrp_jupyter.sim.world import ArcStroke, CircleStroke, FloorSpec, PathStroke
 
 
 def light(x, y, *strokes, grey=255):
-    return LiveFloor(Floor(grey, strokes)).light(x, y)
+    return LiveFloor(FloorSpec(grey, strokes)).light(x, y)
 
 
 def test_an_empty_floor_has_its_grey_everywhere():
@@ -91,15 +91,15 @@ def test_the_grid_of_cells_hides_nothing(x, y):
 
 
 def test_ink_darkens_and_never_lightens():
-    floor = LiveFloor(Floor(255, (PathStroke(((0, 0), (1, 0))),)))
+    floor = LiveFloor(FloorSpec(255, (PathStroke(((0, 0), (1, 0))),)))
     floor.ink(Paint(0.01, 120, True), (0.5, -1), (0.5, 1), step=3)
     assert floor.light(0.5, 0) == 0
     assert floor.light(0.5, 0.5) == 120
 
 
 def test_a_prefix_of_the_marks_is_the_floor_of_before():
-    floor = LiveFloor(Floor())
+    floor = LiveFloor(FloorSpec())
     floor.add(PathStroke(((0, 0), (1, 0))), step=1)
     floor.add(PathStroke(((0, 0), (1, 0)), grey=99), step=2)
     assert floor.light(0.5, 0) == 99
-    assert LiveFloor(Floor(), floor.marks[:1]).light(0.5, 0) == 0
+    assert LiveFloor(FloorSpec(), floor.marks[:1]).light(0.5, 0) == 0

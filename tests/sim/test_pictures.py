@@ -5,7 +5,7 @@ import pytest
 from lrp_jupyter.sim import BUNDLED, Simulation, World, load
 from lrp_jupyter.sim.sketch import sketch
 from lrp_jupyter.sim.svg import svg
-from lrp_jupyter.sim.world import BoxSolid, DiscSolid, Floor, PathStroke, RobotSpec
+from lrp_jupyter.sim.world import BoxSolid, DiscSolid, FloorSpec, PathStroke, RobotSpec
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -67,7 +67,7 @@ def test_a_picture_can_do_without_caption():
 
 
 def test_a_sketch_shows_line_walls_boxes_and_heading():
-    floor = Floor(strokes=(PathStroke(((0, 0.75), (2, 0.75))),))
+    floor = FloorSpec(strokes=(PathStroke(((0, 0.75), (2, 0.75))),))
     solids = (BoxSolid((0.1, 0.3, 0.2, 0.2)), DiscSolid((1.75, 0.3, 0.1), push=0.3))
     world = World((2, 1), (RobotSpec((1.05, 0.3, 1.6)),), floor, solids)
     assert sketch(world, 20) == [

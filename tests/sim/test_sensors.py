@@ -4,12 +4,12 @@ import statistics
 import pytest
 
 from lrp_jupyter.sim import Simulation, World
-from lrp_jupyter.sim.world import BoxSolid, DiscSolid, Floor, Noise, PathStroke, RobotSpec
+from lrp_jupyter.sim.world import BoxSolid, DiscSolid, FloorSpec, Noise, PathStroke, RobotSpec
 
 
 def room(pose=(1, 1, 0), *, solids=(), strokes=(), size=(4, 2), seed=0, **robot):
     spec = RobotSpec(pose, **robot)
-    return Simulation(World(size, (spec,), Floor(strokes=strokes), tuple(solids), seed=seed))
+    return Simulation(World(size, (spec,), FloorSpec(strokes=strokes), tuple(solids), seed=seed))
 
 
 def test_light_sensors_look_ahead_and_aside():
