@@ -12,6 +12,7 @@ from operator import attrgetter
 from typing import Any
 
 import pytest
+from bridges.bounded import bounded
 
 from lrp_jupyter.bridges.conformance import BridgeConformance, check_bridge
 from lrp_jupyter.bridges.ev3 import EV3Bridge
@@ -303,17 +304,17 @@ def test_the_runstop_works_on_any_thread_while_a_reading_hangs(
 ) -> None:
     bridge.robot.motorA.start_at_speed(100)
     brick.fault = "silent"
-    took: list[float] = []
+    pressed = threading.Event()
 
     def press() -> None:
-        begin = time.monotonic()
-        bridge.press("stop")
-        took.append(time.monotonic() - begin)
+        with bounded(0.3):
+            bridge.press("stop")
+        pressed.set()
 
     thread = threading.Thread(target=press)
     thread.start()
-    thread.join(2)
-    assert took[0] < 0.3
+    thread.join(10)
+    assert pressed.is_set()
     until(lambda: sent(brick)[-1:] == [STOP_ALL])
 
 
@@ -322,9 +323,8 @@ def test_a_runstop_that_cannot_reach_the_brick_says_so(
 ) -> None:
     brick.unplug()
     until(lambda: bridge.status.state == "lost")
-    begin = time.monotonic()
-    assert bridge.stop_all() is False
-    assert time.monotonic() - begin < 0.5
+    with bounded(0.5):
+        assert bridge.stop_all() is False
     assert "may not have stopped" in bridge.safety.notices[-1].text
     assert "stopped as soon as it is found" in bridge.safety.notices[-1].text
 
@@ -398,10 +398,8 @@ def test_a_brick_that_fails_is_lost_within_a_second_and_every_use_says_why(
         bridge.robot.motorA.reset_count,
         bridge.robot.beep,
     ):
-        begin = time.monotonic()
-        with pytest.raises(BridgeError, match=sentence):
+        with bounded(0.2), pytest.raises(BridgeError, match=sentence):
             use()
-        assert time.monotonic() - begin < 0.2
     assert sentence in bridge.status.sentence
     assert [notice.text for notice in bridge.safety.notices if notice.kind == "fault"] == [
         bridge.status.sentence
@@ -424,20 +422,17 @@ def test_a_brick_that_refuses_to_be_read_stays_connected(
 
 def test_the_loop_does_not_wait_for_a_brick_that_hangs(bridge: EV3Bridge, brick: Any) -> None:
     brick.fault = "silent"
-    longest = 0.0
     begin = time.monotonic()
     tick = 0
-    while time.monotonic() - begin < 1.0:
-        started = time.monotonic()
-        bridge.begin_tick(tick / 100, 0.01)
-        for act in (bridge.robot.sensor1.read, lambda: bridge.robot.motorA.start_at_speed(50)):
-            with suppress(BridgeError):
-                act()
-        bridge.end_tick(tick / 100)
-        longest = max(longest, time.monotonic() - started)
+    while time.monotonic() - begin < 1.0 or bridge.status.state != "lost":
+        with bounded(0.2):
+            bridge.begin_tick(tick / 100, 0.01)
+            for act in (bridge.robot.sensor1.read, lambda: bridge.robot.motorA.start_at_speed(50)):
+                with suppress(BridgeError):
+                    act()
+            bridge.end_tick(tick / 100)
         tick += 1
-    assert bridge.status.state == "lost"
-    assert longest < 0.2
+        assert time.monotonic() - begin < 10
 
 
 def test_unplugged_while_a_motor_runs_and_plugged_in_again_the_motor_is_stopped_and_nothing_is_sent_twice(
@@ -485,9 +480,8 @@ def test_without_an_address_the_panel_asks_and_the_beacon_answers(
     until: Callable[..., None],
 ) -> None:
     bridge = searching(patience=12)
-    begin = time.monotonic()
-    panel = bridge.open()
-    assert time.monotonic() - begin < 0.5
+    with bounded(0.5):
+        panel = bridge.open()
     assert panel is not None
     assert [question.key for question in panel.questions] == ["host"]
     assert bridge.status.state == "waiting for data"
@@ -505,9 +499,8 @@ def test_an_answered_address_is_connected_to_without_waiting(
 ) -> None:
     bridge = searching(port=brick.port, patience=12)
     bridge.open()
-    begin = time.monotonic()
-    bridge.answer("host", "127.0.0.1")
-    assert time.monotonic() - begin < 0.5
+    with bounded(0.5):
+        bridge.answer("host", "127.0.0.1")
     until(lambda: bridge.status.state == "connected")
     bridge.answer("host", "127.0.0.1")
     assert brick.connections == 1
@@ -543,10 +536,9 @@ def test_opening_at_the_address_of_something_else_fails_within_a_second(
     searching: Callable[..., EV3Bridge],
 ) -> None:
     with socket.create_server(("127.0.0.1", 0)) as mute:
-        begin = time.monotonic()
-        with pytest.raises(BridgeError, match="is not an EV3 brick: it does not answer as one"):
+        refused = pytest.raises(BridgeError, match="is not an EV3 brick: it does not answer as one")
+        with bounded(1), refused:
             searching("127.0.0.1", port=mute.getsockname()[1], patience=12).open()
-        assert time.monotonic() - begin < 1.5
 
 
 def test_a_search_that_finds_nothing_says_so_and_goes_on(
@@ -587,9 +579,8 @@ def test_a_lost_brick_is_not_replaced_by_another_one(
 def test_closing_ends_a_search(searching: Callable[..., EV3Bridge]) -> None:
     bridge = searching(patience=600)
     bridge.open()
-    begin = time.monotonic()
-    bridge.close()
-    assert time.monotonic() - begin < 1
+    with bounded(1):
+        bridge.close()
 
 
 # -- the panel ----------------------------------------------------------------------------------------

@@ -13,6 +13,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
+from bridges.bounded import bounded
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge, rosbridge, websocket
@@ -64,12 +65,9 @@ def test_without_a_server_opening_fails_at_once_and_says_how_to_start_one() -> N
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
         ros = RosBridge(host="127.0.0.1", port=unused.getsockname()[1])
-        began = time.monotonic()
-        with pytest.raises(
-            BridgeError, match=r"No rosbridge server answers at `ws://127\.0\.0\.1.*roslaunch"
-        ):
+        sentence = r"No rosbridge server answers at `ws://127\.0\.0\.1.*roslaunch"
+        with bounded(1), pytest.raises(BridgeError, match=sentence):
             ros.open()
-    assert time.monotonic() - began < 1.0
     assert ros.status.state is ConnectionState.DISCONNECTED
     assert ros.members() == ()
 
@@ -116,10 +114,8 @@ def test_a_server_that_says_nothing_is_not_waited_for(
     stranger: Callable[[bytes], int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(websocket, "_CONNECT", 0.3)
-    began = time.monotonic()
-    with pytest.raises(BridgeError, match="No rosbridge server answers"):
+    with bounded(2), pytest.raises(BridgeError, match="No rosbridge server answers"):
         RosBridge(host="127.0.0.1", port=stranger(b"")).open()
-    assert time.monotonic() - began < 2.0
 
 
 def test_opening_has_an_end_even_if_the_server_only_shakes_hands(make: Make, graph: Any) -> None:
@@ -127,10 +123,8 @@ def test_opening_has_an_end_even_if_the_server_only_shakes_hands(make: Make, gra
     graph.topics = over.wait  # asked for its topics, it thinks
     ros = make(patience=0.5)
     try:
-        began = time.monotonic()
-        with pytest.raises(BridgeError, match=r"did not answer within 0\.5 s"):
+        with bounded(4), pytest.raises(BridgeError, match=r"did not answer within 0\.5 s"):
             ros.open()
-        assert time.monotonic() - began < 4.0
     finally:
         over.set()
 
@@ -258,9 +252,9 @@ def test_the_loop_keeps_its_rate_while_the_server_is_gone(
         wire.target = 1
         wire.cut()
         until(lambda: driver.status.state is ConnectionState.LOST)
-        first, began = session.frame.tick, time.monotonic()
-        until(lambda: session.frame.tick >= first + 50)
-        assert time.monotonic() - began < 2.0
+        first = session.frame.tick
+        with bounded(2):
+            until(lambda: session.frame.tick >= first + 50)
     finally:
         session.close()
 
