@@ -190,7 +190,7 @@ class Interface:
         return self._stop_now()
 
     def _stop_now(self) -> bool:
-        return self.safety.carry_out_stop(self.stop, self.stop_timeout)
+        return self.safety.run_stop(self.stop, self.stop_timeout)
 
     def send(self, method: RobotMethod, command: Message | inspect.BoundArguments) -> object:
         """Clamp a command to its limits, record it and, if allowed, perform it.

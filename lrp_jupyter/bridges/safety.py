@@ -157,7 +157,7 @@ class Safety:
         self._moving_since = None
         self.held = self.ticking
 
-    def carry_out_stop(self, stop: Callable[[], None], timeout: float | None) -> bool:
+    def run_stop(self, stop: Callable[[], None], timeout: float | None) -> bool:
         """Call a bridge's `stop`: on a thread of its own if it may block. Never raises.
 
         Returns
@@ -172,7 +172,7 @@ class Safety:
             try:
                 stop()
             except Exception as error:
-                failures.append(f"{type(error).__name__}: {error}")
+                failures.append(f"{type(error).__name__}: {error}".removesuffix(": "))
 
         if timeout is None:
             call()
