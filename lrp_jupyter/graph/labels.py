@@ -1,75 +1,67 @@
-"""Labels beside arrows: one greedy pass, in the order of the text."""
+"""Labels: how wide their texts are without a font at hand, and where they stand beside the arrows.
+
+The widths are those of DejaVu Sans, wider than the fonts that most systems choose: a text never needs more
+room than estimated here. Labels are placed in one greedy pass, in the order of the text.
+"""
 
 from __future__ import annotations
 
 import math
+import unicodedata
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from itertools import pairwise
 
-from lrp_jupyter.graph.places import Box, Point
+from lrp_jupyter.graph.geometry import Cells, Point, Rect
 from lrp_jupyter.graph.routes import SAMPLES, Route
 
-__all__ = ["place_labels"]
+__all__ = ["place_labels", "shorten", "text_width"]
 
 GAP = 5.0
 """Room between a line and its label, in px."""
 
 
-class _Cells:
-    """Boxes and points by the cells of a coarse grid, to look only at what is near."""
+POINTS = 40_000
+"""Points of arrows that labels avoid, about: one every 11 px, but farther apart in large pictures."""
 
-    SIZE = 48.0
+
+class _Obstacles(Cells):
+    """What a label had better not cover: rectangles, and points of arrows."""
 
     def __init__(self) -> None:
-        self._boxes: dict[tuple[int, int], list[Box]] = {}
+        super().__init__(48.0)
         self._points: dict[tuple[int, int], list[tuple[int, Point]]] = {}
 
-    def _cells(self, box: Box) -> list[tuple[int, int]]:
-        size = self.SIZE
-        columns = range(
-            math.floor((box.x - box.width / 2) / size), math.floor((box.x + box.width / 2) / size) + 1
-        )
-        rows = range(
-            math.floor((box.y - box.height / 2) / size), math.floor((box.y + box.height / 2) / size) + 1
-        )
-        return [(i, j) for i in columns for j in rows]
-
-    def add_box(self, box: Box) -> None:
-        for cell in self._cells(box):
-            self._boxes.setdefault(cell, []).append(box)
-
     def add_point(self, owner: int, point: Point) -> None:
-        cell = (math.floor(point[0] / self.SIZE), math.floor(point[1] / self.SIZE))
+        """Register a point of an arrow."""
+        cell = (math.floor(point[0] / self.size), math.floor(point[1] / self.size))
         self._points.setdefault(cell, []).append((owner, point))
 
-    def cost(self, box: Box, owner: int) -> float:
-        """How badly a label would stand here: other boxes count most, then others' lines."""
-        total = 0.0
-        for cell in self._cells(box):
-            for other in self._boxes.get(cell, ()):
-                if box.overlaps(other, 2.0, 1.0):
-                    total += 1000.0
-            for line, point in self._points.get(cell, ()):
-                if box.holds(point, 1.0):
-                    total += 0.0 if line == owner else 40.0
-        return total
+    def cost(self, box: Rect, owner: int) -> float:
+        """Return how badly a label would stand here: other boxes count most, then others' lines."""
+        total = 1000.0 * sum(box.overlaps(other, 2.0, 1.0) for other in self.near(box))
+        return total + 40.0 * self._lines(box, owner, 1.0)
 
-    def lines_between(self, box: Box, point: Point, owner: int) -> int:
-        """How many points of others' lines are between a label and its own line."""
+    def lines_between(self, box: Rect, point: Point, owner: int) -> int:
+        """Count the points of others' lines between a label and its own line."""
         left, right = min(box.x, point[0]), max(box.x, point[0])
         top, bottom = min(box.y, point[1]), max(box.y, point[1])
-        way = Box((left + right) / 2, (top + bottom) / 2, right - left, bottom - top)
+        way = Rect((left + right) / 2, (top + bottom) / 2, right - left, bottom - top)
+        return self._lines(way, owner, 2.0)
+
+    def _lines(self, box: Rect, owner: int, margin: float) -> int:
+        x, y = box.x, box.y
+        right, down = box.width / 2 + margin, box.height / 2 + margin
         return sum(
-            line != owner and way.holds(other, 2.0)
-            for cell in self._cells(way)
+            line != owner and abs(other[0] - x) < right and abs(other[1] - y) < down
+            for cell in self.cells(box)
             for line, other in self._points.get(cell, ())
         )
 
 
 def place_labels(
-    routes: Sequence[Route], sizes: Sequence[tuple[float, float]], obstacles: Iterable[Box]
-) -> list[Box]:
+    routes: Sequence[Route], sizes: Sequence[tuple[float, float]], obstacles: Iterable[Rect]
+) -> list[Rect]:
     """Place a label beside each arrow in one greedy pass; a placed one is an obstacle for the next.
 
     Parameters
@@ -77,17 +69,19 @@ def place_labels(
     routes : sequence of Route
     sizes : sequence of (float, float)
         Width and height of each label, in px.
-    obstacles : iterable of Box
+    obstacles : iterable of Rect
         States and other things that no label may cover.
     """
-    cells = _Cells()
+    cells = _Obstacles()
     for box in obstacles:
-        cells.add_box(box)
+        cells.add(box)
+    length = sum(math.dist(*part) for route in routes for part in pairwise(route.points))
+    apart = max(11.0, length / POINTS)
     for index, route in enumerate(routes):
         for box in route.obstacles:
-            cells.add_box(box)
+            cells.add(box)
         for one, other in pairwise(route.points):
-            steps = max(1, round(math.dist(one, other) / 11.0))
+            steps = max(1, round(math.dist(one, other) / apart))
             for step in range(steps):
                 part = step / steps
                 cells.add_point(
@@ -95,7 +89,7 @@ def place_labels(
                 )
     labels = []
     for index, (route, size) in enumerate(zip(routes, sizes, strict=True)):
-        best: tuple[float, Box] | None = None
+        best: tuple[float, Rect] | None = None
         for price, at, far, side in _seats(route.middle):
             if best is not None and price >= best[0]:
                 break
@@ -108,7 +102,7 @@ def place_labels(
             if best is None or cost < best[0]:
                 best = (cost, box)
         assert best is not None
-        cells.add_box(best[1])
+        cells.add(best[1])
         labels.append(best[1])
     return labels
 
@@ -129,7 +123,7 @@ def _seats(middle: float) -> list[tuple[float, int, float, int]]:
     )
 
 
-def _seat(route: Route, size: tuple[float, float], at: int, far: float, side: int) -> Box:
+def _seat(route: Route, size: tuple[float, float], at: int, far: float, side: int) -> Rect:
     x, y = route.points[at]
     if side:
         before, after = route.points[at - 1], route.points[at + 1]
@@ -139,4 +133,59 @@ def _seat(route: Route, size: tuple[float, float], at: int, far: float, side: in
         # the nearest corner of the label just clears the line
         reach = abs(right[0]) * size[0] / 2 + abs(right[1]) * size[1] / 2 + GAP + far
         x, y = x + right[0] * reach, y + right[1] * reach
-    return Box(round(x, 1), round(y, 1), *size)
+    return Rect(round(x, 1), round(y, 1), *size)
+
+
+_WIDTHS = {  # in thousandths of the font size
+    300: "ijlIJ'",
+    330: " !,./:;\\|f",
+    410: '()[]-rt"`',
+    530: "?_^*s",
+    590: "Fcvxyzk",
+    640: "abdeghnopquLEPTY0123456789${}",
+    700: "ABCKSVXZR",
+    790: "DGHNOQUw+<=>~&#",
+    870: "M",
+    990: "mW%@",
+}
+_WIDTH = {character: width for width, characters in _WIDTHS.items() for character in characters}
+ELLIPSIS = "…"
+
+
+def text_width(text: str, size: float) -> float:
+    """Estimate the width of a line of text.
+
+    Parameters
+    ----------
+    text : str
+    size : float
+        Font size in px.
+
+    Returns
+    -------
+    float
+        Width in px.
+    """
+    return sum(map(_character_width, text)) * size / 1000
+
+
+def _character_width(character: str) -> int:
+    known = _WIDTH.get(character)
+    if known is not None:
+        return known
+    if unicodedata.combining(character):
+        return 0
+    return 1000 if unicodedata.east_asian_width(character) in "WF" else 790
+
+
+def shorten(text: str, size: float, width: float) -> str:
+    """Return the text in one line; if it is wider than `width` px its end becomes an ellipsis."""
+    line = " ".join(text.split())
+    if text_width(line, size) <= width:
+        return line
+    room = width - text_width(ELLIPSIS, size)
+    end = 0
+    while room > 0 and end < len(line):
+        room -= text_width(line[end], size)
+        end += room >= 0
+    return line[:end].rstrip() + ELLIPSIS

@@ -5,7 +5,7 @@ and marks what is active, so that the live graph and the still picture look the 
 
 The result goes into the next call as `previous`; that is how states keep their places:
 
-- a state keeps its place exactly, whatever else is edited; only `pinned` moves it;
+- a state keeps its place exactly, whatever else is edited; only `moved` moves it;
 - a new state takes the free place nearest to its neighbours;
 - the missing end of a dangling transition already has the place of the state to come;
 - a removed state's place stays reserved for :data:`RESERVED` seconds (time is a parameter here);
@@ -16,12 +16,24 @@ Paper: §3.1, figure 2 (kinds of transitions and the fictional state ``*``).
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
-from lrp_jupyter.graph.labels import place_labels
-from lrp_jupyter.graph.memory import RESERVED, remembered_places
-from lrp_jupyter.graph.places import Box, Point
-from lrp_jupyter.graph.routes import Route, arc, bends, chords, detour, loop, number, straight
+from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect
+from lrp_jupyter.graph.labels import place_labels, shorten, text_width
+from lrp_jupyter.graph.places import RESERVED, keep_positions
+from lrp_jupyter.graph.routes import (
+    Pair,
+    Route,
+    arc,
+    bends,
+    chords,
+    detour,
+    loop,
+    number,
+    obstacles,
+    straight,
+)
 from lrp_jupyter.graph.shapes import Label, Layout, Port, Start, StateShape, TransitionShape
 from lrp_jupyter.graph.state_graph import (
     ANY,
@@ -32,7 +44,6 @@ from lrp_jupyter.graph.state_graph import (
     start_states,
     why_dangling,
 )
-from lrp_jupyter.graph.widths import shorten, text_width
 from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
 
 __all__ = ["LABEL_FONT", "RESERVED", "SMALL_FONT", "STATE_FONT", "layout"]
@@ -51,7 +62,7 @@ def layout(
     *,
     program: Program | None = None,
     path: Path | None = None,
-    pinned: Mapping[str, Sequence[float]] | None = None,
+    moved: Mapping[str, Sequence[float]] | None = None,
     renamed: Mapping[str, str] | None = None,
     now: float = 0.0,
 ) -> Layout:
@@ -62,13 +73,13 @@ def layout(
     machine : Machine
     previous : Layout, optional
         The last layout of the same machine: its states keep their places. Without it everything is
-        arranged anew, except for what is pinned.
+        arranged anew, except for what is moved.
     program : Program, optional
         The program around it; it tells start states, events in scope and where an ``exit`` leads.
     path : tuple of str, optional
         The machine's path, by default its name alone.
-    pinned : mapping of str to (x, y), optional
-        States moved by hand and where to, in px; they stay pinned in later layouts.
+    moved : mapping of str to (x, y), optional
+        States moved by hand and where to, in px; they stay moved in later layouts.
     renamed : mapping of str to str, optional
         Old names of states and their new ones.
     now : float
@@ -81,7 +92,7 @@ def layout(
         always give the same result.
     """
     where = path or (str(machine.name),)
-    return _Drawing(machine, where, program).draw(previous, pinned or {}, renamed or {}, now)
+    return _Drawing(machine, where, program).draw(previous, moved or {}, renamed or {}, now)
 
 
 class _Edge:
@@ -148,18 +159,18 @@ class _Drawing:
     def draw(
         self,
         previous: Layout | None,
-        pinned: Mapping[str, Sequence[float]],
+        moved: Mapping[str, Sequence[float]],
         renamed: Mapping[str, str],
         now: float,
     ) -> Layout:
         inner = [edge for edge in self.edges if not edge.outward]
         links = [(edge.source, edge.target) for edge in inner]
-        places = remembered_places(
-            self.sizes, list(self.states), links, self.starts, previous, pinned, renamed, now
+        places = keep_positions(
+            self.sizes, list(self.states), links, self.starts, previous, moved, renamed, now
         )
-        boxes = {name: Box(places[name]["x"], places[name]["y"], *size) for name, size in self.sizes.items()}
+        boxes = {name: Rect(places[name]["x"], places[name]["y"], *size) for name, size in self.sizes.items()}
         starts = {name: _start(boxes[name]) for name in self.starts if name in boxes}
-        solid = [*boxes.values(), *(Box(start["x"], start["y"], 18.0, 18.0) for start in starts.values())]
+        solid = [*boxes.values(), *(Rect(start["x"], start["y"], 18.0, 18.0) for start in starts.values())]
         outer = [edge for edge in self.edges if edge.outward]
         routes = self._routes(inner, boxes)
         labels = place_labels(routes, [edge.size for edge in inner], solid)
@@ -173,11 +184,11 @@ class _Drawing:
             )
         }
         port_boxes = [
-            Box(p["label"]["x"], p["label"]["y"], p["label"]["width"], p["label"]["height"]) for p in ports
+            Rect(p["label"]["x"], p["label"]["y"], p["label"]["width"], p["label"]["height"]) for p in ports
         ]
         left, top, width, height = frame
         view = _extent(
-            [Box(left + width / 2, top + height / 2, width, height), *exit_labels, *port_boxes], [], 2.0
+            [Rect(left + width / 2, top + height / 2, width, height), *exit_labels, *port_boxes], [], 2.0
         )
         return Layout(
             machine=path_text(self.path),
@@ -197,49 +208,51 @@ class _Drawing:
 
     # -- arrows ------------------------------------------------------------------------------------
 
-    def _routes(self, edges: Sequence[_Edge], boxes: Mapping[str, Box]) -> list[Route]:
-        between: dict[tuple[str, str], list[_Edge]] = {}
-        for edge in edges:
-            between.setdefault((edge.source, edge.target), []).append(edge)
+    def _routes(self, edges: Sequence[_Edge], boxes: Mapping[str, Rect]) -> list[Route]:
+        between = Counter((edge.source, edge.target) for edge in edges)
         pairs = {
-            (a, b): len(mine) + len(between.get((b, a), ()))
-            for (a, b), mine in between.items()
+            (a, b): count + between[b, a]
+            for (a, b), count in between.items()
             if a != b and ((b, a) not in between or a < b)
         }
-        lines = chords(boxes, pairs)
-        around: dict[tuple[str, str], float] = {}
-        for (a, b), line in lines.items():
-            there, back = bends(len(between.get((a, b), ())), len(between.get((b, a), ())))
-            others = [box for name, box in boxes.items() if name not in (a, b)]
-            around[a, b] = detour(boxes[a], boxes[b], [*there, *(-bend for bend in back)], others, line)
-        for (a, b), (p, q) in list(lines.items()):
-            lines[b, a], around[b, a] = (q, p), -around[a, b]
+        cells = obstacles(boxes.values())
+        lines = chords(boxes, cells, pairs)
+        around: dict[Pair, float] = {}
+        spread: dict[Pair, list[float]] = {}
+        for (a, b), line in list(lines.items()):
+            there, back = bends(between[a, b], between[b, a])
+            across = detour(boxes[a], boxes[b], [*there, *(-bend for bend in back)], cells, line)
+            around[a, b], around[b, a] = across, -across
+            spread[a, b], spread[b, a] = there, back
+            lines[b, a] = line[1], line[0]
         routes: list[Route] = []
+        drawn: Counter[Pair] = Counter()
         for edge in edges:
-            a, b = edge.source, edge.target
+            a, b = pair = edge.source, edge.target
             broken = edge.broken is not None
-            index = between[a, b].index(edge)
             if a == b:
-                routes.append(loop(boxes[a], index, len(between[a, a]), broken=broken))
-                continue
-            bend = bends(len(between[a, b]), len(between.get((b, a), ())))[0][index]
-            routes.append(arc(boxes[a], boxes[b], bend, around[a, b], chord=lines[a, b], broken=broken))
+                routes.append(loop(boxes[a], drawn[pair], between[pair], broken=broken))
+            else:
+                bend = spread[pair][drawn[pair]]
+                routes.append(arc(boxes[a], boxes[b], bend, around[pair], chord=lines[pair], broken=broken))
+            drawn[pair] += 1
         return routes
 
     def _exits(
         self,
         edges: Sequence[_Edge],
-        boxes: Mapping[str, Box],
+        boxes: Mapping[str, Rect],
         frame: Sequence[float],
-        solid: Sequence[Box],
-    ) -> tuple[list[Port], list[Route], list[Box]]:
+        solid: Sequence[Rect],
+    ) -> tuple[list[Port], list[Route], list[Rect]]:
         """Lead each ``exit`` to a port on the frame, by the shortest clear way."""
         ports: list[Port] = []
         ways: list[Route] = []
+        cells, near_ports = obstacles(solid if edges else ()), Cells(CELL)
         for edge in edges:
             source = boxes[edge.source]
-            others = [box for box in solid if box != source]
-            x, y, side = _port(source, frame, others, ports)
+            x, y, side = _port(source, frame, cells, near_ports)
+            near_ports.add(Rect(x, y, 120.0, 48.0))
             text = shorten(edge.target, LABEL_FONT, WIDEST_LABEL)
             width = text_width(text, LABEL_FONT) + 4.0
             label = Label(
@@ -252,12 +265,12 @@ class _Drawing:
             missing = edge.broken is not None
             ports.append(Port(x=x, y=y, name=edge.target, label=label, missing=missing))
             ways.append(straight(source, (x, y), broken=missing))
-        taken = [*solid, *(Box(port["x"], port["y"], 14.0, 14.0) for port in ports)]
+        taken = [*solid, *(Rect(port["x"], port["y"], 14.0, 14.0) for port in ports)]
         return ports, ways, place_labels([*ways], [edge.size for edge in edges], taken)
 
     # -- shapes ------------------------------------------------------------------------------------
 
-    def _state_shape(self, name: str, box: Box, start: Start | None) -> StateShape:
+    def _state_shape(self, name: str, box: Rect, start: Start | None) -> StateShape:
         state = self.states.get(name)
         machines = [str(inner.name) for inner in state.machines] if state else []
         kind = "any" if name == ANY else "state" if state else "missing"
@@ -279,7 +292,7 @@ class _Drawing:
             start=start,
         )
 
-    def _transition_shape(self, edge: _Edge, route: Route, box: Box) -> TransitionShape:
+    def _transition_shape(self, edge: _Edge, route: Route, box: Rect) -> TransitionShape:
         title = _source_text(edge.transition)
         return TransitionShape(
             id=f"{path_text(self.path)}:{edge.id}",
@@ -324,7 +337,7 @@ def _source_text(transition: Transition) -> str:
     return "(" + shorten(" ".join(words), 1.0, 160.0) + ")"
 
 
-def _start(box: Box) -> Start:
+def _start(box: Rect) -> Start:
     """Draw a dot outside the upper left corner, and an arrow from it into the state."""
     x, y = box.x - box.width / 2 - 17.0, box.y - box.height / 2 - 13.0
     tip = (x + 19.0, y + 14.5)
@@ -338,7 +351,7 @@ def _start(box: Box) -> Start:
     )
 
 
-def _extent(boxes: Iterable[Box], points: Iterable[Point], margin: float) -> list[float]:
+def _extent(boxes: Iterable[Rect], points: Iterable[Point], margin: float) -> list[float]:
     xs, ys = [], []
     for box in boxes:
         xs += [box.x - box.width / 2, box.x + box.width / 2]
@@ -352,14 +365,14 @@ def _extent(boxes: Iterable[Box], points: Iterable[Point], margin: float) -> lis
     return [left, top, round(max(xs) + margin - left, 1), round(max(ys) + margin - top, 1)]
 
 
-def _around(boxes: Iterable[Box], routes: Iterable[Route], right: float, title: float) -> list[float]:
+def _around(boxes: Iterable[Rect], routes: Iterable[Route], right: float, title: float) -> list[float]:
     """Draw the frame around everything, with more room at the right and for the name on top."""
     left, top, width, height = _extent(boxes, (point for route in routes for point in route.points), MARGIN)
     return [left, round(top - TITLE, 1), round(max(width + right, title + 28.0), 1), round(height + TITLE, 1)]
 
 
 def _port(
-    source: Box, frame: Sequence[float], others: Sequence[Box], ports: Sequence[Port]
+    source: Rect, frame: Sequence[float], cells: Cells, near_ports: Cells
 ) -> tuple[float, float, Point]:
     """Find the free place on the frame that a state reaches by the shortest clear way."""
     left, top, width, height = frame
@@ -374,8 +387,11 @@ def _port(
             inside = side[1] < 0 or (left <= x <= left + width and top + TITLE <= y <= top + height)
             x, y = round(x, 1), round(y, 1)
             cost = abs(x - source.x) + abs(y - source.y) + abs(step) + (0.0 if side[0] > 0 else 260.0)
-            cost += 200.0 * sum(box.crossed_by((source.x, source.y), (x, y), 4.0) for box in others)
-            cost += 1000.0 * sum(abs(x - port["x"]) < 60 and abs(y - port["y"]) < 24 for port in ports)
+            if best is not None and cost >= best[0]:
+                continue
+            passed = set(cells.along((source.x, source.y), (x, y))) - {source}
+            cost += 200.0 * sum(box.crossed_by((source.x, source.y), (x, y), 4.0) for box in passed)
+            cost += 1000.0 * sum(around.holds((x, y)) for around in near_ports.at((x, y)))
             cost += 0.0 if inside else 400.0
             if best is None or cost < best[0]:
                 best = (cost, x, y, side)

@@ -1,323 +1,153 @@
-"""Where states stand: a first arrangement, and free places for what comes later.
+"""Where states stand from one edit to the next, and free places for new ones.
 
-No layered algorithm is stable under edits (one edge more, and every node moves), so an
-arrangement is made once; afterwards a state keeps its place, and a new one takes the free place
-nearest to its neighbours.
+No layered algorithm is stable under edits (one edge more, and every node moves), so an arrangement is
+computed once; afterwards a state keeps its position, and a new one takes the free place nearest to its
+neighbours. A position belongs to a name, whatever has that name: a state, the missing end of a dangling
+transition, or for a while nothing.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from itertools import combinations
-from typing import NamedTuple
+from collections.abc import Mapping, Sequence
+from heapq import heappop, heappush
+from itertools import islice
 
-from lrp_jupyter.graph.ordering import order
+from lrp_jupyter.graph.arrangement import GAP_X, GAP_Y, Link, arrange, left_of
+from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect, Size
+from lrp_jupyter.graph.shapes import Layout, Position
 from lrp_jupyter.graph.state_graph import ANY
 
-__all__ = ["Box", "arrange", "free_place", "is_dense", "layers", "left_of"]
+__all__ = ["RESERVED", "free_place", "keep_positions"]
 
-Point = tuple[float, float]
-Link = tuple[str, str]
-Size = tuple[float, float]
-
-GAP_X, GAP_Y = 76.0, 60.0
-"""Least room between two states, so that an arrow and its label fit, in px."""
-LAYER = 108.0
-"""From the middle of one layer to the middle of the next, in px."""
+RESERVED = 30.0
+"""How long the place of a removed state stays free, in seconds."""
+USUAL: Size = (80.0, 36.0)
+"""Room kept for a removed state, in px."""
 GRID = 20.0
-TALL = 9
-"""Layers in a column when a tall arrangement is folded."""
-SMALL = 12
-"""States up to which swapping neighbours is tried."""
+"""Distance between the places that are tried for a new state, in px."""
+
+Line = tuple[Point, Point]
 
 
-class Box(NamedTuple):
-    """A rectangle by its middle, in px; y grows downwards."""
-
-    x: float
-    y: float
-    width: float
-    height: float
-
-    def overlaps(self, other: Box, gap_x: float = 0.0, gap_y: float = 0.0) -> bool:
-        """Whether two boxes come nearer than the gaps."""
-        return (
-            abs(self.x - other.x) * 2 < self.width + other.width + 2 * gap_x
-            and abs(self.y - other.y) * 2 < self.height + other.height + 2 * gap_y
-        )
-
-    def holds(self, point: Point, margin: float = 0.0) -> bool:
-        """Whether a point is inside, or nearer than `margin`."""
-        return (
-            abs(point[0] - self.x) < self.width / 2 + margin
-            and abs(point[1] - self.y) < self.height / 2 + margin
-        )
-
-    def inside(self, point: Point, margin: float) -> Point:
-        """Return the point of the box, at least `margin` from its border, that is nearest to a point."""
-        x, y = max(0.0, self.width / 2 - margin), max(0.0, self.height / 2 - margin)
-        return (
-            max(self.x - x, min(self.x + x, point[0])),
-            max(self.y - y, min(self.y + y, point[1])),
-        )
-
-    def crossed_by(self, start: Point, end: Point, margin: float = 0.0) -> bool:
-        """Whether a straight line touches it."""
-        low, high = 0.0, 1.0
-        for here, there, middle, extent in (
-            (start[0], end[0], self.x, self.width / 2 + margin),
-            (start[1], end[1], self.y, self.height / 2 + margin),
-        ):
-            way = there - here
-            if way == 0:
-                if abs(here - middle) >= extent:
-                    return False
-                continue
-            near, far = sorted(((middle - extent - here) / way, (middle + extent - here) / way))
-            low, high = max(low, near), min(high, far)
-        return low < high
-
-
-def is_dense(names: Sequence[str], links: Sequence[Link]) -> bool:
-    """Whether there are so many edges that layers would tell nothing: more than 2.5 per state."""
-    return len(links) > 2.5 * len(names)
-
-
-def arrange(sizes: Mapping[str, Size], links: Sequence[Link], starts: Sequence[str] = ()) -> dict[str, Point]:
-    """Arrange a machine for the first time.
-
-    Layers by longest path, the start state first and ``*`` at the left; an ellipse in the order of
-    the text where edges are dense.
+def keep_positions(
+    sizes: Mapping[str, Size],
+    states: Sequence[str],
+    links: Sequence[Link],
+    starts: Sequence[str],
+    previous: Layout | None,
+    moved: Mapping[str, Sequence[float]],
+    renamed: Mapping[str, str],
+    now: float,
+) -> dict[str, Position]:
+    """Compute a position for every node: its old one, the one it was dragged to, or a free one.
 
     Parameters
     ----------
     sizes : mapping of str to (float, float)
         Width and height of every node in px, in the order of the text.
+    states : sequence of str
+        Those of them that are states of the program.
     links : sequence of (str, str)
-        One for each edge; both ends are in `sizes`.
-    starts : sequence of str
-        Start states.
+        One for each arrow between two of them.
+    starts, previous, moved, renamed, now
+        As for :func:`~lrp_jupyter.graph.layout.layout`.
 
     Returns
     -------
-    dict of str to (float, float)
-        The middle of every node, in px.
+    dict of str to Position
+        First those of `sizes` in their order, then those that are reserved.
     """
-    states = [name for name in sizes if name != ANY]
-    if not states:
-        return {ANY: (0.0, 0.0)} if ANY in sizes else {}
-    if is_dense(list(sizes), links):
-        places = _ellipse(states, sizes, len(links))
-    else:
-        places = _layered(states, sizes, links, starts)
-    if ANY in sizes:
-        places[ANY] = left_of(places, sizes, links)
-    return {name: (round(x, 1), round(y, 1)) for name, (x, y) in places.items()}
+    positions: dict[str, Position] = {}
+    if previous is not None:
+        positions = _kept(previous, sizes, renamed or _retyped(previous, states), now)
+    first = not any(name in positions for name in sizes)
+    for name, (x, y) in moved.items():
+        if name in sizes:
+            positions[name] = Position(x=round(float(x), 1), y=round(float(y), 1))
+    taken = Cells(CELL)
+    for name, position in positions.items():
+        taken.add(Rect(position["x"], position["y"], *sizes.get(name, USUAL)))
+    if first:
+        for name, (x, y) in arrange(sizes, links, starts).items():
+            mine = Rect(x, y, *sizes[name])
+            if name not in positions and not any(
+                mine.overlaps(other, 8.0, 8.0) for other in taken.near(mine, 8.0)
+            ):
+                positions[name] = Position(x=x, y=y)
+                taken.add(mine)
+    _add_new(positions, sizes, [link for link in links if link[0] != link[1]], taken)
+    ordered = [*sizes, *(name for name in positions if name not in sizes)]
+    return {name: positions[name] for name in ordered}
 
 
-def _ellipse(states: Sequence[str], sizes: Mapping[str, Size], links: int) -> dict[str, Point]:
-    count = len(states)
-    widest = max(sizes[name][0] for name in states)
-    crowd = math.sqrt(max(1.0, links / count / 2.5))
-    height = max(90.0, 24.0 * count * crowd + 50.0 * crowd)
-    width = max(height * 1.4, (widest + GAP_X) * count / (2 * math.pi))
-    turn = 2 * math.pi / count
-    return {
-        name: (width * math.sin(turn * index), -height * math.cos(turn * index))
-        for index, name in enumerate(states)
-    }
-
-
-def left_of(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Iterable[Link]) -> Point:
-    """Say where ``*`` belongs: left of everything, as high as the states that it leads to."""
-    left = min(x - sizes[name][0] / 2 for name, (x, _) in places.items())
-    targets = {target: places[target][1] for source, target in links if source == ANY and target in places}
-    ys = list(targets.values()) or [y for _, y in places.values()]
-    # from the height of two states side by side one arrow would run into the first of them
-    above = LAYER if len(set(ys)) < len(ys) and targets else 0.0
-    return left - GAP_X - sizes[ANY][0] / 2, (min(ys) + max(ys)) / 2 - above
-
-
-def layers(names: Sequence[str], links: Iterable[Link], starts: Sequence[str] = ()) -> dict[str, int]:
-    """Give each node its layer: the length of the longest path to it, without going in circles.
-
-    Circles are opened where a walk from the start states, then from ``*``, then in the order of the text
-    comes back to where it is; no edge leads into a start state.
-    """
-    forward = _forward_links(names, links, starts)
-    level = dict.fromkeys(names, 0)
-    waiting = {name: sum(target == name for _, target in forward) for name in names}
-    ready = [name for name in names if not waiting[name]]
-    while ready:
-        source = ready.pop(0)
-        for origin, target in forward:
-            if origin == source:
-                level[target] = max(level[target], level[source] + 1)
-                waiting[target] -= 1
-                if not waiting[target]:
-                    ready.append(target)
-    return level
-
-
-def _forward_links(names: Sequence[str], links: Iterable[Link], starts: Sequence[str]) -> list[Link]:
-    """Links without those that close a circle, each once."""
-    after: dict[str, list[str]] = {name: [] for name in names}
-    for source, target in dict.fromkeys(links):
-        if source != target and source in after and target in after and target not in starts:
-            after[source].append(target)
-    entered = {target for targets in after.values() for target in targets}
-    roots = [name for name in names if name in starts]
-    roots += [name for name in names if name == ANY]
-    roots += [name for name in names if name not in entered]
-    forward: list[Link] = []
-    done: set[str] = set()
-    for root in [*roots, *names]:
-        path: dict[str, list[str]] = {}
-        if root not in done:
-            path[root] = list(after[root])
-        while path:  # a walk in depth, without recursion: machines may be long
-            source = next(reversed(path))
-            if not path[source]:
-                done.add(source)
-                del path[source]
+def _kept(
+    previous: Layout, sizes: Mapping[str, Size], renamed: Mapping[str, str], now: float
+) -> dict[str, Position]:
+    """Return the positions of the last layout that are still valid."""
+    positions: dict[str, Position] = {}
+    for name, position in previous["places"].items():
+        kept = Position(x=position["x"], y=position["y"])
+        new = renamed.get(name, name)
+        if new not in sizes:
+            kept["gone"] = position.get("gone", now)
+            if now - kept["gone"] >= RESERVED:
                 continue
-            target = path[source].pop(0)
-            if target in path:
-                continue
-            forward.append((source, target))
-            if target not in done:
-                path[target] = list(after[target])
-    return forward
+        if new not in positions or name in renamed:  # a renamed state goes before a missing end of that name
+            positions[new] = kept
+    return positions
 
 
-def _layered(
-    states: Sequence[str], sizes: Mapping[str, Size], links: Sequence[Link], starts: Sequence[str]
-) -> dict[str, Point]:
-    names = [*([ANY] if ANY in sizes else []), *states]
-    level = layers(names, links, starts or states[:1])
-    across = order(names, links, level)
-    if ANY in across and 2 * across[ANY] > min(across.values()) + max(across.values()):
-        across = {name: -x for name, x in across.items()}  # `*` will stand at the left
-    by_level: dict[int, list[str]] = {}
-    for name in states:
-        by_level.setdefault(level[name], []).append(name)
-    rows = [sorted(by_level[depth], key=lambda name: across[name]) for depth in sorted(by_level)]
-    places = _coordinates(rows, sizes, links)
-    if len(states) <= SMALL:
-        rows, places = _improved(rows, places, sizes, links)
-    return _fold(places, sizes, rows) if len(rows) >= TALL * 1.5 else places
+def _retyped(previous: Layout, states: Sequence[str]) -> dict[str, str]:
+    """Find the state whose name is being typed: the only one that differs, in the same order."""
+    old = [shape["name"] for shape in previous["states"] if shape["kind"] == "state"]
+    if len(old) != len(states):
+        return {}
+    changed = [(a, b) for a, b in zip(old, states, strict=True) if a != b]
+    if len(changed) != 1 or changed[0][1] in old:
+        return {}
+    return dict(changed)
 
 
-def _coordinates(
-    rows: Sequence[Sequence[str]], sizes: Mapping[str, Size], links: Sequence[Link]
-) -> dict[str, Point]:
-    """Put each node above the middle of its neighbours, in the given order and with room between."""
-    near: dict[str, list[str]] = {name: [] for row in rows for name in row}
-    for a, b in dict.fromkeys((min(link), max(link)) for link in links):
-        if a != b and a in near and b in near:
-            near[a].append(b)
-            near[b].append(a)
-    weights = {name: float(len(others)) or 0.001 for name, others in near.items()}
-    across = {name: 0.0 for row in rows for name in row}
-    for _ in range(6):
-        for row in (*rows, *reversed(rows)):
-            middle = sum(across[name] * weights[name] for name in row) / sum(weights[name] for name in row)
-            wanted = [
-                sum(across[other] for other in near[name]) / len(near[name]) if near[name] else middle
-                for name in row
-            ]
-            across.update(zip(row, _apart(wanted, row, sizes, weights), strict=True))
-    return {name: (across[name], depth * LAYER) for depth, row in enumerate(rows) for name in row}
+def _add_new(
+    positions: dict[str, Position], sizes: Mapping[str, Size], links: Sequence[Link], taken: Cells
+) -> None:
+    """Put each node that has no position yet into the free place nearest to its neighbours."""
+    names = list(sizes)
+    if all(name in positions for name in names):
+        return
+    number = {name: i for i, name in enumerate(names)}
+    neighbours: dict[str, list[str]] = {name: [] for name in names}
+    for a, b in links:
+        neighbours[a].append(b)
+        neighbours[b].append(a)
+    standing = {name: (positions[name]["x"], positions[name]["y"]) for name in names if name in positions}
+    lines = {(a, b): (standing[a], standing[b]) for a, b in links if a in standing and b in standing}
+    waiting = [name for name in names if name not in standing]
+    # those that have a neighbour in place go first, so that the others can go beside them
+    ready = [number[name] for name in waiting if any(other in standing for other in neighbours[name])]
+    later = iter(waiting)
+    while len(standing) < len(names):
+        name = names[heappop(ready)] if ready else next(later)
+        if name in standing:
+            continue
+        near = [standing[other] for other in neighbours[name] if other in standing]
+        if name == ANY and standing:
+            near = [left_of(standing, sizes, links)]
+        elif not near:
+            before = (one for one in reversed(names[: number[name]]) if one in standing and one != ANY)
+            near = [standing[one] for one in islice(before, 1)]
+        x, y = standing[name] = free_place(sizes[name], near, taken, list(lines.values()))
+        positions[name] = Position(x=x, y=y)
+        taken.add(Rect(x, y, *sizes[name]))
+        for other in neighbours[name]:
+            if other in standing:
+                lines[name, other] = (x, y), standing[other]
+            else:
+                heappush(ready, number[other])
 
 
-def _apart(
-    wanted: Sequence[float], row: Sequence[str], sizes: Mapping[str, Size], weights: Mapping[str, float]
-) -> list[float]:
-    """Move nodes as little as possible (weighted least squares) until they have room, in their order."""
-    offset, offsets = 0.0, []
-    for i, name in enumerate(row):
-        if i:
-            offset += (sizes[row[i - 1]][0] + sizes[name][0]) / 2 + GAP_X
-        offsets.append(offset)
-    pools: list[tuple[float, float, int]] = []  # nodes side by side: mean, weight, how many
-    for name, want, shift in zip(row, wanted, offsets, strict=True):
-        mean, weight, count = want - shift, weights[name], 1
-        while pools and pools[-1][0] > mean:
-            other, heavy, others = pools.pop()
-            mean = (mean * weight + other * heavy) / (weight + heavy)
-            weight, count = weight + heavy, count + others
-        pools.append((mean, weight, count))
-    flat = [mean for mean, _, count in pools for _ in range(count)]
-    return [mean + shift for mean, shift in zip(flat, offsets, strict=True)]
-
-
-def _improved(
-    rows: list[list[str]], places: dict[str, Point], sizes: Mapping[str, Size], links: Sequence[Link]
-) -> tuple[list[list[str]], dict[str, Point]]:
-    """Swap neighbours inside a layer while that makes the picture better."""
-    best = _badness(places, sizes, links)
-    for _ in range(2):
-        for depth, row in enumerate(rows):
-            for i, j in combinations(range(len(row)), 2):
-                swapped = list(row)
-                swapped[i], swapped[j] = swapped[j], swapped[i]
-                trial = [*rows[:depth], swapped, *rows[depth + 1 :]]
-                moved = _coordinates(trial, sizes, links)
-                badness = _badness(moved, sizes, links)
-                if badness < best - 1.0:
-                    best, rows, places, row = badness, trial, moved, swapped
-    return rows, places
-
-
-def _badness(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Sequence[Link]) -> float:
-    """Length of the edges, how often they cross, and how often they run into a node."""
-    ends = dict(places)
-    if ANY in sizes:
-        ends[ANY] = left_of(places, sizes, links)
-    pairs = [pair for pair in dict.fromkeys(tuple(sorted(link)) for link in links) if pair[0] != pair[1]]
-    total = 0.0
-    for k, (a, b) in enumerate(pairs):
-        total += math.dist(ends[a], ends[b])
-        for name, point in places.items():
-            if name not in (a, b):
-                total += 150.0 * Box(*point, *sizes[name]).crossed_by(ends[a], ends[b], 6.0)
-        for c, d in pairs[:k]:
-            if not {a, b} & {c, d}:
-                total += 120.0 * _cross(ends[a], ends[b], ends[c], ends[d])
-    return total
-
-
-def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:
-    def turn(p: Point, q: Point, r: Point) -> float:
-        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
-
-    return turn(a, b, c) * turn(a, b, d) < 0 and turn(c, d, a) * turn(c, d, b) < 0
-
-
-def _fold(
-    places: Mapping[str, Point], sizes: Mapping[str, Size], rows: Sequence[Sequence[str]]
-) -> dict[str, Point]:
-    """Fold a tall arrangement into columns, up and down in turn, so that neighbours stay near."""
-    left = min(x - sizes[name][0] / 2 for name, (x, _) in places.items())
-    right = max(x + sizes[name][0] / 2 for name, (x, _) in places.items())
-    wide = right - left + 1.5 * GAP_X
-    tall = math.ceil(math.sqrt(len(rows) * wide / LAYER))  # about as wide as high
-    tall = math.ceil(len(rows) / math.ceil(len(rows) / tall))
-    folded = {}
-    for depth, row in enumerate(rows):
-        column, down = divmod(depth, tall)
-        for name in row:
-            x = places[name][0]
-            if column % 2:
-                x = left + right - x
-            folded[name] = (x + column * wide, (tall - 1 - down if column % 2 else down) * LAYER)
-    return folded
-
-
-def free_place(
-    size: Size, towards: Sequence[Point], taken: Sequence[Box], lines: Sequence[tuple[Point, Point]] = ()
-) -> Point:
+def free_place(size: Size, towards: Sequence[Point], taken: Cells, lines: Sequence[Line] = ()) -> Point:
     """Find the free place nearest to some points.
 
     Parameters
@@ -326,7 +156,7 @@ def free_place(
         Width and height of what wants a place, in px.
     towards : sequence of (float, float)
         Places of its neighbours.
-    taken : sequence of Box
+    taken : Cells
         What it must keep away from.
     lines : sequence of (point, point)
         Edges that it should not stand on.
@@ -336,18 +166,27 @@ def free_place(
     x0 = sum(x for x, _ in towards) / len(towards)
     y0 = sum(y for _, y in towards) / len(towards)
     best: tuple[float, Point] | None = None
+    near: Sequence[Line] = ()
+    reach = -1  # the rings for which `near` holds the lines
     ring = 0
     while best is None or ring * GRID <= best[0]:  # nothing on a wider ring can cost less
+        if ring > reach:
+            reach = 2 * ring + 8
+            square = Rect(x0, y0, 2 * reach * GRID + size[0] + 2.0, 2 * reach * GRID + size[1] + 2.0)
+            near = [line for line in lines if square.crossed_by(*line, 8.0)]
         for i, j in _ring(ring):
             x, y = round(x0 + i * GRID, 1), round(y0 + j * GRID, 1)
-            box = Box(x, y, *size)
-            if any(box.overlaps(other, GAP_X, GAP_Y) for other in taken):
-                continue
             cost = math.hypot(x - x0, y - y0) + (6.0 if y < y0 else 0.0) + (3.0 if x < x0 else 0.0)
-            cost += 60.0 * sum(box.crossed_by(start, end, 8.0) for start, end in lines)
+            if best is not None and cost >= best[0]:
+                continue
+            box = Rect(x, y, *size)
+            if any(box.overlaps(other, GAP_X, GAP_Y) for other in taken.near(box, GAP_X)):
+                continue
+            cost += 60.0 * sum(box.crossed_by(start, end, 8.0) for start, end in near)
             for point in towards:
+                between = set(taken.along(point, (x, y)))
                 cost += 40.0 * sum(
-                    other.crossed_by(point, (x, y)) for other in taken if not other.holds(point)
+                    other.crossed_by(point, (x, y)) for other in between if not other.holds(point)
                 )
             if best is None or cost < best[0]:
                 best = (cost, (x, y))

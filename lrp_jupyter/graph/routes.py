@@ -9,9 +9,9 @@ import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from lrp_jupyter.graph.places import Box, Point
+from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect
 
-__all__ = ["Route", "arc", "bends", "chords", "detour", "loop", "straight"]
+__all__ = ["Pair", "Route", "arc", "bends", "chords", "detour", "loop", "number", "obstacles", "straight"]
 
 Pair = tuple[str, str]
 Chord = tuple[Point, Point]
@@ -43,7 +43,7 @@ class Route:
         grows downwards), -1 the left.
     mark : str
         SVG path data of the cross on a broken arrow, else empty.
-    obstacles : list of Box
+    obstacles : list of Rect
         What of it no label may cover.
     middle : float
         The parameter at which its label had better stand.
@@ -54,7 +54,7 @@ class Route:
     points: list[Point]
     side: int = 1
     mark: str = ""
-    obstacles: list[Box] = field(default_factory=list)
+    obstacles: list[Rect] = field(default_factory=list)
     middle: float = 0.5
 
 
@@ -104,7 +104,7 @@ def _part(p: Point, c: Point, q: Point, start: float, end: float) -> tuple[Point
     return first, (along[0] + (beyond[0] - along[0]) * end, along[1] + (beyond[1] - along[1]) * end), last
 
 
-def _leaving(box: Box, p: Point, c: Point, q: Point) -> float:
+def _leaving(box: Rect, p: Point, c: Point, q: Point) -> float:
     """At which parameter an arc that starts inside a box leaves it."""
     low, high = 0.0, 0.5
     for _ in range(13):
@@ -127,12 +127,22 @@ def _head(base: Point, tip: Point) -> str:
     )
 
 
-def chords(boxes: Mapping[str, Box], pairs: Mapping[Pair, int]) -> dict[Pair, Chord]:
+def obstacles(boxes: Iterable[Rect]) -> Cells:
+    """Register what arrows are led around, for :func:`chords` and :func:`detour`."""
+    cells = Cells(CELL, CLEAR)
+    for box in boxes:
+        cells.add(box)
+    return cells
+
+
+def chords(boxes: Mapping[str, Rect], cells: Cells, pairs: Mapping[Pair, int]) -> dict[Pair, Chord]:
     """Spread the arrows of each state along its sides, in the order of where they lead.
 
     Parameters
     ----------
-    boxes : mapping of str to Box
+    boxes : mapping of str to Rect
+    cells : Cells
+        The same as :func:`obstacles`.
     pairs : mapping of (str, str) to int
         How many arrows run between two states, both ways together; each pair once.
 
@@ -144,9 +154,12 @@ def chords(boxes: Mapping[str, Box], pairs: Mapping[Pair, int]) -> dict[Pair, Ch
     sides: dict[tuple[str, bool, bool], list[tuple[float, Pair, int]]] = {}
     ends: dict[tuple[str, Pair], Point] = {}
     for pair, count in pairs.items():
-        start, stop = ((boxes[name].x, boxes[name].y) for name in pair)
-        rest = (box for name, box in boxes.items() if name not in pair)
-        if any(box.crossed_by(start, stop) for box in _near(rest, start, start, stop)):
+        source, target = (boxes[name] for name in pair)
+        start, stop = (source.x, source.y), (target.x, target.y)
+        if any(
+            box is not source and box is not target and box.crossed_by(start, stop)
+            for box in cells.along(start, stop)
+        ):
             ends[pair[0], pair], ends[pair[1], pair] = start, stop  # it will go a long way round
             continue
         for name, other in (pair, pair[::-1]):
@@ -169,22 +182,22 @@ def chords(boxes: Mapping[str, Box], pairs: Mapping[Pair, int]) -> dict[Pair, Ch
 
 
 def detour(
-    source: Box,
-    target: Box,
+    source: Rect,
+    target: Rect,
     offsets: Sequence[float],
-    others: Iterable[Box],
+    cells: Cells,
     chord: Chord | None = None,
 ) -> float:
-    """Say how far all arrows between two states must be bent together to pass the states between.
+    """Compute how far all arrows between two states are bent together to pass the states between.
 
     Parameters
     ----------
-    source, target : Box
+    source, target : Rect
     offsets : sequence of float
-        What :func:`bends` says for each arrow, px, positive to the right hand on the way from `source`
+        What :func:`bends` returns for each arrow, px, positive to the right hand on the way from `source`
         to `target`.
-    others : iterable of Box
-        The other states.
+    cells : Cells
+        All states, as :func:`obstacles`.
     chord : (point, point), optional
         From where to where; by default from middle to middle.
 
@@ -195,16 +208,19 @@ def detour(
     """
     length = math.dist((source.x, source.y), (target.x, target.y))
     choices = [*DETOURS, 0.3 * length, -0.3 * length, 0.5 * length, -0.5 * length]
-    passed = list(others)
     best, least = 0.0, math.inf
     for choice in choices:
         cost = abs(choice)
         for offset in offsets:
             if cost < least:
                 p, c, q = _bent(source, target, offset, choice, chord)
-                if near := _near(passed, p, c, q):
-                    points = [_quadratic(p, c, q, (i + 0.5) / SAMPLES) for i in range(SAMPLES)]
-                    cost += 60.0 * sum(_inside(box, points) for box in near)
+                points = [_quadratic(p, c, q, (i + 0.5) / SAMPLES) for i in range(SAMPLES)]
+                cost += 60.0 * sum(
+                    box.holds(point, CLEAR)
+                    for point in points
+                    for box in cells.at(point)
+                    if box is not source and box is not target
+                )
         if cost < least:
             best, least = choice, cost
         if least <= abs(choice):
@@ -212,36 +228,15 @@ def detour(
     return best
 
 
-def _near(boxes: Iterable[Box], p: Point, c: Point, q: Point) -> list[Box]:
-    """Keep the boxes that an arc may meet: those that reach into the rectangle around its points."""
-    left, right = min(p[0], c[0], q[0]) - CLEAR, max(p[0], c[0], q[0]) + CLEAR
-    top, bottom = min(p[1], c[1], q[1]) - CLEAR, max(p[1], c[1], q[1]) + CLEAR
-    return [
-        box
-        for box in boxes
-        if left < box.x + box.width / 2
-        and box.x - box.width / 2 < right
-        and top < box.y + box.height / 2
-        and box.y - box.height / 2 < bottom
-    ]
-
-
-def _inside(box: Box, points: Iterable[Point]) -> int:
-    """Count the points that come too near to a box."""
-    x, y, width, height = box
-    right, down = width / 2 + CLEAR, height / 2 + CLEAR
-    return sum(-right < px - x < right and -down < py - y < down for px, py in points)
-
-
 def _bent(
-    source: Box, target: Box, offset: float, around: float, chord: Chord | None
+    source: Rect, target: Rect, offset: float, around: float, chord: Chord | None
 ) -> tuple[Point, Point, Point]:
     """Lay an arc from inside one box to inside the other, parallel ones side by side."""
     p, q = chord or ((source.x, source.y), (target.x, target.y))
     length = math.dist(p, q) or 1.0
     x, y = (p[1] - q[1]) / length, (q[0] - p[0]) / length  # to the right hand
 
-    def shifted(point: Point, box: Box) -> Point:  # the ends keep apart too, as far as the box is wide
+    def shifted(point: Point, box: Rect) -> Point:  # the ends keep apart too, as far as the box is wide
         room = 0.3 * (abs(x) * box.width + abs(y) * box.height)
         shift = max(-room, min(room, 0.6 * offset))
         return box.inside((point[0] + x * shift, point[1] + y * shift), 4.0)
@@ -252,8 +247,8 @@ def _bent(
 
 
 def arc(
-    source: Box,
-    target: Box,
+    source: Rect,
+    target: Rect,
     offset: float,
     around: float = 0.0,
     *,
@@ -264,7 +259,7 @@ def arc(
 
     Parameters
     ----------
-    source, target : Box
+    source, target : Rect
     offset, around : float
         How far the middle leaves the straight line, px, positive to the right hand: among arrows
         between the same states, and by the :func:`detour` of all of them.
@@ -289,13 +284,13 @@ def _drawn(p: Point, c: Point, q: Point, side: int, broken: bool) -> Route:
         first, second = _part(p, c, q, 0.0, 0.5 - gap), _part(p, c, q, 0.5 + gap, 1.0)
         middle = _quadratic(p, c, q, 0.5)
         d = "".join(_path("M", a) + _path("Q", b, e) for a, b, e in (first, second))
-        return Route(d, "", points, side, _cross_at(middle), [Box(*middle, 12.0, 12.0)])
+        return Route(d, "", points, side, _cross_at(middle), [Rect(*middle, 12.0, 12.0)])
     base = max(0.0, 1.0 - 0.8 * TIP / length)
     a, b, e = _part(p, c, q, 0.0, base)
     return Route(_path("M", a) + _path("Q", b, e), _head(e, q), points, side)
 
 
-def straight(source: Box, target: Point, *, broken: bool = False) -> Route:
+def straight(source: Rect, target: Point, *, broken: bool = False) -> Route:
     """Lead an arrow straight from a state to a point."""
     p = (source.x, source.y)
     c = ((p[0] + target[0]) / 2, (p[1] + target[1]) / 2)
@@ -303,12 +298,12 @@ def straight(source: Box, target: Point, *, broken: bool = False) -> Route:
     return _drawn(*_part(p, c, target, _leaving(source, p, c, target), stop), 1, broken)
 
 
-def loop(box: Box, index: int = 0, count: int = 1, *, broken: bool = False) -> Route:
+def loop(box: Rect, index: int = 0, count: int = 1, *, broken: bool = False) -> Route:
     """Lead an arrow from a state to itself, on top; several stand side by side.
 
     Parameters
     ----------
-    box : Box
+    box : Rect
     index, count : int
         Which of how many loops of this state.
     broken : bool
@@ -326,7 +321,7 @@ def loop(box: Box, index: int = 0, count: int = 1, *, broken: bool = False) -> R
     if broken:
         crossed = _cubic(p, c, e, q, 0.5)
         d = _path("M", p) + _path("C", c, e, q)
-        return Route(d, "", points, -1, _cross_at(crossed), [Box(*crossed, 12.0, 12.0)], middle)
+        return Route(d, "", points, -1, _cross_at(crossed), [Rect(*crossed, 12.0, 12.0)], middle)
     base = _cubic(p, c, e, q, 1.0 - 0.25 * TIP / rise)
     return Route(_path("M", p) + _path("C", c, e, base), _head(base, q), points, -1, middle=middle)
 

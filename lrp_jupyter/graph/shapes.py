@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from typing import NotRequired, TypedDict
 
-__all__ = ["Label", "Layout", "Place", "Port", "Start", "StateShape", "TransitionShape"]
+__all__ = ["Label", "Layout", "Port", "Position", "Start", "StateShape", "TransitionShape"]
 
 
-class Place(TypedDict):
-    """Where something stands. ``gone``: since when its state is not there; ``pinned``: moved by hand."""
+class Position(TypedDict):
+    """The middle of a node, in px; ``gone``: since when its state is not in the program, in seconds."""
 
     x: float
     y: float
     gone: NotRequired[float]
-    pinned: NotRequired[bool]
 
 
 class Label(TypedDict):
@@ -99,4 +98,4 @@ class Layout(TypedDict):
     states: list[StateShape]
     transitions: list[TransitionShape]
     ports: list[Port]
-    places: dict[str, Place]
+    places: dict[str, Position]

@@ -14,6 +14,7 @@ from html import escape
 from typing import Literal
 
 from lrp_jupyter.graph.dot import dot
+from lrp_jupyter.graph.labels import text_width
 from lrp_jupyter.graph.layout import LABEL_FONT, SMALL_FONT, STATE_FONT, layout
 from lrp_jupyter.graph.mermaid import mermaid
 from lrp_jupyter.graph.paths import Paths
@@ -21,7 +22,6 @@ from lrp_jupyter.graph.routes import number
 from lrp_jupyter.graph.shapes import Label, Layout, Port, StateShape, TransitionShape
 from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.graph.tree import tree
-from lrp_jupyter.graph.widths import text_width
 from lrp_jupyter.language.program import Machine, Path, Program, path_text
 
 __all__ = ["dot", "draw", "mermaid", "mimebundle", "svg", "tree"]

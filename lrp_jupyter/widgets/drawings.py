@@ -66,7 +66,7 @@ class Drawings:
 
     def pin(self, machine: str, state: str, x: float, y: float) -> None:
         """Put a node where a person dragged it; it stays there."""
-        self._again(machine, pinned={state: (x, y)})
+        self._again(machine, moved={state: (x, y)})
 
     def arrange(self, machine: str) -> None:
         """Lay out a machine as if for the first time."""

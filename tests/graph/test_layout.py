@@ -5,9 +5,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lrp_jupyter.graph.arrangement import PASSED, is_dense, layers, order
+from lrp_jupyter.graph.geometry import Cells, Rect
+from lrp_jupyter.graph.labels import POINTS, place_labels
 from lrp_jupyter.graph.layout import RESERVED, layout
-from lrp_jupyter.graph.places import Box, is_dense, layers
-from lrp_jupyter.graph.routes import SAMPLES, arc, bends, detour
+from lrp_jupyter.graph.routes import SAMPLES, arc, bends, detour, obstacles, straight
 from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.language.parser import parse
 
@@ -24,7 +26,7 @@ def drawings(program):
 
 
 def box(shape, grow=0.0):
-    return Box(shape["x"], shape["y"], shape["width"] + grow, shape["height"] + grow)
+    return Rect(shape["x"], shape["y"], shape["width"] + grow, shape["height"] + grow)
 
 
 def positions(drawing):
@@ -133,7 +135,7 @@ def test_a_dense_machine_is_an_ellipse_in_the_order_of_the_text(programs):
 
 
 def test_opposite_arrows_are_22_px_apart_and_parallel_ones_26():
-    a, b = Box(0, 0, 64, 36), Box(0, 200, 64, 36)
+    a, b = Rect(0, 0, 64, 36), Rect(0, 200, 64, 36)
     there, back = bends(2, 1)
     middles = [arc(a, b, bend).points[SAMPLES // 2] for bend in there]
     middles += [arc(b, a, bend).points[SAMPLES // 2] for bend in back]
@@ -142,9 +144,9 @@ def test_opposite_arrows_are_22_px_apart_and_parallel_ones_26():
 
 
 def test_arrows_between_the_same_states_pass_what_is_between_them_together():
-    a, b, between = Box(0, 0, 64, 36), Box(0, 300, 64, 36), Box(0, 150, 80, 36)
+    a, b, between = Rect(0, 0, 64, 36), Rect(0, 300, 64, 36), Rect(0, 150, 80, 36)
     there, back = bends(1, 1)
-    around = detour(a, b, [there[0], -back[0]], [between])
+    around = detour(a, b, [there[0], -back[0]], obstacles([a, b, between]))
     ways = [arc(a, b, there[0], around), arc(b, a, back[0], -around)]
     assert not [point for way in ways for point in way.points if between.holds(point, 2.0)]
     assert abs(ways[0].points[SAMPLES // 2][0] - ways[1].points[SAMPLES // 2][0]) == pytest.approx(22, abs=1)
@@ -328,25 +330,24 @@ def test_a_renamed_state_keeps_its_place():
     assert positions(lay(text, before, renamed={"c": "z"}))["z"] == positions(before)["c"]
 
 
-def test_a_pinned_state_stays_where_it_was_dragged():
+def test_a_state_stays_where_it_was_dragged():
     text = THREE.format(more="(on e a -> b) (on e b -> c)")
     before = lay(text)
-    dragged = lay(text, before, pinned={"b": (400, -50)})
+    dragged = lay(text, before, moved={"b": (400, -50)})
     assert positions(dragged) == {**positions(before), "b": (400.0, -50.0)}
-    assert dragged["places"]["b"]["pinned"]
     later = lay(THREE.format(more="(on e a -> b) (on e b -> c) (state d)"), dragged)
     assert positions(later)["b"] == (400.0, -50.0)
 
 
-def test_arranging_anew_keeps_what_is_pinned():
+def test_a_first_layout_leaves_a_place_for_what_was_moved():
     text = THREE.format(more="(on e a -> b) (on e b -> c)")
-    fresh = lay(text, pinned={"c": positions(lay(text))["a"]})
+    fresh = lay(text, moved={"c": positions(lay(text))["a"]})
     assert positions(fresh)["c"] == positions(lay(text))["a"]
     assert not box(shape_of(fresh, "a")).overlaps(box(shape_of(fresh, "c")))
 
 
 def test_states_dragged_onto_each_other_are_still_drawn():
-    drawing = lay(THREE.format(more="(on e a -> b) (on e b -> a)"), pinned={"a": (0, 0), "b": (0, 0)})
+    drawing = lay(THREE.format(more="(on e a -> b) (on e b -> a)"), moved={"a": (0, 0), "b": (0, 0)})
     assert all(arrow["d"] for arrow in drawing["transitions"])
 
 
@@ -386,3 +387,91 @@ def test_benchmark_layout_of_40_states_after_an_edit(benchmark, programs):
     program = programs["forty states"]
     previous = layout(program.machines[0], program=program)
     benchmark(layout, program.machines[0], previous, program=program)
+
+
+# -- large machines ----------------------------------------------------------------------------------
+
+
+def large(states, *more):
+    forms = [f"(state s{i})" for i in range(states)]
+    forms += [f"(eps s{i} -> s{(i + 1) % states})" for i in range(states)]
+    return f"(machine m {' '.join([*forms, *more])}) (spawn m s0)"
+
+
+@pytest.fixture
+def work(monkeypatch):
+    """Count how often rectangles are compared with lines, points and each other."""
+    done = []
+
+    def counted(original):
+        def call(*arguments):
+            done.append(original)
+            return original(*arguments)
+
+        return call
+
+    for name in ("overlaps", "holds", "crossed_by"):
+        monkeypatch.setattr(Rect, name, counted(getattr(Rect, name)))
+    return done
+
+
+@pytest.mark.parametrize(
+    "more", [(), ("(eps s3 -> s80)", "(eps s70 -> s12)"), ("(exit [True] s1 -> a)", "(ontime 5 *-> s9)")]
+)
+def test_the_work_grows_with_the_states_and_not_with_their_square(work, more):
+    spent = []
+    for states in (100, 400):
+        del work[:]
+        lay(large(states, *more))
+        spent.append(len(work))
+    assert spent[1] < 5.5 * spent[0]
+
+
+def test_an_edit_of_a_large_machine_compares_the_new_state_with_those_near_it_only(work):
+    spent = []
+    for states in (100, 400):
+        before = lay(large(states))
+        del work[:]
+        lay(large(states), before)
+        unchanged = len(work)
+        del work[:]
+        lay(large(states, "(state new)", "(eps s9 -> new)"), before)
+        spent.append(len(work) - unchanged)
+    assert spent[1] < 5.5 * spent[0]
+
+
+def test_an_order_takes_account_of_the_shortest_edges_as_far_as_its_work_allows(monkeypatch):
+    level = {"a": 0, "b": 0, "c": 1, "d": 1, "x": 2, "y": 2}
+    links = [("a", "y"), ("b", "c"), ("b", "d"), ("c", "x"), ("d", "x")]
+    assert PASSED >= 1
+    monkeypatch.setattr("lrp_jupyter.graph.arrangement.PASSED", 0)
+    across = order("abcdxy", links, level)
+    assert across == order("abcdxy", links[1:], level)
+    assert across.keys() == level.keys()
+
+
+def test_labels_of_large_pictures_know_arrows_by_fewer_points_and_still_avoid_states_and_labels(monkeypatch):
+    points = []
+    monkeypatch.setattr("lrp_jupyter.graph.labels._Obstacles.add_point", lambda *point: points.append(point))
+    source = Rect(0.0, 0.0, 64.0, 36.0)
+    ways = [straight(source, (40_000.0, 40.0 * i)) for i in range(60)]
+    sizes = [(80.0, 16.0)] * len(ways)
+    labels = place_labels(ways, sizes, [source])
+    assert len(points) <= POINTS + SAMPLES * len(ways)
+    assert not [(a, b) for i, a in enumerate(labels) for b in labels[:i] if a.overlaps(b)]
+
+
+def test_cells_find_all_rectangles_that_a_brute_search_finds():
+    rects = [Rect(37.0 * i % 500, 91.0 * i % 700, 64.0, 36.0) for i in range(60)]
+    cells = Cells(96.0, 7.0)
+    for rect in rects:
+        cells.add(rect)
+    for i in range(80):
+        start, end = (13.0 * i % 480, 7.0 * i % 690), (29.0 * i % 510 - 40.0, 350.0 - 3.0 * i)
+        crossed = {rect for rect in rects if rect.crossed_by(start, end, 4.0)}
+        assert crossed == {rect for rect in cells.along(start, end) if rect.crossed_by(start, end, 4.0)}
+        held = {rect for rect in rects if rect.holds(start, 7.0)}
+        assert held == {rect for rect in cells.at(start) if rect.holds(start, 7.0)}
+        mine = Rect(*start, 80.0, 40.0)
+        met = {rect for rect in rects if rect.overlaps(mine, 7.0, 7.0)}
+        assert met == {rect for rect in cells.near(mine) if rect.overlaps(mine, 7.0, 7.0)}

@@ -5,7 +5,7 @@ from itertools import pairwise
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lrp_jupyter.graph.ordering import order
+from lrp_jupyter.graph.arrangement import order
 
 
 def crossings(links, level, across):

@@ -1,0 +1,380 @@
+"""The first arrangement of a machine: layers of states, ordered so that few arrows cross.
+
+Sugiyama's method: layers by the longest path, the order inside the layers by sweeps, then the coordinates.
+Machines with many arrows per state are an ellipse in the order of the text. (No library does it:
+python-igraph's layout crashed the whole process on some graphs, and a crash would take a notebook's kernel
+along.)
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right, insort
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from itertools import accumulate, combinations, pairwise
+
+from lrp_jupyter.graph.geometry import Point, Rect, Size
+from lrp_jupyter.graph.state_graph import ANY
+
+__all__ = ["GAP_X", "GAP_Y", "Link", "arrange", "is_dense", "layers", "left_of", "order"]
+
+Link = tuple[str, str]
+Node = tuple[int, int]
+"""Number of a name and 0, or number of an edge (from -1 down) and the layer that it passes."""
+
+GAP_X, GAP_Y = 76.0, 60.0
+"""Least room between two states, so that an arrow and its label fit, in px."""
+LAYER = 108.0
+"""From the middle of one layer to the middle of the next, in px."""
+TALL = 9
+"""Layers in a column when a tall arrangement is folded."""
+SMALL = 12
+"""States up to which swapping neighbours is tried."""
+SWEEPS = 12
+PASSED = 2_000
+"""Places that edges over several layers may have in the layers that they pass; longer edges have none."""
+
+
+def is_dense(names: Sequence[str], links: Sequence[Link]) -> bool:
+    """Whether there are so many edges that layers would tell nothing: more than 2.5 per state."""
+    return len(links) > 2.5 * len(names)
+
+
+def arrange(sizes: Mapping[str, Size], links: Sequence[Link], starts: Sequence[str] = ()) -> dict[str, Point]:
+    """Arrange a machine for the first time.
+
+    Layers by longest path, the start state first and ``*`` at the left; an ellipse in the order of
+    the text where edges are dense.
+
+    Parameters
+    ----------
+    sizes : mapping of str to (float, float)
+        Width and height of every node in px, in the order of the text.
+    links : sequence of (str, str)
+        One for each edge; both ends are in `sizes`.
+    starts : sequence of str
+        Start states.
+
+    Returns
+    -------
+    dict of str to (float, float)
+        The middle of every node, in px.
+    """
+    states = [name for name in sizes if name != ANY]
+    if not states:
+        return {ANY: (0.0, 0.0)} if ANY in sizes else {}
+    if is_dense(list(sizes), links):
+        places = _ellipse(states, sizes, len(links))
+    else:
+        places = _layered(states, sizes, links, starts)
+    if ANY in sizes:
+        places[ANY] = left_of(places, sizes, links)
+    return {name: (round(x, 1), round(y, 1)) for name, (x, y) in places.items()}
+
+
+def _ellipse(states: Sequence[str], sizes: Mapping[str, Size], links: int) -> dict[str, Point]:
+    count = len(states)
+    widest = max(sizes[name][0] for name in states)
+    crowd = math.sqrt(max(1.0, links / count / 2.5))
+    height = max(90.0, 24.0 * count * crowd + 50.0 * crowd)
+    width = max(height * 1.4, (widest + GAP_X) * count / (2 * math.pi))
+    turn = 2 * math.pi / count
+    return {
+        name: (width * math.sin(turn * index), -height * math.cos(turn * index))
+        for index, name in enumerate(states)
+    }
+
+
+def left_of(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Iterable[Link]) -> Point:
+    """Say where ``*`` belongs: left of everything, as high as the states that it leads to."""
+    left = min(x - sizes[name][0] / 2 for name, (x, _) in places.items())
+    targets = {target: places[target][1] for source, target in links if source == ANY and target in places}
+    ys = list(targets.values()) or [y for _, y in places.values()]
+    # from the height of two states side by side one arrow would run into the first of them
+    above = LAYER if len(set(ys)) < len(ys) and targets else 0.0
+    return left - GAP_X - sizes[ANY][0] / 2, (min(ys) + max(ys)) / 2 - above
+
+
+def _layered(
+    states: Sequence[str], sizes: Mapping[str, Size], links: Sequence[Link], starts: Sequence[str]
+) -> dict[str, Point]:
+    names = [*([ANY] if ANY in sizes else []), *states]
+    level = layers(names, links, starts or states[:1])
+    across = order(names, links, level)
+    if ANY in across and 2 * across[ANY] > min(across.values()) + max(across.values()):
+        across = {name: -x for name, x in across.items()}  # `*` will stand at the left
+    by_level: dict[int, list[str]] = {}
+    for name in states:
+        by_level.setdefault(level[name], []).append(name)
+    rows = [sorted(by_level[depth], key=lambda name: across[name]) for depth in sorted(by_level)]
+    places = _coordinates(rows, sizes, links)
+    if len(states) <= SMALL:
+        rows, places = _improved(rows, places, sizes, links)
+    return _fold(places, sizes, rows) if len(rows) >= TALL * 1.5 else places
+
+
+# -- layers ------------------------------------------------------------------------------------------
+
+
+def layers(names: Sequence[str], links: Iterable[Link], starts: Sequence[str] = ()) -> dict[str, int]:
+    """Give each node its layer: the length of the longest path to it, without going in circles.
+
+    Circles are opened where a walk from the start states, then from ``*``, then in the order of the text
+    comes back to where it is; no edge leads into a start state.
+    """
+    after = _forward_links(names, links, starts)
+    level = dict.fromkeys(names, 0)
+    waiting = Counter(target for targets in after.values() for target in targets)
+    ready = [name for name in names if not waiting[name]]
+    for source in ready:  # grows while it is walked
+        for target in after[source]:
+            level[target] = max(level[target], level[source] + 1)
+            waiting[target] -= 1
+            if not waiting[target]:
+                ready.append(target)
+    return level
+
+
+def _forward_links(
+    names: Sequence[str], links: Iterable[Link], starts: Collection[str]
+) -> dict[str, list[str]]:
+    """Return where each name leads, each target once, without the links that close a circle."""
+    after: dict[str, list[str]] = {name: [] for name in names}
+    first = frozenset(starts)
+    for source, target in dict.fromkeys(links):
+        if source != target and source in after and target in after and target not in first:
+            after[source].append(target)
+    entered = {target for targets in after.values() for target in targets}
+    roots = [name for name in names if name in first]
+    roots += [name for name in names if name == ANY]
+    roots += [name for name in names if name not in entered]
+    forward: dict[str, list[str]] = {name: [] for name in names}
+    seen: set[str] = set()
+    for root in [*roots, *names]:
+        if root in seen:
+            continue
+        seen.add(root)
+        open_names = {root}
+        path = [(root, iter(after[root]))]
+        while path:  # a walk in depth, without recursion: machines may be long
+            source, targets = path[-1]
+            target = next(targets, "")
+            if not target:
+                open_names.discard(source)
+                path.pop()
+            elif target not in open_names:
+                forward[source].append(target)
+                if target not in seen:
+                    seen.add(target)
+                    open_names.add(target)
+                    path.append((target, iter(after[target])))
+    return forward
+
+
+# -- order inside the layers -------------------------------------------------------------------------
+
+
+def order(
+    names: Sequence[str], links: Iterable[tuple[str, str]], level: Mapping[str, int]
+) -> dict[str, float]:
+    """Order nodes inside their layers.
+
+    Parameters
+    ----------
+    names : sequence of str
+        In the order of the text, which decides where nothing else does.
+    links : iterable of (str, str)
+        Directions and links inside a layer do not matter.
+    level : mapping of str to int
+        The layer of each name, from 0.
+
+    Returns
+    -------
+    dict of str to float
+        The place of each name across its layer, in units of one place; the middle of a layer is 0.
+    """
+    rows, above, below = _rows(names, links, level)
+    best, fewest = rows, _crossings(rows, below)
+    for sweep in range(SWEEPS):
+        if not fewest:
+            break
+        rows = _swept(rows, above) if sweep % 2 == 0 else _swept(rows[::-1], below)[::-1]
+        crossings = _crossings(rows, below)
+        if crossings < fewest:
+            best, fewest = rows, crossings
+    return {
+        names[number]: place - (len(row) - 1) / 2
+        for row in best
+        for place, (number, _) in enumerate(row)
+        if number >= 0
+    }
+
+
+def _rows(
+    names: Sequence[str], links: Iterable[tuple[str, str]], level: Mapping[str, int]
+) -> tuple[list[list[Node]], dict[Node, list[Node]], dict[Node, list[Node]]]:
+    """Give the layers in the order of the text, and each node's neighbours above and below."""
+    rows: list[list[Node]] = [[] for _ in range(max((level[name] for name in names), default=-1) + 1)]
+    number = {name: i for i, name in enumerate(names)}
+    for name in names:
+        rows[level[name]].append((number[name], 0))
+    ends = {
+        tuple(sorted(link, key=lambda name: level[name]))
+        for link in links
+        if level[link[0]] != level[link[1]]
+    }
+    above: dict[Node, list[Node]] = {}
+    below: dict[Node, list[Node]] = {}
+    shortest = sorted(ends, key=lambda end: (level[end[1]] - level[end[0]], number[end[0]], number[end[1]]))
+    passed_by = accumulate(level[bottom] - level[top] - 1 for top, bottom in shortest)
+    shown = [end for end, places in zip(shortest, passed_by, strict=True) if places <= PASSED]
+    for edge, (top, bottom) in enumerate(sorted(shown, key=lambda end: (number[end[0]], number[end[1]])), 1):
+        passed = [(-edge, depth) for depth in range(level[top] + 1, level[bottom])]
+        for node in passed:
+            rows[node[1]].append(node)
+        chain: list[Node] = [(number[top], 0), *passed, (number[bottom], 0)]
+        for upper, lower in pairwise(chain):
+            below.setdefault(upper, []).append(lower)
+            above.setdefault(lower, []).append(upper)
+    return rows, above, below
+
+
+def _swept(rows: list[list[Node]], before: Mapping[Node, list[Node]]) -> list[list[Node]]:
+    """Move every node to the middle of its neighbours in the layer before; those without stay."""
+    swept: list[list[Node]] = []
+    places: dict[Node, float] = {}
+    for row in rows:
+        middle = (len(row) - 1) / 2
+        wanted = {}
+        for place, node in enumerate(row):
+            near = before.get(node)
+            wanted[node] = sum(places[other] for other in near) / len(near) if near else place - middle
+        row = sorted(row, key=lambda node: wanted[node])
+        places.update({node: place - middle for place, node in enumerate(row)})
+        swept.append(row)
+    return swept
+
+
+def _crossings(rows: Sequence[Sequence[Node]], below: Mapping[Node, list[Node]]) -> int:
+    crossings = 0
+    for upper, lower in pairwise(rows):
+        if len(upper) == 1 or len(lower) == 1:
+            continue
+        place = {node: i for i, node in enumerate(lower)}
+        ended: list[int] = []
+        for node in upper:
+            ends = sorted(place[other] for other in below.get(node, ()))
+            crossings += sum(len(ended) - bisect_right(ended, end) for end in ends)
+            for end in ends:
+                insort(ended, end)
+    return crossings
+
+
+# -- coordinates -------------------------------------------------------------------------------------
+
+
+def _coordinates(
+    rows: Sequence[Sequence[str]], sizes: Mapping[str, Size], links: Sequence[Link]
+) -> dict[str, Point]:
+    """Put each node above the middle of its neighbours, in the given order and with room between."""
+    near: dict[str, list[str]] = {name: [] for row in rows for name in row}
+    for a, b in dict.fromkeys((min(link), max(link)) for link in links):
+        if a != b and a in near and b in near:
+            near[a].append(b)
+            near[b].append(a)
+    weights = {name: float(len(others)) or 0.001 for name, others in near.items()}
+    across = {name: 0.0 for row in rows for name in row}
+    for _ in range(6):
+        for row in (*rows, *reversed(rows)):
+            middle = sum(across[name] * weights[name] for name in row) / sum(weights[name] for name in row)
+            wanted = [
+                sum(across[other] for other in near[name]) / len(near[name]) if near[name] else middle
+                for name in row
+            ]
+            across.update(zip(row, _apart(wanted, row, sizes, weights), strict=True))
+    return {name: (across[name], depth * LAYER) for depth, row in enumerate(rows) for name in row}
+
+
+def _apart(
+    wanted: Sequence[float], row: Sequence[str], sizes: Mapping[str, Size], weights: Mapping[str, float]
+) -> list[float]:
+    """Move nodes as little as possible (weighted least squares) until they have room, in their order."""
+    offset, offsets = 0.0, []
+    for i, name in enumerate(row):
+        if i:
+            offset += (sizes[row[i - 1]][0] + sizes[name][0]) / 2 + GAP_X
+        offsets.append(offset)
+    pools: list[tuple[float, float, int]] = []  # nodes side by side: mean, weight, how many
+    for name, want, shift in zip(row, wanted, offsets, strict=True):
+        mean, weight, count = want - shift, weights[name], 1
+        while pools and pools[-1][0] > mean:
+            other, heavy, others = pools.pop()
+            mean = (mean * weight + other * heavy) / (weight + heavy)
+            weight, count = weight + heavy, count + others
+        pools.append((mean, weight, count))
+    flat = [mean for mean, _, count in pools for _ in range(count)]
+    return [mean + shift for mean, shift in zip(flat, offsets, strict=True)]
+
+
+def _improved(
+    rows: list[list[str]], places: dict[str, Point], sizes: Mapping[str, Size], links: Sequence[Link]
+) -> tuple[list[list[str]], dict[str, Point]]:
+    """Swap neighbours inside a layer while that makes the picture better."""
+    best = _badness(places, sizes, links)
+    for _ in range(2):
+        for depth, row in enumerate(rows):
+            for i, j in combinations(range(len(row)), 2):
+                swapped = list(row)
+                swapped[i], swapped[j] = swapped[j], swapped[i]
+                trial = [*rows[:depth], swapped, *rows[depth + 1 :]]
+                moved = _coordinates(trial, sizes, links)
+                badness = _badness(moved, sizes, links)
+                if badness < best - 1.0:
+                    best, rows, places, row = badness, trial, moved, swapped
+    return rows, places
+
+
+def _badness(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Sequence[Link]) -> float:
+    """Length of the edges, how often they cross, and how often they run into a node."""
+    ends = dict(places)
+    if ANY in sizes:
+        ends[ANY] = left_of(places, sizes, links)
+    pairs = [pair for pair in dict.fromkeys(tuple(sorted(link)) for link in links) if pair[0] != pair[1]]
+    total = 0.0
+    for k, (a, b) in enumerate(pairs):
+        total += math.dist(ends[a], ends[b])
+        for name, point in places.items():
+            if name not in (a, b):
+                total += 150.0 * Rect(*point, *sizes[name]).crossed_by(ends[a], ends[b], 6.0)
+        for c, d in pairs[:k]:
+            if not {a, b} & {c, d}:
+                total += 120.0 * _cross(ends[a], ends[b], ends[c], ends[d])
+    return total
+
+
+def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:
+    def turn(p: Point, q: Point, r: Point) -> float:
+        return (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0])
+
+    return turn(a, b, c) * turn(a, b, d) < 0 and turn(c, d, a) * turn(c, d, b) < 0
+
+
+def _fold(
+    places: Mapping[str, Point], sizes: Mapping[str, Size], rows: Sequence[Sequence[str]]
+) -> dict[str, Point]:
+    """Fold a tall arrangement into columns, up and down in turn, so that neighbours stay near."""
+    left = min(x - sizes[name][0] / 2 for name, (x, _) in places.items())
+    right = max(x + sizes[name][0] / 2 for name, (x, _) in places.items())
+    wide = right - left + 1.5 * GAP_X
+    tall = math.ceil(math.sqrt(len(rows) * wide / LAYER))  # about as wide as high
+    tall = math.ceil(len(rows) / math.ceil(len(rows) / tall))
+    folded = {}
+    for depth, row in enumerate(rows):
+        column, down = divmod(depth, tall)
+        for name in row:
+            x = places[name][0]
+            if column % 2:
+                x = left + right - x
+            folded[name] = (x + column * wide, (tall - 1 - down if column % 2 else down) * LAYER)
+    return folded
