@@ -21,10 +21,10 @@ from functools import lru_cache
 from types import CellType, CodeType, FunctionType
 from typing import Any, NamedTuple
 
-from lrp_jupyter.language.names import Offsets, normal, uses
+from lrp_jupyter.language.names import Offsets, Uses, normal, uses
 from lrp_jupyter.language.program import Block, line_starts
 from lrp_jupyter.language.scanner import block_end
-from lrp_jupyter.language.suites import Suite, no_warnings, parse_block, parse_suite
+from lrp_jupyter.language.suites import Suite, children, no_warnings, parse_block, parse_suite
 
 __all__ = [
     "BlockFacts",
@@ -36,10 +36,22 @@ __all__ = [
     "compile_block",
     "facts_of",
     "parse_block",
+    "read",
 ]
 
 _WORD = re.compile(r"(?:\w|[^\x00-\x7f\s])+")
 _LINE_END = re.compile(r"\r\n|\r|\n")
+_SIMPLE = frozenset(
+    {ast.Expr, ast.Assign, ast.AugAssign, ast.If, ast.Pass}
+    | {ast.Name, ast.Attribute, ast.Subscript, ast.Slice, ast.Constant, ast.keyword}
+    | {ast.BoolOp, ast.BinOp, ast.UnaryOp, ast.Compare, ast.IfExp, ast.List, ast.Tuple, ast.Dict, ast.Set}
+    | {ast.Load, ast.Store}
+    | {*ast.operator.__subclasses__(), *ast.unaryop.__subclasses__()}
+    | {*ast.boolop.__subclasses__(), *ast.cmpop.__subclasses__()}
+)
+"""Nodes about which the compiler has no complaints of its own."""
+SHORT = 400
+"""Characters of a block whose tree is kept."""
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 _DEFINITIONS = (*_FUNCTIONS, ast.ClassDef)
 
@@ -68,20 +80,68 @@ class BlockFacts(NamedTuple):
     globals: tuple[Declared, ...]
 
 
+class Reading(NamedTuple):
+    """A parsed block, shared by all that look at it; nobody may change the tree."""
+
+    tree: ast.Module
+    suite: Suite
+    source: str
+    uses: Uses
+
+
+def read(text: str) -> Reading:
+    """Parse a block and find its names; the last short ones are kept, trees being large.
+
+    Raises
+    ------
+    SyntaxError
+        As :func:`parse_block`.
+    """
+    return _read_short(text) if len(text) <= SHORT else _read(text)
+
+
+def _read(text: str) -> Reading:
+    tree, suite = parse_suite(text)
+    source = suite.source(text)
+    return Reading(tree, suite, source, uses(tree, source))
+
+
+_read_short = lru_cache(maxsize=1024)(_read)
+
+
 @lru_cache(maxsize=20_000)
 def facts_of(text: str) -> BlockFacts:
-    """Judge a block by its text: whether it is empty, or no Python."""
+    """Judge a block by its text: whether it is empty, or not valid Python."""
     try:
-        tree, suite = parse_suite(text)
-        found = uses(tree, suite.source(text))
-        fault = _outlaw(tree, suite, text)
-        if fault is None:
-            _check(text, frozenset().union(*(use.scope.outer_names for use in found.found)))
+        tree, suite, source, found = read(text)
+        fault = None
+        if not _is_simple(tree, source):
+            fault = _outlaw(tree, suite, source)
+            if fault is None:
+                _check(text, frozenset().union(*(use.scope.outer_names for use in found.found)))
     except SyntaxError as error:
         return BlockFacts(False, _fault(text, error), ())
     shift = suite.shift
     places = [Declared(name, start + shift, start + shift + len(name)) for name, start in found.global_places]
     return BlockFacts(not tree.body, fault, tuple(places))
+
+
+def _is_simple(tree: ast.Module, source: str) -> bool:
+    """Return whether what the parser accepts is right for certain, so that no compiler need judge it."""
+    if "__debug__" in source or not source.isascii():
+        return False
+    level: list[ast.AST] = [*tree.body]
+    while level:
+        for node in level:
+            kind = node.__class__
+            if kind is ast.Call:
+                names = [keyword.arg for keyword in node.keywords if keyword.arg]  # type: ignore[attr-defined]
+                if len(names) != len(set(names)):
+                    return False
+            elif kind not in _SIMPLE:
+                return False
+        level = children(level)
+    return True
 
 
 class Place(NamedTuple):
@@ -139,8 +199,7 @@ def block_names(block: Block) -> BlockNames:
 
 @lru_cache(maxsize=20_000)
 def _names(text: str) -> BlockNames:
-    tree, suite = parse_suite(text)
-    block, found, _ = uses(tree, suite.source(text))
+    _, suite, _, (block, found, _) = read(text)
     shift = suite.shift
     places = []
     inner = set()
@@ -173,17 +232,16 @@ def _check(text: str, names: frozenset[str]) -> None:
         raise
 
 
-def _outlaw(tree: ast.Module, suite: Suite, text: str) -> Fault | None:
+def _outlaw(tree: ast.Module, suite: Suite, source: str) -> Fault | None:
     """Find a `yield` or `await` that would make a generator or coroutine of the block itself."""
-    nodes: list[ast.AST] = list(tree.body)
-    while nodes:
-        node = nodes.pop(0)
+    nodes: list[ast.AST] = [*tree.body]
+    for node in nodes:  # grows while it is walked
         if isinstance(node, ast.Yield | ast.YieldFrom | ast.Await):
             word = "await" if isinstance(node, ast.Await) else "yield"
             message = f"`{word}` has no meaning in a block; use it inside a `def` only."
-            start = Offsets(suite.source(text)).start_of(node) + suite.shift
+            start = Offsets(source).start_of(node) + suite.shift
             return Fault(message, start, start + len(word))
-        nodes += _outside(node) if isinstance(node, _FUNCTIONS) else ast.iter_child_nodes(node)
+        nodes += _outside(node) if isinstance(node, _FUNCTIONS) else children([node])
     return None
 
 
@@ -291,9 +349,8 @@ def _moved(code: CodeType, lines: int, filename: str) -> CodeType:
 @lru_cache(maxsize=20_000)
 def _function(text: str, prefix: int, names: frozenset[str]) -> CodeType:
     """Compile a block whose first line has `prefix` bytes before it; its lines count from 1."""
-    tree, suite = parse_suite(text)
-    scope = uses(tree, suite.source(text)).scope
-    assigned = sorted(scope.bound & names)
+    tree, suite = parse_suite(text)  # of its own: it is changed
+    assigned = sorted(read(text).uses.scope.bound & names)
     body: list[ast.stmt] = (
         [_Plain(names).visit(statement) for statement in tree.body] if assigned else tree.body
     )
@@ -312,7 +369,6 @@ def _function(text: str, prefix: int, names: frozenset[str]) -> CodeType:
     if assigned:
         body.insert(0, ast.Nonlocal(assigned, lineno=1, col_offset=0))
     inner.body = body or inner.body
-    ast.fix_missing_locations(module)
     with no_warnings():
         code = compile(module, "<lrp>", "exec", dont_inherit=True)
     return _inner(_inner(code))
@@ -328,16 +384,18 @@ def _inner(code: CodeType) -> CodeType:
 
 def _move(statement: ast.stmt, above: int, columns: int) -> None:
     """Move a statement's nodes to where they stand: their lines up, those of the first line to the side."""
-    node: Any
-    for node in ast.walk(statement):
-        if "lineno" not in node._attributes:
-            continue
-        if node.lineno == above + 1:
-            node.col_offset = max(node.col_offset + columns, 0)
-        if node.end_lineno == above + 1:
-            node.end_col_offset = max(node.end_col_offset + columns, 0)
-        node.lineno -= above
-        node.end_lineno -= above
+    level: list[Any] = [statement]
+    while level:
+        for node in level:
+            if "lineno" not in node._attributes:
+                continue
+            if node.lineno == above + 1:
+                node.col_offset = max(node.col_offset + columns, 0)
+            if node.end_lineno == above + 1:
+                node.end_col_offset = max(node.end_col_offset + columns, 0)
+            node.lineno -= above
+            node.end_lineno -= above
+        level = children(level)
 
 
 class _Plain(ast.NodeTransformer):

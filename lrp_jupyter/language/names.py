@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.language.program import line_starts
 from lrp_jupyter.language.scanner import fields, line_end, string_end
+from lrp_jupyter.language.suites import children
 
 __all__ = ["Offsets", "Scope", "Use", "Uses", "normal", "uses", "words"]
 
@@ -103,6 +104,8 @@ class Offsets:
     def __init__(self, source: str) -> None:
         self.source = source
         self.starts = line_starts(source)
+        self._is_ascii = source.isascii()
+        self._characters: dict[int, list[int]] = {}  # of a line: for each of its bytes, the character
 
     def start_of(self, node: ast.AST) -> int:
         """Return the offset in the source at which a node begins."""
@@ -115,8 +118,15 @@ class Offsets:
     def offset(self, line: int, column: int) -> int:
         """Return the offset of a place of the tree, whose columns are bytes of UTF-8."""
         start = self.starts[line - 1]
-        here = self.source[start : line_end(self.source, start)]
-        return start + (column if here.isascii() else len(here.encode()[:column].decode()))
+        if self._is_ascii:
+            return start + column
+        characters = self._characters.get(line)
+        if characters is None:
+            here = self.source[start : line_end(self.source, start)]
+            characters = [i for i, character in enumerate(here) for _ in character.encode()]
+            characters.append(len(here))
+            self._characters[line] = characters
+        return start + characters[column]
 
 
 class _Visitor(Offsets):
@@ -151,7 +161,7 @@ class _Visitor(Offsets):
         if method is not None:
             method(self, node, scope)
         else:
-            self.visit_all(ast.iter_child_nodes(node), scope)
+            self.visit_all(children([node]), scope)
 
     # Names
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import ast
 import re
 import warnings
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
 from lrp_jupyter.language.scanner import logical_lines
 
-__all__ = ["DEEPEST", "Suite", "no_warnings", "parse_block", "parse_suite"]
+__all__ = ["DEEPEST", "Suite", "children", "no_warnings", "parse_block", "parse_suite"]
 
 DEEPEST = 100
 """So many nodes of a block's tree may stand in one another."""
@@ -123,11 +123,23 @@ def _python(source: str) -> ast.Module:
 
 
 def _is_too_deep(tree: ast.Module) -> bool:
-    """Tell whether those who walk the tree, function by function, would exhaust Python's stack."""
+    """Return whether those who walk the tree, function by function, would exhaust Python's stack."""
     level: list[ast.AST] = [tree]
     for _ in range(DEEPEST):
-        level = [child for node in level for child in ast.iter_child_nodes(node)]
+        level = children(level)
     return bool(level)
+
+
+def children(nodes: Iterable[ast.AST]) -> list[ast.AST]:
+    """Return the direct children of nodes: several times as fast as :func:`ast.iter_child_nodes`."""
+    found = []
+    for node in nodes:
+        for value in node.__dict__.values():
+            if value.__class__ is list:
+                found += [item for item in value if isinstance(item, ast.AST)]
+            elif isinstance(value, ast.AST):
+                found.append(value)
+    return found
 
 
 def _in_text(error: SyntaxError, text: str, suite: Suite) -> SyntaxError:

@@ -11,6 +11,7 @@ import argparse
 import statistics
 import sys
 from collections.abc import Callable
+from functools import _lru_cache_wrapper
 from pathlib import Path
 from time import process_time
 
@@ -20,7 +21,11 @@ import peers
 import texts
 
 from lrp_jupyter import Interpreter, check, parse
+from lrp_jupyter.graph.layout import layout
 from lrp_jupyter.interpreter.linker import link
+from lrp_jupyter.language import blocks
+from lrp_jupyter.language import program as program_module
+from lrp_jupyter.language.checks import facts
 
 Run = Callable[[int], object]
 SHARE = 0.004  # seconds of a turn
@@ -151,6 +156,62 @@ def sessions(size: int, turns: int) -> None:
     session.close()
 
 
+def first_and_warm(turns: int) -> None:
+    """Read a program none of whose blocks was seen before, and again after a keystroke.
+
+    The caches of everything that is computed once per text of a block are emptied before each first time;
+    those of the grammar (shapes of forms) stay.
+    """
+    whole = texts.varied(500)
+    caches = [
+        value
+        for module in (blocks, facts, program_module)
+        for value in vars(module).values()
+        if isinstance(value, _lru_cache_wrapper)
+    ]
+    link(parse(whole))
+    spent: dict[str, list[float]] = {}
+    for turn in range(turns):
+        for cache in caches:
+            cache.cache_clear()
+        for name, text in (("first", whole), ("warm", whole.replace("[0.1]", f"[0.{turn + 2}]"))):
+            begin = process_time()
+            program = parse(text)
+            parsed = process_time()
+            check(program)
+            link(program)
+            spent.setdefault(f"{name} parse", []).append(parsed - begin)
+            spent.setdefault(f"{name} parse, check, link", []).append(process_time() - begin)
+    print(f"\n**{len(whole.splitlines())} lines with {whole.count('[')} different blocks, first and warm**\n")
+    print("| | best ms | p50 ms |\n|---|---:|---:|")
+    for name, times in spent.items():
+        print(f"| {name} | {min(times) * 1e3:.1f} | {statistics.median(times) * 1e3:.1f} |")
+
+
+def layouts(turns: int, states: int) -> None:
+    """Lay out large machines for the first time, and again with a state more."""
+    print("\n**Layouts of large machines**\n\n| | first ms | after an edit ms |\n|---|---:|---:|")
+    for title, text in {
+        f"{states} states in a ring": texts.linked(states, 0),
+        f"{states} states in a ring, {states // 10} cross transitions": texts.linked(states, states // 10),
+        f"{2 * states} states in a ring": texts.linked(2 * states, 0),
+        f"{4 * states} states in a ring": texts.linked(4 * states, 0),
+        "30 states, 870 transitions": texts.complete(30),
+    }.items():
+        first, again = float("inf"), float("inf")
+        before, after = (
+            parse(text),
+            parse(text.replace("(state s0)", "(state s0) (state new) (eps s3 -> new)")),
+        )
+        for _ in range(turns):
+            begin = process_time()
+            drawing = layout(before.machines[0], program=before)
+            middle = process_time()
+            layout(after.machines[0], drawing, program=after)
+            first, again = min(first, middle - begin), min(again, process_time() - middle)
+        print(f"| {title} | {first * 1e3:.0f} | {again * 1e3:.0f} |")
+
+
 def simulator(seconds: float, turns: int) -> None:
     from lrp_jupyter import Session, VirtualClock
     from lrp_jupyter.programs import load
@@ -175,6 +236,8 @@ def main() -> None:
     depth_and_width(size, turns)
     keystrokes(20 if quick else 200)
     sessions(size, turns)
+    first_and_warm(2 if quick else 20)
+    layouts(1 if quick else 5, 50 if quick else 1000)
     simulator(5 if quick else 200, 1 if quick else 5)
 
 

@@ -1,5 +1,6 @@
 """Programs of any size."""
 
+import random
 from pathlib import Path
 
 PROGRAMS = Path(__file__).parent.parent / "programs"
@@ -72,3 +73,43 @@ def long(lines: int) -> str:
             f"(spawn part{count} look)",
         ]
     return "\n".join(parts)
+
+
+def varied(blocks: int) -> str:
+    """A program of two lines for each block, no two of which are equal; its states are in rings of ten."""
+    parts = ["(var speed := [0.1])"]
+    for n in range((blocks - 1) // 4):
+        if n % 10 == 0:
+            parts.append(f"{')' if n else ''}\n(machine part{n}")
+        after = n + 1 if n % 10 < 9 and n + 1 < (blocks - 1) // 4 else n - n % 10
+        parts += [
+            f"  (var left{n} := [{n} * 2])",
+            f"  (event seen{n} [robot.light.data > {n} and left{n}])",
+            f"  (state look{n}",
+            f"    (onentry [left{n} = {n} + 1])",
+            "    (running [",
+            f"      turn = left{n} * speed",
+            f"      robot.move(angular=turn, linear={n})",
+            "    ]))",
+        ]
+        parts.append(f"  (on seen{n} look{n} -> look{after} found{n})")
+    return "\n".join([*parts, ")", "(spawn part0 look0)"])
+
+
+def linked(states: int, across: int) -> str:
+    """States in a ring, and as many transitions across it as wanted."""
+    dice = random.Random(3)
+    pairs = [(n, (n + 1) % states) for n in range(states)]
+    pairs += [(dice.randrange(states), dice.randrange(states)) for _ in range(across)]
+    return _machine(states, pairs)
+
+
+def complete(states: int) -> str:
+    """A transition from every state to every other one."""
+    return _machine(states, [(a, b) for a in range(states) for b in range(states) if a != b])
+
+
+def _machine(states: int, pairs: list[tuple[int, int]]) -> str:
+    nodes = " ".join(f"(state s{n})" for n in range(states))
+    edges = " ".join(f"(on e s{a} -> s{b})" for a, b in pairs)
+    return f"(machine m (event e [True]) {nodes} {edges})\n(spawn m s0)"

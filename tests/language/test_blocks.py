@@ -14,11 +14,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lrp_jupyter.language import blocks
 from lrp_jupyter.language.blocks import bind, block_end, block_names, compile_block, facts_of, parse_block
-from lrp_jupyter.language.names import words
+from lrp_jupyter.language.checks import facts
+from lrp_jupyter.language.names import Offsets, words
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Block
-from lrp_jupyter.language.suites import DEEPEST
+from lrp_jupyter.language.suites import DEEPEST, parse_suite
 
 CORPUS = json.loads((Path(__file__).parent / "blocks.json").read_text(encoding="utf-8"))["blocks"]
 
@@ -378,3 +380,89 @@ def test_names_are_known_by_what_is_done_with_them() -> None:
 def test_a_name_in_another_form_of_the_same_letters_is_the_same_name() -> None:
     (place,) = block_names(Block("\ufb01n")).places
     assert (place.name, place.end - place.start) == ("fin", 2)
+
+
+# -- speed -------------------------------------------------------------------------------------------
+
+
+SIMPLE = [
+    "robot.light.data > 5 and left5",
+    "turn = left * speed\nrobot.move(angular=turn, linear=1)",
+    "f(**a, **b)",
+    "f(a=1, a=2)",
+    "x += {1: [2], **c}[a:b, 3]",
+    "(a, b)[0].c = [c, d] = not -e",
+    "if a == 1:\n  pass\nelse:\n  b",
+    "__debug__ = 1",
+    "x.__debug__ = 1",
+    "f(__debug__=1)",
+    "__d\uff45bug__ = 1",
+    "*a",
+    "a = *b",
+    "del a",
+    "break",
+    "if a:\n  continue",
+    "a: int = 4\nglobal a",
+    "[a for a in b if (a := 1)]",
+]
+
+
+@pytest.mark.parametrize("text", SIMPLE)
+def test_a_block_that_needs_no_compiler_to_be_judged_compiles(text):
+    tree, suite = parse_suite(text)
+    if blocks._is_simple(tree, suite.source(text)):
+        blocks._check(text, frozenset())
+        assert facts_of(text).fault is None
+
+
+def test_only_what_is_plain_needs_no_compiler_to_be_judged():
+    simple = [
+        blocks._is_simple(tree, suite.source(text)) for text in SIMPLE for tree, suite in [parse_suite(text)]
+    ]
+    assert simple == [True] * 3 + [False] + [True] * 3 + [False] * (len(SIMPLE) - 7)
+
+
+def test_parser_names_and_checks_share_one_reading_of_a_block(monkeypatch):
+    text = "shared = 'one reading' and other"
+    read = []
+
+    def counted(text, original=blocks.parse_suite):
+        read.append(text)
+        return original(text)
+
+    monkeypatch.setattr(blocks, "parse_suite", counted)
+    assert facts_of(text).fault is None
+    assert block_names(Block(text)).assigns == {"shared"}
+    assert facts.facts_of(text).binds.keys() == {"shared"}
+    assert read == [text]
+    compile_block(Block(text), ("shared",), "f")
+    assert read == [text, text]  # the compiler gets a tree of its own, which it changes
+
+
+def test_trees_of_long_blocks_are_not_kept():
+    text = "kept = 1\n" * 100
+    assert len(text) > blocks.SHORT
+    assert blocks.read(text).tree is not blocks.read(text).tree
+    assert blocks.read("kept = 1").tree is blocks.read("kept = 1").tree
+
+
+class Counted(str):
+    """A text that counts how many of its characters are copied."""
+
+    copied = 0
+
+    def __getitem__(self, key):
+        part = super().__getitem__(key)
+        Counted.copied += len(part)
+        return part
+
+
+@pytest.mark.parametrize("unit", ["x=1;", "é=1;"])
+def test_finding_the_places_of_one_long_line_costs_as_much_as_the_line_is_long(unit):
+    source = Counted(unit * 500 + "\n")
+    tree = ast.parse(str(source))
+    Counted.copied = 0
+    offsets = Offsets(source)
+    places = [(offsets.start_of(node), offsets.end_of(node)) for node in tree.body]
+    assert Counted.copied <= len(source)
+    assert places == [(4 * n, 4 * n + 3) for n in range(500)]

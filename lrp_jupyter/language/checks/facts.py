@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
-from lrp_jupyter.language.names import Offsets, Use, Uses, uses
+from lrp_jupyter.language.blocks import read
+from lrp_jupyter.language.names import Offsets, Use, Uses
 from lrp_jupyter.language.program import Span
-from lrp_jupyter.language.suites import Suite, parse_suite
+from lrp_jupyter.language.suites import children
 
 __all__ = ["Facts", "Remark", "Word", "facts_of"]
 
@@ -105,11 +106,10 @@ class Facts:
 def facts_of(text: str) -> Facts:
     """Read a block; one that is no Python has no facts."""
     try:
-        tree, suite = parse_suite(text)
+        tree, suite, source, found = read(text)
     except SyntaxError:  # only in a program put together by hand; the parser refuses such a block
         return Facts()
-    places = _Places(suite, text)
-    found = uses(tree, places.source)
+    places = _Places(source, suite.shift)
     values = _Values(tree.body, places)
     changed = {places.span(node.target) for node in values.changes}
     augmented = _augmented(found, changed, places)
@@ -134,9 +134,9 @@ def facts_of(text: str) -> Facts:
 class _Places(Offsets):
     """Offsets in a block's text."""
 
-    def __init__(self, suite: Suite, text: str) -> None:
-        super().__init__(suite.source(text))
-        self.shift = suite.shift
+    def __init__(self, source: str, shift: int) -> None:
+        super().__init__(source)
+        self.shift = shift
 
     def span(self, node: ast.expr | ast.stmt) -> Span:
         """Return the range of a node."""
@@ -182,7 +182,7 @@ class _Values:
             self._look(node, nested)
             nested = nested or isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
             if not isinstance(node, ast.JoinedStr):  # places inside one are wrong before Python 3.12
-                waiting += [(child, nested) for child in ast.iter_child_nodes(node)]
+                waiting += [(child, nested) for child in children([node])]
 
     def _look(self, node: ast.AST, nested: bool) -> None:
         if isinstance(node, ast.Expr):
