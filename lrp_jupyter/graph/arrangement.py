@@ -286,6 +286,7 @@ def _coordinates(
     weights = {name: float(len(others)) or 0.001 for name, others in near.items()}
     across = {name: 0.0 for row in rows for name in row}
     for _ in range(6):
+        before = dict(across)
         for row in (*rows, *reversed(rows)):
             middle = sum(across[name] * weights[name] for name in row) / sum(weights[name] for name in row)
             wanted = [
@@ -293,6 +294,8 @@ def _coordinates(
                 for name in row
             ]
             across.update(zip(row, _apart(wanted, row, sizes, weights), strict=True))
+        if across == before:
+            break
     return {name: (across[name], depth * LAYER) for depth, row in enumerate(rows) for name in row}
 
 

@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import math
 import unicodedata
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from itertools import pairwise
+from math import floor
 
 from lrp_jupyter.graph.geometry import Cells, Point, Rect
 from lrp_jupyter.graph.routes import SAMPLES, Route
@@ -30,12 +32,11 @@ class _Obstacles(Cells):
 
     def __init__(self) -> None:
         super().__init__(48.0)
-        self._points: dict[tuple[int, int], list[tuple[int, Point]]] = {}
+        self._points: defaultdict[tuple[int, int], list[tuple[int, Point]]] = defaultdict(list)
 
     def add_point(self, owner: int, point: Point) -> None:
         """Register a point of an arrow."""
-        cell = (math.floor(point[0] / self.size), math.floor(point[1] / self.size))
-        self._points.setdefault(cell, []).append((owner, point))
+        self._points[floor(point[0] / self.size), floor(point[1] / self.size)].append((owner, point))
 
     def cost(self, box: Rect, owner: int) -> float:
         """Return how badly a label would stand here: other boxes count most, then others' lines."""

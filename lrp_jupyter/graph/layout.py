@@ -246,9 +246,11 @@ class _Drawing:
         solid: Sequence[Rect],
     ) -> tuple[list[Port], list[Route], list[Rect]]:
         """Lead each ``exit`` to a port on the frame, by the shortest clear way."""
+        if not edges:
+            return [], [], []
         ports: list[Port] = []
         ways: list[Route] = []
-        cells, near_ports = obstacles(solid if edges else ()), Cells(CELL)
+        cells, near_ports = obstacles(solid), Cells(CELL)
         for edge in edges:
             source = boxes[edge.source]
             x, y, side = _port(source, frame, cells, near_ports)
@@ -266,7 +268,7 @@ class _Drawing:
             ports.append(Port(x=x, y=y, name=edge.target, label=label, missing=missing))
             ways.append(straight(source, (x, y), broken=missing))
         taken = [*solid, *(Rect(port["x"], port["y"], 14.0, 14.0) for port in ports)]
-        return ports, ways, place_labels([*ways], [edge.size for edge in edges], taken)
+        return ports, ways, place_labels(ways, [edge.size for edge in edges], taken)
 
     # -- shapes ------------------------------------------------------------------------------------
 

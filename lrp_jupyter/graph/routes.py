@@ -105,14 +105,17 @@ def _part(p: Point, c: Point, q: Point, start: float, end: float) -> tuple[Point
 
 
 def _leaving(box: Rect, p: Point, c: Point, q: Point) -> float:
-    """At which parameter an arc that starts inside a box leaves it."""
+    """Compute the parameter at which an arc that starts inside a box leaves it."""
+    (px, py), (cx, cy), (qx, qy) = p, c, q
+    x, y, right, down = box.x, box.y, box.width / 2, box.height / 2
     low, high = 0.0, 0.5
     for _ in range(13):
-        middle = (low + high) / 2
-        if box.holds(_quadratic(p, c, q, middle)):
-            low = middle
+        t = (low + high) / 2
+        a, b, d = (1 - t) * (1 - t), 2 * t * (1 - t), t * t
+        if abs(a * px + b * cx + d * qx - x) < right and abs(a * py + b * cy + d * qy - y) < down:
+            low = t
         else:
-            high = middle
+            high = t
     return high
 
 
