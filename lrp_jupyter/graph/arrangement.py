@@ -31,7 +31,8 @@ TALL = 9
 """Layers in a column when a tall arrangement is folded."""
 SMALL = 12
 """States up to which swapping neighbours is tried."""
-SWEEPS = 12
+SWEEPS, FEW_SWEEPS = 12, 4
+"""How often the order inside the layers is improved, and how often where there are over PASSED places."""
 PASSED = 2_000
 """Places that edges over several layers may have in the layers that they pass; longer edges have none."""
 
@@ -196,7 +197,8 @@ def order(
     """
     rows, above, below = _rows(names, links, level)
     best, fewest = rows, _crossings(rows, below)
-    for sweep in range(SWEEPS):
+    places = sum(map(len, rows))
+    for sweep in range(SWEEPS if places <= PASSED else FEW_SWEEPS):
         if not fewest:
             break
         rows = _swept(rows, above) if sweep % 2 == 0 else _swept(rows[::-1], below)[::-1]
