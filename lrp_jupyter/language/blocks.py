@@ -56,7 +56,7 @@ _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 _DEFINITIONS = (*_FUNCTIONS, ast.ClassDef)
 
 
-class Fault(NamedTuple):
+class BlockFault(NamedTuple):
     """An error of a block: a sentence, and the range of the block's text where it is."""
 
     message: str
@@ -76,11 +76,11 @@ class BlockFacts(NamedTuple):
     """What the parser wants to know of a block, found from its text alone."""
 
     empty: bool
-    fault: Fault | None
+    fault: BlockFault | None
     globals: tuple[Declared, ...]
 
 
-class Reading(NamedTuple):
+class ParsedBlock(NamedTuple):
     """A parsed block, shared by all that look at it; nobody may change the tree."""
 
     tree: ast.Module
@@ -89,7 +89,7 @@ class Reading(NamedTuple):
     uses: Uses
 
 
-def read(text: str) -> Reading:
+def read(text: str) -> ParsedBlock:
     """Parse a block and find its names; the last short ones are kept, trees being large.
 
     Raises
@@ -100,10 +100,10 @@ def read(text: str) -> Reading:
     return _read_short(text) if len(text) <= SHORT else _read(text)
 
 
-def _read(text: str) -> Reading:
+def _read(text: str) -> ParsedBlock:
     tree, suite = parse_suite(text)
     source = suite.source(text)
-    return Reading(tree, suite, source, uses(tree, source))
+    return ParsedBlock(tree, suite, source, uses(tree, source))
 
 
 _read_short = lru_cache(maxsize=1024)(_read)
@@ -232,7 +232,7 @@ def _check(text: str, names: frozenset[str]) -> None:
         raise
 
 
-def _outlaw(tree: ast.Module, suite: Suite, source: str) -> Fault | None:
+def _outlaw(tree: ast.Module, suite: Suite, source: str) -> BlockFault | None:
     """Find a `yield` or `await` that would make a generator or coroutine of the block itself."""
     nodes: list[ast.AST] = [*tree.body]
     for node in nodes:  # grows while it is walked
@@ -240,7 +240,7 @@ def _outlaw(tree: ast.Module, suite: Suite, source: str) -> Fault | None:
             word = "await" if isinstance(node, ast.Await) else "yield"
             message = f"`{word}` has no meaning in a block; use it inside a `def` only."
             start = Offsets(source).start_of(node) + suite.shift
-            return Fault(message, start, start + len(word))
+            return BlockFault(message, start, start + len(word))
         nodes += _outside(node) if isinstance(node, _FUNCTIONS) else children([node])
     return None
 
@@ -256,7 +256,7 @@ def _outside(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> Itera
 _QUOTED = re.compile(r"'([^' ]+)'")
 
 
-def _fault(text: str, error: SyntaxError) -> Fault:
+def _fault(text: str, error: SyntaxError) -> BlockFault:
     starts = line_starts(text)
 
     def offset(line: int, column: int) -> int:
@@ -265,7 +265,7 @@ def _fault(text: str, error: SyntaxError) -> Fault:
     start = offset(error.lineno or 1, error.offset or 1)
     end = max(offset(error.end_lineno or 1, error.end_offset or 1), min(start + 1, len(text)))
     message = _QUOTED.sub(r"`\1`", error.msg)
-    return Fault(f"Python cannot read this block: {message}.", start, end)
+    return BlockFault(f"Python cannot read this block: {message}.", start, end)
 
 
 def compile_block(block: Block, names: Collection[str], filename: str, name: str = "block") -> CodeType:

@@ -18,7 +18,7 @@ from lrp_jupyter.language.program import line_starts
 from lrp_jupyter.language.scanner import fields, line_end, string_end
 from lrp_jupyter.language.suites import children
 
-__all__ = ["Offsets", "Scope", "Use", "Uses", "normal", "uses", "words"]
+__all__ = ["Offsets", "PythonScope", "Use", "Uses", "normal", "uses", "words"]
 
 _Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
 _Comprehension = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
@@ -34,11 +34,11 @@ class Use(NamedTuple):
     start: int
     length: int
     writes: bool
-    scope: Scope
+    scope: PythonScope
     imported: str = ""  # the module's whole name where `import x.y` stands
 
     @property
-    def owner(self) -> Scope | None:
+    def owner(self) -> PythonScope | None:
         """The scope that the name belongs to; None if it is a global of Python."""
         return self.scope.owner(self.name)
 
@@ -54,17 +54,17 @@ class Use(NamedTuple):
 
 
 @dataclass(eq=False)
-class Scope:
+class PythonScope:
     """The block itself (`outer` is None), or a function, class or comprehension in it."""
 
-    outer: Scope | None = None
+    outer: PythonScope | None = None
     is_class: bool = False
     is_comprehension: bool = False
     bound: set[str] = field(default_factory=set)
     outer_names: set[str] = field(default_factory=set)  # declared `nonlocal`
     global_names: set[str] = field(default_factory=set)
 
-    def owner(self, name: str) -> Scope | None:
+    def owner(self, name: str) -> PythonScope | None:
         """Find the scope that a name used here belongs to; the block itself if no other binds it."""
         scope = self
         while True:
@@ -85,7 +85,7 @@ class Uses(NamedTuple):
     `global` statements with their offsets.
     """
 
-    scope: Scope
+    scope: PythonScope
     found: list[Use]
     global_places: list[tuple[str, int]]
 
@@ -93,7 +93,7 @@ class Uses(NamedTuple):
 def uses(tree: ast.Module, source: str) -> Uses:
     """Find every name of a source, whose tree is given."""
     visitor = _Visitor(source, 0)
-    scope = Scope()
+    scope = PythonScope()
     visitor.visit_all(tree.body, scope)
     return Uses(scope, visitor.found, visitor.global_places)
 
@@ -138,7 +138,7 @@ class _Visitor(Offsets):
         self.found: list[Use] = [] if found is None else found
         self.global_places: list[tuple[str, int]] = []
 
-    def note(self, name: str, start: int, writes: bool, scope: Scope, imported: str = "") -> None:
+    def note(self, name: str, start: int, writes: bool, scope: PythonScope, imported: str = "") -> None:
         """Keep a name's place."""
         if writes:
             scope.bound.add(name)
@@ -150,12 +150,12 @@ class _Visitor(Offsets):
         """Return the offset of the first word `name` of code at or behind `start`."""
         return next((offset for offset, word in words(self.source, start) if word == name), start)
 
-    def visit_all(self, nodes: Iterable[ast.AST | None], scope: Scope) -> None:
+    def visit_all(self, nodes: Iterable[ast.AST | None], scope: PythonScope) -> None:
         for node in nodes:
             if node is not None:
                 self.visit(node, scope)
 
-    def visit(self, node: ast.AST, scope: Scope) -> None:
+    def visit(self, node: ast.AST, scope: PythonScope) -> None:
         """Note the names of a node and of everything in it."""
         method = _METHODS.get(type(node).__name__)
         if method is not None:
@@ -165,24 +165,24 @@ class _Visitor(Offsets):
 
     # Names
 
-    def on_name(self, node: ast.Name, scope: Scope) -> None:
+    def on_name(self, node: ast.Name, scope: PythonScope) -> None:
         self.note(node.id, self.start_of(node), not isinstance(node.ctx, ast.Load), scope)
 
-    def on_global(self, node: ast.Global, scope: Scope) -> None:
+    def on_global(self, node: ast.Global, scope: PythonScope) -> None:
         scope.global_names.update(node.names)
         start = self.start_of(node)
         for name in node.names:
             start = self.word(name, start + 1)
             self.global_places.append((name, start))
 
-    def on_nonlocal(self, node: ast.Nonlocal, scope: Scope) -> None:
+    def on_nonlocal(self, node: ast.Nonlocal, scope: PythonScope) -> None:
         scope.outer_names.update(node.names)
         start = self.start_of(node)
         for name in node.names:
             start = self.word(name, start + 1)
             self.note(name, start, False, scope)
 
-    def on_alias(self, node: ast.alias, scope: Scope) -> None:
+    def on_alias(self, node: ast.alias, scope: PythonScope) -> None:
         start = self.start_of(node)
         if node.asname:
             self.note(node.asname, self.word_after("as", node.asname, start), True, scope)
@@ -193,14 +193,14 @@ class _Visitor(Offsets):
         """Return the offset of `name` behind the word `keyword`."""
         return self.word(name, self.word(keyword, start) + len(keyword))
 
-    def on_handler(self, node: ast.ExceptHandler, scope: Scope) -> None:
+    def on_handler(self, node: ast.ExceptHandler, scope: PythonScope) -> None:
         self.visit_all([node.type], scope)
         if node.name:
             start = self.end_of(node.type) if node.type else self.start_of(node)
             self.note(node.name, self.word_after("as", node.name, start), True, scope)
         self.visit_all(node.body, scope)
 
-    def on_capture(self, node: ast.MatchAs, scope: Scope) -> None:
+    def on_capture(self, node: ast.MatchAs, scope: PythonScope) -> None:
         self.visit_all([node.pattern], scope)
         if node.name:
             start = self.start_of(node)
@@ -208,11 +208,11 @@ class _Visitor(Offsets):
                 start = self.word("as", self.end_of(node.pattern)) + 2
             self.note(node.name, self.word(node.name, start), True, scope)
 
-    def on_star(self, node: ast.MatchStar, scope: Scope) -> None:
+    def on_star(self, node: ast.MatchStar, scope: PythonScope) -> None:
         if node.name:
             self.note(node.name, self.word(node.name, self.start_of(node)), True, scope)
 
-    def on_mapping(self, node: ast.MatchMapping, scope: Scope) -> None:
+    def on_mapping(self, node: ast.MatchMapping, scope: PythonScope) -> None:
         self.visit_all([*node.keys, *node.patterns], scope)
         if node.rest:
             start = self.end_of(node.patterns[-1]) if node.patterns else self.start_of(node)
@@ -220,20 +220,20 @@ class _Visitor(Offsets):
 
     # Scopes
 
-    def on_function(self, node: ast.FunctionDef | ast.AsyncFunctionDef, scope: Scope) -> None:
+    def on_function(self, node: ast.FunctionDef | ast.AsyncFunctionDef, scope: PythonScope) -> None:
         self.visit_all(node.decorator_list, scope)
         self.note(node.name, self.word_after("def", node.name, self.start_of(node)), True, scope)
         self.function(node, scope, node.body, [node.returns])
 
-    def on_lambda(self, node: ast.Lambda, scope: Scope) -> None:
+    def on_lambda(self, node: ast.Lambda, scope: PythonScope) -> None:
         self.function(node, scope, [node.body], [])
 
     def function(
-        self, node: _Function, scope: Scope, body: Iterable[ast.AST], outside: list[ast.expr | None]
+        self, node: _Function, scope: PythonScope, body: Iterable[ast.AST], outside: list[ast.expr | None]
     ) -> None:
         arguments = node.args
         around = _type_scope(node, scope)
-        inner = Scope(around)
+        inner = PythonScope(around)
         parameters = [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
         parameters += [extra for extra in (arguments.vararg, arguments.kwarg) if extra]
         for parameter in parameters:
@@ -243,15 +243,15 @@ class _Visitor(Offsets):
         self.visit_all([*arguments.defaults, *arguments.kw_defaults], scope)
         self.visit_all(body, inner)
 
-    def on_class(self, node: ast.ClassDef, scope: Scope) -> None:
+    def on_class(self, node: ast.ClassDef, scope: PythonScope) -> None:
         self.visit_all(node.decorator_list, scope)
         self.note(node.name, self.word_after("class", node.name, self.start_of(node)), True, scope)
         around = _type_scope(node, scope)
         self.visit_all([*node.bases, *node.keywords, *getattr(node, "type_params", ())], around)
-        self.visit_all(node.body, Scope(around, is_class=True))
+        self.visit_all(node.body, PythonScope(around, is_class=True))
 
-    def on_comprehension(self, node: _Comprehension, scope: Scope) -> None:
-        inner = Scope(scope, is_comprehension=True)
+    def on_comprehension(self, node: _Comprehension, scope: PythonScope) -> None:
+        inner = PythonScope(scope, is_comprehension=True)
         first, *others = node.generators
         self.visit(first.iter, scope)
         self.visit_all([first.target, *first.ifs, *others], inner)
@@ -259,13 +259,13 @@ class _Visitor(Offsets):
             [child for child in ast.iter_child_nodes(node) if not isinstance(child, ast.comprehension)], inner
         )
 
-    def on_walrus(self, node: ast.NamedExpr, scope: Scope) -> None:
+    def on_walrus(self, node: ast.NamedExpr, scope: PythonScope) -> None:
         self.visit(node.value, scope)
         while scope.is_comprehension and scope.outer:
             scope = scope.outer
         self.visit(node.target, scope)
 
-    def on_formatted(self, node: ast.JoinedStr, scope: Scope) -> None:
+    def on_formatted(self, node: ast.JoinedStr, scope: PythonScope) -> None:
         """Read the expressions of an f-string anew: before Python 3.12 the tree has no places for them."""
         for start, end in fields(self.source, self.start_of(node), self.end_of(node)):
             expression = _CONVERSION.sub("", self.source[start:end])
@@ -274,7 +274,7 @@ class _Visitor(Offsets):
             inner.visit(ast.parse(source), scope)
 
 
-_METHODS: dict[str, Callable[[_Visitor, Any, Scope], None]] = {
+_METHODS: dict[str, Callable[[_Visitor, Any, PythonScope], None]] = {
     "Name": _Visitor.on_name,
     "Global": _Visitor.on_global,
     "Nonlocal": _Visitor.on_nonlocal,
@@ -297,9 +297,9 @@ _METHODS: dict[str, Callable[[_Visitor, Any, Scope], None]] = {
 }
 
 
-def _type_scope(node: ast.AST, scope: Scope) -> Scope:
+def _type_scope(node: ast.AST, scope: PythonScope) -> PythonScope:
     """Return a scope for the type parameters of a definition, from Python 3.12 on."""
-    inner = Scope(scope)
+    inner = PythonScope(scope)
     inner.bound.update(map(attrgetter("name"), getattr(node, "type_params", ())))
     return inner
 
