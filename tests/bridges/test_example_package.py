@@ -47,7 +47,7 @@ def python(installed: Path, tmp_path: Path) -> Command:
             cwd=tmp_path,
             capture_output=True,
             text=True,
-            timeout=60,
+            timeout=180,
         )
 
     return run
@@ -98,6 +98,6 @@ def test_it_passes_the_public_conformance_tests(python: Command) -> None:
 
 def test_where_it_is_not_installed_there_is_no_such_bridge(ride: Path) -> None:
     command = [sys.executable, "-m", "lrp_jupyter", "run", str(ride), "--bridge", "lift"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=180)
     assert done.returncode == 2
     assert "There is no bridge `lift`" in done.stderr

@@ -96,7 +96,7 @@ class Bench:
 
     def settle(self):
         """Publish, after what was left to the worker."""
-        self.connection.work(lambda: None).result(10)
+        self.connection.work(lambda: None).result(60)
         self.publish()
 
 

@@ -68,7 +68,7 @@ def test_step_is_exactly_so_many_ticks_and_back_again(lab, page):
 def test_stop_stops_the_robot_then_pauses(lab, page):
     lab.session.start()
     assert page.do("stop") is None
-    lab.session.wait_for(lambda frame: frame.status == "paused", 5)
+    lab.session.wait_for(lambda frame: frame.status == "paused", 60)
     lab.publish()
     assert page.told("reason") == "the robot was stopped"
 

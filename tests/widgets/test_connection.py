@@ -224,7 +224,7 @@ def test_a_view_that_says_goodbye_hears_nothing_more(bench):
 def test_credit_of_a_view_shows_that_somebody_watches(bench):
     lab = bench(MOVER, dead_man=0.05, rate=100)
     lab.session.start()
-    assert lab.session.wait_for(lambda frame: frame.status == "paused", 5)
+    assert lab.session.wait_for(lambda frame: frame.status == "paused", 60)
     assert "nobody has watched" in lab.session.frame.reason
 
 

@@ -9,14 +9,14 @@ from jupyter_client.manager import KernelManager
 pytestmark = pytest.mark.slow  # each starts processes of its own
 
 PROGRAM = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
-SECONDS = 20
+SECONDS = 120
 
 
 class Kernel:
     """A kernel and what a page would do with it."""
 
-    def __init__(self, client):
-        self.client = client
+    def __init__(self, client, end):
+        self.client, self.end = client, end  # a file that ends a cell
         self.comms, self.streams, self.idle = [], [], set()
         self.page("")
 
@@ -65,11 +65,14 @@ class Kernel:
         self.client.shell_channel.send(message)
 
     def busy(self):
-        """Run a cell that takes 5 s; what is said from now on goes to a subshell, as JupyterLab does it."""
+        """Run a cell until it is ended; what is said then goes to a subshell, as JupyterLab does it."""
         message = self.client.session.msg("create_subshell_request", {})
         self.client.control_channel.send(message)
         self.subshell = self.client.get_control_msg(timeout=SECONDS)["content"]["subshell_id"]
-        self.cell = self.client.execute("import time; time.sleep(5)")
+        self.end.unlink(missing_ok=True)
+        self.cell = self.client.execute(
+            f"import os, time\nwhile not os.path.exists({str(self.end)!r}): time.sleep(0.01)"
+        )
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +83,7 @@ def kernel(tmp_path_factory):
     client.start_channels()
     try:
         client.wait_for_ready(timeout=SECONDS)
-        kernel = Kernel(client)
+        kernel = Kernel(client, tmp_path_factory.mktemp("end") / "end")
         kernel.run("%load_ext lrp_jupyter")
         yield kernel
     finally:
@@ -97,6 +100,7 @@ def lab(kernel):
     kernel.say({"type": "hello", "view": "v", "part": "lab"})
     kernel.until(lambda: "snapshot" in kernel.kinds)
     yield kernel
+    kernel.end.touch()
     kernel.run("import lrp_jupyter; lrp_jupyter.Lab('mine').close()")
 
 

@@ -38,7 +38,7 @@ def make(tmp_path, monkeypatch):
 
 def test_a_lab_runs_at_once_and_shows_what_its_session_does(make):
     lab = make(PROGRAM, rate=100)
-    lab.session.wait_for("x", 5)
+    lab.session.wait_for("x", 60)
     assert lab.active == (("m", "a", "n", "x"),)
     assert lab.program == parse(PROGRAM)
     assert lab.text == PROGRAM
@@ -60,7 +60,7 @@ def test_every_face_is_the_same_widget_with_another_view(make):
 
 def test_variables_are_read_and_written_by_name_or_path(make):
     lab = make(PROGRAM, rate=100)
-    lab.session.wait_for("x", 5)
+    lab.session.wait_for("x", 60)
     assert lab.variables["w"] == 5
     assert lab.variables["m/v"] == 0
     assert lab.variables["m/a/n/v"] == 7
@@ -122,7 +122,7 @@ def test_a_part_that_is_closed_leaves_the_program_running(make):
 
 def test_beside_the_widget_stand_pictures_and_the_text(make):
     lab = make(PROGRAM, rate=100)
-    lab.session.wait_for("x", 5)
+    lab.session.wait_for("x", 60)
     bundle, _ = lab._repr_mimebundle_()
     assert "application/vnd.jupyter.widget-view+json" in bundle
     assert bundle["text/plain"] == PROGRAM
@@ -179,7 +179,7 @@ def test_hardware_opens_disarmed_and_pauses_when_nobody_watches(make, monkeypatc
     monkeypatch.setattr(registry, "DEAD_MAN", 0.1)
     lab = make("(machine m (state a (running [robot.move(linear=1)]))) (spawn m a)", "wheels")
     assert not lab.session.bridge.safety.armed
-    lab.session.wait_for(lambda frame: frame.status == "paused", 5)
+    lab.session.wait_for(lambda frame: frame.status == "paused", 60)
     assert "nobody has watched the robot" in lab.session.frame.reason
 
 

@@ -63,7 +63,7 @@ def test_a_cell_is_a_program_and_its_output_the_lab(shell):
 def test_blocks_see_the_notebooks_names_and_write_none(shell):
     shell.run_cell("def double(x): return 2 * x")
     lab = cell(shell, "mine --rate 100", "(var x := [double(21)])" + A)
-    lab.session.wait_for("a", 5)
+    lab.session.wait_for("a", 60)
     assert lab.variables["x"] == 42
     assert "x" not in shell.user_ns
     assert not lab.session.findings
@@ -112,7 +112,7 @@ def test_words_control_the_program(shell, run):
     run("reset mine")
     assert session.frame.restarts == 1
     run("stop")
-    session.wait_for(lambda frame: frame.status == "paused", 5)
+    session.wait_for(lambda frame: frame.status == "paused", 60)
     assert "no findings" in run("check")
 
 

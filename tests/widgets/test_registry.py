@@ -49,7 +49,7 @@ def test_a_program_runs_at_once_on_the_simulator(cell):
 
 def test_a_cell_that_is_run_again_changes_the_program_that_runs(cell):
     first = cell(A)
-    first.session.wait_for("a", 5)
+    first.session.wait_for("a", 60)
     second = cell(B)
     assert second is first
     assert second.session.program.text == B

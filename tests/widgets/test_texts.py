@@ -56,7 +56,7 @@ def test_a_block_that_hangs_holds_up_no_answer(bench):
     page = lab.page()
     lab.session.start()
     lab.session.submit(hanging := Hang())
-    hanging.reached.wait(5)
+    hanging.reached.wait(60)
     try:
         page.say("text", seq=1, base=0, text=B)
         lab.publish()
@@ -83,7 +83,7 @@ def Hang():
 
     def hang():
         reached.set()
-        go.wait(10)
+        go.wait(60)
 
     command = Hanging(hang)
     object.__setattr__(command, "reached", reached)

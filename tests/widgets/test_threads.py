@@ -97,13 +97,13 @@ def test_a_session_that_is_closed_while_a_round_goes_on_is_no_fault_of_the_lab(b
 def test_a_robot_is_read_though_the_one_before_it_hung(bench):
     gate, inside = Event(), Event()
     lab = bench(
-        "(machine m (state a (running [inside.set() or gate.wait(5)]))) (spawn m a)",
+        "(machine m (state a (running [inside.set() or gate.wait(60)]))) (spawn m a)",
         namespace={"gate": gate, "inside": inside},
     )
     page = lab.page()
     with lab.session as hung, Session(A, "sim") as session:
         hung.start()
-        assert inside.wait(5)
+        assert inside.wait(60)
         lab.publish()
         lab.connection.use(session)
         session.step()

@@ -80,7 +80,7 @@ def test_a_brick_that_is_back_is_used_by_the_program_as_before(
     brick.unplug()
     until(lambda: session.issues)
     brick.plug_in()
-    until(lambda: session.issues[0].resolved, 3.0)
+    until(lambda: session.issues[0].resolved)
     assert turning(brick) == [0, 0, 0, 0]
     brick.sensors[0].values[0] = 1.0
     session.wait_for("rover/back", 1)

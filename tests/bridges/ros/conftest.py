@@ -50,7 +50,7 @@ def _load(name: str) -> ModuleType:
     return sys.modules[name]
 
 
-def wait_until(holds: Callable[[], object], seconds: float = 5.0, what: str = "") -> None:
+def wait_until(holds: Callable[[], object], seconds: float = 60.0, what: str = "") -> None:
     """Wait for what another process or thread does; fail after so many seconds."""
     end, tick = time.monotonic() + seconds, threading.Event()
     while not holds():
@@ -140,7 +140,7 @@ class Wire:
         self._listener.close()
         self.cut()
         for thread in self._threads:
-            thread.join(5)
+            thread.join(60)
         for end in self._pairs:
             end.close()
 
@@ -216,7 +216,7 @@ def _nothing_is_left_behind() -> Iterator[None]:
     yield
     left = [thread for thread in threading.enumerate() if thread not in before and _is_ours(thread)]
     for thread in left:
-        thread.join(5)
+        thread.join(60)
     assert not [thread for thread in left if thread.is_alive()]
 
 

@@ -28,9 +28,9 @@ def test_the_follower_goes_there_and_back(real: Any, connect: Callable[..., RosB
     reached = [0.0]
     session.start()
     try:
-        assert session.wait_for("bumpback", timeout=60)
+        assert session.wait_for("bumpback", timeout=180)
         reached[0] = ros.robot.odom.x
-        assert session.wait_for("end", timeout=60)
+        assert session.wait_for("end", timeout=180)
     finally:
         issues = [issue.message for issue in session.issues]
         home = ros.robot.odom.x
