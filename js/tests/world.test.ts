@@ -66,6 +66,15 @@ describe("poses", () => {
     ]);
   });
 
+  it.each([
+    [0, false, false],
+    [1, true, false],
+    [2, false, true],
+  ])("have the flags %i for bumper %s and pen %s", (flags, bumper, pen) => {
+    const now = readPoses(world, buffer(1.5, 0.5, 1, 0.25, flags, 0.125, 200, 1, 1.5, 0.5, 0))!;
+    expect(now.robots[0]).toMatchObject({ bumper, pen });
+  });
+
   it("take 36 bytes for one robot", () => {
     expect(poseBytes({ ...world, solids: [] })).toBe(36);
   });

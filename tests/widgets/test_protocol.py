@@ -4,6 +4,7 @@ import struct
 from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -114,6 +115,12 @@ def test_the_poses_of_one_robot_take_36_bytes():
     buffer = protocol.pack_poses(7.5, [robot])
     assert len(buffer) == 36
     assert struct.unpack("<d7f", buffer) == (7.5, 0.5, 1.0, 0.25, 3.0, 0.125, 128.0, float("inf"))
+
+
+@pytest.mark.parametrize(("bumper", "pen", "flags"), [(True, False, 1.0), (False, True, 2.0)])
+def test_bumper_and_pen_are_bits_of_their_own(bumper, pen, flags):
+    buffer = protocol.pack_poses(0.0, [(0, 0, 0, bumper, pen, 0, [], [])])
+    assert struct.unpack("<d5f", buffer)[4] == flags
 
 
 def test_pushed_solids_follow_the_robots():
