@@ -1,12 +1,14 @@
-/** Bundles the lab into one module and one stylesheet in `lrp_jupyter/static`; the same input gives the same bytes. */
+/**
+ * Bundles the lab into one module and one stylesheet in `lrp_jupyter/static`, with the licences of the
+ * packages that are in it; the same input gives the same bytes.
+ */
 
 import { execFileSync } from "node:child_process";
-import { readFileSync, statSync } from "node:fs";
-import { build, context } from "esbuild";
-import { ownNames } from "./mangle.mjs";
+import { readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import { build, context, transform } from "esbuild";
 
 const OUT = "../lrp_jupyter/static";
-const LIMIT = 500_000;
+const LIMIT = 700_000;
 
 execFileSync("npx", [
   "--no-install",
@@ -27,20 +29,54 @@ const options = {
   format: "esm",
   target: ["es2022", "chrome123", "firefox120", "safari17.5"],
   charset: "utf8",
-  legalComments: "none",
+  legalComments: "none", // the licences stand in a file of their own
+  preserveSymlinks: true,
 };
+
+/** Shortens names inside the packages only: what a traceback says of our own modules can be found in them. */
+const shortPackages = {
+  name: "short-packages",
+  setup: ({ onLoad }) =>
+    onLoad({ filter: /node_modules\/.*\.js$/ }, async ({ path }) => {
+      const { code } = await transform(readFileSync(path, "utf8"), {
+        format: "esm",
+        minifyIdentifiers: true,
+        charset: "utf8",
+      });
+      return { contents: code };
+    }),
+};
+
+/** The licence of each package that the bundle holds, from the package's own folder. */
+function licences(inputs) {
+  const packages = new Set();
+  for (const file of inputs) {
+    const [, name] = /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(file) ?? [];
+    if (name) packages.add(name);
+  }
+  const texts = [...packages].sort().map((name) => {
+    const folder = `node_modules/${name}`;
+    const { version, license } = JSON.parse(readFileSync(`${folder}/package.json`, "utf8"));
+    const file = readdirSync(folder).find((entry) => /^licen[cs]e/i.test(entry));
+    if (!file) throw new Error(`${name} has no licence file`);
+    return `${name} ${version} (${license})\n\n${readFileSync(`${folder}/${file}`, "utf8").trim()}\n`;
+  });
+  const line = `\n${"-".repeat(78)}\n\n`;
+  return ["lab.js contains code of the following packages.\n", ...texts].join(line);
+}
 
 if (process.argv.includes("--watch")) {
   await (await context({ ...options, sourcemap: "inline", logLevel: "info" })).watch();
 } else {
-  const { outputFiles } = await build({ ...options, write: false });
-  const names = ownNames(outputFiles.find(({ path }) => path.endsWith(".js")).text);
-  await build({
+  const { metafile } = await build({
     ...options,
-    minify: true,
-    mangleProps: new RegExp(`^(?:${names.join("|")})$`),
+    plugins: [shortPackages],
+    minifyWhitespace: true,
+    minifySyntax: true,
+    metafile: true,
     logLevel: "info",
   });
+  writeFileSync(`${OUT}/THIRD-PARTY-LICENSES.txt`, licences(Object.keys(metafile.inputs)));
   const bundle = readFileSync(`${OUT}/lab.js`, "utf8");
   if (statSync(`${OUT}/lab.js`).size > LIMIT) throw new Error(`lab.js is larger than ${LIMIT} bytes`);
   if (/https?:\/\/(cdn|unpkg|esm)\b/.test(bundle)) throw new Error("lab.js loads from elsewhere");

@@ -1,7 +1,7 @@
 /** The widget: one class for every part of the lab; its `view` trait says which one. */
 
 import { openLab } from "./lab";
-import type { Part } from "./protocol";
+import type { PartName } from "./protocol";
 import type { Model } from "./session/connection";
 
 interface Context {
@@ -10,7 +10,7 @@ interface Context {
 }
 
 function render({ model, el }: Context): () => void {
-  return openLab(model, (model.get("view") as Part) || "lab", el);
+  return openLab(model, (model.get("view") as PartName) || "lab", el);
 }
 
 export default { render };

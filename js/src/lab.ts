@@ -13,7 +13,7 @@ import { saveForm } from "./parts/save";
 import { together } from "./parts/together";
 import { treeView } from "./parts/tree";
 import { variablesView } from "./parts/variables";
-import type { Answer, FromKernel, Part, Reply } from "./protocol";
+import type { AnswerMessage, FromKernel, PartName, ReplyMessage } from "./protocol";
 import { Connection, type Model } from "./session/connection";
 import { apply } from "./session/state";
 import { type Lab, Store } from "./session/store";
@@ -24,7 +24,7 @@ import { type WorldPart, worldView } from "./world/view";
 
 const SAY_FOR = 6000; // ms that a refusal stays
 
-export function openLab(model: Model, part: Part, host: HTMLElement): () => void {
+export function openLab(model: Model, part: PartName, host: HTMLElement): () => void {
   const store = new Store();
   const root = h("div", {
     class: "lrp-lab",
@@ -43,13 +43,13 @@ export function openLab(model: Model, part: Part, host: HTMLElement): () => void
   const lab: Lab = {
     store,
     root,
-    async act(act, details = {}, quiet = false) {
-      const { error } = await connection.command(act, details);
+    async act(act, quiet = false) {
+      const { error } = await connection.command(act);
       if (error && !quiet) lab.say(error);
       return error;
     },
-    tell: (act, details) => connection.tell(act, details),
-    ask: (question): Promise<Reply> => connection.ask(question),
+    send: (act) => connection.send(act),
+    ask: (question): Promise<ReplyMessage> => connection.ask(question),
     goTo(kind, path) {
       if (editor) editor.goTo(kind, path);
       else elsewhere.send({ goTo: { kind, path } });
@@ -90,13 +90,13 @@ export function openLab(model: Model, part: Part, host: HTMLElement): () => void
     store.touch(changed);
   }
 
-  function answered({ seq, text, applied }: Answer): void {
+  function answered({ seq, text, applied }: AnswerMessage): void {
     if (seq === 0 && connection.inFlight) return; // another's text; the one typed here is newer and comes next
     if (text !== null) editor?.take(text);
     editor?.wasAnswered(applied);
   }
 
-  const wanted = (name: Part) => part === "lab" || part === name;
+  const wanted = (name: PartName) => part === "lab" || part === name;
   if (wanted("editor")) editor = new Editor(lab, connection);
   if (wanted("world")) world = worldView(lab);
   inspecting = inspector(lab);
@@ -136,12 +136,6 @@ export function openLab(model: Model, part: Part, host: HTMLElement): () => void
     setAttribute(root, "data-lrp-revision", revision);
     setAttribute(root, "data-lrp-status", status);
     setAttribute(root, "data-link", link);
-  });
-  let looked = "";
-  store.watch(["machine"], () => {
-    const { machine } = store.state;
-    if (machine && machine !== looked) connection.tell("select", { path: machine });
-    looked = machine;
   });
   const unwatchTheme = watchTheme(root);
   return () => {

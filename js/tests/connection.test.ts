@@ -1,5 +1,5 @@
 import { beforeEach, describe, expect, it } from "vitest";
-import type { Answer, FromKernel, FromPage, Snapshot } from "../src/protocol";
+import type { AnswerMessage, FromKernel, FromPage, SnapshotMessage } from "../src/protocol";
 import { type Clock, Connection } from "../src/session/connection";
 import { initialState, type Link } from "../src/session/state";
 
@@ -58,8 +58,8 @@ class Wire {
   }
 }
 
-const answer = (seq: number, revision = seq): Partial<Answer> => ({ type: "answer", seq, revision });
-const snapshot = (text: string): Partial<Snapshot> => ({
+const answer = (seq: number, revision = seq): Partial<AnswerMessage> => ({ type: "answer", seq, revision });
+const snapshot = (text: string): Partial<SnapshotMessage> => ({
   type: "snapshot",
   text,
   revision: 1,
@@ -133,7 +133,7 @@ describe("the link", () => {
   it("is busy while a command is not answered, and live again after it", async () => {
     wire.time = 10;
     wire.hear(snapshot(""));
-    const reply = wire.connection.command("pause");
+    const reply = wire.connection.command({ do: "pause" });
     wire.wait(400);
     expect(wire.links).toEqual(["live", "busy"]);
     wire.hear({ type: "reply", id: 1, error: null });
@@ -169,11 +169,11 @@ describe("the link", () => {
 
   it("is dead when the comm is closed", () => {
     wire.broken = true;
-    wire.connection.tell("rate", { value: 5 });
+    wire.connection.send({ do: "rate", value: 5 });
     expect(wire.links).toEqual(["dead"]);
   });
 });
 
 it("a state begins empty and running nothing", () => {
-  expect(initialState().lit.size).toBe(0);
+  expect(initialState().lit).toEqual([]);
 });

@@ -3,12 +3,12 @@ import { beforeEach, describe, expect, it, vi } from "vitest";
 import { Camera } from "../src/graph/camera";
 import { draw, type Layers, makeLayers } from "../src/graph/draw";
 import { nearest } from "../src/graph/focus";
-import type { GraphLayout, StateShape, TransitionShape } from "../src/graph/layout";
 import { AFTERGLOW, lastFired, Marks } from "../src/graph/marks";
+import type { Layout, StateShape, TransitionShape } from "../src/protocol";
 import { initialState, type LabState } from "../src/session/state";
 import recording from "./page/recording.json";
 
-const follower = recording.snapshot.layouts.follower as unknown as GraphLayout;
+const follower = recording.snapshot.frame.layouts.follower as unknown as Layout;
 
 const shape = (name: string, fields: Partial<StateShape> = {}): StateShape => ({
   id: `m/${name}`,
@@ -40,7 +40,7 @@ const arrow = (source: string, fields: Partial<TransitionShape> = {}): Transitio
   broken: null,
   ...fields,
 });
-const layout = (states: StateShape[], transitions: TransitionShape[] = []): GraphLayout => ({
+const layout = (states: StateShape[], transitions: TransitionShape[] = []): Layout => ({
   machine: "m",
   name: "m",
   view: [0, 0, 100, 100],
@@ -109,7 +109,7 @@ describe("a drawing", () => {
 describe("marks", () => {
   it("show the active state and the transition that fired last", () => {
     draw(layers, layout([shape("a"), shape("b")], [arrow("a"), arrow("b", { id: "m:u" })]));
-    state.lit = new Set(["m/b"]);
+    state.lit = ["m/b"];
     state.fired = {
       "m:t": { count: 4, tick: 9 },
       "m:u": { count: 1, tick: 3 },

@@ -2,7 +2,7 @@
 import { EditorView } from "@codemirror/view";
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { openLab } from "../src/lab";
-import type { Answer, Command, FromPage, Part } from "../src/protocol";
+import type { AnswerMessage, Command, FromPage, PartName } from "../src/protocol";
 import recording from "./page/recording.json";
 
 /** A whole lab in a page without a browser, and the kernel's end of its wire. */
@@ -12,7 +12,7 @@ class Page {
   private hear: (message: object, buffers: DataView[]) => void = () => {};
   readonly close: () => void;
 
-  constructor(part: Part = "lab") {
+  constructor(part: PartName = "lab") {
     document.body.append(this.host);
     const model = {
       send: (message: unknown) => void this.sent.push(message as FromPage),
@@ -61,7 +61,7 @@ class Page {
   }
 }
 
-const answer = (fields: Partial<Answer>): Partial<Answer> => ({
+const answer = (fields: Partial<AnswerMessage>): Partial<AnswerMessage> => ({
   type: "answer",
   seq: 1,
   revision: 2,
@@ -70,8 +70,6 @@ const answer = (fields: Partial<Answer>): Partial<Answer> => ({
   accepted: true,
   applied: true,
   reason: "",
-  program: null,
-  layouts: null,
   pending: null,
   ...fields,
 });
@@ -109,7 +107,9 @@ describe("the editor", () => {
     page.type("\n\n", 0);
     const range = { line: 1, column: 1, end_line: 1, end_column: 2 };
     page.deliver(
-      answer({ findings: [{ code: "LRP101", severity: "error", message: "`a`", range, fix: null }] }),
+      answer({
+        findings: [{ id: "1", code: "LRP101", severity: "error", message: "`a`", range, fix: null }],
+      }),
     );
     await page.drawn();
     expect(page.find(".cm-lintRange-error").textContent).toBe("a");
@@ -180,6 +180,7 @@ describe("the page", () => {
       element: "state `follower/moving`",
       message: "`moving.running` failed",
       revision: 1,
+      finding: "",
       range: { line: 2, column: 1, end_line: 2, end_column: 5 },
       traceback: "",
       first_tick: 1,
@@ -187,8 +188,8 @@ describe("the page", () => {
       count: 1,
       resolved: false,
     };
-    page.deliver({ type: "frame", frame: 9, issues: [issue] });
-    page.deliver({ type: "frame", frame: 10, issues: [{ ...issue, count: 7, last_tick: 9 }] });
+    page.deliver({ type: "frame", frame: 9, issues: { 1: issue } });
+    page.deliver({ type: "frame", frame: 10, issues: { 1: { ...issue, count: 7, last_tick: 9 } } });
     await page.drawn();
     expect(page.host.querySelectorAll('[data-lrp-issue="LRP601"]')).toHaveLength(1);
     expect(page.find('[data-lrp-issue="LRP601"]').textContent).toContain("7×, ticks 1–9");

@@ -1,8 +1,13 @@
 import { expect, it } from "vitest";
-import type { Frame, FromKernel, IssueView, MachineItem, Snapshot } from "../src/protocol";
+import type { FrameMessage, IssueView, MachineItem, SnapshotMessage } from "../src/protocol";
 import { apply, initialState } from "../src/session/state";
 
-const frame = (fields: Partial<Frame>): Frame => ({ type: "frame", view: "v", frame: 1, ...fields });
+const frame = (fields: Partial<FrameMessage>): FrameMessage => ({
+  type: "frame",
+  view: "v",
+  frame: 1,
+  ...fields,
+});
 const machine = (path: string): MachineItem => ({
   path,
   parent: null,
@@ -11,7 +16,12 @@ const machine = (path: string): MachineItem => ({
   variables: [],
   events: [],
 });
-const snapshot = (machines: string[], fields: Partial<Frame> = {}): Snapshot => ({
+const program = (machines: string[]) => ({
+  variables: [],
+  events: [],
+  machines: machines.map(machine),
+});
+const snapshot = (machines: string[], fields: Partial<FrameMessage> = {}): SnapshotMessage => ({
   type: "snapshot",
   view: "v",
   name: "x",
@@ -19,12 +29,10 @@ const snapshot = (machines: string[], fields: Partial<Frame> = {}): Snapshot => 
   revision: 1,
   running: "",
   findings: [],
-  program: { variables: [], events: [], machines: machines.map(machine) },
-  layouts: {},
   pending: null,
   choices: { bridges: [], worlds: [], programs: [] },
   world: null,
-  frame: frame(fields),
+  frame: frame({ program: program(machines), ...fields }),
 });
 
 it("a frame changes what it names and nothing else", () => {
@@ -32,7 +40,7 @@ it("a frame changes what it names and nothing else", () => {
   apply(state, frame({ variables: { x: { text: "1", number: 1 }, y: { text: "2", number: 2 } }, tick: 3 }));
   const changed = apply(state, frame({ variables: { x: null } }));
   expect([...changed]).toEqual(["variables"]);
-  expect([...state.variables.keys()]).toEqual(["y"]);
+  expect(Object.keys(state.variables)).toEqual(["y"]);
   expect(state.tick).toBe(3);
 });
 
@@ -45,14 +53,11 @@ it("issues come, change and go by their number", () => {
   apply(
     state,
     frame({
-      issues: [
-        { id: 1, count: 1 },
-        { id: 2, count: 1 },
-      ] as IssueView[],
+      issues: { 1: { id: 1, count: 1 }, 2: { id: 2, count: 1 } } as unknown as Record<string, IssueView>,
     }),
   );
-  apply(state, frame({ issues: [{ id: 2, count: 5 }] as IssueView[], gone: [1] }));
-  expect([...state.issues.values()]).toEqual([{ id: 2, count: 5 }]);
+  apply(state, frame({ issues: { 1: null, 2: { id: 2, count: 5 } as IssueView } }));
+  expect(Object.values(state.issues)).toEqual([{ id: 2, count: 5 }]);
 });
 
 it("a snapshot forgets what was before, but not what the person looks at", () => {
@@ -68,8 +73,7 @@ it("looks at the machine around when the one looked at goes", () => {
   const state = initialState();
   apply(state, snapshot(["a", "m", "m/s/n"]));
   state.machine = "m/s/n";
-  const gone = { program: { variables: [], events: [], machines: [machine("a"), machine("m")] } };
-  apply(state, { type: "answer", findings: [], layouts: null, ...gone } as unknown as FromKernel);
+  apply(state, frame({ program: program(["a", "m"]) }));
   expect(state.machine).toBe("m");
 });
 

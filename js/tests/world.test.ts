@@ -109,12 +109,12 @@ describe("the pointer", () => {
   const now = firstPoses(world);
 
   it("takes the robot before what lies below it", () => {
-    expect(targetAt(world, now, [0.52, 1.02])).toMatchObject({ act: "drag_robot", index: 0 });
+    expect(targetAt(world, now, [0.52, 1.02])).toMatchObject({ do: "drag_robot", index: 0 });
   });
 
   it("takes walls and round things", () => {
-    expect(targetAt(world, now, [2.03, 1.15])).toMatchObject({ act: "drag_solid", index: 0 });
-    expect(targetAt(world, now, [1.05, 0.5])).toMatchObject({ act: "drag_solid", index: 1 });
+    expect(targetAt(world, now, [2.03, 1.15])).toMatchObject({ do: "drag_solid", index: 0 });
+    expect(targetAt(world, now, [1.05, 0.5])).toMatchObject({ do: "drag_solid", index: 1 });
   });
 
   it("takes a turned wall by where it stands now", () => {

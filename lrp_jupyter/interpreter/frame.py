@@ -63,9 +63,11 @@ class Frame:
         Values as text, bounded in depth and length.
     numbers : mapping of path to float
         Those of them that are numbers.
-    visits, fired, fired_at : mapping of path to int
-        How often each state was entered, how often each transition fired (the machine's path and
-        the label), and in which tick it last did.
+    visits, visited_at : mapping of path to int
+        How often each state was entered, and in which tick it last was.
+    fired, fired_at : mapping of path to int
+        How often each transition fired (the machine's path and the label), and in which tick it
+        last did.
     events : mapping of path to bool or None
         What each event was at its last test, None if that failed; empty unless they are watched.
     issues : tuple of Issue
@@ -99,6 +101,7 @@ class Frame:
     variables: Mapping[Path, str] = field(default_factory=dict)
     numbers: Mapping[Path, float] = field(default_factory=dict)
     visits: Mapping[Path, int] = field(default_factory=dict)
+    visited_at: Mapping[Path, int] = field(default_factory=dict)
     fired: Mapping[Path, int] = field(default_factory=dict)
     fired_at: Mapping[Path, int] = field(default_factory=dict)
     events: Mapping[Path, bool | None] = field(default_factory=dict)
@@ -149,6 +152,7 @@ class Tally:
 
     def __init__(self) -> None:
         self.visits: dict[Path, int] = {}
+        self.visited_at: dict[Path, int] = {}
         self.fired: dict[Path, int] = {}
         self.fired_at: dict[Path, int] = {}
         self.restarts = 0
@@ -161,6 +165,7 @@ class Tally:
         kind, path = event[0], event[1]
         if kind == "entered":
             self.visits[path] = self.visits.get(path, 0) + 1
+            self.visited_at[path] = event[2]
         elif kind == "fired":
             self.fired[path] = self.fired.get(path, 0) + 1
             self.fired_at[path] = event[2]
@@ -187,6 +192,7 @@ class Tally:
             variables=MappingProxyType(variables),
             numbers=MappingProxyType(numbers),
             visits=MappingProxyType(self.visits.copy()),
+            visited_at=MappingProxyType(self.visited_at.copy()),
             fired=MappingProxyType(self.fired.copy()),
             fired_at=MappingProxyType(self.fired_at.copy()),
             events=MappingProxyType(dict(interpreter.event_values)),

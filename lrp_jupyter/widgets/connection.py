@@ -1,8 +1,8 @@
-"""The way between one session and its views in pages.
+"""The connection between one session and its views in pages.
 
 *In.* A message of a page is handled on whatever thread the kernel delivers it: with subshells that is not
-the main one, and it comes while a cell runs. A handler only queues: commands go to the session, texts are
-read and offered to it, what has to wait is left to one worker.
+the main one, and it comes while a cell runs. It is decoded, then only queued: commands go to the session,
+texts are parsed and offered to it, what has to wait is left to one worker.
 
 *Out.* The session's :class:`~lrp_jupyter.widgets.publisher.Publisher` sends everything.
 
@@ -22,20 +22,27 @@ from typing import Any
 
 from lrp_jupyter.errors import BridgeError, SessionClosedError
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.acts import carry_out
-from lrp_jupyter.widgets.protocol import FromPage
-from lrp_jupyter.widgets.publisher import Publisher
-from lrp_jupyter.widgets.replies import Reply
-from lrp_jupyter.widgets.requests import answer_request
+from lrp_jupyter.widgets import commands as commands  # these three define messages that `decode` knows
+from lrp_jupyter.widgets import inspection as inspection
+from lrp_jupyter.widgets import requests as requests
+from lrp_jupyter.widgets.layouts import Layouts
+from lrp_jupyter.widgets.messages import (
+    ByeMessage,
+    CreditMessage,
+    HelloMessage,
+    MessageError,
+    PageCommand,
+    PageMessage,
+    PageRequest,
+    TextMessage,
+    decode,
+)
+from lrp_jupyter.widgets.protocol import ViewState
+from lrp_jupyter.widgets.publisher import PendingReply, Publisher, Send
 from lrp_jupyter.widgets.texts import Texts
-from lrp_jupyter.widgets.view import Send
 
 __all__ = ["Connection"]
 
-PATIENCE = 1.0
-"""Wall seconds after which a command that is not carried out is answered with the reason."""
-_SLOW_PATIENCE = 20.0  # for what talks to a robot first
-_SLOW = ("bridge", "panel", "run")
 _LATE = 0.25  # s after which a text is answered though it is not applied yet
 
 
@@ -64,6 +71,7 @@ class Connection:
         clock: Callable[[], float] = monotonic,
     ) -> None:
         self.texts = texts
+        self.layouts = Layouts()
         self.options = dict(options or {})
         self._reopen = reopen
         self.fault = ""
@@ -73,7 +81,7 @@ class Connection:
         self._lock = threading.RLock()  # of `closed` and the worker, and of which session it is
         self._changing = threading.Lock()  # held while another bridge is opened, which may take long
         self._worker: ThreadPoolExecutor | None = None
-        self._publisher = Publisher(session, texts, self.report, clock)
+        self._publisher = Publisher(session, texts, self.layouts, self.report, clock)
 
     @property
     def session(self) -> Session:
@@ -87,40 +95,55 @@ class Connection:
 
     # -- in: any thread ----------------------------------------------------------------------------
 
-    def receive(self, send: Send, message: FromPage) -> None:
-        """Take a message of a page; never raises."""
+    def receive(self, send: Send, content: object) -> None:
+        """Handle a message of a page; never raises."""
         try:
-            self._receive(send, message)
+            try:
+                message = decode(content)
+            except MessageError as error:
+                self._refuse(content, error)
+            else:
+                self._handle(send, message)
         except Exception:
             self.report(traceback.format_exc())
 
-    def _receive(self, send: Send, message: FromPage) -> None:
-        name = message["view"]
-        if message["type"] == "hello":
-            self._publisher.welcome(name, message["part"], send)
+    def _handle(self, send: Send, message: PageMessage) -> None:
+        if isinstance(message, HelloMessage):
+            self._publisher.welcome(message.view, message.part, send)
             self.start()
-            return
-        if not self._publisher.knows(name):  # forgotten, or never said hello: it will when it hears nothing
-            return
-        if message["type"] == "bye":
-            self._publisher.forget(name)
-        elif message["type"] == "credit":
-            self._publisher.credit(name, message["frame"])
+        elif not self._publisher.knows(message.view):
+            return  # forgotten, or never opened: it will say hello when it hears nothing
+        elif isinstance(message, ByeMessage):
+            self._publisher.forget(message.view)
+        elif isinstance(message, CreditMessage):
+            self._publisher.credit(message.view, message.frame)
             self.session.seen()
-        elif message["type"] == "text":
-            self.write(message["text"], name, message["seq"])
-        elif message["type"] == "command":
-            self._begin(message, lambda: carry_out(self, message))
-        else:
-            self._begin(message, partial(self.work, partial(answer_request, self, message)), dict)
+        elif isinstance(message, TextMessage):
+            self.write(message.text, message.view, message.seq)
+        elif isinstance(message, PageCommand):
+            self._reply(message, partial(message.apply, self), message.patience)
+        elif isinstance(message, PageRequest):
+            self._reply(message, partial(self.work, partial(message.answer, self)), fields_of=dict)
 
-    def _begin(
+    def _refuse(self, content: object, error: MessageError) -> None:
+        """Reply to a message that cannot be decoded; one that expects no reply is a fault of the page."""
+        view, id_ = (content.get("view"), content.get("id")) if isinstance(content, dict) else ("", 0)
+        if isinstance(view, str) and isinstance(id_, int) and id_ > 0:
+            answer: Future[Any] = Future()
+            answer.set_exception(error)
+            self._publisher.reply_later(PendingReply(view, id_, answer, self._clock()))
+        else:
+            self.report(f"A message of the page was refused. {error}")
+
+    def _reply(
         self,
-        message: Any,
+        message: PageCommand | PageRequest,
         begin: Callable[[], Future[Any] | None],
-        tell: Callable[[Any], Mapping[str, Any]] = lambda _: {},
+        patience: float = 1.0,
+        fields_of: Callable[[Any], Mapping[str, Any]] = lambda _: {},
     ) -> None:
-        """Begin a command; it is answered when its future is done, or cannot be begun."""
+        """Begin what was asked for; reply when its future is done, or at once if it cannot begin."""
+        answer: Future[Any] | None
         try:
             answer = begin()
         except Exception as error:
@@ -129,22 +152,21 @@ class Connection:
         if answer is None:
             answer = Future()
             answer.set_result(None)
-        if message["id"] == 0:
-            return
-        patience = _SLOW_PATIENCE if message.get("do") in _SLOW else PATIENCE
-        self._publisher.owe(Reply(message["view"], message["id"], answer, self._clock() + patience, tell))
+        if message.id:
+            deadline = self._clock() + patience
+            self._publisher.reply_later(PendingReply(message.view, message.id, answer, deadline, fields_of))
 
     def write(self, text: str, view: str = "", seq: int = 0) -> None:
-        """Take a text: typed in a view, or brought by a cell, a program of the package, a file."""
+        """Make a text the editor's: typed in a view, or brought by a cell, a bundled program, a file."""
         written = self.texts.write(text, view, seq, self._clock() + _LATE)
         written.answer.add_done_callback(lambda _: self.wake())
 
     def apply(self) -> None:
-        """Let the held text run."""
+        """Offer the held text to the session."""
         self.texts.apply(self._clock() + _LATE).answer.add_done_callback(lambda _: self.wake())
 
     def change_bridge(self, bridge: str, **options: Any) -> None:
-        """Go on with another bridge: the same program begins anew in another session.
+        """Continue with another bridge: the same program starts again in another session.
 
         Raises
         ------
@@ -158,7 +180,7 @@ class Connection:
         with self._changing:
             old = self.session
             if old.bridge.hardware and old.bridge.name == bridge:
-                old.close()  # a robot lets nobody in while somebody is connected
+                old.close()  # a robot accepts one connection at a time
             session = self._reopen(old, bridge, **options)
             text = self.texts.text
             self.use(session)
@@ -168,22 +190,23 @@ class Connection:
                 self.write(text)
 
     def use(self, session: Session) -> None:
-        """Show another session from now on; views get everything anew.
+        """Show another session from now on; views get a snapshot of it.
 
         Raises
         ------
         SessionClosedError
             It is too late: the other session is closed, too.
         """
+        self.layouts.update(session.program)  # before the lock, which a command may need
         with self._lock:
             if not self.closed:
-                self._publisher.follow(session)
+                self._publisher.attach(session)
                 return
-        session.close()  # nobody else would
+        session.close()  # nothing else holds it
         raise SessionClosedError(f"`{session.name}` was closed meanwhile.")
 
     def work(self, job: Callable[[], Any]) -> Future[Any]:
-        """Have something done that may have to wait, in turn, on the worker's thread."""
+        """Queue a job that may have to wait, for the worker's thread."""
         with self._lock:
             if self.closed:
                 raise SessionClosedError(f"`{self.name}` is closed.")
@@ -192,31 +215,26 @@ class Connection:
             return self._worker.submit(contextvars.copy_context().run, job)
 
     def report(self, fault: str) -> None:
-        """Tell of a fault of the lab, in the lab."""
+        """Report a fault of the lab, in the lab."""
         self.fault = fault
         self.session.output.print("The lab itself failed; the program is not at fault.\n" + fault)
 
     # -- out -----------------------------------------------------------------------------------------
 
-    def look(self) -> dict[str, Any]:
-        """Everything that a view may see now."""
-        return self._publisher.look()
-
-    def lit(self) -> list[str]:
-        """Paths of all active states."""
-        lit: list[str] = self.look()["lit"]
-        return lit
+    def view_state(self) -> ViewState:
+        """Return everything that a view may show now."""
+        return self._publisher.view_state()
 
     def start(self) -> None:
         """Start the publisher's thread, once."""
         self._publisher.start()
 
     def wake(self) -> None:
-        """Let the publisher look at once."""
+        """Have the views updated at once."""
         self._publisher.wake()
 
     def publish(self) -> None:
-        """Send what there is to send, here and now; never waits."""
+        """Send what there is to send, on this thread; waits for no view."""
         self._publisher.publish()
 
     def close(self) -> None:

@@ -1,13 +1,13 @@
 """The lab and its parts as widgets: one class, whose `view` trait says which part a page shows.
 
-Everything that a page and the kernel say to each other goes through custom messages; traits hold only what
-a page needs to begin. What happens to a message is the matter of the session's
-:class:`~lrp_jupyter.widgets.connection.Connection`.
+Page and kernel communicate by custom messages; traits hold only what a page needs to begin. The session's
+:class:`~lrp_jupyter.widgets.connection.Connection` handles the messages.
 """
 
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, MutableMapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, ClassVar
@@ -15,18 +15,22 @@ from typing import Any, ClassVar
 import anywidget
 import traitlets
 
-from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter import programs
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import LRPError, UnknownElementError
+from lrp_jupyter.graph.still import draw
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.choices import program_names, program_text
 from lrp_jupyter.widgets.connection import Connection
-from lrp_jupyter.widgets.still import pictures
 
 __all__ = ["Controls", "Editor", "Issues", "Lab", "Part", "SimView", "StateGraph", "Tree", "Variables"]
 
+_STILL_WIDTH = 480  # px
+_SIZE = re.compile(r'viewBox="0 0 ([\d.]+) ([\d.]+)"')
 _STATIC = FilePath(__file__).parents[1] / "static"
 
 
@@ -66,9 +70,9 @@ class Part(anywidget.AnyWidget):
         """Leave everything as it is: a widget that is forgotten stops no robot."""
 
     def _receive(self, _widget: object, content: Any, _buffers: object) -> None:
-        self._connection.receive(self._say, content)
+        self._connection.receive(self._send_message, content)
 
-    def _say(self, message: Any, buffers: list[bytes] | None) -> None:
+    def _send_message(self, message: Any, buffers: list[bytes] | None) -> None:
         if self.comm is not None:
             self.send(message, buffers)
 
@@ -82,14 +86,14 @@ class Part(anywidget.AnyWidget):
         if shown is None:
             return None
         bundle, metadata = shown if isinstance(shown, tuple) else (shown, {})
-        return {**bundle, **pictures(self._connection)}, metadata
+        return {**bundle, **_pictures(self._connection)}, metadata
 
     def snapshot(self) -> None:
         """Store a picture of what is there now as the output: it is read without a kernel."""
         from IPython.display import display
 
         self._connection.publish()  # an edit made a moment ago is in the picture
-        display(pictures(self._connection), raw=True)  # type: ignore[no-untyped-call]
+        display(_pictures(self._connection), raw=True)  # type: ignore[no-untyped-call]
 
 
 class Lab(Part):
@@ -136,8 +140,8 @@ class Lab(Part):
         text: str | None = program.text if isinstance(program, Program) else program
         if isinstance(program, str) and registry.find(program) is not None:
             name, text = name or program, None
-        elif isinstance(program, str) and program in program_names():
-            name, text = name or program, program_text(program)
+        elif isinstance(program, str) and program in programs.names():
+            name, text = name or program, programs.load(program)
         names = _notebook() if namespace is None else namespace
         connection = registry.open_program(
             name or _name_of(text or ""), text, bridge, namespace=names, rate=rate, **options
@@ -301,3 +305,42 @@ def _notebook() -> dict[str, Any] | None:
 def _name_of(text: str) -> str:
     program, _ = scan(text)
     return str(program.machines[0].name) if program is not None and program.machines else "program"
+
+
+# -- what a saved notebook shows where no kernel runs -------------------------------------------------
+
+
+def _pictures(connection: Connection) -> dict[str, str]:
+    """Draw the graph and the world as they are now; as plain text the program."""
+    state = connection.view_state()
+    last: dict[str, tuple[int, str]] = {}
+    for name, seen in state["fired"].items():
+        machine = name.partition(":")[0]
+        last[machine] = max(last.get(machine, (0, "")), (seen["tick"], name))
+    active = [tuple(path.split("/")) for path in state["lit"]]
+    graph = draw(list(state["layouts"].values()), active, [name for _, name in last.values()])
+    return {"image/svg+xml": _stacked(graph, _world(connection)), "text/plain": connection.texts.text}
+
+
+def _world(connection: Connection) -> str:
+    bridge = connection.session.bridge
+    if not isinstance(bridge, SimBridge):
+        return ""
+    try:
+        now: str = connection.session.call(lambda: world_svg(bridge.simulation, _STILL_WIDTH))
+        return now
+    except LRPError:  # the loop is held up or has ended: the world as it began
+        return world_svg(bridge.world, _STILL_WIDTH)
+
+
+def _stacked(upper: str, lower: str) -> str:
+    """Put one picture above the other."""
+    sizes = [_SIZE.search(picture) for picture in (upper, lower)]
+    if not upper or not lower or not all(sizes):
+        return upper or lower
+    (width, height), (wide, high) = ((float(size[1]), float(size[2])) for size in sizes if size)
+    whole, tall = max(width, wide), height + high + 12
+    place = f'<svg y="{height + 12:g}" height="{high:g}" '
+    size = f'viewBox="0 0 {whole:g} {tall:g}" width="{whole:g}"'
+    lower = lower.replace("<svg ", place, 1)
+    return f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="group">{upper}{lower}</svg>'

@@ -15,6 +15,7 @@ from IPython.core.interactiveshell import InteractiveShell
 from IPython.core.magic import Magics, line_cell_magic, magics_class
 from IPython.display import display
 
+from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import find_bridges
 from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.errors import LRPError
@@ -22,7 +23,6 @@ from lrp_jupyter.graph.still import svg
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.choices import program_names, program_text
 from lrp_jupyter.widgets.connection import Connection
 from lrp_jupyter.widgets.lab import Lab
 
@@ -149,20 +149,21 @@ class LRPMagics(Magics):
     def new(self, rest: list[str]) -> Lab:
         """Open a bundled program."""
         name = _one(rest, "new NAME")
-        try:
-            text = program_text(name)
-        except KeyError:
-            listed = ", ".join(f"`{known}`" for known in program_names())
-            hint = did_you_mean(name, program_names())
-            raise UsageError(f"There is no bundled program `{name}`; there are {listed}.{hint}") from None
-        world = _world_of(text)
-        options: dict[str, Any] = {"world": world} if world else {}
+        if name not in programs.names():
+            listed = ", ".join(f"`{known}`" for known in programs.names())
+            hint = did_you_mean(name, programs.names())
+            raise UsageError(f"There is no bundled program `{name}`; there are {listed}.{hint}")
+        text = programs.load(name)
+        world = programs.heading(text).world
+        options: dict[str, Any] = {"world": world} if world in BUNDLED else {}
         return Lab(registry.open_program(name, text, namespace=self._names, **options).session)
 
     def examples(self, rest: list[str]) -> None:
         """List the bundled programs and worlds."""
         lines = ["Programs (`%lrp new NAME`):"]
-        lines += [f"  {name:<18} {_about(program_text(name))}" for name in program_names()]
+        lines += [
+            f"  {name:<18} {programs.heading(programs.load(name)).description}" for name in programs.names()
+        ]
         lines += ["Worlds (`%%lrp NAME --world WORLD`):"]
         lines += [f"  {name:<18} {about}" for name, about in DESCRIPTIONS.items()]
         print("\n".join(lines))  # noqa: T201
@@ -259,22 +260,6 @@ def _the(rest: list[str]) -> Connection:
     return connection
 
 
-def _about(text: str) -> str:
-    first = text.lstrip().partition("\n")[0]
-    return first.lstrip(";# ").strip() if first[:1] in ";#" else ""
-
-
-def _world_of(text: str) -> str:
-    """Give the world that a program asks for in its head: ``; world: line``."""
-    for line in text.splitlines():
-        words = line.lstrip(";# ").split()
-        if line[:1] not in (";", "#"):
-            break
-        if len(words) == 2 and words[0] == "world:" and words[1] in BUNDLED:
-            return words[1]
-    return ""
-
-
 WORDS: Mapping[str, Callable[[LRPMagics, list[str]], object]] = {
     word.__name__: word
     for word in (
@@ -300,7 +285,7 @@ def completions(shell: InteractiveShell, event: Any) -> list[str]:
         return [*(() if before else names), "--world", "--bridge", "--rate"]
     if not before:
         return [*WORDS, *names]
-    return {"new": program_names(), "bridge": list(find_bridges())}.get(before[0], names)
+    return {"new": list(programs.names()), "bridge": list(find_bridges())}.get(before[0], names)
 
 
 def open_body(lines: list[str]) -> list[str]:

@@ -1,290 +1,430 @@
-# ruff: noqa: F403, F405  (all the nouns, to be imported from here too)
-"""The messages between a lab in a page and its session in the kernel.
+"""The messages from the kernel to a page, what they speak of, and how the two sides work together.
 
-The same types stand in ``js/src/protocol.ts``; a test holds the two equal. What they speak of is in
-`nouns` (``js/src/nouns.ts``), and can be imported from here too. All are JSON objects sent as
+This module and the page's messages (`messages`, `commands`, `requests`, `inspection`) are the protocol;
+``js/src/protocol.ts`` is generated from them (``npm run protocol``). All messages are JSON objects sent as
 custom messages of the widget, told apart by ``type``. Fields that may be missing are `NotRequired`.
 
 **Views.** Every picture of a lab in a page gives itself a random name, the ``view`` of every message. A
 comm's messages reach all views of its widget, so each looks for its own name and drops the rest. The
 kernel keeps for each view what it has sent and how much credit is left, and forgets it at ``bye``.
 
-**Flow.** A view says `Hello` and gets one `Snapshot` (and a `WorldMessage`, if it shows a world). From then
-on it gets `Frame` messages, at most 30 a second, each holding what changed since the last one *sent to this
-view*. Every one carries a number, which the page sends back as `Credit` for it and all before it; the
-kernel sends only while fewer than three are on their way. The page pays for two at a time, because the
-kernel reports itself busy and idle for each message that it gets, and the host draws that; a frame that
-comes alone is paid for at once. While nothing changes, an empty frame once a second is the heartbeat.
-Everything that must not be lost in a frame left out is cumulative: counts of entries, firings, issues,
-restarts.
+**Flow.** A view sends `HelloMessage` and gets one `SnapshotMessage`. From then on it gets `FrameMessage`,
+at most 30 a second, each holding what changed in the `ViewState` since the last one *sent to this view*
+(and a `WorldMessage`, if it shows a world that changed). Every frame carries a number, which the page sends
+back as `CreditMessage` for it and all before it; the kernel sends only while fewer than three are on their
+way. The page pays for two at a time, because the kernel reports itself busy and idle for each message that
+it gets, and the host draws that; a frame that comes alone is paid for at once. While nothing changes, an
+empty frame once a second is the heartbeat. Everything that must not be lost in a frame left out is
+cumulative: counts of entries, firings, issues, restarts.
 
 **Text.** A view sends the whole text with a number of its own, ``seq``; one is on its way at a time, the
 newest wins. The kernel gives each text a revision and answers to *all* views of the session: with ``seq``
 and without the text to the sender, with ``seq`` 0 and the text to the others. It never sends a view the
-text which that view typed.
+text which that view typed. The program that results and its layouts come with the next frame.
 
-**Commands and requests** with an ``id`` other than 0 get exactly one `Reply`, as soon as the session has
-taken or refused them; ``error`` is one sentence. A page that hears nothing for 300 ms says "kernel busy".
+**Commands and requests** with an ``id`` other than 0 get exactly one `ReplyMessage`, as soon as the session
+has applied or refused them; ``error`` is one sentence. A page that hears nothing for 300 ms says "kernel
+busy".
 
 **Places** are lines and columns from 1, columns in characters, as the language counts them; the end is
-behind the last character. Only the page converts them to UTF-16 (`range_of` and `offset_of` convert to and
+after the last character. Only the page converts them to UTF-16 (`range_of` and `offset_of` convert to and
 from the character offsets of Python).
 
 **Names.** ``path`` is an element's path in the text, ``follower/looking/lookalgo``; a transition's is
 ``follower:tlooking``: the machine's path, a colon, its name or ``condition:from->to`` (`Machine.labels`).
+`path_of` and `id_of` convert.
 """
 
 from __future__ import annotations
 
-from typing import Literal, NotRequired, TypedDict
+from bisect import bisect_right
+from typing import Literal, NotRequired, Required, TypedDict
 
-from lrp_jupyter.widgets.encoding import offset_of as offset_of
-from lrp_jupyter.widgets.encoding import pack_poses as pack_poses
-from lrp_jupyter.widgets.encoding import range_of as range_of
-from lrp_jupyter.widgets.nouns import *
+from lrp_jupyter.graph.shapes import Layout
+from lrp_jupyter.interpreter.frame import Status
+from lrp_jupyter.language.program import Path, Severity, TransitionKind, line_starts, path_text
+from lrp_jupyter.sim.world import Point, Pose
 
-# ------------------------------------------------------------------ page -> kernel
-
-
-class Hello(TypedDict):
-    """A view is there, shows this part, and wants a `Snapshot`. Sent again when it has lost the thread."""
-
-    type: Literal["hello"]
-    view: str
-    part: Part
+PartName = Literal["lab", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
+OnActiveEdit = Literal["restart", "keep"]
+ElementKind = Literal["machine", "state", "transition", "event", "variable", "robot"]
 
 
-class Bye(TypedDict):
-    """A view goes; best effort, so a view without credit for long counts as gone too."""
+class TextRange(TypedDict):
+    """A range of the text: lines and columns from 1, columns in characters, end exclusive."""
 
-    type: Literal["bye"]
-    view: str
+    line: int
+    column: int
+    end_line: int
+    end_column: int
 
 
-class Text(TypedDict):
-    """The whole text of the editor. `base` is the last revision that the view knew."""
+class TextEdit(TypedDict):
+    """Replace a range by a text."""
 
-    type: Literal["text"]
-    view: str
-    seq: int
-    base: int
+    range: TextRange
     text: str
 
 
-class Credit(TypedDict):
-    """The frame with this number arrived, and with it all before it."""
+class QuickFix(TypedDict):
+    """A certain remedy; its edits are places of the text that was answered."""
 
-    type: Literal["credit"]
-    view: str
-    frame: int
+    title: str
+    edits: list[TextEdit]
 
 
-class Complete(TypedDict):
-    """Complete a Python expression (``robot.li``) in the scope of a machine path ("" for the top level).
+class FindingView(TypedDict):
+    """A static finding of `check`; `id` tells it from the others of its text."""
 
-    The page itself completes keywords and the program's names. Answered by `options`.
+    id: str
+    code: str
+    severity: Severity
+    message: str
+    range: TextRange
+    fix: QuickFix | None
+
+
+class IssueView(TypedDict):
+    """A run-time issue. `range` is a place of the text with number `revision`, None if it has none.
+
+    `finding` is the id of the static finding about the same fault of the same text, empty if there is none:
+    a page lists the two as one.
     """
 
-    type: Literal["complete"]
-    view: str
     id: int
-    prefix: str
-    scope: str
+    code: str
+    severity: Severity
+    kind: str
+    element: str
+    message: str
+    revision: int
+    range: TextRange | None
+    finding: str
+    traceback: str
+    first_tick: int
+    last_tick: int
+    count: int
+    resolved: bool
 
 
-class Hover(TypedDict):
-    """What is this dotted name (``robot.light.data``) in that scope? Answered by `hover`."""
+class ValueView(TypedDict):
+    """A value as `Frame.variables` renders it, and as a number if it is a finite one (sparkline)."""
 
-    type: Literal["hover"]
-    view: str
-    id: int
-    chain: str
-    scope: str
+    text: str
+    number: float | None
 
 
-class References(TypedDict):
-    """Whose name stands at this place of the last text sent? Answered by `references`."""
+class StateItem(TypedDict):
+    """A state and the paths of the machines nested in it."""
 
-    type: Literal["references"]
-    view: str
-    id: int
-    line: int
-    column: int
-
-
-class Inspect(TypedDict):
-    """Look into an element, or (`into`: steps of earlier facets) into its value. Answered by `inspect`."""
-
-    type: Literal["inspect"]
-    view: str
-    id: int
-    kind: ElementKind
     path: str
-    into: list[str]
+    machines: list[str]
 
 
-Request = Complete | Hover | References | Inspect
+class TransitionItem(TypedDict):
+    """A transition; `source` and `trigger` as the language writes them."""
 
-Act = Literal[
-    "run",
-    "pause",
-    "step",
-    "step_back",
-    "reset",
-    "stop",
-    "rate",
-    "speed",
-    "hold",
-    "apply",
-    "revert",
-    "transition",
-    "teleport",
-    "fire",
-    "set_variable",
-    "rename",
-    "drag_robot",
-    "drag_solid",
-    "drop",
-    "stroke",
-    "erase",
-    "reset_pose",
-    "reset_world",
-    "world",
-    "clear_issues",
-    "pause_on_issue",
-    "on_active_edit",
-    "armed",
-    "bridge",
-    "select",
-    "pin",
-    "arrange",
-    "panel",
-    "load",
-    "take",
-    "keep",
-    "save",
-]
+    id: str
+    kind: TransitionKind
+    trigger: str
+    source: str
+    destination: str
 
 
-class Command(TypedDict):
-    """Something that the person wants done.
+class MachineItem(TypedDict):
+    """A machine; `parent` is the path of the state it is nested in. Variables and events are paths."""
 
-    What each act uses:
+    path: str
+    parent: str | None
+    states: list[StateItem]
+    transitions: list[TransitionItem]
+    variables: list[str]
+    events: list[str]
 
-    ========================================== ==========================================================
-    ``run pause reset``                        nothing
-    ``stop``                                   nothing: `stop_all`, then pause; must not wait for a tick
-    ``step step_back``                         `value`: how many ticks (1 if missing)
-    ``rate speed``                             `value`: Hz (0 is free), factor (0 is as fast as possible)
-    ``hold pause_on_issue armed``              `on`
-    ``apply``, ``revert``                      apply the held text; go back to the running program's text
-    ``on_active_edit``                         `name`: restart or keep
-    ``transition teleport``                    `path` of a state
-    ``fire``                                   `path` of a transition
-    ``set_variable``                           `path`, `expression`; the error comes in the reply
-    ``rename``                                 `kind`, `path`, `name`; all views get the new text
-    ``drag_robot drag_solid``                  `index`, `pose` while dragging; ``drop`` lets go
-    ``stroke erase``                           `points`, `width` (and `grey`), in metres
-    ``reset_pose``                             `index` of the robot
-    ``reset_world``                            nothing
-    ``world bridge``                           `name`
-    ``clear_issues``                           nothing
-    ``select``                                 `path` of the machine that this view looks at
-    ``pin``                                    `path` of the machine, `name` of the node, `pose` (x, y, 0)
-    ``arrange``                                `path` of the machine
-    ``panel``                                  `key` of button (`row` of its table), `values` of all fields
-    ``load``                                   `name` of a bundled program, becomes the text
-    ``take keep``                              the answer to a conflict: the cell's text, the lab's text
-    ``save``                                   `name`: the file to write
-    ========================================== ==========================================================
-    """
 
-    type: Literal["command"]
-    view: str
-    id: int
-    do: Act
-    on: NotRequired[bool]
-    value: NotRequired[float]
-    name: NotRequired[str]
-    path: NotRequired[str]
-    kind: NotRequired[ElementKind]
-    expression: NotRequired[str]
-    index: NotRequired[int]
-    pose: NotRequired[Pose]
-    points: NotRequired[list[Point]]
+class ProgramView(TypedDict):
+    """The running program without its blocks, machines in the order of `Program.walk`."""
+
+    variables: list[str]
+    events: list[str]
+    machines: list[MachineItem]
+
+
+class Difference(TypedDict):
+    """What a held text would change, each element in words (``str(element)``)."""
+
+    added: list[str]
+    removed: list[str]
+    changed: list[str]
+    moved: list[str]
+
+
+class RateView(TypedDict):
+    """Ticks per second; `wanted` 0 means free."""
+
+    wanted: float
+    achieved: float
+
+
+class SpeedView(TypedDict):
+    """Simulated over real time; `wanted` 0 means as fast as possible."""
+
+    wanted: float
+    achieved: float
+
+
+class CountView(TypedDict):
+    """How often something happened since the session began, and the tick of the last time."""
+
+    count: int
+    tick: int
+
+
+class RestartView(TypedDict):
+    """Restarts by an edit since the session began, tick and reason of the last one."""
+
+    count: int
+    tick: int
+    reason: str
+
+
+class HungView(TypedDict):
+    """A block that does not return: ``follower/moving.running`` and for how long."""
+
+    where: str
+    seconds: float
+
+
+class MemberView(TypedDict):
+    """A member of `robot`: ``light.data``; `insert` is the text that a click puts into the program."""
+
+    name: str
+    kind: str
+    type: str
+    unit: str
+    doc: str
+    insert: str
+
+
+class BridgeView(TypedDict):
+    """The bridge. `status` is one of the words of `Bridge.status`, `sentence` explains it."""
+
+    name: str
+    status: str
+    sentence: str
+    hardware: bool
+    armed: bool
+    members: list[MemberView]
+
+
+class PanelField(TypedDict):
+    """One field of a bridge's panel; kind ``value`` is shown only. To take a choice may `press` a button."""
+
+    key: str
+    label: str
+    kind: Literal["text", "number", "choice", "switch", "value"]
+    value: str
+    choices: list[str]
+    unit: str
+    press: str
+
+
+class PanelButton(TypedDict):
+    """A button of a panel, or of each row of a table."""
+
+    key: str
+    label: str
+
+
+class PanelTable(TypedDict):
+    """A table of a panel; `keys` name the rows."""
+
+    key: str
+    title: str
+    columns: list[str]
+    keys: list[str]
+    rows: list[list[str]]
+    buttons: list[PanelButton]
+
+
+class PanelQuestion(TypedDict):
+    """Something that the bridge needs to know before it connects, an address for example."""
+
+    key: str
+    text: str
+    default: str
+    button: str
+
+
+class PanelView(TypedDict):
+    """A bridge's panel: plain data, drawn by the lab."""
+
+    title: str
+    fields: list[PanelField]
+    tables: list[PanelTable]
+    buttons: list[PanelButton]
+    questions: list[PanelQuestion]
+
+
+class StrokeView(TypedDict):
+    """A line on the floor, in metres; grey from 0 (black) to 255. `ink` (of a pen) only darkens."""
+
+    path: NotRequired[list[Point]]
+    circle: NotRequired[Pose]
+    arc: NotRequired[list[float]]
     width: NotRequired[float]
-    grey: NotRequired[int]
-    key: NotRequired[str]
-    row: NotRequired[str]
-    values: NotRequired[dict[str, str]]
+    grey: NotRequired[float]
+    ink: NotRequired[bool]
 
 
-FromPage = Hello | Bye | Text | Credit | Request | Command
+class FloorView(TypedDict):
+    """What the light sensor sees."""
+
+    grey: NotRequired[float]
+    strokes: NotRequired[list[StrokeView]]
+
+
+class SolidView(TypedDict):
+    """Something to bump into. `box`: centre and size; `angle` in rad; `push`: a number if pushable."""
+
+    box: NotRequired[list[float]]
+    circle: NotRequired[Pose]
+    angle: NotRequired[float]
+    name: NotRequired[str]
+    push: NotRequired[float | None]
+
+
+class RobotShape(TypedDict):
+    """A robot: pose (x, y, theta), radius, places of light sensors, (angle, reach) of distance sensors."""
+
+    pose: Pose
+    radius: NotRequired[float]
+    light: NotRequired[list[Point]]
+    bumper: NotRequired[bool]
+    distance: NotRequired[list[Point]]
+
+
+class ZoneView(TypedDict):
+    """A region that a challenge speaks of."""
+
+    circle: NotRequired[Pose]
+    box: NotRequired[list[float]]
+
+
+class WorldView(TypedDict):
+    """The world as `World.to_dict` writes it (what is usual left out); the page fills it in."""
+
+    version: int
+    name: NotRequired[str]
+    open: NotRequired[bool]
+    size: Point
+    seed: int
+    floor: FloorView
+    solids: list[SolidView]
+    robots: list[RobotShape]
+    zones: dict[str, ZoneView]
+
+
+class InkView(TypedDict):
+    """Pen trails: keep the first `first` strokes of the ink, then these."""
+
+    first: int
+    strokes: list[StrokeView]
+
+
+class SettingsView(TypedDict):
+    """Switches of the session that all its views share. `hold`: texts wait for ``apply``."""
+
+    hold: bool
+    on_active_edit: OnActiveEdit
+    pause_on_issue: bool
+
+
+class ConflictView(TypedDict):
+    """Cell and lab were both changed: the cell's text, and a sentence. Ended by ``take`` or ``keep``."""
+
+    text: str
+    sentence: str
+
+
+class ChoicesView(TypedDict):
+    """Names of the bridges, of the bundled worlds, of the bundled programs."""
+
+    bridges: list[str]
+    worlds: list[str]
+    programs: list[str]
 
 
 # ------------------------------------------------------------------ kernel -> page
 
 
-class Frame(TypedDict):
-    """What changed since the last frame sent to this view; a missing field has not changed.
+class ViewState(TypedDict):
+    """Everything that a view may show of a session, apart from its texts and its world.
 
-    =============== =====================================================================================
-    ``status``      the words of `lrp_jupyter.interpreter.frame.Frame`; ``reason`` explains it
-    ``revision``    of the text that runs (the last one applied)
-    ``active``      innermost active states, as spawned (``Interpreter.active`` as text)
-    ``lit``         every active state by its path in the text, outer ones too: what the page marks
-    ``entered``     state path -> entries, so that a visit too short to see leaves an afterglow
-    ``fired``       transition -> firings; the one with the newest tick in its machine is marked
-    ``variables``   path -> value, None once it is unset; only what changed
-    ``events``      path -> value at its last test, None if it failed or was never tested
-    ``members``     member of `robot` -> its value now, as text
-    ``issues``      new or changed ones; ``gone``: ids of those cleared
-    ``hung``        None once the block returned
-    ``layouts``     machine path -> layout, those that changed (dragged, arranged)
-    ``ink``         new trails and drawings of the world
-    =============== =====================================================================================
-
-    If something moved in the world, one buffer comes with it: where everything is now, made by
-    `pack_poses`; 36 bytes for one robot.
+    ============= =======================================================================================
+    ``status``    the words of `lrp_jupyter.interpreter.frame.Frame`; ``reason`` explains it
+    ``revision``  of the text that runs (the last one applied); ``program`` is what it says
+    ``active``    innermost active states, as spawned (``Interpreter.active`` as text)
+    ``lit``       every active state by its path in the text, outer ones too: what the page marks
+    ``entered``   state path -> entries, so that a visit too short to see leaves an afterglow
+    ``fired``     transition -> firings; the one with the newest tick in its machine is marked
+    ``variables`` path -> value, of those that are alive
+    ``events``    path -> value at its last test, of those whose test gave one
+    ``members``   member of `robot` -> its value now, as text
+    ``issues``    number -> issue
+    ``printed``   number of the line since the session began -> line; the last ones
+    ``hung``      None unless a block does not return
+    ``layouts``   machine path -> layout
+    ============= =======================================================================================
     """
 
-    type: Literal["frame"]
-    view: str
-    frame: int
-    status: NotRequired[Status]
-    reason: NotRequired[str]
-    tick: NotRequired[int]
-    time: NotRequired[float]
-    rate: NotRequired[RateView]
-    speed: NotRequired[SpeedView]
-    revision: NotRequired[int]
-    active: NotRequired[list[str]]
-    lit: NotRequired[list[str]]
-    entered: NotRequired[dict[str, FiredView]]
-    fired: NotRequired[dict[str, FiredView]]
-    variables: NotRequired[dict[str, ValueView | None]]
-    events: NotRequired[dict[str, bool | None]]
-    members: NotRequired[dict[str, str]]
-    issues: NotRequired[list[IssueView]]
-    gone: NotRequired[list[int]]
-    restart: NotRequired[RestartView]
-    hung: NotRequired[HungView | None]
-    printed: NotRequired[PrintedView]
-    bridge: NotRequired[BridgeView]
-    panel: NotRequired[PanelView | None]
-    settings: NotRequired[SettingsView]
-    conflict: NotRequired[ConflictView | None]
-    layouts: NotRequired[dict[str, Layout]]
-    ink: NotRequired[InkView]
+    status: Status
+    reason: str
+    tick: int
+    time: float
+    rate: RateView
+    speed: SpeedView
+    revision: int
+    program: ProgramView
+    layouts: dict[str, Layout]
+    active: list[str]
+    lit: list[str]
+    entered: dict[str, CountView]
+    fired: dict[str, CountView]
+    variables: dict[str, ValueView]
+    events: dict[str, bool]
+    members: dict[str, str]
+    issues: dict[str, IssueView]
+    printed: dict[str, str]
+    restart: RestartView
+    hung: HungView | None
+    bridge: BridgeView
+    panel: PanelView | None
+    settings: SettingsView
+    conflict: ConflictView | None
 
 
-class Answer(TypedDict):
+class FrameMessage(ViewState, total=False):
+    """What changed in the view state since the last frame sent to this view.
+
+    A field that is missing has not changed. Of an object only the changed entries are sent, None for one
+    that is gone (see `difference` in `view_state`); anything else is sent in full. `ink` are new trails and
+    drawings of the world. If something moved in the world, one buffer comes with it: where everything is
+    now, made by `pack_poses`; 36 bytes for one robot.
+    """
+
+    type: Required[Literal["frame"]]
+    view: Required[str]
+    frame: Required[int]
+    ink: InkView
+
+
+class AnswerMessage(TypedDict):
     """The session has read a text, and how it took it.
 
     `seq` is the receiver's own, or 0 where another view, a rename, a load or a cell brought the text, which
     then comes along. `accepted`: it is a program; `applied`: it runs now; `reason` says why not, or why it
-    restarted. `program` and `layouts` are None (or lack machines) where nothing changed; a machine that is
-    gone simply is not in `program`. `pending` is what a held text would change.
+    restarted. `pending` is what a held text would change.
     """
 
     type: Literal["answer"]
@@ -296,12 +436,10 @@ class Answer(TypedDict):
     accepted: bool
     applied: bool
     reason: str
-    program: ProgramView | None
-    layouts: dict[str, Layout] | None
     pending: Difference | None
 
 
-class Snapshot(TypedDict):
+class SnapshotMessage(TypedDict):
     """Everything, for a view that has just come.
 
     `running` is the text that runs, `text` the editor's. Its frame is paid for like any other.
@@ -314,12 +452,10 @@ class Snapshot(TypedDict):
     revision: int
     running: str
     findings: list[FindingView]
-    program: ProgramView
-    layouts: dict[str, Layout]
     pending: Difference | None
     choices: ChoicesView
     world: WorldView | None
-    frame: Frame
+    frame: FrameMessage
 
 
 class WorldMessage(TypedDict):
@@ -354,8 +490,8 @@ class ReferencesView(TypedDict):
     kind: ElementKind
     path: str
     name: str
-    definition: Range | None
-    references: list[Range]
+    definition: TextRange | None
+    references: list[TextRange]
 
 
 class Facet(TypedDict):
@@ -379,7 +515,7 @@ class InspectView(TypedDict):
     more: int
 
 
-class Reply(TypedDict):
+class ReplyMessage(TypedDict):
     """The one answer to a command or request with this id."""
 
     type: Literal["reply"]
@@ -392,4 +528,40 @@ class Reply(TypedDict):
     inspect: NotRequired[InspectView]
 
 
-FromKernel = Frame | Answer | Snapshot | WorldMessage | Reply
+FromKernel = FrameMessage | AnswerMessage | SnapshotMessage | WorldMessage | ReplyMessage
+
+
+# ------------------------------------------------------------------ places and names
+
+
+def range_of(text: str, start: int, end: int) -> TextRange:
+    """Convert the characters ``text[start:end]`` to lines and columns."""
+    starts = line_starts(text)
+    line, end_line = bisect_right(starts, start), bisect_right(starts, end)
+    return {
+        "line": line,
+        "column": start - starts[line - 1] + 1,
+        "end_line": end_line,
+        "end_column": end - starts[end_line - 1] + 1,
+    }
+
+
+def offset_of(text: str, line: int, column: int) -> int:
+    """Convert a line and a column to a character offset; what lies outside the text becomes its end."""
+    starts = line_starts(text)
+    if line > len(starts):
+        return len(text)
+    return min(starts[line - 1] + column - 1, len(text))
+
+
+def id_of(kind: str, path: Path) -> str:
+    """Write an element's path as the page does: a transition's last name comes after a colon."""
+    return f"{path_text(path[:-1])}:{path[-1]}" if kind == "transition" else path_text(path)
+
+
+def path_of(kind: str, text: str) -> Path:
+    """Read an element's path as the page writes it."""
+    if kind == "transition":
+        machine, _, label = text.partition(":")
+        return (*machine.split("/"), label)
+    return tuple(text.split("/")) if text else ()

@@ -1,8 +1,10 @@
-"""What goes out: everything that the views of a session are told, sent by one thread.
+"""Publish a session to its views: everything that they are sent, by one thread.
 
 The publisher sends answers and replies as soon as they are known, and then to each view what changed since
 the last frame *sent to that view*, while the view has credit. It is woken by a new frame of the session,
-and never waits for anybody: a view that is slow, hidden or gone costs the others nothing.
+and never waits for a view: one that is slow, hidden or gone costs the others nothing. Layouts, which may
+take long, are computed between the answers and the frames with no lock held: messages of the page, a stop
+among them, go through meanwhile.
 
 *Pacing.* What a person did or must see at once is urgent and goes out with the next round. What comes with
 every tick is calm: its frames keep a distance, for each of them costs the page a picture.
@@ -14,29 +16,136 @@ import contextvars
 import threading
 import traceback
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 from contextlib import suppress
+from dataclasses import dataclass, field
 from time import monotonic
 from typing import Any
 
-from lrp_jupyter.errors import SessionClosedError
+from lrp_jupyter import programs
+from lrp_jupyter.bridges.discovery import find_bridges
+from lrp_jupyter.errors import LRPError, SessionClosedError
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.choices import choices
-from lrp_jupyter.widgets.replies import Reply
-from lrp_jupyter.widgets.scene import world_view
-from lrp_jupyter.widgets.sight import PRINTED, Sight, changes, is_urgent
+from lrp_jupyter.sim.worlds import BUNDLED
+from lrp_jupyter.widgets.layouts import Layouts
+from lrp_jupyter.widgets.protocol import ViewState
 from lrp_jupyter.widgets.texts import Texts, Written
-from lrp_jupyter.widgets.view import Send, View
-from lrp_jupyter.widgets.world_feed import has_moved, movement, scene_of, send_world
+from lrp_jupyter.widgets.view_state import ViewStates, difference, is_urgent
+from lrp_jupyter.widgets.world_state import WorldCursor
 
-__all__ = ["Publisher"]
+__all__ = ["PendingReply", "Publisher", "Send"]
 
 _HEARTBEAT = 1.0
 _URGENT, _CALM = 0.015, 0.08  # s between two frames, at least: ten ticks a second come through
 _ROUND, _REST = 0.01, 0.1  # s until the next look if something urgent is owed, and if nobody calls
 _REFRESH, _REFRESH_HARDWARE = 0.2, 1.0  # s between two readings of what no program reads
+
+WINDOW = 3
+"""Frames that may be on their way to a view."""
+_PER_SECOND, _BURST = 30.0, 3.0  # frames
+_GONE_AFTER = 15.0  # s without a credit while the window is full
+
+Send = Callable[[Any, "list[bytes] | None"], None]
+
+
+class View:
+    """One picture of a lab in a page: what has been sent to it, and its credit.
+
+    Parameters
+    ----------
+    name : str
+        The page made it up.
+    part : str
+        Which part of the lab it shows.
+    send : callable
+        Sends a message (and buffers) on the comm of its widget.
+    now : float
+        Seconds on the wall.
+    """
+
+    def __init__(self, name: str, part: str, send: Send, now: float) -> None:
+        self.name = name
+        self.sent: ViewState | None = None
+        self.world = WorldCursor() if part in ("lab", "world") else None
+        self.framed = float("-inf")  # when the last frame was sent
+        self.fault = ""
+        """The traceback of a message that could not be sent."""
+        self._send = send
+        self._number = 0
+        self._on_their_way: set[int] = set()
+        self._heard = now
+        self._tokens = (_BURST, now)
+
+    @property
+    def has_credit(self) -> bool:
+        """Whether frames may be sent."""
+        return len(self._on_their_way) < WINDOW
+
+    def credit(self, number: int, now: float) -> None:
+        """Return the credit for a frame, and for all before it: they come in order."""
+        self._on_their_way = {other for other in self._on_their_way if other > number}
+        self._heard = now
+
+    def is_gone(self, now: float) -> bool:
+        """Whether it cannot be reached, or has been silent for so long that it must be closed."""
+        return bool(self.fault) or (not self.has_credit and now - self._heard > _GONE_AFTER)
+
+    def may(self, now: float) -> bool:
+        """Whether a frame may be sent now: there is credit, and not too much came before."""
+        tokens, since = self._tokens
+        self._tokens = min(_BURST, tokens + (now - since) * _PER_SECOND), now
+        return self.has_credit and self._tokens[0] >= 1.0
+
+    def number(self) -> int:
+        """Return the number of the next frame, and count it as sent."""
+        self._number += 1
+        self._on_their_way.add(self._number)
+        tokens, since = self._tokens
+        self._tokens = tokens - 1.0, since
+        return self._number
+
+    def send(self, message: Any, buffers: list[bytes] | None = None) -> None:
+        """Send a message to this view; one that fails does not keep the others from theirs."""
+        try:
+            self._send({**message, "view": self.name}, buffers)
+        except Exception:
+            self.fault = traceback.format_exc()
+
+
+@dataclass(eq=False)
+class PendingReply:
+    """A command or request that is not answered yet.
+
+    Parameters
+    ----------
+    view : str
+        Which one asked.
+    id : int
+    answer : Future
+    deadline : float
+        When it is answered with what holds it up.
+    fields_of : callable
+        Makes the reply's fields of the result.
+    """
+
+    view: str
+    id: int
+    answer: Future[Any]
+    deadline: float
+    fields_of: Callable[[Any], Mapping[str, Any]] = field(default=lambda _: {})
+
+    def outcome(self) -> tuple[str | None, Mapping[str, Any]]:
+        """Return the error, a sentence or None, and the other fields."""
+        if self.answer.cancelled():
+            return "Something newer came in between.", {}
+        error = self.answer.exception()
+        if error is None:
+            return None, self.fields_of(self.answer.result() or {})
+        if isinstance(error, (LRPError, ValueError, OSError)) and str(error):
+            return str(error), {}
+        return f"{type(error).__name__}: {error}", {}
 
 
 class Publisher:
@@ -46,6 +155,7 @@ class Publisher:
     ----------
     session : Session
     texts : Texts
+    layouts : Layouts
     report : callable
         Gets the traceback of a fault of the lab itself.
     clock : callable
@@ -56,25 +166,28 @@ class Publisher:
         self,
         session: Session,
         texts: Texts,
+        layouts: Layouts,
         report: Callable[[str], None],
         clock: Callable[[], float] = monotonic,
     ) -> None:
         self._texts = texts
+        self._layouts = layouts
         self._report = report
         self._clock = clock
         self._lock = threading.RLock()  # of the views and what was sent to them
         self._views: dict[str, View] = {}
-        self._replies: deque[Reply] = deque()
+        self._replies: deque[PendingReply] = deque()
         self._wake = threading.Event()
         self._thread: threading.Thread | None = None
         self._ended = False
         self._refreshed: tuple[float, Future[Any] | None] = (float("-inf"), None)
         self._left = False  # whether a view may be owed something urgent
         self._unlisten: Callable[[], None] = lambda: None
-        self.follow(session)
+        self.attach(session)
 
-    def follow(self, session: Session) -> None:
-        """Show this session from now on; views get everything anew."""
+    def attach(self, session: Session) -> None:
+        """Publish this session from now on; views get a snapshot of it."""
+        self._layouts.update(session.program)
         with self._lock:
             self._unlisten()
             self.session = session
@@ -82,15 +195,15 @@ class Publisher:
             with suppress(SessionClosedError):
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # what was asked of another may never be answered
-            self._sight = Sight(session)
-            self._texts.follow(session)
+            self._texts.attach(session)
+            self._view_states = ViewStates(session, self._texts)
             for view in self._views.values():
                 self._snapshot(view)
 
     # -- the views -----------------------------------------------------------------------------------
 
     def welcome(self, name: str, part: str, send: Send) -> None:
-        """Tell a view that said hello everything; it hears news from now on."""
+        """Send a snapshot to a view that opened, and then what changes."""
         with self._lock:
             view = View(name, part, send, self._clock())
             if not self._ended:
@@ -104,25 +217,25 @@ class Publisher:
             return name in self._views
 
     def forget(self, name: str) -> None:
-        """Tell a view nothing more."""
+        """Send a view nothing more."""
         with self._lock:
             self._views.pop(name, None)
 
     def credit(self, name: str, number: int) -> None:
-        """Take back a view's credit for a frame, and for all before it."""
+        """Return a view's credit for a frame, and for all before it."""
         with self._lock:
             if name in self._views:
                 self._views[name].credit(number, self._clock())
 
-    def owe(self, reply: Reply) -> None:
+    def reply_later(self, reply: PendingReply) -> None:
         """Send a reply as soon as its answer is known, or the deadline is over."""
         self._replies.append(reply)
         reply.answer.add_done_callback(lambda _: self.wake())
 
-    def look(self) -> dict[str, Any]:
-        """Everything that a view may see now."""
+    def view_state(self) -> ViewState:
+        """Return everything that a view may show now."""
         with self._lock:
-            return self._look()
+            return self._view_states.current(*self._layouts.current)
 
     # -- the thread ----------------------------------------------------------------------------------
 
@@ -138,11 +251,11 @@ class Publisher:
             self._thread.start()
 
     def wake(self) -> None:
-        """Look at once."""
+        """Have a round begin at once."""
         self._wake.set()
 
     def end(self) -> None:
-        """End the thread, tell every view how it ended, and save what is not saved."""
+        """End the thread, send every view how the session ended, and save what is not saved."""
         with self._lock:
             self._unlisten()
             self._ended = True
@@ -151,7 +264,7 @@ class Publisher:
         if thread is not None and thread is not threading.current_thread():
             thread.join(2)
         try:
-            self._say_goodbye()
+            self._send_end()
         except Exception:
             self._report(traceback.format_exc())
 
@@ -172,15 +285,17 @@ class Publisher:
     # -- a round -------------------------------------------------------------------------------------
 
     def publish(self) -> None:
-        """Send what there is to send; never waits."""
+        """Send what there is to send; waits for no view."""
         now = self._clock()
         with self._lock:
-            for written in self._texts.settle(now):
+            for written in self._texts.answers(now):
                 self._answer(written)
             self._answer_commands(now)
+            session = self.session
+        self._layouts.update(session.program)
+        with self._lock:
             self._drop_the_gone(now)
-            for view in self._views.values():
-                send_world(view, self.session, now)
+            self._send_worlds(now)
             self._send_frames(now)
         self._texts.save()
         self._refresh(now)
@@ -198,8 +313,6 @@ class Publisher:
                     "accepted": written.accepted,
                     "applied": written.applied,
                     "reason": written.reason,
-                    "program": written.program,
-                    "layouts": written.layouts,
                     "pending": written.pending,
                 }
             )
@@ -214,8 +327,8 @@ class Publisher:
             view = self._views.get(reply.view)
             if view is None:
                 continue
-            error, told = reply.outcome() if done else (self._what_blocks(), {})
-            view.send({"type": "reply", "id": reply.id, "error": error, **told})
+            error, fields = reply.outcome() if done else (self._what_blocks(), {})
+            view.send({"type": "reply", "id": reply.id, "error": error, **fields})
 
     def _what_blocks(self) -> str:
         frame = self.session.frame
@@ -228,61 +341,46 @@ class Publisher:
             if view.fault:
                 self._report(view.fault)
 
-    def _look(self) -> dict[str, Any]:
-        texts = self._texts
-        return self._sight.look(
-            texts.running_revision,
-            settings={
-                "hold": texts.hold,
-                "on_active_edit": self.session.on_active_edit,
-                "pause_on_issue": self.session.on_issue == "pause",
-            },
-            conflict=texts.conflict,
-            layouts=texts.drawings.layouts,
-        )
-
-    def _lines_since(self, count: int) -> dict[str, Any]:
-        total, lines = self.session.output.since(count)
-        lines = lines[-PRINTED:]
-        return {"first": total - len(lines), "lines": list(lines)}
+    def _send_worlds(self, now: float) -> None:
+        for view in self._views.values():
+            if view.world is not None and view.has_credit and view.world.must_describe(self.session, now):
+                view.send({"type": "world", "world": view.world.describe(self.session, now)})
 
     def _send_frames(self, now: float) -> None:
         due = [view for view in self._views.values() if view.may(now) and now - view.framed >= _URGENT]
         self._left = len(due) < len(self._views)
-        look = self._look() if due else {}
+        if not due:
+            return
+        state = self.view_state()
         for view in due:
-            told, buffers = changes(view.sent, look, self._lines_since), None
-            moved = has_moved(view, self.session)
-            news = bool(told or moved)
-            urgent = is_urgent(told) or (moved and self.session.status != "running")  # it is dragged
-            if not urgent and now - view.framed < (_CALM if news else _HEARTBEAT):
+            changes, buffers = difference(view.sent or {}, state), None
+            world = view.world if view.world is not None and view.world.has_moved(self.session) else None
+            urgent = is_urgent(changes) or (world and self.session.status != "running")  # it is dragged
+            if not urgent and now - view.framed < (_CALM if changes or world else _HEARTBEAT):
                 continue  # what is calm comes with the next tick
-            if moved:
-                ink, buffers = movement(view, self.session)
-                told |= ink
-            view.sent, view.framed = look, now
-            view.send({"type": "frame", "frame": view.number(), **told}, buffers)
+            if world is not None:
+                ink, buffers = world.advance(self.session)
+                changes |= ink
+            view.sent, view.framed = state, now
+            view.send({"type": "frame", "frame": view.number(), **changes}, buffers)
 
     def _snapshot(self, view: View) -> None:
-        """Send everything; the view then knows the present look."""
-        view.sent = look = self._look()
+        """Send everything; the view then knows the present view state."""
+        view.sent = state = self.view_state()
         view.framed = self._clock()
-        view.forget_world()
-        picture = self.session.frame.robot
-        view.scene = scene_of(self.session)
+        world = None if view.world is None else view.world.describe(self.session, float("-inf"))
         view.send(
             {
                 "type": "snapshot",
                 "name": self.session.name,
                 **self._texts.everything(),
-                "choices": choices(),
-                "world": world_view(self.session.bridge, picture),
-                "frame": {
-                    "type": "frame",
-                    "view": view.name,
-                    "frame": view.number(),
-                    **changes({}, look, self._lines_since),
+                "choices": {
+                    "bridges": list(find_bridges()),
+                    "worlds": list(BUNDLED),
+                    "programs": list(programs.names()),
                 },
+                "world": world,
+                "frame": {"type": "frame", "view": view.name, "frame": view.number(), **state},
             }
         )
 
@@ -296,13 +394,13 @@ class Publisher:
             with suppress(SessionClosedError):  # since we looked
                 self._refreshed = now, session.ask(do.Call(session.bridge.refresh))
 
-    def _say_goodbye(self) -> None:
-        """Tell every view how it ended, whether it has credit or not, and save what is not saved."""
+    def _send_end(self) -> None:
+        """Send every view how it ended, whether it has credit or not, and save what is not saved."""
         self.publish()
         with self._lock:
-            look = self._look()
+            state = self.view_state()
             for view in self._views.values():
-                told = changes(view.sent, look, self._lines_since)
-                if told:
-                    view.send({"type": "frame", "frame": view.number(), **told})
+                changes = difference(view.sent or {}, state)
+                if changes:
+                    view.send({"type": "frame", "frame": view.number(), **changes})
             self._views.clear()

@@ -1,100 +1,109 @@
-"""Questions of an editor and an inspector: completion, hover, references, looking into values.
+"""Requests of an editor: completion, hover, references.
 
-On the worker's thread. Live values are fetched between two ticks, on the interpreter's thread; only what
-comes of them, texts of bounded length, leaves it.
+They are answered on the worker's thread. Live values are read between two ticks, on the interpreter's
+thread; only what comes of them, texts of bounded length, leaves it.
 """
 
 from __future__ import annotations
 
 import builtins
-import inspect as inspection
+import inspect
 import keyword
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.interpreter.frame import render
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.rename import references as find_references
 from lrp_jupyter.language.resolution import resolve
-from lrp_jupyter.widgets.fields import arguments_of, fields_of
-from lrp_jupyter.widgets.inspecting import inspect_element
-from lrp_jupyter.widgets.paths import id_of
-from lrp_jupyter.widgets.protocol import (
-    Complete,
-    Hover,
-    HoverView,
-    Inspect,
-    Option,
-    References,
-    ReferencesView,
-    Request,
-    offset_of,
-    range_of,
-)
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
+from lrp_jupyter.widgets.protocol import HoverView, Option, ReferencesView, id_of, offset_of, range_of
 
-if TYPE_CHECKING:
-    from lrp_jupyter.widgets.connection import Connection
-
-__all__ = ["answer_request"]
+__all__ = ["CompleteRequest", "HoverRequest", "ReferencesRequest", "arguments_of", "fields_of"]
 
 _MOST = 300  # completions
+_ARGUMENT = re.compile(r"[(,]\s*(\w+)")
 
 
 class _NothingError(Exception):
     """A name means nothing here."""
 
 
-def answer_request(connection: Connection, request: Request) -> Mapping[str, Any]:
-    """Give the fields of the reply."""
-    match request["type"]:
-        case "complete":
-            return {"options": complete(connection, request)}
-        case "hover":
-            return {"hover": hover(connection, request)}
-        case "references":
-            return {"references": references(connection, request)}
-        case "inspect":
-            return {"inspect": inspect_element(connection, _inspected(request))}
-    raise LRPError(f"There is no request `{request['type']}`.")
+@dataclass(frozen=True)
+class CompleteRequest(PageRequest, type="complete"):
+    """Complete a Python expression (``robot.li``) in the scope of a machine path ("" for the top level).
+
+    The page itself completes keywords and the program's names. Answered by `options`.
+    """
+
+    prefix: str
+    scope: str
+
+    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
+        """Return the completions."""
+        return {"options": _completions(opened.session, self.prefix, self.scope)}
 
 
-def _inspected(request: Inspect) -> Inspect:
-    return request
+@dataclass(frozen=True)
+class HoverRequest(PageRequest, type="hover"):
+    """Ask what a dotted name (``robot.light.data``) is in a scope. Answered by `hover`."""
+
+    chain: str
+    scope: str
+
+    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
+        """Return the card of the name."""
+        return {"hover": _hover(opened.session, self.chain, self.scope)}
+
+
+@dataclass(frozen=True)
+class ReferencesRequest(PageRequest, type="references"):
+    """Ask whose name stands at a place of the last text sent. Answered by `references`."""
+
+    line: int
+    column: int
+
+    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
+        """Return the element and all places of its name."""
+        return {"references": _references(opened.texts.text, self.line, self.column)}
 
 
 # -- Python names ----------------------------------------------------------------------------------------
 
 
-def complete(connection: Connection, request: Complete) -> list[Option]:
+def _completions(session: Session, prefix: str, scope: str) -> list[Option]:
     """Complete a name, or a member of what stands before the last dot.
 
     ``robot.move().`` asks for the fields of the message that a command sends, ``robot.move(`` for its
     arguments.
     """
-    robot, prefix = connection.session.bridge, request["prefix"]
+    robot = session.bridge
     command, bracket, argument = prefix.partition("(")
     if bracket and not argument.startswith(")"):
         return [each for each in arguments_of(robot, command) if each["label"].startswith(argument)]
     before, dot, begun = prefix.rpartition(".")
     if not dot:
-        return _names(connection, begun)
+        return _names(session, begun)
     fields = fields_of(robot, before)
     if fields is not None:
         return [each for each in fields if each["label"].startswith(begun)]
     try:
-        options: list[Option] = connection.session.call(
-            lambda: _members(_value_of(connection, before, request["scope"]), begun)
-        )
+        options: list[Option] = session.call(lambda: _members(_value_of(session, before, scope), begun))
         return options
     except _NothingError:
         return []
 
 
-def _names(connection: Connection, begun: str) -> list[Option]:
-    known: dict[str, object] = {**vars(builtins), **connection.session.namespace}
+def _names(session: Session, begun: str) -> list[Option]:
+    known: dict[str, object] = {**vars(builtins), **session.namespace}
     names = [name for name in known if name.startswith(begun) and (begun.startswith("_") or name[0] != "_")]
     words = [word for word in keyword.kwlist if word.startswith(begun)]
     options = [_option(name, known[name]) for name in islice(sorted(names, key=_by_case), _MOST)]
@@ -112,7 +121,7 @@ def _members(value: object, begun: str) -> list[Option]:
     options = []
     for name in names[:_MOST]:
         try:
-            member = inspection.getattr_static(value, name)
+            member = inspect.getattr_static(value, name)
             if not isinstance(member, property):
                 member = getattr(value, name)
         except Exception:  # it is listed all the same
@@ -122,9 +131,9 @@ def _members(value: object, begun: str) -> list[Option]:
 
 
 def _option(name: str, value: object) -> Option:
-    if inspection.isclass(value):
+    if inspect.isclass(value):
         kind, detail = "class", ""
-    elif inspection.ismodule(value):
+    elif inspect.ismodule(value):
         kind, detail = "namespace", ""
     elif callable(value):
         kind, detail = "function", _signature(value)
@@ -135,21 +144,20 @@ def _option(name: str, value: object) -> Option:
     return {"label": name, "kind": kind, "detail": detail, "info": _doc(value) if callable(value) else ""}
 
 
-def hover(connection: Connection, request: Hover) -> HoverView | None:
-    """Say what a dotted name is, and its value now."""
-    chain, scope = request["chain"], request["scope"]
+def _hover(session: Session, chain: str, scope: str) -> HoverView | None:
+    """Return what a dotted name is, and its value now."""
     if keyword.iskeyword(chain):
         return None
     robot = chain.removeprefix("robot.")
     if robot != chain:
         try:
-            member = connection.session.bridge.describe(robot)
+            member = session.bridge.describe(robot)
         except LRPError:
             return None
         value = "" if member.kind == "method" else "waiting" if member.value is None else render(member.value)
         return {"title": chain + member.signature, "type": member.type, "value": value, "doc": member.doc}
     try:
-        card: HoverView = connection.session.call(lambda: _card(chain, _value_of(connection, chain, scope)))
+        card: HoverView = session.call(lambda: _card(chain, _value_of(session, chain, scope)))
         return card
     except _NothingError:
         return None
@@ -163,28 +171,28 @@ def _card(title: str, value: object) -> HoverView:
             "value": "",
             "doc": _doc(value),
         }
-    doc = _doc(value) if inspection.ismodule(value) else ""
+    doc = _doc(value) if inspect.ismodule(value) else ""
     return {"title": title, "type": type(value).__name__, "value": render(value), "doc": doc}
 
 
 def _signature(value: Callable[..., object]) -> str:
     try:
-        return str(inspection.signature(value))
+        return str(inspect.signature(value))
     except (TypeError, ValueError):
         return "(…)"
 
 
 def _doc(value: object) -> str:
     try:
-        return (inspection.getdoc(value) or "").partition("\n\n")[0][:300]
+        return (inspect.getdoc(value) or "").partition("\n\n")[0][:300]
     except Exception:  # a strange object: no documentation
         return ""
 
 
-def _value_of(connection: Connection, chain: str, scope: str) -> object:
+def _value_of(session: Session, chain: str, scope: str) -> object:
     """Find what a dotted name means in the scope of a machine; between two ticks."""
     first, *rest = chain.split(".")
-    value = _root(connection, first, scope)
+    value = _root(session, first, scope)
     for name in rest:
         try:
             value = getattr(value, name)
@@ -193,9 +201,8 @@ def _value_of(connection: Connection, chain: str, scope: str) -> object:
     return value
 
 
-def _root(connection: Connection, name: str, scope: str) -> object:
-    session = connection.session
-    path = _variable_in_scope(connection, name, scope)
+def _root(session: Session, name: str, scope: str) -> object:
+    path = _variable_in_scope(session, name, scope)
     if path is not None:
         try:
             return session.interpreter.variables[path]
@@ -209,23 +216,89 @@ def _root(connection: Connection, name: str, scope: str) -> object:
     raise _NothingError
 
 
-def _variable_in_scope(connection: Connection, name: str, scope: str) -> Path | None:
-    names = resolve(connection.session.program)
+def _variable_in_scope(session: Session, name: str, scope: str) -> Path | None:
+    names = resolve(session.program)
     here = names.by_path.get(tuple(scope.split("/")), names.top)
     owner = here.visible.get(name)
     return None if owner is None else (*owner.path, name)
 
 
+# -- readings and messages of a robot, known from their types before anything arrived --------------------
+
+
+def fields_of(bridge: Bridge, chain: str) -> list[Option] | None:
+    """Return the fields of ``robot.odom``, or of what ``robot.move()`` sends; None for other chains.
+
+    Parameters
+    ----------
+    bridge : Bridge
+    chain : str
+        ``robot.odom.pose``, ``robot.move().linear``.
+    """
+    command, called, inner = chain.partition("()")
+    root, _, path = command.partition(".")
+    if root != "robot" or not path:
+        return None
+    try:
+        if called:
+            return [_field(field) for field in bridge.describe(path + inner).fields]
+        names = path.split(".")
+        if any(bridge.describe(".".join(names[:end])).kind == "method" for end in range(1, len(names) + 1)):
+            return []
+        return [_field(field) for field in bridge.describe(path).fields] or None
+    except LRPError:
+        return None
+
+
+def _field(member: Member) -> Option:
+    value = "" if member.value is None or member.fields else render(member.value)[:40]
+    kind = "method" if member.kind == "method" else "property"
+    detail = value or member.signature or member.type
+    return {"label": member.name.rpartition(".")[2], "kind": kind, "detail": detail, "info": member.doc}
+
+
+def arguments_of(bridge: Bridge, command: str) -> list[Option]:
+    """Return the arguments of a command: ``robot.move`` takes ``linear=`` and ``linear_x=``.
+
+    Parameters
+    ----------
+    bridge : Bridge
+    command : str
+        ``robot.move``.
+    """
+    root, _, path = command.partition(".")
+    try:
+        member = bridge.describe(path) if root == "robot" and path else None
+    except LRPError:
+        member = None
+    if member is None or member.kind != "method":
+        return []
+    found = dict.fromkeys(_ARGUMENT.findall(member.signature), "")
+    for field in _leaves(member):
+        found[field.name.removeprefix(f"{path}.").replace(".", "_")] = field.type
+    return [
+        {"label": f"{name}=", "kind": "property", "detail": type_, "info": ""}
+        for name, type_ in found.items()
+    ]
+
+
+def _leaves(member: Member) -> Iterator[Member]:
+    for field in member.fields:
+        if field.fields:
+            yield from _leaves(field)
+        else:
+            yield field
+
+
 # -- references ------------------------------------------------------------------------------------------
 
 
-def references(connection: Connection, request: References) -> ReferencesView | None:
-    """Say whose name stands at a place of the text."""
-    text = connection.texts.text
+def _references(text: str, line: int, column: int) -> ReferencesView | None:
+    """Return the element whose name stands at a place of the text."""
     program, _ = scan(text)
     if program is None:
         raise LRPError("The text is not a program at the moment: names cannot be followed.")
-    found = find_references(program, offset_of(text, request["line"], request["column"]))
+    found = find_references(program, offset_of(text, line, column))
     if found is None:
         return None
     definition = range_of(text, *found.definition)

@@ -15,16 +15,14 @@ from threading import Lock, RLock
 from typing import Any
 
 from lrp_jupyter.errors import SessionClosedError
-from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.drawings import Drawings
-from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, ProgramView
-from lrp_jupyter.widgets.telling import difference_view, finding_view, program_view
+from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, range_of
 
-__all__ = ["Texts", "Written"]
+__all__ = ["Texts", "Written", "finding_id"]
 
 _KEPT = 50  # texts whose revision is known
 _SHOWING = 0.1  # s in which an applied program appears in a frame
@@ -32,7 +30,7 @@ _SHOWING = 0.1  # s in which an applied program appears in a frame
 
 @dataclass(eq=False)
 class Written:
-    """A text that came, and what is known of it; the fields of an `Answer`."""
+    """A text that came, and what is known of it; the fields of an `AnswerMessage`."""
 
     view: str
     seq: int
@@ -43,11 +41,9 @@ class Written:
     answer: Future[Any]
     deadline: float
     is_news: bool = True
-    """Whether views that did not type it are to be given the text."""
+    """Whether views that did not type it need the text."""
     applied: bool = False
     reason: str = ""
-    program: ProgramView | None = None
-    layouts: dict[str, Layout] | None = None
     pending: Difference | None = None
     done: float | None = None
 
@@ -69,7 +65,6 @@ class Texts:
     def __init__(self, folder: str | os.PathLike[str] | None = None) -> None:
         self.hold = False
         self.conflict: ConflictView | None = None
-        self.drawings = Drawings()
         self.waiting: deque[Written] = deque()
         self.text = ""
         self.revision = 0
@@ -79,20 +74,18 @@ class Texts:
         self._lock = RLock()
         self._saving = Lock()
         self._session: Session
-        self._shown = Program()
-        self._shown_view = program_view(self._shown)
+        self._answered = Program()  # the program that the views know to run
         self._revisions: dict[str, int] = {}
-        self._renamed: tuple[Path, str] | None = None
         self._saved: str | None = None
         self._unsaved: str | None = None
 
-    def follow(self, session: Session) -> None:
+    def attach(self, session: Session) -> None:
         """Belong to this session from now on; its text is the text."""
         with self._lock:
             self._session = session
             self.waiting.clear()
             self._number(session.text)
-            self._show(session.program)
+            self._answered = session.program
             self._judge(session.text)
             if self.noun is not None and self.text:
                 self._unsaved = self.text
@@ -100,7 +93,7 @@ class Texts:
     # -- in ----------------------------------------------------------------------------------------
 
     def write(self, text: str, view: str, seq: int, deadline: float) -> Written:
-        """Take a text and offer it to the session, unless edits are held."""
+        """Make a text the editor's, and offer it to the session unless edits are held."""
         with self._lock:
             answer: Future[Any] = Future()
             try:
@@ -128,7 +121,7 @@ class Texts:
             return written
 
     def rename(self, kind: str, path: Path, name: str) -> None:
-        """Rename an element, its references with it; what is drawn keeps its place. Waits.
+        """Rename an element and its references. Waits.
 
         Raises
         ------
@@ -140,11 +133,10 @@ class Texts:
         with self._lock:
             if self.text != self._session.program.text:
                 raise ValueError("The text is not the program that runs: nothing can be renamed in it now.")
-            self._renamed = (path, name) if kind in ("state", "machine") else None
         self._session.rename(kind, path, name)
 
     def _written(self, view: str, seq: int, answer: Future[Any], deadline: float) -> Written:
-        findings = [finding_view(finding, self.text) for finding in self.findings]
+        findings = [_finding_view(finding, self.text) for finding in self.findings]
         written = Written(view, seq, self.revision, self.text, self.noun, findings, answer, deadline)
         if self.noun is not None:
             self._unsaved = self.text
@@ -172,23 +164,23 @@ class Texts:
         """Revision of the text that runs."""
         return self._revisions.get(self._session.program.text, 0)
 
-    def settle(self, now: float) -> list[Written]:
-        """Give the texts whose fate is known, or long in coming; and what changed without a text."""
+    def answers(self, now: float) -> list[Written]:
+        """Return the texts that can be answered, or must be by now; and what changed without a text."""
         with self._lock:
             ready = []
-            while self.waiting and self._is_settled(self.waiting[0], now):
+            while self.waiting and self._is_decided(self.waiting[0], now):
                 ready.append(self.waiting.popleft())
             program = self._session.program
-            if not self.waiting and (program is not self._shown or self._came_from_elsewhere(program)):
+            if not self.waiting and (program is not self._answered or self._came_from_elsewhere()):
                 if not ready:
                     ready.append(self._news(program))
-                ready[-1].program, ready[-1].layouts = self._show(program)
+                self._answered = program
             for written in ready:
                 if self.hold and written.noun is not None and written.text != program.text:
-                    written.pending = difference_view(program, written.noun)
+                    written.pending = _difference_view(program, written.noun)
             return ready
 
-    def _is_settled(self, written: Written, now: float) -> bool:
+    def _is_decided(self, written: Written, now: float) -> bool:
         """Whether the session has taken a text, and shows it if it runs."""
         answer = written.answer
         if not answer.done():
@@ -213,13 +205,13 @@ class Texts:
         shown = self._session.program is written.noun or len(self.waiting) > 1
         return not patch.applied or shown or now - written.done > _SHOWING
 
-    def _came_from_elsewhere(self, program: Program) -> bool:
+    def _came_from_elsewhere(self) -> bool:
         """Whether the session has a text that no view brought: another cell's edit, a rename, a rewind."""
         is_other = not self.hold and self._session.text != self.text
-        return is_other and self._session.status != "closed"  # which takes no text any more
+        return is_other and self._session.status != "closed"  # which accepts no text any more
 
     def _news(self, program: Program) -> Written:
-        is_news = self._came_from_elsewhere(program)
+        is_news = self._came_from_elsewhere()
         if is_news:
             self._number(self._session.text)
             self._judge(self.text)
@@ -230,17 +222,8 @@ class Texts:
         written.is_news, written.applied = is_news, self.text == program.text
         return written
 
-    def _show(self, program: Program) -> tuple[ProgramView | None, dict[str, Layout] | None]:
-        """Follow the program that runs; give what of its picture changed."""
-        renamed, self._renamed = self._renamed, None
-        layouts = self.drawings.update(program, renamed)
-        view = program_view(program)
-        changed = view != self._shown_view
-        self._shown, self._shown_view = program, view
-        return view if changed else None, layouts or None
-
     def everything(self) -> dict[str, Any]:
-        """Give the fields of a `Snapshot` that are about texts and the program."""
+        """Return the fields of a `SnapshotMessage` that are about texts."""
         with self._lock:
             running = self._session.program
             waits = self.hold and self.noun is not None and self.text != running.text
@@ -248,10 +231,8 @@ class Texts:
                 "text": self.text,
                 "revision": self.revision,
                 "running": running.text,
-                "findings": [finding_view(finding, self.text) for finding in self.findings],
-                "program": self._shown_view,
-                "layouts": self.drawings.layouts,
-                "pending": difference_view(running, self.noun) if waits and self.noun is not None else None,
+                "findings": [_finding_view(finding, self.text) for finding in self.findings],
+                "pending": _difference_view(running, self.noun) if waits and self.noun is not None else None,
             }
 
     # -- files -------------------------------------------------------------------------------------
@@ -293,3 +274,42 @@ class Texts:
         fresh = file.with_name(f"{file.name}~")
         fresh.write_bytes(text.encode())
         fresh.replace(file)  # the old one is there until the new one is whole
+
+
+def finding_id(finding: Finding) -> str:
+    """Return what tells a finding from the others of its text."""
+    return f"{finding.code} {finding.line}:{finding.column} {finding.message}"
+
+
+def _finding_view(finding: Finding, text: str) -> FindingView:
+    """Return a finding of the checks about a text."""
+    fix = finding.fix
+    return {
+        "id": finding_id(finding),
+        "code": finding.code,
+        "severity": finding.severity,
+        "message": finding.message,
+        "range": {
+            "line": finding.line,
+            "column": finding.column,
+            "end_line": finding.end_line,
+            "end_column": finding.end_column,
+        },
+        "fix": None
+        if fix is None
+        else {
+            "title": fix.title,
+            "edits": [{"range": range_of(text, e.start, e.end), "text": e.text} for e in fix.edits],
+        },
+    }
+
+
+def _difference_view(old: Program, new: Program) -> Difference:
+    """Return what an edit would change."""
+    changes = diff(old, new)
+    return {
+        "added": [str(element) for element in changes.added],
+        "removed": [str(element) for element in changes.removed],
+        "changed": [str(element) for element in changes.changed],
+        "moved": [str(element) for element in changes.moved],
+    }

@@ -70,11 +70,24 @@ class Page:
     def last(self, kind):
         return self.all(kind)[-1]
 
+    def frames(self):
+        """All frames that came, that of the snapshot too."""
+        told = {"frame": lambda message: message, "snapshot": lambda message: message["frame"]}
+        return [told[message["type"]](message) for message in self.messages if message["type"] in told]
+
     def told(self, field):
         """The last value of a frame's field that came, in the snapshot or later."""
-        told = {"frame": lambda message: message, "snapshot": lambda message: message["frame"]}
-        frames = [told[message["type"]](message) for message in self.messages if message["type"] in told]
-        return next(frame[field] for frame in reversed(frames) if field in frame)
+        return next(frame[field] for frame in reversed(self.frames()) if field in frame)
+
+    def knows(self, field):
+        """A field of the view state as the page puts it together from all frames."""
+        value = None
+        for frame in self.frames():
+            new = frame.get(field, value)
+            if isinstance(new, dict) and isinstance(value, dict) and field in frame:
+                new = {name: entry for name, entry in {**value, **new}.items() if entry is not None}
+            value = new
+        return value
 
 
 class Bench:

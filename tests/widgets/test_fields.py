@@ -5,8 +5,8 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.bridges.ros.types import Types
-from lrp_jupyter.widgets.fields import arguments_of, fields_of
-from lrp_jupyter.widgets.telling import bridge_view
+from lrp_jupyter.widgets.requests import arguments_of, fields_of
+from lrp_jupyter.widgets.view_state import bridge_view
 
 
 class Far(Bridge):

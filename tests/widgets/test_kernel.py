@@ -131,7 +131,7 @@ def test_a_text_is_answered_while_a_cell_runs(lab):
 def test_what_blocks_print_goes_to_the_lab_and_not_to_a_cell(lab):
     text = PROGRAM.replace("n = n + 1", "print('from a block')")
     lab.say({"type": "text", "view": "v", "seq": 1, "base": 1, "text": text})
-    lab.until(lambda: "from a block" in lab.fields.get("printed", {}).get("lines", []))
+    lab.until(lambda: "from a block" in lab.fields.get("printed", {}).values())
     lab.run("print('from a cell')")
     lab.until(lambda: "from a cell\n" in lab.streams)
     assert "from a block" not in "".join(lab.streams)

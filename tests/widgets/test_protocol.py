@@ -1,95 +1,138 @@
 import ast
+import importlib.util
 import re
 import struct
-from collections.abc import Iterator
 from pathlib import Path
+from typing import get_type_hints
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.widgets import protocol
+from lrp_jupyter.widgets.connection import MessageError, PageMessage, decode  # with all messages defined
+from lrp_jupyter.widgets.world_state import pack_poses
 
-PYTHON = Path(protocol.__file__).parent
-TYPESCRIPT = Path(__file__).parents[2] / "js" / "src"
-FILES = ("nouns", "protocol")
-SIMPLE = {"str": "string", "int": "number", "float": "number", "bool": "boolean", "None": "null"}
-
-
-def as_typescript(node: ast.expr) -> str:
-    match node:
-        case ast.Constant(value=None):
-            return "null"
-        case ast.Constant(value=str() as word):
-            return f'"{word}"'
-        case ast.Name(id=name):
-            return SIMPLE.get(name, name)
-        case ast.BinOp(left=left, right=right):
-            return f"{as_typescript(left)} | {as_typescript(right)}"
-        case ast.Subscript(value=ast.Name(id="Literal"), slice=ast.Tuple(elts=words)):
-            return " | ".join(map(as_typescript, words))
-        case ast.Subscript(value=ast.Name(id="Literal"), slice=word):
-            return as_typescript(word)
-        case ast.Subscript(value=ast.Name(id="list"), slice=item):
-            return f"{as_typescript(item)}[]"
-        case ast.Subscript(value=ast.Name(id="dict"), slice=ast.Tuple(elts=[_, item])):
-            return f"Record<string, {as_typescript(item)}>"
-        case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=items)):
-            return f"[{', '.join(map(as_typescript, items))}]"
-    raise AssertionError(f"no TypeScript for {ast.unparse(node)}")
+WIDGETS = Path(protocol.__file__).parent
+JS = Path(__file__).parents[2] / "js"
+POINTS = [[0.5, 0.5], [1.0, 0.5]]
+JSON = st.recursive(
+    st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=5),
+    lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3),
+    max_leaves=6,
+)
 
 
-def field(statement: ast.AnnAssign) -> tuple[str, str]:
-    name = ast.unparse(statement.target)
-    match statement.annotation:
-        case ast.Subscript(value=ast.Name(id="NotRequired"), slice=inner):
-            return f"{name}?", as_typescript(inner)
-        case plain:
-            return name, as_typescript(plain)
+def plain(typescript):
+    """A text without what a formatter may change."""
+    return re.sub(r"\s+", "", typescript).replace("=|", "=").replace(",}", "}")
 
 
-def python_nodes() -> Iterator[ast.stmt]:
-    for name in FILES:
-        yield from ast.parse((PYTHON / f"{name}.py").read_text()).body
+def generator():
+    spec = importlib.util.spec_from_file_location("lrp_protocol_generator", JS / "protocol.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
-def python_types() -> dict[str, object]:
-    found: dict[str, object] = {}
-    for node in python_nodes():
-        match node:
-            case ast.ClassDef(name=name, bases=[ast.Name(id="TypedDict")], body=body):
-                found[name] = dict(field(line) for line in body if isinstance(line, ast.AnnAssign))
-            case ast.Assign(targets=[ast.Name(id=name)], value=value) if (
-                name[0].isupper() and name != "Layout"
-            ):
-                found[name] = as_typescript(value)
-    return found
-
-
-def typescript_types() -> dict[str, object]:
-    files = "\n".join((TYPESCRIPT / f"{name}.ts").read_text() for name in FILES)
-    text = re.sub(r"/\*.*?\*/", "", files, flags=re.S)
-    found: dict[str, object] = {}
-    for name, body in re.findall(r"export interface (\w+) \{(.*?)\n\}", text, re.S):
-        found[name] = dict(re.findall(r"^  (\w+\??): (.*);$", body, re.M))
-    for name, body in re.findall(r"export type (\w+) =(.*?);\n", text, re.S):
-        if name != "Layout":
-            found[name] = " ".join(body.split()).removeprefix("| ")
-    return found
-
-
-def test_python_and_typescript_name_the_same_messages_with_the_same_fields():
-    python, typescript = python_types(), typescript_types()
-    assert len(python) > 50
-    assert python.keys() == typescript.keys()
-    for name, fields in python.items():
-        assert fields == typescript[name], name
+def test_the_types_of_the_page_are_those_of_the_kernel():
+    generated = generator().generate()
+    assert generated.count("export interface") > 80
+    assert plain((JS / "src" / "protocol.ts").read_text("utf-8")) == plain(generated)
 
 
 def test_every_class_is_explained():
-    for node in python_nodes():
-        if isinstance(node, ast.ClassDef):
-            assert ast.get_docstring(node), node.name
+    for name in ("protocol", "messages", "commands", "requests", "inspection"):
+        for node in ast.parse((WIDGETS / f"{name}.py").read_text()).body:
+            if isinstance(node, ast.ClassDef):
+                assert ast.get_docstring(node), node.name
+
+
+def test_what_a_message_says_is_read_with_its_types():
+    message = decode({"type": "command", "view": "v", "id": 3, "do": "stroke", "points": POINTS})
+    assert message.points == [(0.5, 0.5), (1.0, 0.5)]
+    assert (message.id, message.width, message.grey) == (3, 0.03, 0)
+
+
+def command(act, **fields):
+    return {"type": "command", "view": "v", "id": 1, "do": act, **fields}
+
+
+@pytest.mark.parametrize(
+    ("content", "sentence"),
+    [
+        (None, "A message must be an object."),
+        ({}, "There is no message `None`."),
+        ({"type": []}, "There is no message `[]`."),
+        ({"type": "command"}, "There is no act `None`."),
+        (command("dance"), "There is no act `dance`."),
+        ({"type": "credit", "view": "v"}, "`credit` needs `frame`."),
+        ({"type": "hello", "view": 7, "part": "lab"}, "`view` of `hello` must be a text, not `7`."),
+        (command("rate"), "`rate` needs `value`."),
+        (command("rate", value="5"), "`value` of `rate` must be a number from 0 to 1000000, not `5`."),
+        (
+            command("rate", value=float("nan")),
+            "`value` of `rate` must be a number from 0 to 1000000, not `nan`.",
+        ),
+        (command("rate", value=-1), "`value` of `rate` must be a number from 0 to 1000000, not `-1`."),
+        (command("rate", value=True), "`value` of `rate` must be a number from 0 to 1000000, not `True`."),
+        (
+            command("step", value=10**9),
+            "`value` of `step` must be a whole number from 1 to 10000, not `1000000000`.",
+        ),
+        (command("step", value=1.5), "`value` of `step` must be a whole number from 1 to 10000, not `1.5`."),
+        (command("hold", on=1), "`on` of `hold` must be true or false, not `1`."),
+        (
+            command("on_active_edit", name="perhaps"),
+            "`name` of `on_active_edit` must be `restart` or `keep`, not `perhaps`.",
+        ),
+        (
+            command("on_active_edit", name=[]),
+            "`name` of `on_active_edit` must be `restart` or `keep`, not `[]`.",
+        ),
+        (
+            command("reset_pose", index=-1),
+            "`index` of `reset_pose` must be a whole number from 0 to 10000, not `-1`.",
+        ),
+        (
+            command("drag_robot", index=0, pose=[0, 1]),
+            "`pose` of `drag_robot` must be a point, not `[0, 1]`.",
+        ),
+        (
+            command("drag_robot", index=0, pose=[0, 1, float("inf")]),
+            "An item in `pose` of `drag_robot` must be a number from -1000000 to 1000000, not `inf`.",
+        ),
+        (
+            command("panel", key="a", values={"a": 1}),
+            "An item in `values` of `panel` must be a text, not `1`.",
+        ),
+    ],
+)
+def test_a_message_of_the_wrong_form_is_refused_in_a_sentence(content, sentence):
+    with pytest.raises(MessageError) as refusal:
+        decode(content)
+    assert str(refusal.value) == sentence
+
+
+@given(
+    st.sampled_from(sorted(PageMessage.types)),
+    st.sampled_from(sorted(PageMessage.acts)),
+    st.dictionaries(
+        st.sampled_from(
+            sorted(
+                {name for kind in PageMessage.acts.values() for name in get_type_hints(kind)}
+                | {"seq", "into"}
+            )
+        ),
+        JSON,
+    ),
+)
+def test_whatever_comes_from_a_page_is_a_message_or_refused(kind, act, fields):
+    try:
+        message = decode({**fields, "type": kind, "do": act})
+    except MessageError:
+        return
+    assert isinstance(message, PageMessage)
 
 
 @given(st.text(alphabet="ab \n\r𝄞é"), st.data())
@@ -112,7 +155,7 @@ def test_a_place_behind_the_text_is_its_end():
 
 def test_the_poses_of_one_robot_take_36_bytes():
     robot = (0.5, 1.0, 0.25, True, True, 0.125, [128.0], [float("inf")])
-    buffer = protocol.pack_poses(7.5, [robot])
+    buffer = pack_poses(7.5, [robot])
     assert len(buffer) == 36
     assert struct.unpack("<d7f", buffer) == (7.5, 0.5, 1.0, 0.25, 3.0, 0.125, 128.0, float("inf"))
 
@@ -124,5 +167,5 @@ def test_bumper_and_pen_are_bits_of_their_own(bumper, pen, flags):
 
 
 def test_pushed_solids_follow_the_robots():
-    buffer = protocol.pack_poses(0.0, [(0, 0, 0, False, False, 0, [], [])], [(1, 2, 0.5)])
+    buffer = pack_poses(0.0, [(0, 0, 0, False, False, 0, [], [])], [(1, 2, 0.5)])
     assert struct.unpack("<d8f", buffer)[-3:] == (1, 2, 0.5)

@@ -27,7 +27,7 @@ def test_a_text_is_saved_once_though_two_threads_save(tmp_path):
     texts = Interrupted(tmp_path)
     other = Thread(target=texts.save)
     with Session(A, name="mine") as session:
-        texts.follow(session)
+        texts.attach(session)
         texts.save()
         other.join()
     assert written == [A]

@@ -70,7 +70,7 @@ function ofProgram(context: CompletionContext, lab: Lab, place: ReturnType<typeo
       return found.statesOf(place.machine).map(({ name, path }) => ({
         label: name,
         type: "class",
-        detail: lab.store.state.lit.has(path) ? "active" : "",
+        detail: lab.store.state.lit.includes(path) ? "active" : "",
       }));
     case "machine":
       return spawnable(context.state, context.pos, place.scope).map((path) => ({
@@ -96,7 +96,7 @@ function variables(lab: Lab, context: CompletionContext, scope: string): Complet
     .map(({ name, path }) => ({
       label: name,
       type: "variable",
-      detail: lab.store.state.variables.get(path)?.text.slice(0, 30) ?? "",
+      detail: lab.store.state.variables[path]?.text.slice(0, 30) ?? "",
       boost: 2,
     }));
 }

@@ -2,7 +2,7 @@
 
 import { type Diagnostic, diagnosticCount, setDiagnostics } from "@codemirror/lint";
 import type { EditorView } from "@codemirror/view";
-import type { FindingView, IssueView, Range, Severity } from "../protocol";
+import type { FindingView, IssueView, Severity, TextRange } from "../protocol";
 import type { LabState } from "../session/state";
 import { h } from "../ui/dom";
 import { prose } from "../ui/prose";
@@ -15,13 +15,13 @@ const SEVERITY: Record<Severity, Diagnostic["severity"]> = {
 };
 
 export function showDiagnostics(view: EditorView, lab: LabState, sent: Tracked, running: Tracked): void {
-  if (!lab.findings.length && !lab.issues.size && !diagnosticCount(view.state)) return;
+  if (!lab.findings.length && !Object.keys(lab.issues).length && !diagnosticCount(view.state)) return;
   const diagnostics: Diagnostic[] = [];
   for (const finding of lab.findings) {
     const found = ofFinding(view, finding, sent);
     if (found) diagnostics.push(found);
   }
-  for (const issue of lab.issues.values()) {
+  for (const issue of Object.values(lab.issues)) {
     const found = issue.resolved ? null : ofIssue(view, issue, running);
     if (found) diagnostics.push(found);
   }
@@ -65,7 +65,7 @@ function message(code: string, sentence: string, note = ""): HTMLElement {
 }
 
 /** A span that can be seen: an empty one is widened to a character, or to its line. */
-function visible(view: EditorView, range: Range, text: Tracked): { from: number; to: number } | null {
+function visible(view: EditorView, range: TextRange, text: Tracked): { from: number; to: number } | null {
   const span = text.span(range);
   if (!span || span.to > view.state.doc.length) return null;
   if (span.from < span.to) return span;

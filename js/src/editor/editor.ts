@@ -16,7 +16,7 @@ import {
   tooltips,
 } from "@codemirror/view";
 import { lrp, outlineOf } from "../language/lrp";
-import type { ElementKind, Range } from "../protocol";
+import type { ElementKind, TextRange } from "../protocol";
 import type { Connection } from "../session/connection";
 import type { Lab } from "../session/store";
 import { lineSeparator } from "../text/places";
@@ -119,7 +119,7 @@ export class Editor {
   }
 
   private applyHeld(): boolean {
-    if (this.lab.store.state.pending) void this.lab.act("apply");
+    if (this.lab.store.state.pending) void this.lab.act({ do: "apply" });
     return true;
   }
 
@@ -203,7 +203,7 @@ export class Editor {
     if (item) select(this.view, item.nameFrom, item.nameTo);
   }
 
-  goToRange(range: Range, ofRunning: boolean): void {
+  goToRange(range: TextRange, ofRunning: boolean): void {
     const span = (ofRunning ? this.running : this.answered).span(range);
     if (span) select(this.view, span.from, span.to);
   }

@@ -46,14 +46,14 @@ function ofProgram(
     const visits = entered[item.path]?.count ?? 0;
     return {
       ...card,
-      value: lit.has(item.path) ? "active" : "",
+      value: lit.includes(item.path) ? "active" : "",
       doc: `entered ${visits} ${visits === 1 ? "time" : "times"}`,
     };
   }
   if (item.kind === "transition") return { ...card, doc: `fired ${fired[item.path]?.count ?? 0} times` };
   if (item.kind === "event")
     return { ...card, value: events[item.path] === undefined ? "" : String(events[item.path]) };
-  if (item.kind === "variable") return { ...card, value: variables.get(item.path)?.text ?? "not alive now" };
+  if (item.kind === "variable") return { ...card, value: variables[item.path]?.text ?? "not alive now" };
   return card;
 }
 

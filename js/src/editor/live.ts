@@ -81,7 +81,7 @@ function decorate(editor: EditorState, lab: LabState, values: boolean): Decorati
   for (const path of lab.lit) {
     const item = found.find("state", path);
     if (!item) continue;
-    const innermost = ![...lab.lit].some((other) => other.startsWith(`${path}/`));
+    const innermost = !lab.lit.some((other) => other.startsWith(`${path}/`));
     const last = innermost ? editor.doc.lineAt(item.to).number : editor.doc.lineAt(item.nameTo).number;
     for (let line = editor.doc.lineAt(item.from).number; line <= last; line++) lines.add(line);
   }
@@ -116,7 +116,7 @@ function lineValues(editor: EditorState, lab: LabState): Map<number, string> {
 
 function shownValue(kind: string, path: string, lab: LabState): string | null {
   const text =
-    kind === "variable" ? lab.variables.get(path)?.text : kind === "event" ? eventText(lab, path) : undefined;
+    kind === "variable" ? lab.variables[path]?.text : kind === "event" ? eventText(lab, path) : undefined;
   if (text === undefined) return null;
   return text.length > LONGEST ? `${text.slice(0, LONGEST)}…` : text;
 }

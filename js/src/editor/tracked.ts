@@ -4,7 +4,7 @@
  */
 
 import { type ChangeDesc, type Text, Text as Texts } from "@codemirror/state";
-import type { Range } from "../protocol";
+import type { TextRange } from "../protocol";
 import { type Span, spanOf } from "../text/places";
 
 export class Tracked {
@@ -30,7 +30,7 @@ export class Tracked {
   }
 
   /** Where a range stands now; null if what it covered was deleted. */
-  span(range: Range): Span | null {
+  span(range: TextRange): Span | null {
     const { from, to } = spanOf(this.doc, range);
     if (!this.changes) return { from, to };
     const now = { from: this.changes.mapPos(from, 1), to: this.changes.mapPos(to, -1) };

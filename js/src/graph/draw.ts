@@ -3,8 +3,8 @@
  * becomes elements, which stay the same elements while their state or transition stays.
  */
 
+import type { Label, Layout, Port, StateShape, TransitionShape } from "../protocol";
 import { reconcile, s, setAttribute, setText } from "../ui/dom";
-import type { GraphLayout, Label, Port, StateShape, TransitionShape } from "./layout";
 
 const STATE_FONT = 13;
 const LABEL_FONT = 11.5;
@@ -30,7 +30,7 @@ export function makeLayers(): Layers {
   return { root, frame, arrows, ports, states, halos, labels };
 }
 
-export function draw(layers: Layers, layout: GraphLayout): void {
+export function draw(layers: Layers, layout: Layout): void {
   const { transitions } = layout;
   const keys = arrowKeys(transitions);
   const key = (shape: TransitionShape) => keys.get(shape) ?? "";
@@ -60,7 +60,7 @@ function arrowKeys(shapes: TransitionShape[]): Map<TransitionShape, string> {
   );
 }
 
-function drawFrame(layer: SVGGElement, layout: GraphLayout): void {
+function drawFrame(layer: SVGGElement, layout: Layout): void {
   const [x = 0, y = 0, width = 0, height = 0] = layout.frame;
   const outer = layout.machine.slice(0, Math.max(0, layout.machine.lastIndexOf("/")));
   layer.replaceChildren(

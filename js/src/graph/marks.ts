@@ -1,6 +1,6 @@
 /** What runs, marked on the drawing: active states, the last fired transition, and what was too short to see. */
 
-import type { FiredView } from "../protocol";
+import type { CountView } from "../protocol";
 import type { LabState } from "../session/state";
 import { setAttribute } from "../ui/dom";
 import type { Layers } from "./draw";
@@ -9,8 +9,8 @@ import type { Layers } from "./draw";
 export const AFTERGLOW = 450;
 
 export class Marks {
-  private entered: Record<string, FiredView> = {};
-  private fired: Record<string, FiredView> = {};
+  private entered: Record<string, CountView> = {};
+  private fired: Record<string, CountView> = {};
   private machine = "";
   private readonly timers = new Map<Element, ReturnType<typeof setTimeout>>();
 
@@ -20,7 +20,7 @@ export class Marks {
     for (const node of layers.states.children) {
       const path = node.getAttribute("data-lrp-state");
       if (!path) continue;
-      const active = state.lit.has(path);
+      const active = state.lit.includes(path);
       setAttribute(node, "data-active", active);
       setAttribute(node, "aria-current", active ? "true" : null);
       if (!fresh && !active && grown(state.entered[path], this.entered[path])) this.glow(node);
@@ -55,12 +55,12 @@ export class Marks {
   }
 }
 
-function grown(now: FiredView | undefined, before: FiredView | undefined): boolean {
+function grown(now: CountView | undefined, before: CountView | undefined): boolean {
   return (now?.count ?? 0) > (before?.count ?? 0);
 }
 
 /** The transition of a machine that fired last. */
-export function lastFired(fired: Record<string, FiredView>, machine: string): string {
+export function lastFired(fired: Record<string, CountView>, machine: string): string {
   let last = "";
   let tick = 0;
   for (const [id, { count, tick: when }] of Object.entries(fired)) {

@@ -12,7 +12,7 @@ export function restartNotice(lab: Lab): HTMLElement {
     "Keep running next time",
     "What an edit of the active state does: restart, or go on",
     "keep",
-    (on) => void lab.act("on_active_edit", { name: on ? "keep" : "restart" }),
+    (on) => void lab.act({ do: "on_active_edit", name: on ? "keep" : "restart" }),
   );
   const notice = h(
     "div",

@@ -1,5 +1,6 @@
 /** The state graph of the machine looked at: drawn, marked, moved around in, and worked with. */
 
+import type { Layout } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, s, setAttribute } from "../ui/dom";
@@ -7,7 +8,6 @@ import { openMenu } from "../ui/menu";
 import { Camera } from "./camera";
 import { draw, makeLayers, moveState } from "./draw";
 import { keepOneTabStop, walkWithArrows } from "./focus";
-import type { GraphLayout } from "./layout";
 import { Marks } from "./marks";
 import { stateMenu, transitionMenu } from "./menus";
 import { restartNotice } from "./notice";
@@ -25,7 +25,7 @@ export function graphView(lab: Lab): HTMLElement {
   const marks = new Marks();
   const cameras = new Map<string, Camera>();
   let camera = new Camera();
-  let shown: GraphLayout | null = null;
+  let shown: Layout | null = null;
   let mode: Mode = "live";
 
   const place = () => setAttribute(layers.root, "transform", camera.transform);
@@ -99,7 +99,7 @@ export function graphView(lab: Lab): HTMLElement {
         icon: "arrange",
         title: "Arrange all states anew",
         action: "arrange",
-        onclick: () => void lab.act("arrange", { path: store.state.machine }),
+        onclick: () => void lab.act({ do: "arrange", path: store.state.machine }),
       }),
       button({ icon: "minus", title: "Zoom out", action: "zoom-out", onclick: () => zoom(1 / 1.25) }),
       button({ icon: "plus", title: "Zoom in", action: "zoom-in", onclick: () => zoom(1.25) }),
@@ -173,7 +173,7 @@ export function graphView(lab: Lab): HTMLElement {
   const pin = (node: Element, x: number, y: number) => {
     const path = node.getAttribute("data-lrp-state") ?? "";
     const name = path.slice(path.lastIndexOf("/") + 1);
-    lab.tell("pin", { path: store.state.machine, name, pose: [Math.round(x), Math.round(y), 0] });
+    lab.send({ do: "pin", path: store.state.machine, name, x: Math.round(x), y: Math.round(y) });
   };
 
   /* ---------------------------------------------------------------- choose, open, menu */

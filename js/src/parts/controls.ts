@@ -13,14 +13,16 @@ const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 
 export function controls(lab: Lab, choices: Choices): HTMLElement {
   const { store } = lab;
-  const go = (act: "step" | "step_back" | "reset" | "stop") => () => void lab.act(act);
+  const go = (act: "step" | "step_back" | "reset" | "stop") => () => void lab.act({ do: act });
   const run = button({
     icon: "run",
     label: "Run",
     title: "Run or pause the program",
     action: "run",
     onclick: () =>
-      void lab.act(store.state.status === "running" || store.state.status === "hung" ? "pause" : "run"),
+      void lab.act({
+        do: store.state.status === "running" || store.state.status === "hung" ? "pause" : "run",
+      }),
   });
   const step = button({ icon: "step", title: "Step: exactly one tick", action: "step", onclick: go("step") });
   const back = button({
@@ -58,7 +60,7 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
     "Hold edits",
     "Edits wait until they are applied",
     "hold",
-    (on) => void lab.act("hold", { on }),
+    (on) => void lab.act({ do: "hold", on }),
   );
   store.watch(["settings"], () => setSwitch(hold, store.state.settings.hold));
   const running: Topic[] = ["status"];
@@ -105,7 +107,7 @@ function rateSlider(lab: Lab): HTMLElement {
     "aria-label": "Rate",
     "data-lrp-action": "rate",
     title: "Ticks per second; at the right end as many as possible",
-    oninput: () => lab.tell("rate", { value: rateAt(Number(slider.value)) }),
+    oninput: () => lab.send({ do: "rate", value: rateAt(Number(slider.value)) }),
   });
   store.watch(["rate"], () => {
     const { wanted, achieved } = store.state.rate;
@@ -131,7 +133,7 @@ function speedSelect(lab: Lab): HTMLElement {
       class: "lrp-select",
       "aria-label": "Speed of the simulation",
       "data-lrp-action": "speed",
-      onchange: () => lab.tell("speed", { value: Number(select.value) }),
+      onchange: () => lab.send({ do: "speed", value: Number(select.value) }),
     },
     ...SPEEDS.map((speed) => h("option", { value: speed }, speed ? `×${speed}` : "max")),
   );
@@ -172,13 +174,13 @@ function bridgeChip(lab: Lab): HTMLElement {
     class: "lrp-select",
     "aria-label": "Bridge to the robot",
     "data-lrp-action": "bridge",
-    onchange: () => void lab.act("bridge", { name: select.value }),
+    onchange: () => void lab.act({ do: "bridge", name: select.value }),
   });
   const armed = toggle(
     "Armed",
     "Disarmed, commands are shown and not sent",
     "armed",
-    (on) => void lab.act("armed", { on }),
+    (on) => void lab.act({ do: "armed", on }),
   );
   const chip = h("span", { class: "lrp-bridge" }, dot, select, armed);
   store.watch(["bridge", "choices", "snapshot"], () => {

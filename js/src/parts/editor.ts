@@ -51,7 +51,7 @@ function beginnings(lab: Lab, editor: Editor): HTMLElement {
         label: name,
         title: `Open ${name}`,
         action: `begin-${name}`,
-        onclick: () => void lab.act("load", { name }),
+        onclick: () => void lab.act({ do: "load", name }),
       }),
     );
     list.replaceChildren(...buttons);

@@ -1,6 +1,6 @@
 /** Findings of the checks and issues of the run in one list, each once, counted, with its place. Paper: §6.2. */
 
-import type { FindingView, IssueView, Range, Severity } from "../protocol";
+import type { FindingView, IssueView, Severity, TextRange } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel, setSwitch, toggle } from "../ui/button";
 import { h, reconcile, setAttribute, setText } from "../ui/dom";
@@ -11,14 +11,11 @@ interface Entry {
   code: string;
   severity: Severity;
   message: string;
-  range: Range | null;
+  range: TextRange | null;
   /** Whether the range is of the text that runs, which may be another than the one in the editor. */
   ofRunning: boolean;
   issue: IssueView | null;
 }
-
-/** Issues of names that mean nothing: `LRP3…` when the text is checked, these when it runs. */
-const UNKNOWN_NAME = /^LRP60[3-6]$/;
 
 export function issuesView(lab: Lab): HTMLElement {
   const { store } = lab;
@@ -26,20 +23,20 @@ export function issuesView(lab: Lab): HTMLElement {
     "Pause on issue",
     "Pause at each new issue, its traceback at hand",
     "pause-on-issue",
-    (on) => void lab.act("pause_on_issue", { on }),
+    (on) => void lab.act({ do: "pause_on_issue", on }),
   );
   const clear = button({
     label: "Clear",
     title: "Clear the run-time issues",
     action: "clear",
-    onclick: () => void lab.act("clear_issues"),
+    onclick: () => void lab.act({ do: "clear_issues" }),
   });
   const list = h("ul", { class: "lrp-issues" });
   const { element, heading } = panel("issues", "Issues", [pause, clear], list, printed(lab));
   store.watch(["settings"], () => setSwitch(pause, store.state.settings.pause_on_issue));
   store.watch(["findings", "issues"], () => {
     const { findings, issues } = store.state;
-    const entries = entriesOf(findings, issues.values());
+    const entries = entriesOf(findings, Object.values(issues));
     reconcile(
       list,
       entries,
@@ -50,30 +47,22 @@ export function issuesView(lab: Lab): HTMLElement {
     const open = entries.filter(({ issue }) => !issue?.resolved).length;
     setText(heading, open ? `Issues (${open})` : "Issues");
     setAttribute(list, "data-empty", entries.length ? null : "No issues.");
-    clear.disabled = issues.size === 0;
+    clear.disabled = !Object.keys(issues).length;
   });
   return element;
 }
 
-/** What is found in the text and felt in the run is one thing, and stands in the list once. */
-export function entriesOf(findings: FindingView[], issues: Iterable<IssueView>): Entry[] {
-  const entries = findings.map(ofFinding);
-  for (const issue of issues) {
-    const same = entries.find((entry) => !entry.issue && !issue.resolved && saysTheSame(issue, entry));
-    if (same) same.issue = issue;
-    else entries.push(ofIssue(issue));
-  }
-  return entries;
+/** Findings and issues; an issue that names a finding stands in the list once, as that. */
+export function entriesOf(findings: FindingView[], issues: IssueView[]): Entry[] {
+  const same = new Map(issues.map((issue) => [issue.finding, issue]));
+  const known = new Set(findings.map(({ id }) => id));
+  return [
+    ...findings.map((finding, index) => ofFinding(finding, index, same.get(finding.id) ?? null)),
+    ...issues.filter(({ finding }) => !known.has(finding)).map(ofIssue),
+  ];
 }
 
-function saysTheSame({ code, range: outer }: IssueView, { code: found, range: inner }: Entry): boolean {
-  if (!UNKNOWN_NAME.test(code) || !found.startsWith("LRP3") || !outer || !inner) return false;
-  const begins = inner.line - outer.line || inner.column - outer.column;
-  const ends = outer.end_line - inner.end_line || outer.end_column - inner.end_column;
-  return begins >= 0 && ends >= 0;
-}
-
-function ofFinding(finding: FindingView, index: number): Entry {
+function ofFinding(finding: FindingView, index: number, issue: IssueView | null): Entry {
   const { code, severity, message, range } = finding;
   return {
     key: `${code} ${message} ${index}`,
@@ -82,7 +71,7 @@ function ofFinding(finding: FindingView, index: number): Entry {
     message,
     range,
     ofRunning: false,
-    issue: null,
+    issue,
   };
 }
 
@@ -131,7 +120,7 @@ function update(item: Element, entry: Entry): void {
   if (trace && issue) setText(trace, issue.traceback);
 }
 
-function note(issue: IssueView | null, range: Range | null, code: string): string {
+function note(issue: IssueView | null, range: TextRange | null, code: string): string {
   const parts = [range ? `line ${range.line}` : "", code];
   if (issue) {
     const { first_tick: first, last_tick: last, count } = issue;
@@ -149,9 +138,10 @@ function printed(lab: Lab): HTMLElement {
   const details = h("details", { class: "lrp-details", open: true }, h("summary", {}, "Output"), lines);
   lab.store.watch(["printed", "snapshot"], () => {
     const { printed: all } = lab.store.state;
-    details.hidden = all.length === 0;
+    const texts = Object.values(all); // in the order of their numbers
+    details.hidden = texts.length === 0;
     const atEnd = lines.scrollTop + lines.clientHeight >= lines.scrollHeight - 4;
-    setText(lines, all.join("\n"));
+    setText(lines, texts.join("\n"));
     if (atEnd) lines.scrollTop = lines.scrollHeight;
   });
   return details;

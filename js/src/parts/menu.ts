@@ -23,7 +23,7 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
   const programs = known.programs.map((name) => ({
     label: `Open ${name}`,
     action: `load-${name}`,
-    run: () => void lab.act("load", { name }),
+    run: () => void lab.act({ do: "load", name }),
   }));
   const { values } = choices;
   return [
@@ -34,7 +34,7 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
       label: "Keep running when the active state is edited",
       action: "keep",
       checked: keep,
-      run: () => void lab.act("on_active_edit", { name: keep ? "restart" : "keep" }),
+      run: () => void lab.act({ do: "on_active_edit", name: keep ? "restart" : "keep" }),
     },
     {
       label: "Values in the text",

@@ -71,13 +71,13 @@ function heldNote(lab: Lab): HTMLElement {
       title: "Apply the held edits (Ctrl+Enter)",
       action: "apply",
       class: "lrp-button lrp-primary",
-      onclick: () => void lab.act("apply"),
+      onclick: () => void lab.act({ do: "apply" }),
     }),
     button({
       label: "Revert",
       title: "Go back to the text that runs",
       action: "revert",
-      onclick: () => void lab.act("revert"),
+      onclick: () => void lab.act({ do: "revert" }),
     }),
   );
   store.watch(["pending", "settings"], () => {
@@ -109,13 +109,13 @@ function conflictNote(lab: Lab): HTMLElement {
       label: "Take the cell's",
       title: "The cell's text becomes the program",
       action: "take",
-      onclick: () => void lab.act("take"),
+      onclick: () => void lab.act({ do: "take" }),
     }),
     button({
       label: "Keep this one",
       title: "The lab's text stays",
       action: "keep-text",
-      onclick: () => void lab.act("keep"),
+      onclick: () => void lab.act({ do: "keep" }),
     }),
     h("details", { class: "lrp-details" }, h("summary", {}, "The cell's text"), text),
   );

@@ -16,7 +16,7 @@ export function saveForm(lab: Lab): { element: HTMLElement; open: () => void } {
       hidden: true,
       onsubmit: async (event: SubmitEvent) => {
         event.preventDefault();
-        const refusal = await lab.act("save", { name: input.value.trim() }, true);
+        const refusal = await lab.act({ do: "save", name: input.value.trim() }, true);
         error.textContent = refusal ?? "";
         if (!refusal) {
           close();

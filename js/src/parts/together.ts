@@ -3,12 +3,12 @@
  * in another. Modules are not shared between widgets, so they talk through the document.
  */
 
-import type { ElementKind, Range } from "../protocol";
+import type { ElementKind, TextRange } from "../protocol";
 import type { Store } from "../session/store";
 
 interface Message {
   goTo?: { kind: ElementKind; path: string };
-  range?: Range;
+  range?: TextRange;
   ofRunning?: boolean;
   machine?: string;
 }

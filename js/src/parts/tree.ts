@@ -37,7 +37,7 @@ export function treeView(lab: Lab): HTMLElement {
   const update = (item: Element, machine: MachineItem) => {
     const { lit, machine: selected } = store.state;
     const depth = machine.path.split("/").length;
-    const active = machine.states.find(({ path }) => lit.has(path))?.path;
+    const active = machine.states.find(({ path }) => lit.includes(path))?.path;
     const [, around, name, state] = item.children;
     setText(around!, machine.parent ? `${last(machine.parent)} / ` : "");
     setText(name!, last(machine.path));

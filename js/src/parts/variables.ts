@@ -106,7 +106,7 @@ class Row {
   }
 
   update(): void {
-    const value = this.lab.store.state.variables.get(this.path);
+    const value = this.lab.store.state.variables[this.path];
     const text = value?.text;
     if (text !== undefined && this.text !== undefined && text !== this.text) this.glow();
     if (value || this.text !== undefined) this.spark.add(value?.number ?? null);
@@ -136,8 +136,7 @@ class Row {
         if (event.key !== "Enter") return;
         event.preventDefault();
         const refusal = await this.lab.act(
-          "set_variable",
-          { path: this.path, expression: input.value },
+          { do: "set_variable", path: this.path, expression: input.value },
           true,
         );
         setAttribute(input, "aria-invalid", refusal ? "true" : null);

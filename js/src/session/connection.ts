@@ -1,19 +1,19 @@
 /**
- * The way to the kernel: text (one on its way, the newest wins), commands and requests with their
- * replies, credit for frames, and the knowledge whether anybody is there. No DOM, no clock of its own.
+ * The connection to the kernel: text (one on its way, the newest wins), commands and requests with their
+ * replies, credit for frames, and whether the kernel answers. No DOM, no clock of its own.
  */
 
 import type {
-  Answer,
+  AnswerMessage,
   Command,
-  Complete,
+  CompleteRequest,
   FromKernel,
   FromPage,
-  Hover,
-  Inspect,
-  Part,
-  References,
-  Reply,
+  HoverRequest,
+  InspectRequest,
+  PartName,
+  ReferencesRequest,
+  ReplyMessage,
 } from "../protocol";
 import type { Link } from "./state";
 
@@ -46,9 +46,14 @@ const GONE_AFTER = 1500;
 const PAY_FOR = 2;
 const PAY_AFTER = 500;
 
-type Ask = Omit<Complete, "view" | "id"> | Omit<Hover, "view" | "id"> | Omit<References, "view" | "id">;
-type Question = Ask | Omit<Inspect, "view" | "id">;
-export type Details = Omit<Command, "type" | "view" | "id" | "do">;
+/** Each member of a union without the fields that this module fills in. */
+type Without<T, K extends PropertyKey> = T extends unknown ? Omit<T, K> : never;
+/** What a person can have done: the act and its own fields. */
+export type Act = Without<Command, "type" | "view" | "id">;
+export type Question = Without<
+  CompleteRequest | HoverRequest | ReferencesRequest | InspectRequest,
+  "view" | "id"
+>;
 
 export interface Listener {
   /** A message for this view, with its buffers: where things are in the world. */
@@ -72,7 +77,7 @@ export class Connection {
   private doubted = Number.POSITIVE_INFINITY;
   private heard: number;
   private asked: number;
-  private readonly waiting = new Map<number, { since: number; resolve: (reply: Reply) => void }>();
+  private readonly waiting = new Map<number, { since: number; resolve: (reply: ReplyMessage) => void }>();
   private textSince = 0;
   private unpaid = 0;
   private paid = Number.NEGATIVE_INFINITY;
@@ -80,7 +85,7 @@ export class Connection {
 
   constructor(
     private readonly model: Model,
-    private readonly part: Part,
+    private readonly part: PartName,
     private readonly listener: Listener,
     private readonly clock: Clock = realClock,
     view: string = crypto.randomUUID?.() ?? String(Math.random()),
@@ -96,7 +101,7 @@ export class Connection {
   /** Ask for everything. */
   hello(): void {
     this.asked = this.clock.now();
-    this.send({ type: "hello", view: this.view, part: this.part });
+    this.post({ type: "hello", view: this.view, part: this.part });
   }
 
   /** Hand over the whole text; returns whether it is on its way already. */
@@ -109,41 +114,41 @@ export class Connection {
     this.sentText = text;
     this.textSince = this.clock.now();
     this.listener.sending?.();
-    this.send({ type: "text", view: this.view, seq: this.seq, base: this.base, text });
+    this.post({ type: "text", view: this.view, seq: this.seq, base: this.base, text });
     return true;
   }
 
   /** Have something done and wait for the reply; its `error` is a sentence or null. */
-  command(act: Command["do"], details: Details = {}): Promise<Reply> {
-    return this.wait((id) => ({ type: "command", view: this.view, id, do: act, ...details }));
+  command(act: Act): Promise<ReplyMessage> {
+    return this.wait((id) => ({ type: "command", view: this.view, id, ...act }));
   }
 
-  /** Have something done of which only the newest counts: a drag, a slider. */
-  tell(act: Command["do"], details: Details = {}): void {
-    this.send({ type: "command", view: this.view, id: 0, do: act, ...details });
+  /** Have something done without a reply, because only the newest counts: a drag, a slider. */
+  send(act: Act): void {
+    this.post({ type: "command", view: this.view, id: 0, ...act });
   }
 
-  ask(question: Question): Promise<Reply> {
-    return this.wait((id) => ({ ...question, view: this.view, id }) as FromPage);
+  ask(question: Question): Promise<ReplyMessage> {
+    return this.wait((id) => ({ ...question, view: this.view, id }));
   }
 
   close(): void {
     this.stop();
-    this.send({ type: "bye", view: this.view });
+    this.post({ type: "bye", view: this.view });
     this.model.off("msg:custom", this.receive);
     this.model.off("comm_live_update", this.doubt);
     for (const [id] of this.waiting) this.settle({ type: "reply", view: this.view, id, error: "closed" });
   }
 
-  private wait(make: (id: number) => FromPage): Promise<Reply> {
+  private wait(make: (id: number) => FromPage): Promise<ReplyMessage> {
     const id = this.nextId++;
     return new Promise((resolve) => {
       this.waiting.set(id, { since: this.clock.now(), resolve });
-      this.send(make(id));
+      this.post(make(id));
     });
   }
 
-  private send(message: FromPage): void {
+  private post(message: FromPage): void {
     try {
       this.model.send(message);
     } catch {
@@ -174,19 +179,19 @@ export class Connection {
     if (this.unpaid < PAY_FOR && this.heard - this.paid < PAY_AFTER) return;
     this.unpaid = 0;
     this.paid = this.heard;
-    this.send({ type: "credit", view: this.view, frame });
+    this.post({ type: "credit", view: this.view, frame });
   }
 
   private readonly doubt = (): void => {
     this.doubted = this.clock.now();
   };
 
-  private settle(reply: Reply): void {
+  private settle(reply: ReplyMessage): void {
     this.waiting.get(reply.id)?.resolve(reply);
     this.waiting.delete(reply.id);
   }
 
-  private answered(answer: Answer): void {
+  private answered(answer: AnswerMessage): void {
     this.base = answer.revision;
     if (answer.seq === this.inFlight) this.inFlight = 0;
   }

@@ -1,65 +1,29 @@
-/** What a view knows of its session: one value, changed only by `apply`, which tells what changed. */
+/** What a view knows of its session: one value, changed only by `apply`, which returns what changed. */
 
-import type { GraphLayout } from "../graph/layout";
-import type {
-  BridgeView,
-  ChoicesView,
-  ConflictView,
-  Difference,
-  FindingView,
-  FiredView,
-  Frame,
-  FromKernel,
-  HungView,
-  IssueView,
-  PanelView,
-  ProgramView,
-  RateView,
-  RestartView,
-  SettingsView,
-  SpeedView,
-  Status,
-  ValueView,
-  WorldView,
+import {
+  type Changes,
+  type ChoicesView,
+  type Difference,
+  EMPTY_VIEW_STATE,
+  type FindingView,
+  type FromKernel,
+  type ViewState,
+  type WorldView,
 } from "../protocol";
 
 /** How the page hears the kernel: not yet, live, commands wait, nothing for seconds, never again. */
 export type Link = "connecting" | "live" | "busy" | "lost" | "dead";
 
-export interface LabState {
+export interface LabState extends ViewState {
   link: Link;
   name: string;
-  revision: number;
   running: string;
   findings: FindingView[];
   accepted: boolean;
   patch: string;
-  program: ProgramView;
-  layouts: Record<string, GraphLayout>;
   pending: Difference | null;
   choices: ChoicesView;
   world: WorldView | null;
-  status: Status;
-  reason: string;
-  tick: number;
-  time: number;
-  rate: RateView;
-  speed: SpeedView;
-  active: string[];
-  lit: Set<string>;
-  entered: Record<string, FiredView>;
-  fired: Record<string, FiredView>;
-  variables: Map<string, ValueView>;
-  events: Record<string, boolean | null>;
-  members: Record<string, string>;
-  issues: Map<number, IssueView>;
-  restart: RestartView | null;
-  hung: HungView | null;
-  printed: string[];
-  bridge: BridgeView;
-  panel: PanelView | null;
-  settings: SettingsView;
-  conflict: ConflictView | null;
   /** The machine that this view looks at, and the element chosen in it. */
   machine: string;
   chosen: string;
@@ -68,130 +32,81 @@ export interface LabState {
 
 export type Topic = keyof LabState | "snapshot";
 
-const PRINTED_KEPT = 500;
-
 export function initialState(): LabState {
   return {
+    ...EMPTY_VIEW_STATE,
     link: "connecting",
     name: "",
-    revision: 0,
     running: "",
     findings: [],
     accepted: true,
     patch: "",
-    program: { variables: [], events: [], machines: [] },
-    layouts: {},
     pending: null,
     choices: { bridges: [], worlds: [], programs: [] },
     world: null,
-    status: "ready",
-    reason: "",
-    tick: 0,
-    time: 0,
-    rate: { wanted: 10, achieved: 0 },
-    speed: { wanted: 1, achieved: 0 },
-    active: [],
-    lit: new Set(),
-    entered: {},
-    fired: {},
-    variables: new Map(),
-    events: {},
-    members: {},
-    issues: new Map(),
-    restart: null,
-    hung: null,
-    printed: [],
-    bridge: { name: "", status: "", sentence: "", hardware: false, armed: true, members: [] },
-    panel: null,
-    settings: { hold: false, on_active_edit: "restart", pause_on_issue: false },
-    conflict: null,
     machine: "",
     chosen: "",
     follow: false,
   };
 }
 
-/** Take a message in. */
+/** Apply a message; returns the fields that changed. */
 export function apply(state: LabState, message: FromKernel): Set<Topic> {
   const changed = new Set<Topic>();
-  const put = <K extends keyof LabState>(key: K, value: LabState[K]) => {
-    state[key] = value;
-    changed.add(key);
+  const put = (fields: Partial<LabState>) => {
+    Object.assign(state, fields);
+    for (const key of Object.keys(fields) as Topic[]) changed.add(key);
   };
   switch (message.type) {
     case "snapshot": {
+      const { type, view, text, revision, frame, ...fields } = message;
       const { link, machine, chosen, follow } = state;
-      Object.assign(state, initialState(), { link, machine, chosen, follow });
-      for (const key of Object.keys(state) as Topic[]) changed.add(key);
+      put({
+        ...initialState(),
+        link,
+        machine,
+        chosen,
+        follow,
+        ...fields,
+        ...merged(EMPTY_VIEW_STATE, frame),
+      });
       changed.add("snapshot");
-      const { name, revision, running, findings, program, layouts, pending, choices, world } = message;
-      Object.assign(state, { name, revision, running, findings, program, layouts, pending, choices, world });
-      mergeFrame(message.frame, state, put);
-      lookSomewhere(state);
       break;
     }
     case "frame":
-      mergeFrame(message, state, put);
+      put(merged(state, message));
       break;
-    case "answer":
-      put("findings", message.findings);
-      put("accepted", message.accepted);
-      put("patch", message.reason);
-      put("pending", message.pending);
-      if (message.program) put("program", message.program);
-      if (message.layouts) put("layouts", { ...state.layouts, ...message.layouts });
-      if (message.program && lookSomewhere(state)) changed.add("machine");
+    case "answer": {
+      const { findings, accepted, reason, pending } = message;
+      put({ findings, accepted, patch: reason, pending });
       break;
+    }
     case "world":
-      put("world", message.world);
+      put({ world: message.world });
       break;
   }
+  if (changed.has("program") && lookSomewhere(state)) changed.add("machine");
   if (state.follow && changed.has("lit") && followActive(state)) changed.add("machine");
   return changed;
 }
 
-function mergeFrame(
-  frame: Frame,
-  state: LabState,
-  put: <K extends keyof LabState>(key: K, value: LabState[K]) => void,
-): void {
-  const {
-    type,
-    view,
-    frame: _number,
-    lit,
-    entered,
-    fired,
-    variables,
-    events,
-    members,
-    layouts,
-    ink: _drawnByTheWorld,
-    ...rest
-  } = frame;
-  const { issues, gone, printed, ...plain } = rest;
-  for (const [key, value] of Object.entries(plain)) put(key as keyof LabState, value as never);
-  if (lit) put("lit", new Set(lit));
-  if (entered) put("entered", { ...state.entered, ...entered });
-  if (fired) put("fired", { ...state.fired, ...fired });
-  if (events) put("events", { ...state.events, ...events });
-  if (members) put("members", { ...state.members, ...members });
-  if (layouts) put("layouts", { ...state.layouts, ...layouts });
-  if (variables) {
-    const all = new Map(state.variables);
-    for (const [path, value] of Object.entries(variables)) {
-      if (value) all.set(path, value);
-      else all.delete(path);
-    }
-    put("variables", all);
+/** The fields that a frame changes, with their new values: objects entry by entry, null takes one away. */
+function merged(state: ViewState, frame: Changes<ViewState>): Partial<ViewState> {
+  const fields: Record<string, unknown> = {};
+  for (const key of Object.keys(EMPTY_VIEW_STATE) as (keyof ViewState)[]) {
+    if (!(key in frame)) continue;
+    const [old, now] = [state[key], frame[key]];
+    fields[key] = isObject(old) && isObject(now) ? withoutNull({ ...old, ...now }) : now;
   }
-  if (issues || gone) {
-    const all = new Map(state.issues);
-    for (const id of gone ?? []) all.delete(id);
-    for (const issue of issues ?? []) all.set(issue.id, issue);
-    put("issues", all);
-  }
-  if (printed) put("printed", [...state.printed, ...printed.lines].slice(-PRINTED_KEPT));
+  return fields;
+}
+
+function isObject(value: unknown): value is object {
+  return typeof value === "object" && value !== null && !Array.isArray(value);
+}
+
+function withoutNull(entries: object): object {
+  return Object.fromEntries(Object.entries(entries).filter(([, value]) => value !== null));
 }
 
 /** Look at the first machine that there is, when the one looked at is gone. */

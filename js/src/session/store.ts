@@ -1,7 +1,7 @@
 /** The state of one view and who is told of its changes: at most once per picture of the screen. */
 
-import type { Act, Reply } from "../protocol";
-import type { Details } from "./connection";
+import type { ElementKind, ReplyMessage, TextRange } from "../protocol";
+import type { Act, Question } from "./connection";
 import { initialState, type LabState, type Topic } from "./state";
 
 export type Update = (changed: ReadonlySet<Topic>) => void;
@@ -51,15 +51,16 @@ export class Store {
 /** What a part of the lab may use: the state, and ways to have things done. */
 export interface Lab {
   readonly store: Store;
-  /** Have something done; resolves to the refusal, which is also said (unless quiet), or null. */
-  act(act: Act, details?: Details, quiet?: boolean): Promise<string | null>;
-  tell(act: Act, details?: Details): void;
-  ask(question: Parameters<import("./connection").Connection["ask"]>[0]): Promise<Reply>;
+  /** Have something done; resolves to the error, which is also shown (unless quiet), or null. */
+  act(act: Act, quiet?: boolean): Promise<string | null>;
+  /** Have something done without a reply. */
+  send(act: Act): void;
+  ask(question: Question): Promise<ReplyMessage>;
   /** Show the source of an element. */
-  goTo(kind: import("../protocol").ElementKind, path: string): void;
-  goToRange(range: import("../protocol").Range, ofRunning: boolean): void;
-  inspect(kind: import("../protocol").ElementKind, path: string): void;
-  rename(kind: import("../protocol").ElementKind, path: string): void;
+  goTo(kind: ElementKind, path: string): void;
+  goToRange(range: TextRange, ofRunning: boolean): void;
+  inspect(kind: ElementKind, path: string): void;
+  rename(kind: ElementKind, path: string): void;
   insert(text: string): void;
   say(sentence: string): void;
   readonly root: HTMLElement;

@@ -4,7 +4,7 @@
  */
 
 import type { Text } from "@codemirror/state";
-import type { Range } from "../protocol";
+import type { TextRange } from "../protocol";
 
 export interface Span {
   from: number;
@@ -24,7 +24,7 @@ export function offsetAt(doc: Text, line: number, column: number): number {
 }
 
 /** The offsets of a range, never backwards. */
-export function spanOf(doc: Text, range: Range): Span {
+export function spanOf(doc: Text, range: TextRange): Span {
   const from = offsetAt(doc, range.line, range.column);
   return { from, to: Math.max(from, offsetAt(doc, range.end_line, range.end_column)) };
 }

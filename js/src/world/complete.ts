@@ -1,8 +1,8 @@
 /** A world with everything in it that its JSON leaves out as usual; the values are those of `sim/world.py`. */
 
-import type { Point, RobotShape, Stroke, WorldView } from "../protocol";
+import type { Point, RobotShape, StrokeView, WorldView } from "../protocol";
 
-export type FullStroke = Stroke & { width: number; grey: number };
+export type FullStroke = StrokeView & { width: number; grey: number };
 export type FullRobot = Required<RobotShape>;
 
 export interface FullWorld extends Omit<WorldView, "floor" | "robots"> {
@@ -12,7 +12,7 @@ export interface FullWorld extends Omit<WorldView, "floor" | "robots"> {
 
 const ROBOT = { radius: 0.08, light: [[0.06, 0]] as Point[], bumper: true, distance: [[0, 2]] as Point[] };
 
-export function completeStroke(stroke: Stroke): FullStroke {
+export function completeStroke(stroke: StrokeView): FullStroke {
   return { width: 0.03, grey: 0, ...stroke };
 }
 

@@ -1,6 +1,6 @@
 /** Painting a world: the floor and what stands fast once, robots and what moves for every picture. */
 
-import type { Point, Pose, Solid } from "../protocol";
+import type { Point, Pose, SolidView } from "../protocol";
 import type { FullRobot, FullStroke, FullWorld } from "./complete";
 import type { RobotPose, Snapshot } from "./poses";
 
@@ -116,7 +116,7 @@ function write(
   c.restore();
 }
 
-export function paintSolid(c: Canvas, solid: Solid, pose: Pose, palette: Palette): void {
+export function paintSolid(c: Canvas, solid: SolidView, pose: Pose, palette: Palette): void {
   c.save();
   c.translate(pose[0], pose[1]);
   c.rotate(pose[2]);

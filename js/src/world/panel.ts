@@ -51,7 +51,7 @@ interface Parts {
 function build(panel: PanelView, lab: Lab, body: HTMLElement): Parts {
   const press = async (key: string, row?: string) => {
     const known = row === undefined ? {} : { row };
-    return lab.act("panel", { key, values: values(body), ...known });
+    return lab.act({ do: "panel", key, values: values(body), ...known });
   };
   const state = head(panel, lab, press);
   const facts = factList();
@@ -109,7 +109,7 @@ function head(panel: PanelView, lab: Lab, press: (key: string) => unknown) {
       label: "Arm",
       title: "Let commands move the robot",
       action: "panel-arm",
-      onclick: () => void lab.act("armed", { on: true }),
+      onclick: () => void lab.act({ do: "armed", on: true }),
     }),
   );
   const stopButton =
@@ -197,7 +197,7 @@ function questionForm({ key, text, button: label }: PanelQuestion, lab: Lab) {
       class: "lrp-question",
       onsubmit: (event: SubmitEvent) => {
         event.preventDefault();
-        void lab.act("panel", { key, values: { [key]: input.value } });
+        void lab.act({ do: "panel", key, values: { [key]: input.value } });
       },
     },
     h("label", {}, h("span", {}, ...prose(text)), input),

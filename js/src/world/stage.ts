@@ -1,7 +1,7 @@
 /** The canvas of a world: a layer that is painted when the scene changes, and pictures between two poses. */
 
 import { Camera } from "../graph/camera";
-import type { Point, Stroke, WorldView } from "../protocol";
+import type { Point, StrokeView, WorldView } from "../protocol";
 import { complete, completeStroke, type FullStroke, type FullWorld } from "./complete";
 import { type Palette, paintFloor, paintMovers, paintStroke } from "./paint";
 import { between, firstPoses, type Snapshot } from "./poses";
@@ -45,7 +45,7 @@ export class Stage {
   }
 
   /** Ink: keep the first strokes, then come these. */
-  draw(first: number, strokes: Stroke[]): void {
+  draw(first: number, strokes: StrokeView[]): void {
     const only = first === this.ink.length && !this.floorStale; // the usual case: something is added
     const fresh = strokes.map(completeStroke);
     this.ink = [...this.ink.slice(0, first), ...fresh];

@@ -14,7 +14,7 @@ const STEP = 0.02; // metres by an arrow key
 const TURN = Math.PI / 18;
 
 export interface Target {
-  act: "drag_robot" | "drag_solid";
+  do: "drag_robot" | "drag_solid";
   index: number;
   pose: Pose;
 }
@@ -24,7 +24,7 @@ export function targetAt(world: FullWorld, now: Snapshot, [x, y]: Point): Target
   for (let index = now.robots.length - 1; index >= 0; index--) {
     const pose = now.robots[index]!.pose;
     const radius = world.robots[index]?.radius ?? 0;
-    if (Math.hypot(x - pose[0], y - pose[1]) <= radius * 1.25) return { act: "drag_robot", index, pose };
+    if (Math.hypot(x - pose[0], y - pose[1]) <= radius * 1.25) return { do: "drag_robot", index, pose };
   }
   for (let index = now.solids.length - 1; index >= 0; index--) {
     const pose = now.solids[index]!;
@@ -36,7 +36,7 @@ export function targetAt(world: FullWorld, now: Snapshot, [x, y]: Point): Target
     const hit = circle
       ? Math.hypot(dx, dy) <= circle[2]
       : box !== undefined && along <= (box[2] ?? 0) / 2 + grip && aside <= (box[3] ?? 0) / 2 + grip;
-    if (hit) return { act: "drag_solid", index, pose };
+    if (hit) return { do: "drag_solid", index, pose };
   }
   return null;
 }
@@ -83,18 +83,17 @@ export function useTools(stage: Stage, lab: Lab, tool: () => Tool): void {
         end() {},
       };
     }
-    const { act, index, pose: first } = target;
+    const { pose: first } = target;
     return {
       move(at: Point, due: boolean, turn: boolean) {
         const [x, y] = stage.inside(...at);
         if (turn) pose = [pose[0], pose[1], Math.atan2(y - pose[1], x - pose[0])];
         else pose = [first[0] + x - from[0], first[1] + y - from[1], pose[2]];
         last = at;
-        if (due) lab.tell(act, { index, pose });
+        if (due) lab.send({ ...target, pose });
       },
       end() {
-        if (last !== begin) lab.tell(act, { index, pose });
-        lab.tell("drop", { index });
+        if (last !== begin) lab.send({ ...target, pose });
       },
     };
   }
@@ -114,8 +113,11 @@ export function useTools(stage: Stage, lab: Lab, tool: () => Tool): void {
       },
       end() {
         const done = stage.sketch;
-        const act = kind === "draw" ? "stroke" : "erase";
-        void lab.act(act, { points, width, grey }).then(() => {
+        const act =
+          kind === "draw"
+            ? ({ do: "stroke", points, width, grey } as const)
+            : ({ do: "erase", points, width } as const);
+        void lab.act(act).then(() => {
           if (stage.sketch === done) stage.sketch = null; // by now it is part of the world
           stage.wake();
         });
@@ -143,8 +145,7 @@ export function useTools(stage: Stage, lab: Lab, tool: () => Tool): void {
     if (!next || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     event.stopPropagation();
-    lab.tell("drag_robot", { index: 0, pose: next });
-    lab.tell("drop", { index: 0 });
+    lab.send({ do: "drag_robot", index: 0, pose: next });
   });
 }
 

@@ -54,7 +54,7 @@ export function worldView(lab: Lab): WorldPart {
     "aria-label": "World",
     title: "Choose a world",
     "data-lrp-action": "world",
-    onchange: () => void lab.act("world", { name: worlds.value }),
+    onchange: () => void lab.act({ do: "world", name: worlds.value }),
   });
   const time = h("span", { class: "lrp-world-time", "aria-hidden": "true" });
   const view = h("div", { class: "lrp-world-body" }, canvas, time);
@@ -84,13 +84,13 @@ export function worldView(lab: Lab): WorldPart {
         icon: "reset",
         title: "Reset pose: put the robot back where it began",
         action: "reset-pose",
-        onclick: () => void lab.act("reset_pose", { index: 0 }),
+        onclick: () => void lab.act({ do: "reset_pose", index: 0 }),
       }),
       button({
         icon: "world",
         title: "Reset world: robot, things, trails and drawings as at the beginning",
         action: "reset-world",
-        onclick: () => void lab.act("reset_world"),
+        onclick: () => void lab.act({ do: "reset_world" }),
       }),
     ],
     view,

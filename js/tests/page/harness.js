@@ -29,8 +29,8 @@ const range = (line, column, end_column) => ({ line, column, end_line: line, end
 
 const cases = {
   issues: {
-    issues: [
-      {
+    issues: {
+      1: {
         id: 1,
         code: "LRP601",
         severity: "error",
@@ -38,6 +38,7 @@ const cases = {
         element: "state `follower/moving`",
         message: "`moving.running` raised `ZeroDivisionError: division by zero`.",
         revision: 1,
+        finding: "",
         range: range(27, 15, 40),
         traceback:
           'Traceback (most recent call last):\n  File "<lrp follower>", line 27, in moving.running\n    robot.move(linear=1/0)\nZeroDivisionError: division by zero',
@@ -46,7 +47,7 @@ const cases = {
         count: 83,
         resolved: false,
       },
-      {
+      2: {
         id: 2,
         code: "LRP604",
         severity: "warning",
@@ -54,6 +55,7 @@ const cases = {
         element: "transition `follower:tlost`",
         message: "There is no state `lost`: the transition `tlost` is not taken.",
         revision: 1,
+        finding: "",
         range: range(28, 3, 20),
         traceback: "",
         first_tick: 3,
@@ -61,9 +63,9 @@ const cases = {
         count: 1,
         resolved: true,
       },
-    ],
+    },
     restart: { count: 1, tick: 118, reason: "`moving` is active and its `running` changed" },
-    printed: { first: 0, lines: ["light 212", "light 180", "on the line"] },
+    printed: { 0: "light 212", 1: "light 180", 2: "on the line" },
   },
   busy: {},
   hold: { settings: state.settings },
@@ -76,6 +78,7 @@ function answer(message) {
   const findings = [];
   if (open)
     findings.push({
+      id: "open",
       code: "LRP101",
       severity: "error",
       message: "This `(` is not closed.",
@@ -86,6 +89,7 @@ function answer(message) {
     const column = lines[typo].indexOf("lightlin") + 1;
     const place = range(typo + 1, column, column + 8);
     findings.push({
+      id: "typo",
       code: "LRP501",
       severity: "error",
       message: "`lightlin` is defined nowhere; did you mean `lightlim`?",
@@ -102,8 +106,6 @@ function answer(message) {
     accepted: !open,
     applied: !open,
     reason: "",
-    program: null,
-    layouts: null,
     pending: state.settings.hold
       ? { added: ["state `follower/lost`"], removed: [], changed: ["event `follower/bumping`"], moved: [] }
       : null,
@@ -130,9 +132,9 @@ function command(message) {
     if (Number.isNaN(value)) error = `NameError: name '${message.expression}' is not defined`;
     else frame({ variables: { [message.path]: { text: message.expression, number: value } } });
   } else if (message.do === "pin") {
-    const layouts = structuredClone(recording.snapshot.layouts);
+    const layouts = structuredClone(recording.snapshot.frame.layouts);
     const shape = layouts[message.path].states.find(({ name }) => name === message.name);
-    if (shape) [shape.x, shape.y] = message.pose;
+    if (shape) [shape.x, shape.y] = [message.x, message.y];
     frame({ layouts: { [message.path]: layouts[message.path] } });
   }
   if (message.id) setTimeout(() => deliver({ type: "reply", id: message.id, error }), 5);
@@ -197,13 +199,9 @@ const model = {
       snapshot.frame.view = view;
       Object.assign(snapshot.frame, cases[options.get("case")] ?? {});
       if (snapshot.frame.restart) snapshot.frame.restart = { count: 0, tick: 0, reason: "" };
+      if (options.get("case") === "empty") Object.assign(snapshot, { text: "", running: "" });
       if (options.get("case") === "empty")
-        Object.assign(snapshot, {
-          text: "",
-          running: "",
-          program: { variables: [], events: [], machines: [] },
-          layouts: {},
-        });
+        Object.assign(snapshot.frame, { program: { variables: [], events: [], machines: [] }, layouts: {} });
       setTimeout(() => {
         deliver(snapshot);
         const more = cases[options.get("case")];

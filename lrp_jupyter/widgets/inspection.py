@@ -1,49 +1,58 @@
-"""Looking into elements of the program and into values, step by step. Paper: §6.5."""
+"""Inspection of elements of the program and of values, step by step. Paper: §6.5."""
 
 from __future__ import annotations
 
 import inspect as inspection
 from collections.abc import Iterator, Mapping, Sequence, Set
+from dataclasses import dataclass
 from itertools import islice
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.interpreter.frame import render
 from lrp_jupyter.language.program import Path, Program, Span, Spawn, path_text
-from lrp_jupyter.widgets.paths import path_of
-from lrp_jupyter.widgets.protocol import Facet, Inspect, InspectView
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
+from lrp_jupyter.widgets.protocol import CountView, ElementKind, Facet, InspectView, ViewState, path_of
 
-if TYPE_CHECKING:
-    from lrp_jupyter.widgets.connection import Connection
-
-__all__ = ["inspect_element"]
+__all__ = ["InspectRequest"]
 
 _MOST = 100  # facets of one object
 _PLAIN = (bool, int, float, complex, str, bytes, type(None))
 
 
-def inspect_element(connection: Connection, request: Inspect) -> InspectView:
-    """Look into an element of the running program, or along `into` into its value.
+@dataclass(frozen=True)
+class InspectRequest(PageRequest, type="inspect"):
+    """Inspect an element, or (`into`: steps of earlier facets) a part of its value. Answered by `inspect`."""
 
-    Raises
-    ------
-    UnknownElementError
-        There is no such element, or it has no value now.
-    """
-    kind, program = request["kind"], connection.session.program
-    path = path_of(kind, request["path"])
+    kind: ElementKind
+    path: str
+    into: list[str]
+
+    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
+        """Return the inspected object.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such element, or it has no value now.
+        """
+        return {"inspect": _inspect(opened, self.kind, path_of(self.kind, self.path), self.into)}
+
+
+def _inspect(opened: OpenProgram, kind: ElementKind, path: Path, into: Sequence[str]) -> InspectView:
+    session = opened.session
+    program = session.program
     if kind == "robot":
-        return _robot(connection)
+        return _robot(session)
     if kind == "variable":
-        seen: InspectView = connection.session.call(
-            lambda: _variable(connection, program, path, request["into"])
-        )
+        seen: InspectView = session.call(lambda: _variable(session, program, path, into))
         return seen
     machine = find_machine(program, path if kind == "machine" else path[:-1])
     if kind == "machine":
-        facets = [_said("states", ", ".join(str(state.name) for state in machine.states))]
-        facets += [_said(str(t.kind), f"{t.source_text} -> {t.destination}") for t in machine.transitions]
+        facets = [_facet("states", ", ".join(str(state.name) for state in machine.states))]
+        facets += [_facet(str(t.kind), f"{t.source_text} -> {t.destination}") for t in machine.transitions]
         return _view(f"machine {machine.name}", "", program, machine.span, facets)
     if kind == "event":
         event = next((event for event in machine.events if event.name == path[-1]), None)
@@ -51,25 +60,24 @@ def inspect_element(connection: Connection, request: Inspect) -> InspectView:
             raise UnknownElementError(f"There is no event `{path_text(path)}`.")
         return _view(f"event {event.name}", "", program, event.span, [])
     if kind == "transition":
-        return _transition(connection, program, path)
-    return _state(connection, program, path)
+        return _transition(opened.view_state(), program, path)
+    return _state(opened.view_state(), program, path)
 
 
-def _state(connection: Connection, program: Program, path: Path) -> InspectView:
+def _state(now: ViewState, program: Program, path: Path) -> InspectView:
     machine = find_machine(program, path[:-1])
     state = next((state for state in machine.states if state.name == path[-1]), None)
     if state is None:
         raise UnknownElementError(f"There is no state `{path_text(path)}`.")
     name = path_text(path)
-    look = connection.look()
-    visits = look["entered"].get(name, {"count": 0, "tick": 0})
-    facets = [_said("active", "yes" if name in look["lit"] else "no"), _said("entered", _times(visits))]
+    visits = now["entered"].get(name, {"count": 0, "tick": 0})
+    facets = [_facet("active", "yes" if name in now["lit"] else "no"), _facet("entered", _times(visits))]
     for part in ("onentry", "running", "onexit"):
         for action in getattr(state, part):
-            facets.append(_said(part, _action(action)))
-    facets += [_said("machine", str(inner.name)) for inner in state.machines]
+            facets.append(_facet(part, _action(action)))
+    facets += [_facet("machine", str(inner.name)) for inner in state.machines]
     facets += [
-        _said(label, f"{transition.trigger_text} -> {transition.destination}")
+        _facet(label, f"{transition.trigger_text} -> {transition.destination}")
         for label, transition in zip(machine.labels, machine.transitions, strict=True)
         if transition.leaves(str(state.name))
     ]
@@ -82,40 +90,40 @@ def _action(action: object) -> str:
     return f"[{getattr(action, 'text', '')}]"
 
 
-def _transition(connection: Connection, program: Program, path: Path) -> InspectView:
+def _transition(now: ViewState, program: Program, path: Path) -> InspectView:
     machine = find_machine(program, path[:-1])
     known = dict(zip(machine.labels, machine.transitions, strict=True))
     label, transition = path[-1], known.get(path[-1])
     if transition is None:
         raise UnknownElementError(f"There is no transition `{label}` in `{path_text(path[:-1])}`.")
-    fired = connection.look()["fired"].get(f"{path_text(path[:-1])}:{label}", {"count": 0, "tick": 0})
+    fired = now["fired"].get(f"{path_text(path[:-1])}:{label}", {"count": 0, "tick": 0})
     facets = [
-        _said("kind", transition.kind),
-        _said("when", transition.trigger_text),
-        _said("from", transition.source_text),
-        _said("to", str(transition.destination)),
-        _said("fired", _times(fired)),
+        _facet("kind", transition.kind),
+        _facet("when", transition.trigger_text),
+        _facet("from", transition.source_text),
+        _facet("to", str(transition.destination)),
+        _facet("fired", _times(fired)),
     ]
     return _view(f"transition {label}", "", program, transition.span, facets)
 
 
-def _times(seen: Mapping[str, int]) -> str:
+def _times(seen: CountView) -> str:
     if not seen["count"]:
         return "never"
     return f"{seen['count']} {'time' if seen['count'] == 1 else 'times'}, last in tick {seen['tick']}"
 
 
-def _robot(connection: Connection) -> InspectView:
-    bridge = connection.session.bridge
+def _robot(session: Session) -> InspectView:
+    bridge = session.bridge
     facets = [
-        _said(
+        _facet(
             f"robot.{member.name}{member.signature}",
             "" if member.kind == "method" else "waiting" if member.value is None else render(member.value),
             member.unit or member.type,
         )
         for member in bridge.members()
     ]
-    facets += [_said(notice.kind, notice.text) for notice in bridge.safety.notices[-5:]]
+    facets += [_facet(notice.kind, notice.text) for notice in bridge.safety.notices[-5:]]
     status = bridge.status
     return {
         "title": "robot",
@@ -130,8 +138,8 @@ def _robot(connection: Connection) -> InspectView:
 # -- values ----------------------------------------------------------------------------------------------
 
 
-def _variable(connection: Connection, program: Program, path: Path, into: Sequence[str]) -> InspectView:
-    value = connection.session.interpreter.variables[path]
+def _variable(session: Session, program: Program, path: Path, into: Sequence[str]) -> InspectView:
+    value = session.interpreter.variables[path]
     title = path[-1]
     for step in into:
         for known, _, inner in _inside(value):
@@ -186,7 +194,7 @@ def _inside(value: object) -> Iterator[tuple[str, str, object]]:
                 continue
 
 
-def _said(label: str, text: str, kind: str = "") -> Facet:
+def _facet(label: str, text: str, kind: str = "") -> Facet:
     return {"step": "", "label": label, "type": kind, "text": text, "deep": False}
 
 

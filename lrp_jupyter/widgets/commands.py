@@ -1,0 +1,484 @@
+"""Everything that a person can have done from a page: one class for each act, with its own fields.
+
+`apply` runs on the thread that delivers messages. It queues a command of the session and returns its future,
+or does at once what may be done from any thread, or leaves to the worker what has to wait.
+"""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path as FilePath
+from typing import Annotated, Any, ClassVar
+
+from lrp_jupyter import programs
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError
+from lrp_jupyter.graph.state_graph import find_machine
+from lrp_jupyter.language.program import path_text
+from lrp_jupyter.live import commands as do
+from lrp_jupyter.sim.world import Point, Pose
+from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
+from lrp_jupyter.widgets.protocol import ElementKind, OnActiveEdit, path_of
+
+Applied = Future[Any] | None
+Ticks = Annotated[int, Between(1, 10_000)]
+Index = Annotated[int, Between(0, 10_000)]
+Grey = Annotated[int, Between(0, 255)]
+Width = Annotated[float, Between(0, 10)]  # m
+Positive = Annotated[float, Between(0, 1e6)]
+
+# -- control -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class RunCommand(PageCommand, do="run"):
+    """Run, or resume; after a stop from the beginning."""
+
+    patience: ClassVar[float] = 20.0  # it may have to connect to a robot
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        session = opened.session
+        if session.status in ("ready", "stopped"):
+            return opened.work(session.start)
+        return session.ask(do.Resume())
+
+
+@dataclass(frozen=True)
+class PauseCommand(PageCommand, do="pause"):
+    """Pause the program."""
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.session.ask(do.Pause())
+
+
+@dataclass(frozen=True)
+class StepCommand(PageCommand, do="step"):
+    """Run so many ticks."""
+
+    value: Ticks = 1
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        if not opened.session.bridge.is_open:
+            return opened.work(opened.session.step)
+        *_, last = [opened.session.ask(do.Step()) for _ in range(self.value)]
+        return last
+
+
+@dataclass(frozen=True)
+class StepBackCommand(PageCommand, do="step_back"):
+    """Go back by so many ticks."""
+
+    value: Ticks = 1
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.work(partial(opened.session.rewind, self.value))
+
+
+@dataclass(frozen=True)
+class ResetCommand(PageCommand, do="reset"):
+    """Start the program from scratch."""
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.session.ask(do.Reset())
+
+
+@dataclass(frozen=True)
+class StopCommand(PageCommand, do="stop"):
+    """Stop the robot now, whatever the program does, then pause; never waits for a tick."""
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        opened.session.stop_robot()
+        return None
+
+
+@dataclass(frozen=True)
+class RateCommand(PageCommand, do="rate"):
+    """Set the ticks per second; 0 is as many as possible."""
+
+    value: Positive
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.session.ask(do.SetRate(self.value))
+
+
+@dataclass(frozen=True)
+class SpeedCommand(PageCommand, do="speed"):
+    """Set the simulated seconds per second; 0 is as many as possible."""
+
+    value: Positive
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.session.ask(do.SetSpeed(self.value or math.inf))
+
+
+@dataclass(frozen=True)
+class ArmedCommand(PageCommand, do="armed"):
+    """Let commands move the robot, or not."""
+
+    on: bool
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        bridge = opened.session.bridge
+        (bridge.arm if self.on else bridge.disarm)()
+        return None
+
+
+@dataclass(frozen=True)
+class BridgeCommand(PageCommand, do="bridge"):
+    """Continue with another bridge: a new session of the same program."""
+
+    name: str
+
+    patience: ClassVar[float] = 20.0
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.work(partial(opened.change_bridge, self.name))
+
+
+@dataclass(frozen=True)
+class PanelCommand(PageCommand, do="panel"):
+    """Press a button of the bridge's panel, or answer its question.
+
+    `row` is the key of the row of a table that holds the button, `values` are those of all fields.
+    """
+
+    key: str
+    row: str = ""
+    values: dict[str, str] = field(default_factory=dict)
+
+    patience: ClassVar[float] = 20.0
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        key, values, session = self.key, self.values, opened.session
+        bridge = session.bridge
+        if key == "stop":
+            session.stop_robot()
+            return None
+        panel = bridge.panel()
+        if panel is not None and any(question.key == key for question in panel.questions):
+            return session.ask(do.Call(partial(bridge.answer, key, values.get(key, "")), "answer"))
+        return session.ask(do.Call(partial(bridge.press, key, self.row, values), "press"))
+
+
+# -- text --------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class HoldCommand(PageCommand, do="hold"):
+    """Let texts wait for `apply`, or not; what was held runs when it is switched off."""
+
+    on: bool
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        texts = opened.texts
+        if texts.hold and not self.on:
+            texts.hold = False
+            opened.apply()
+        texts.hold = self.on
+        opened.wake()
+        return None
+
+
+@dataclass(frozen=True)
+class ApplyCommand(PageCommand, do="apply"):
+    """Let the held text run."""
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        opened.apply()
+        return None
+
+
+@dataclass(frozen=True)
+class RevertCommand(PageCommand, do="revert"):
+    """Go back to the text that runs."""
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        opened.write(opened.session.program.text)
+        return None
+
+
+@dataclass(frozen=True)
+class LoadCommand(PageCommand, do="load"):
+    """Make a bundled program the text."""
+
+    name: str
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        opened.write(programs.load(self.name))
+        return None
+
+
+@dataclass(frozen=True)
+class TakeCommand(PageCommand, do="take"):
+    """End a conflict with the cell's text."""
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        text = opened.texts.end_conflict()
+        if text is not None:
+            opened.write(text)
+        return None
+
+
+@dataclass(frozen=True)
+class KeepCommand(PageCommand, do="keep"):
+    """End a conflict with the lab's text."""
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        opened.texts.end_conflict()
+        opened.wake()
+        return None
+
+
+@dataclass(frozen=True)
+class SaveCommand(PageCommand, do="save"):
+    """Write the text to a file."""
+
+    name: str
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        name = self.name.strip()
+        if not name:
+            raise LRPError("A file needs a name.")
+        FilePath(name).expanduser().write_bytes(opened.texts.text.encode())
+        return None
+
+
+@dataclass(frozen=True)
+class RenameCommand(PageCommand, do="rename"):
+    """Rename an element and everything that refers to it; all views get the new text."""
+
+    kind: ElementKind
+    path: str
+    name: str
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.work(partial(self._rename, opened))
+
+    def _rename(self, opened: OpenProgram) -> None:
+        path = path_of(self.kind, self.path)
+        with opened.layouts.renaming(self.kind, path, self.name):
+            opened.texts.rename(self.kind, path, self.name)
+
+
+# -- forcing -----------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class TransitionCommand(PageCommand, do="transition"):
+    """Go to a state as if a transition led there."""
+
+    path: str
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.session.ask(do.Force(path_of("state", self.path)))
+
+
+@dataclass(frozen=True)
+class TeleportCommand(PageCommand, do="teleport"):
+    """Be in a state; no action runs."""
+
+    path: str
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.session.ask(do.Force(path_of("state", self.path), teleport=True))
+
+
+@dataclass(frozen=True)
+class FireCommand(PageCommand, do="fire"):
+    """Fire a transition now: its source must be active."""
+
+    path: str
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        session = opened.session
+        *where, label = path_of("transition", self.path)
+        machine = find_machine(session.program, where)
+        found = next(
+            (t for name, t in zip(machine.labels, machine.transitions, strict=True) if name == label), None
+        )
+        if found is None:
+            raise UnknownElementError(f"There is no transition `{label}` in `{path_text(tuple(where))}`.")
+        lit = {tuple(path.split("/")) for path in opened.view_state()["lit"]}
+        if not any(path[:-1] == tuple(where) and found.leaves(path[-1]) for path in lit):
+            raise LRPError(f"No state that `{label}` leaves is active: {found.source_text}.")
+        target = where[:-2] if found.kind == "exit" else where
+        return session.ask(do.Force((*target, str(found.destination))))
+
+
+@dataclass(frozen=True)
+class SetVariableCommand(PageCommand, do="set_variable"):
+    """Assign the value of an expression."""
+
+    path: str
+    expression: str
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.session.ask(do.SetVariable(path_of("variable", self.path), self.expression))
+
+
+# -- policies and issues -----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class OnActiveEditCommand(PageCommand, do="on_active_edit"):
+    """Let an edit of the active state restart the program, or keep it running."""
+
+    name: OnActiveEdit
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return _set(opened, do.SetPolicy("on_active_edit", self.name))
+
+
+@dataclass(frozen=True)
+class PauseOnIssueCommand(PageCommand, do="pause_on_issue"):
+    """Whether a new issue pauses the program."""
+
+    on: bool
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return _set(opened, do.SetPolicy("on_issue", "pause" if self.on else "record"))
+
+
+def _set(opened: OpenProgram, policy: do.SetPolicy) -> Applied:
+    answer = opened.session.ask(policy)
+    answer.add_done_callback(lambda _: opened.wake())
+    return answer
+
+
+@dataclass(frozen=True)
+class ClearIssuesCommand(PageCommand, do="clear_issues"):
+    """Forget the issues of the run."""
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.session.ask(do.Call(opened.session.interpreter.issues.clear))
+
+
+# -- the world ---------------------------------------------------------------------------------------
+
+
+def _world(opened: OpenProgram) -> SimBridge:
+    bridge = opened.session.bridge
+    if not isinstance(bridge, SimBridge):
+        raise BridgeError(f"`{bridge.name}` has no world that could be changed.")
+    return bridge
+
+
+def _publish(opened: OpenProgram) -> Applied:
+    """Have a frame made of what was done to the world, also while nothing ticks."""
+    return opened.session.ask(do.Call(lambda: None, "look"))
+
+
+@dataclass(frozen=True)
+class DragRobotCommand(PageCommand, do="drag_robot"):
+    """Put a robot elsewhere; sent while it is dragged."""
+
+    index: Index
+    pose: Pose
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        _world(opened).place_robot(self.pose, self.index)
+        return _publish(opened)
+
+
+@dataclass(frozen=True)
+class DragSolidCommand(PageCommand, do="drag_solid"):
+    """Put a solid elsewhere; sent while it is dragged."""
+
+    index: Index
+    pose: Pose
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        _world(opened).place_solid(self.index, self.pose)
+        return _publish(opened)
+
+
+@dataclass(frozen=True)
+class StrokeCommand(PageCommand, do="stroke"):
+    """Draw a line on the floor, in metres."""
+
+    points: list[Point]
+    width: Width = 0.03
+    grey: Grey = 0
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        _world(opened).draw(tuple(self.points), self.width, self.grey)
+        return _publish(opened)
+
+
+@dataclass(frozen=True)
+class EraseCommand(PageCommand, do="erase"):
+    """Paint with the floor's own grey."""
+
+    points: list[Point]
+    width: Width = 0.06
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        _world(opened).erase(tuple(self.points), self.width)
+        return _publish(opened)
+
+
+@dataclass(frozen=True)
+class ResetPoseCommand(PageCommand, do="reset_pose"):
+    """Put a robot back where it began."""
+
+    index: Index
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        bridge = _world(opened)
+        if self.index >= len(bridge.world.robots):
+            raise BridgeError(f"There is no robot {self.index}.")
+        bridge.place_robot(bridge.world.robots[self.index].pose, self.index)
+        return _publish(opened)
+
+
+@dataclass(frozen=True)
+class ResetWorldCommand(PageCommand, do="reset_world"):
+    """Reset the world as it was, without trails and drawings."""
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        _world(opened).reset_world(drawings=True)
+        return _publish(opened)
+
+
+@dataclass(frozen=True)
+class WorldCommand(PageCommand, do="world"):
+    """Continue in another world."""
+
+    name: str
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        bridge = _world(opened)
+        return opened.session.ask(do.Call(partial(bridge.load_world, self.name), "world"))
+
+
+# -- the graph ---------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class PinCommand(PageCommand, do="pin"):
+    """Put a node of a machine's graph where it was dragged, in px."""
+
+    path: str
+    name: str
+    x: float
+    y: float
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        opened.layouts.pin(self.path, self.name, self.x, self.y)
+        opened.wake()
+        return None
+
+
+@dataclass(frozen=True)
+class ArrangeCommand(PageCommand, do="arrange"):
+    """Lay out a machine as if for the first time."""
+
+    path: str
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        opened.layouts.arrange(self.path)
+        opened.wake()
+        return None

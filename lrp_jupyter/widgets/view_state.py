@@ -1,0 +1,357 @@
+"""The view state of a session: everything that a view may show of it, and the difference of two of them.
+
+A view gets the difference of the view state it was sent last and the present one, so it may miss any number
+of states between the two.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, cast
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.members import Member
+from lrp_jupyter.graph.paths import Paths
+from lrp_jupyter.graph.shapes import Layout
+from lrp_jupyter.interpreter.frame import Frame, render
+from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.language.program import Finding, Path, Program, Severity, path_text
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.protocol import (
+    BridgeView,
+    CountView,
+    HungView,
+    IssueView,
+    MachineItem,
+    MemberView,
+    PanelView,
+    ProgramView,
+    RestartView,
+    TextRange,
+    ValueView,
+    ViewState,
+    id_of,
+    offset_of,
+    range_of,
+)
+from lrp_jupyter.widgets.texts import Texts, finding_id
+
+__all__ = ["ViewStates", "bridge_view", "difference", "is_urgent"]
+
+PRINTED = 500
+"""Lines of output that a view is sent at most."""
+_CALM = {"tick", "time", "rate", "speed", "members", "variables", "printed"}
+_DEEPEST = 2  # levels of fields of a reading that are listed
+_MILD: Mapping[str, Severity] = {"no data yet": "hint", "defined twice": "warning"}
+_UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown variable"}
+"""Kinds of issues that a check of the same text reports as `LRP3…`."""
+
+
+class ViewStates:
+    """Makes the view states of one session. Used by one thread at a time.
+
+    Parameters
+    ----------
+    session : Session
+    texts : Texts
+    """
+
+    def __init__(self, session: Session, texts: Texts) -> None:
+        self._session = session
+        self._texts = texts
+        self._program = Program()
+        self._paths = Paths(self._program)
+        self._shown = Program()
+        self._program_view = program_view(self._shown)
+        self._restarts = 0
+        self._restart: RestartView = {"count": 0, "tick": 0, "reason": ""}
+        self._numbers: dict[tuple[int, str, object, int], int] = {}  # of issues, from 1
+        self._issue_views: dict[int, tuple[object, IssueView]] = {}
+        self._printed: tuple[int, dict[str, str]] = 0, {}
+
+    def current(self, program: Program, layouts: Mapping[str, Layout]) -> ViewState:
+        """Return what a view may show now; `layouts` are those of `program`, which runs or ran just now."""
+        session, texts = self._session, self._texts
+        frame = session.frame
+        if frame.program is not self._program:
+            self._program, self._paths = frame.program, Paths(frame.program)
+        if program is not self._shown:
+            view = program_view(program)
+            self._shown = program
+            if view != self._program_view:  # white space makes another program, and the same view
+                self._program_view = view
+        paths, revision = self._paths, texts.running_revision
+        return {
+            "status": frame.status,
+            "reason": frame.reason,
+            "tick": frame.tick,
+            "time": round(frame.time, 3),
+            "rate": {"wanted": frame.rate, "achieved": round(frame.achieved_rate, 1)},
+            "speed": {
+                "wanted": frame.speed if math.isfinite(frame.speed) else 0,
+                "achieved": round(frame.achieved_speed, 2),
+            },
+            "revision": revision,
+            "program": self._program_view,
+            "layouts": dict(layouts),
+            "active": [path_text(path) for path in frame.active],
+            "lit": paths.lit(frame.active),
+            "entered": _counts(
+                (path_text(paths.member(path)), count, frame.visited_at.get(path, 0))
+                for path, count in frame.visits.items()
+            ),
+            "fired": _counts(
+                (id_of("transition", self._defined(path)), count, frame.fired_at.get(path, 0))
+                for path, count in frame.fired.items()
+            ),
+            "variables": {
+                path_text(paths.member(path)): _value_view(text, frame.numbers.get(path))
+                for path, text in frame.variables.items()
+            },
+            "events": {path_text(path): value for path, value in frame.events.items() if value is not None},
+            "members": _member_values(session.bridge),
+            "issues": self._issues(frame, revision),
+            "printed": self._lines(),
+            "restart": self._last_restart(frame),
+            "hung": _hung_view(frame),
+            "bridge": bridge_view(session.bridge),
+            "panel": _panel_view(session.bridge),
+            "settings": {
+                "hold": texts.hold,
+                "on_active_edit": "keep" if session.on_active_edit == "keep" else "restart",
+                "pause_on_issue": session.on_issue == "pause",
+            },
+            "conflict": texts.conflict,
+        }
+
+    def _defined(self, spawned: Path) -> Path:
+        return (*self._paths.machine(spawned[:-1]), spawned[-1])
+
+    def _last_restart(self, frame: Frame) -> RestartView:
+        if frame.restarts != self._restarts:
+            if frame.restart_reason != "reset":  # the person wanted that one
+                count = self._restart["count"] + frame.restarts - self._restarts
+                self._restart = {"count": count, "tick": frame.tick, "reason": frame.restart_reason}
+            self._restarts = frame.restarts
+        return self._restart
+
+    def _issues(self, frame: Frame, revision: int) -> dict[str, IssueView]:
+        texts = self._texts
+        text = frame.program.text
+        findings = texts.findings if texts.text == text else ()
+        views = {}
+        for index, issue in enumerate(frame.issues):
+            key = index, issue.kind, issue.element, issue.first_tick
+            number = self._numbers.setdefault(key, len(self._numbers) + 1)
+            made_of = issue, revision, findings
+            known, view = self._issue_views.get(number, (None, None))
+            if view is None or known != made_of:
+                view = _issue_view(number, issue, text, revision, findings)
+                self._issue_views[number] = made_of, view
+            views[str(number)] = view
+        return views
+
+    def _lines(self) -> dict[str, str]:
+        count, _ = self._printed
+        if self._session.output.count != count:
+            total, lines = self._session.output.since(0)
+            lines = lines[-PRINTED:]
+            first = total - len(lines)
+            self._printed = total, {str(first + index): line for index, line in enumerate(lines)}
+        return self._printed[1]
+
+
+def difference(before: Mapping[str, Any], now: ViewState) -> dict[str, Any]:
+    """Return the fields of a `FrameMessage` that lead from one view state to the next.
+
+    Of an object only the entries that changed, None for one that is gone; anything else in full.
+
+    Parameters
+    ----------
+    before, now : ViewState
+        `before` is empty for a view that has seen nothing.
+    """
+    changes: dict[str, Any] = {}
+    for field, value in now.items():
+        old = before.get(field)
+        if field in before and old == value:
+            continue
+        if isinstance(old, dict) and isinstance(value, dict):
+            gone = dict.fromkeys(old.keys() - value.keys())
+            value = {name: new for name, new in value.items() if name not in old or old[name] != new} | gone
+        changes[field] = value
+    return changes
+
+
+def is_urgent(changes: Mapping[str, Any]) -> bool:
+    """Whether a person should see these changes at once: not those that come with every tick."""
+    return not changes.keys() <= _CALM
+
+
+# -- from the package's values to plain data ---------------------------------------------------------
+
+
+def _counts(counted: Iterable[tuple[str, int, int]]) -> dict[str, CountView]:
+    """Add up counts of the same name; of the ticks the last one counts."""
+    counts: dict[str, CountView] = {}
+    for name, count, tick in counted:
+        known = counts.setdefault(name, {"count": 0, "tick": 0})
+        known["count"] += count
+        known["tick"] = max(known["tick"], tick)
+    return counts
+
+
+def _hung_view(frame: Frame) -> HungView | None:
+    hung = frame.hung
+    return None if hung is None else {"where": hung.where, "seconds": hung.seconds}
+
+
+def program_view(program: Program) -> ProgramView:
+    """Return a program without its blocks."""
+    machines: dict[str, MachineItem] = {}
+    for path, machine in program.walk():
+        text = path_text(path)
+        if text in machines:
+            continue
+        states = {path_text((*path, state.name)): state for state in reversed(machine.states)}
+        machines[text] = {
+            "path": text,
+            "parent": path_text(path[:-1]) if len(path) > 1 else None,
+            "states": [
+                {"path": name, "machines": [f"{name}/{inner.name}" for inner in state.machines]}
+                for name, state in reversed(states.items())
+            ],
+            "transitions": [
+                {
+                    "id": f"{text}:{label}",
+                    "kind": transition.kind,
+                    "trigger": transition.trigger_text,
+                    "source": transition.source_text,
+                    "destination": str(transition.destination),
+                }
+                for label, transition in zip(machine.labels, machine.transitions, strict=True)
+            ],
+            "variables": _names(f"{text}/", machine.variables),
+            "events": _names(f"{text}/", machine.events),
+        }
+    return {
+        "variables": _names("", program.variables),
+        "events": _names("", program.events),
+        "machines": list(machines.values()),
+    }
+
+
+def _names(prefix: str, nouns: tuple[Any, ...]) -> list[str]:
+    return list(dict.fromkeys(f"{prefix}{noun.name}" for noun in nouns))
+
+
+def _issue_view(
+    number: int, issue: Issue, text: str, revision: int, findings: Iterable[Finding]
+) -> IssueView:
+    """Return a fault of the run; `text` is the one that runs, `findings` are those about it."""
+    place = _word_at(text, issue.line, issue.column)
+    same = None if issue.resolved else _same_finding(issue, place, findings)
+    return {
+        "id": number,
+        "code": issue.code,
+        "severity": _MILD.get(issue.kind, "error"),
+        "kind": issue.kind,
+        "element": str(issue.element),
+        "message": issue.message,
+        "revision": revision,
+        "range": place,
+        "finding": "" if same is None else finding_id(same),
+        "traceback": issue.traceback,
+        "first_tick": issue.first_tick,
+        "last_tick": issue.last_tick,
+        "count": issue.count,
+        "resolved": issue.resolved,
+    }
+
+
+def _same_finding(issue: Issue, place: TextRange, findings: Iterable[Finding]) -> Finding | None:
+    """Find the finding of the checks that names the fault of an issue: the same name in the same form."""
+    if issue.kind not in _UNKNOWN_NAMES:
+        return None
+    begin, end = (place["line"], place["column"]), (place["end_line"], place["end_column"])
+    return next(
+        (
+            finding
+            for finding in findings
+            if finding.code.startswith("LRP3")
+            and begin <= (finding.line, finding.column)
+            and (finding.end_line, finding.end_column) <= end
+        ),
+        None,
+    )
+
+
+_WORD = re.compile(r"\w+|\([^()\[\]\n]*\)?|[^\s\w]")
+
+
+def _word_at(text: str, line: int, column: int) -> TextRange:
+    """Return the range of the word, or of the short form, that begins at a place."""
+    start = offset_of(text, line, column)
+    word = _WORD.match(text, start)
+    return range_of(text, start, word.end() if word else start)
+
+
+def _value_view(text: str, number: float | None) -> ValueView:
+    """Return a value, as a number too where JSON has it."""
+    return {"text": text, "number": number if number is not None and math.isfinite(number) else None}
+
+
+def bridge_view(bridge: Bridge) -> BridgeView:
+    """Return how a bridge is connected to its robot, and what `robot` offers."""
+    status = bridge.status
+    return {
+        "name": bridge.name,
+        "status": status.state.value,
+        "sentence": status.sentence,
+        "hardware": bridge.hardware,
+        "armed": bridge.safety.armed,
+        "members": [_member_view(member) for member in _members(bridge)],
+    }
+
+
+def _member_values(bridge: Bridge) -> dict[str, str]:
+    """Return the last reading of every variable of the robot, as text."""
+    return {
+        member.name: "waiting" if member.value is None else _short(member.value)
+        for member in _members(bridge)
+        if member.kind == "variable" and not member.fields
+    }
+
+
+def _members(bridge: Bridge) -> Iterator[Member]:
+    def inside(member: Member, depth: int) -> Iterator[Member]:
+        yield member
+        # the arguments of a command cannot be read
+        for field in member.fields if depth and member.kind == "variable" else ():
+            yield from inside(field, depth - 1)
+
+    for member in bridge.members():
+        yield from inside(member, _DEEPEST)
+
+
+def _member_view(member: Member) -> MemberView:
+    return {
+        "name": member.name,
+        "kind": member.kind,
+        "type": member.type,
+        "unit": member.unit,
+        "doc": member.doc,
+        "insert": f"robot.{member.name}{member.signature}",
+    }
+
+
+def _short(value: object) -> str:
+    return format(value, ".4g") if isinstance(value, float) else render(value)
+
+
+def _panel_view(bridge: Bridge) -> PanelView | None:
+    """Return the bridge's panel as it is now."""
+    panel = bridge.panel()
+    return None if panel is None else cast(PanelView, panel.as_dict())

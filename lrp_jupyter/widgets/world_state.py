@@ -1,0 +1,203 @@
+"""The simulated world as messages: its description, where everything is now, what pens have drawn.
+
+Everything here is read from frozen values and from lists that only grow, so it may be read on any thread;
+the physics stays with the interpreter's.
+"""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.sim import SimBridge, SimPicture
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.sim.floor import Mark, Paint
+from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, Solid, Stroke, Zone
+from lrp_jupyter.widgets.protocol import InkView, SolidView, StrokeView, WorldView, ZoneView
+
+__all__ = ["WorldCursor", "pack_poses", "world_view"]
+
+_DISTANCE = 0.1  # s between two descriptions, at least
+
+
+class WorldCursor:
+    """What one view has been sent of the world, and what of it is new."""
+
+    def __init__(self) -> None:
+        self._scene: object = None
+        self._described = float("-inf")
+        self._picture: object = None
+        self._marks = 0
+        self._strokes = 0
+
+    def describe(self, session: Session, now: float) -> WorldView | None:
+        """Return the whole world; its poses and ink are then sent from the beginning."""
+        self._scene, self._described = _scene_of(session), now
+        self._marks = self._strokes = 0
+        self._picture = None
+        return world_view(session.bridge, session.frame.robot)
+
+    def must_describe(self, session: Session, now: float) -> bool:
+        """Whether the world changed other than by movement and ink, and long enough after the last time."""
+        return _scene_of(session) != self._scene and now - self._described >= _DISTANCE
+
+    def has_moved(self, session: Session) -> bool:
+        """Whether something moved, or was drawn."""
+        picture = session.frame.robot
+        return isinstance(picture, SimPicture) and picture != self._picture
+
+    def advance(self, session: Session) -> tuple[dict[str, InkView], list[bytes]]:
+        """Return what a frame says of the movement: a field for new ink, and the buffer of the poses."""
+        bridge, picture = session.bridge, session.frame.robot
+        assert isinstance(bridge, SimBridge)
+        assert isinstance(picture, SimPicture)
+        self._picture = picture
+        if picture.marks == self._marks:
+            return {}, [_poses(bridge, picture)]
+        strokes = _strokes_of(bridge.simulation.floor.marks[self._marks : picture.marks])
+        ink: InkView = {"first": self._strokes, "strokes": strokes}
+        self._marks, self._strokes = picture.marks, self._strokes + len(strokes)
+        return {"ink": ink}, [_poses(bridge, picture)]
+
+
+def _scene_of(session: Session) -> object:
+    """Return what is another value when the world must be described again; None where there is no world."""
+    bridge = session.bridge
+    if not isinstance(bridge, SimBridge):
+        return None
+    return id(bridge.simulation), getattr(session.frame.robot, "revision", 0)
+
+
+def world_view(bridge: Bridge, picture: object) -> WorldView | None:
+    """Return a world with its solids where they are now; None for a bridge without a world."""
+    if not isinstance(bridge, SimBridge):
+        return None
+    world = bridge.world
+    places = picture.solids if isinstance(picture, SimPicture) else ()
+    return {
+        "version": 1,
+        "name": world.name,
+        "open": world.open,
+        "size": world.size,
+        "seed": world.seed,
+        "floor": {
+            "grey": round(world.floor.grey),
+            "strokes": [_stroke(stroke) for stroke in world.floor.strokes],
+        },
+        "solids": [
+            _solid(solid, places[i] if i < len(places) else None) for i, solid in enumerate(world.solids)
+        ],
+        "robots": [
+            {
+                "pose": robot.pose,
+                "radius": robot.radius,
+                "light": list(robot.light),
+                "bumper": robot.bumper,
+                "distance": list(robot.distance),
+            }
+            for robot in world.robots
+        ],
+        "zones": {name: _zone(zone) for name, zone in world.zones.items()},
+    }
+
+
+def _stroke(stroke: Stroke) -> StrokeView:
+    view: StrokeView = {"width": stroke.width, "grey": round(stroke.grey)}
+    if isinstance(stroke, CircleStroke):
+        view["circle"] = stroke.circle
+    elif isinstance(stroke, ArcStroke):
+        view["arc"] = list(stroke.arc)
+    else:
+        view["path"] = list(stroke.path)
+    return view
+
+
+def _solid(solid: Solid, place: tuple[float, float, float] | None) -> SolidView:
+    shape: tuple[float, ...] = solid.box if isinstance(solid, BoxSolid) else solid.circle
+    x, y, angle = place or (*shape[:2], solid.angle)
+    view: SolidView = {"angle": angle, "push": solid.push}
+    if isinstance(solid, BoxSolid):
+        view["box"] = [x, y, *solid.box[2:]]
+    else:
+        view["circle"] = (x, y, solid.circle[2])
+    return view
+
+
+def _zone(zone: Zone) -> ZoneView:
+    return {"box": list(zone.box)} if isinstance(zone, BoxZone) else {"circle": zone.circle}
+
+
+def _poses(bridge: SimBridge, picture: SimPicture) -> bytes:
+    """Write where everything is as the buffer of a `FrameMessage`."""
+    robots: list[Any] = []
+    for robot, spec in zip(picture.robots, bridge.world.robots, strict=False):
+        lights: list[float] = [*robot.lights, *[math.nan] * len(spec.light)]
+        distances = [*robot.distances, *[math.inf] * len(spec.distance)]
+        robots.append(
+            (
+                *robot.pose,
+                bool(robot.bumper),
+                robot.pen,
+                robot.command[0],
+                lights[: len(spec.light)],
+                distances[: len(spec.distance)],
+            )
+        )
+    pushed = [
+        place
+        for place, solid in zip(picture.solids, bridge.world.solids, strict=False)
+        if solid.push is not None
+    ]
+    return pack_poses(picture.time, robots, pushed)
+
+
+def _strokes_of(marks: Sequence[Mark]) -> list[StrokeView]:
+    """Join pieces of trails and drawings to strokes: those that continue each other are one."""
+    strokes: list[StrokeView] = []
+    before: tuple[Paint, float, float] | None = None
+    for _, paint, piece in marks:
+        x, y, end_x, end_y = piece.ends()
+        if before and before[0] is paint and math.isclose(before[1], x) and math.isclose(before[2], y):
+            strokes[-1]["path"].append((end_x, end_y))
+        else:
+            stroke: StrokeView = {
+                "path": [(x, y), (end_x, end_y)],
+                "width": 2 * paint.half,
+                "grey": round(paint.grey),
+            }
+            if paint.ink:
+                stroke["ink"] = True
+            strokes.append(stroke)
+        before = paint, end_x, end_y
+    return strokes
+
+
+def pack_poses(
+    time: float,
+    robots: Iterable[tuple[float, float, float, bool, bool, float, Sequence[float], Sequence[float]]],
+    solids: Iterable[tuple[float, float, float]] = (),
+) -> bytes:
+    """Write the buffer of a `FrameMessage`.
+
+    Little endian: the world's time as float64, then float32: for each robot x, y (m), theta (rad), flags,
+    speed (m/s), its light values, its distances (m, inf for nothing); then for each solid with `push`, in
+    the order of the world, x, y, theta. How many there are the page knows from the world.
+
+    Parameters
+    ----------
+    time : float
+        Seconds of the world.
+    robots : iterable of tuple
+        ``(x, y, theta, bumper, pen, speed, lights, distances)`` for each robot.
+    solids : iterable of tuple
+        ``(x, y, theta)`` of each solid that can be pushed.
+    """
+    numbers: list[float] = []
+    for x, y, theta, bumper, pen, speed, lights, distances in robots:
+        numbers += [x, y, theta, float(bumper | pen << 1), speed, *lights, *distances]
+    for solid in solids:
+        numbers += solid
+    return struct.pack(f"<d{len(numbers)}f", time, *numbers)
