@@ -1,0 +1,135 @@
+"""What a view may show of a session, and the difference of two such states."""
+
+from dataclasses import replace
+from threading import Event, Thread
+from typing import get_type_hints
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lrp_jupyter.interpreter.frame import Hung
+from lrp_jupyter.widgets import layouts
+from lrp_jupyter.widgets.protocol import FrameMessage, ViewState
+from lrp_jupyter.widgets.view_state import difference
+
+COUNT = "(var count := [0]) (machine m (state a (running [count = count + 1]))) (spawn m a)"
+LOST = "(machine m (state a) (state b) (on nowhere a -> b)) (spawn m a)"
+
+ENTRIES = st.dictionaries(st.sampled_from("abc"), st.integers(0, 3))
+STATES = st.fixed_dictionaries(
+    {"tick": st.integers(0, 3), "lit": st.lists(st.integers()), "entered": ENTRIES}
+)
+
+
+def merged(before, changes):
+    """What a page makes of a frame."""
+    state = dict(before)
+    for field, new in changes.items():
+        if isinstance(new, dict) and isinstance(before.get(field), dict):
+            new = {name: entry for name, entry in {**before[field], **new}.items() if entry is not None}
+        state[field] = new
+    return state
+
+
+@given(STATES, STATES)
+def test_a_difference_leads_from_one_state_to_the_next(before, now):
+    assert merged(before, difference(before, now)) == now
+    assert difference(now, now) == {}
+    assert difference({}, now) == now
+
+
+def test_a_view_state_has_all_fields_of_its_type(bench):
+    lab = bench(COUNT)
+    assert lab.connection.view_state().keys() == get_type_hints(ViewState).keys()
+    assert get_type_hints(FrameMessage).keys() - get_type_hints(ViewState).keys() == {
+        "type",
+        "view",
+        "frame",
+        "ink",
+    }
+
+
+def test_an_entry_is_told_with_its_own_tick_however_late_a_view_hears_of_it(bench):
+    lab = bench(COUNT)
+    page = lab.page()
+    for _ in range(5):
+        lab.session.step()
+    lab.publish()
+    assert page.told("tick") == 5
+    assert page.told("entered") == {"m/a": {"count": 1, "tick": 1}}
+    said = {
+        f["label"]: f["text"]
+        for f in page.ask("inspect", kind="state", path="m/a", into=[])["inspect"]["facets"]
+    }
+    assert said["entered"] == "1 time, last in tick 1"
+
+
+def test_a_block_that_hangs_is_told_as_data_whatever_the_sentence_says(bench, monkeypatch):
+    lab = bench(COUNT)
+    page = lab.page()
+    frame = replace(lab.session.frame, status="hung", reason="Wait.", hung=Hung("moving.running", 2.5))
+    monkeypatch.setattr(type(lab.session), "frame", frame)
+    lab.publish()
+    assert page.told("hung") == {"where": "moving.running", "seconds": 2.5}
+    monkeypatch.undo()
+    lab.publish()
+    assert page.told("hung") is None
+
+
+def test_an_issue_names_the_finding_about_the_same_fault_until_it_is_resolved(bench):
+    lab = bench(LOST.replace("nowhere", "[True]"))
+    page = lab.page()
+    (finding,) = page.type(LOST)["findings"]
+    lab.session.step()
+    lab.session.step()
+    lab.publish()
+    (issue,) = page.knows("issues").values()
+    assert (finding["code"], issue["code"]) == ("LRP301", "LRP603")
+    assert issue["finding"] == finding["id"]
+    page.type(LOST.replace("(on nowhere a -> b)", ""))
+    lab.publish()
+    (issue,) = page.knows("issues").values()
+    assert issue["resolved"]
+    assert issue["finding"] == ""
+
+
+def test_an_exception_is_no_finding(bench):
+    lab = bench(COUNT.replace("count + 1", "1 / 0"))
+    page = lab.page()
+    lab.session.step()
+    lab.session.step()
+    lab.publish()
+    (issue,) = page.knows("issues").values()
+    assert issue["finding"] == ""
+
+
+@pytest.mark.parametrize("act", ["stop", "pause"])
+def test_a_layout_that_takes_long_keeps_no_command_from_the_session(bench, monkeypatch, act):
+    lab = bench(COUNT)
+    page = lab.page()
+    lab.session.start()
+    entered, go, layout = Event(), Event(), layouts.layout
+
+    def slow(*arguments, **options):
+        entered.set()
+        assert go.wait(20)
+        return layout(*arguments, **options)
+
+    monkeypatch.setattr(layouts, "layout", slow)
+    page.say("text", seq=1, base=0, text=COUNT.replace("(state a", "(state b) (state a"))
+    lab.session.call(lambda: None)
+    publisher = Thread(target=lab.publish)
+    publisher.start()
+    try:
+        assert entered.wait(20)
+        sender = Thread(target=page.say, args=["command"], kwargs={"id": 0, "do": act})
+        sender.start()
+        assert lab.session.wait_for(lambda frame: frame.status == "paused", 5)
+        sender.join(5)
+        assert not sender.is_alive()
+        assert publisher.is_alive()
+    finally:
+        go.set()
+        publisher.join(20)
+    assert len(page.knows("layouts")["m"]["states"]) == 2
