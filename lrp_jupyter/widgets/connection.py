@@ -41,12 +41,12 @@ from lrp_jupyter.widgets.protocol import ViewState
 from lrp_jupyter.widgets.publisher import PendingReply, Publisher, Send
 from lrp_jupyter.widgets.texts import Texts
 
-__all__ = ["Connection"]
+__all__ = ["PageConnection"]
 
 _LATE = 0.25  # s after which a text is answered though it is not applied yet
 
 
-class Connection:
+class PageConnection:
     """A session and the views that show it.
 
     Parameters

@@ -1,7 +1,7 @@
 """The lab and its parts as widgets: one class, whose `view` trait says which part a page shows.
 
 Page and kernel communicate by custom messages; traits hold only what a page needs to begin. The session's
-:class:`~lrp_jupyter.widgets.connection.Connection` handles the messages.
+:class:`~lrp_jupyter.widgets.connection.PageConnection` handles the messages.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.connection import Connection
+from lrp_jupyter.widgets.connection import PageConnection
 
 __all__ = ["Controls", "Editor", "Issues", "Lab", "Part", "SimView", "StateGraph", "Tree", "Variables"]
 
@@ -58,7 +58,7 @@ class Part(anywidget.AnyWidget):
             session = session.session
         self._connect(registry.connection_of(session))
 
-    def _connect(self, connection: Connection) -> None:
+    def _connect(self, connection: PageConnection) -> None:
         super().__init__(view=self.part)
         self._connection = connection
         comm = self.comm
@@ -240,7 +240,7 @@ class Tree(Part):
 class LiveVariables(MutableMapping[str, Any]):
     """Variables of the running program: read, and assigned between two ticks."""
 
-    def __init__(self, connection: Connection) -> None:
+    def __init__(self, connection: PageConnection) -> None:
         self._connection = connection
 
     def _path(self, name: str | Path) -> Path:
@@ -310,7 +310,7 @@ def _name_of(text: str) -> str:
 # -- what a saved notebook shows where no kernel runs -------------------------------------------------
 
 
-def _pictures(connection: Connection) -> dict[str, str]:
+def _pictures(connection: PageConnection) -> dict[str, str]:
     """Draw the graph and the world as they are now; as plain text the program."""
     state = connection.view_state()
     last: dict[str, tuple[int, str]] = {}
@@ -322,7 +322,7 @@ def _pictures(connection: Connection) -> dict[str, str]:
     return {"image/svg+xml": _stacked(graph, _world(connection)), "text/plain": connection.texts.text}
 
 
-def _world(connection: Connection) -> str:
+def _world(connection: PageConnection) -> str:
     bridge = connection.session.bridge
     if not isinstance(bridge, SimBridge):
         return ""

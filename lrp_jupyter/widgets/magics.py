@@ -23,7 +23,7 @@ from lrp_jupyter.graph.still import svg
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.connection import Connection
+from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.lab import Lab
 
 __all__ = ["LRPMagics", "completions", "open_body"]
@@ -246,7 +246,7 @@ def _one(rest: list[str], usage: str) -> str:
     return rest[0]
 
 
-def _the(rest: list[str]) -> Connection:
+def _the(rest: list[str]) -> PageConnection:
     """Give the program that is meant: the one named, or the only one."""
     if len(rest) > 1:
         raise UsageError(f"%lrp: one name is wanted, not {len(rest)}.")

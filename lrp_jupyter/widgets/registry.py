@@ -16,7 +16,7 @@ from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.connection import Connection
+from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.texts import Texts
 
 __all__ = ["FOLDER", "connection_of", "find", "forget", "names", "open_program", "running"]
@@ -26,7 +26,7 @@ FOLDER = ".lrp"
 DEAD_MAN = 5.0
 """Wall seconds without a view after which the program of a real robot pauses."""
 
-_connections: dict[str, Connection] = {}
+_connections: dict[str, PageConnection] = {}
 
 
 def names() -> list[str]:
@@ -34,23 +34,23 @@ def names() -> list[str]:
     return [name for name, connection in _connections.items() if not connection.closed]
 
 
-def find(name: str) -> Connection | None:
+def find(name: str) -> PageConnection | None:
     """Give the open program of this name."""
     connection = _connections.get(name)
     return None if connection is None or connection.closed else connection
 
 
-def running() -> Iterator[Connection]:
+def running() -> Iterator[PageConnection]:
     """Yield what is open."""
     yield from (connection for connection in _connections.values() if not connection.closed)
 
 
-def connection_of(session: Session) -> Connection:
+def connection_of(session: Session) -> PageConnection:
     """Give the connection of a session; one that was made elsewhere is shown as it is."""
     for connection in running():
         if connection.session is session:
             return connection
-    connection = Connection(session, Texts())
+    connection = PageConnection(session, Texts())
     name, count = session.name, 1
     while find(name) is not None:
         count += 1
@@ -59,7 +59,7 @@ def connection_of(session: Session) -> Connection:
     return connection
 
 
-def forget(connection: Connection) -> None:
+def forget(connection: PageConnection) -> None:
     """Close a program for good."""
     connection.close()
     for name in [name for name, known in _connections.items() if known is connection]:
@@ -75,7 +75,7 @@ def open_program(
     rate: float | None = None,
     folder: str | os.PathLike[str] | None = None,
     **options: Any,
-) -> Connection:
+) -> PageConnection:
     """Open a program, or go on with the one of that name; it runs at once.
 
     Parameters
@@ -108,7 +108,7 @@ def open_program(
         session = _open_session(
             name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options
         )
-        connection = Connection(session, texts, _reopen, options)
+        connection = PageConnection(session, texts, _reopen, options)
         _connections[name] = connection
         if session.text != first:
             connection.write(first)
@@ -163,7 +163,7 @@ def _first_text(texts: Texts, name: str, text: str | None) -> str:
     return lab if text is None or lab != cell else text
 
 
-def _reconcile(connection: Connection, text: str) -> None:
+def _reconcile(connection: PageConnection, text: str) -> None:
     """Bring the cell's text and the lab's together: the one that was changed wins; both: ask."""
     texts, name = connection.texts, connection.name
     before = texts.kept(name, ".cell")

@@ -5,7 +5,7 @@ from itertools import count
 import pytest
 
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.connection import Connection
+from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.texts import Texts
 
 
@@ -19,7 +19,7 @@ class Wall:
         return self.now
 
 
-class Unpublished(Connection):
+class Unpublished(PageConnection):
     """A connection whose publisher is the test."""
 
     def start(self):

@@ -7,7 +7,7 @@ import pytest
 from lrp_jupyter.bridges.bridge import NullBridge
 from lrp_jupyter.errors import SessionClosedError
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.connection import Connection
+from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.texts import Texts
 
 A = "(machine m (state a)) (spawn m a)"
@@ -42,7 +42,7 @@ def test_a_bridge_that_is_opened_while_the_program_is_closed_is_closed_too():
         opened.append(Session(A, bridge))
         return opened[0]
 
-    connection = Connection(Session(A), Texts(), reopen)
+    connection = PageConnection(Session(A), Texts(), reopen)
     with pytest.raises(SessionClosedError, match="was closed meanwhile"):
         connection.change_bridge("sim")
     assert opened[0].status == "closed"
@@ -63,7 +63,7 @@ def test_two_changes_of_the_bridge_at_once_leave_one_session_open():
         sessions.append(Session(A, bridge))
         return sessions[-1]
 
-    connection = Connection(sessions[0], Texts(), reopen)
+    connection = PageConnection(sessions[0], Texts(), reopen)
     other = Thread(target=connection.change_bridge, args=["none"])
     connection.change_bridge("sim")
     other.join()
@@ -149,7 +149,7 @@ def test_what_is_typed_while_a_bridge_is_opened_is_not_lost():
         connection.write(B)
         return session
 
-    connection = Connection(Session(A), Texts(), reopen)
+    connection = PageConnection(Session(A), Texts(), reopen)
     connection.change_bridge("sim")
     assert connection.texts.text == connection.session.program.text == B
     connection.close()
