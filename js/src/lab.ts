@@ -2,13 +2,12 @@
 
 import { Editor } from "./editor/editor";
 import { graphView } from "./graph/view";
-import { announcer } from "./parts/announcer";
 import { controls } from "./parts/controls";
 import { editorPanel } from "./parts/editor";
 import { type Inspector, inspector } from "./parts/inspector";
 import { issuesView } from "./parts/issues";
 import type { Choices } from "./parts/menu";
-import { notes } from "./parts/notes";
+import { announcer, notes } from "./parts/notes";
 import { saveForm } from "./parts/save";
 import { together } from "./parts/together";
 import { treeView } from "./parts/tree";

@@ -1,4 +1,5 @@
 // @vitest-environment happy-dom
+
 import { EditorView } from "@codemirror/view";
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { openLab } from "../src/lab";

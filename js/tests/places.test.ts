@@ -1,6 +1,6 @@
 import { Text } from "@codemirror/state";
 import { expect, it } from "vitest";
-import { lineSeparator, offsetAt, placeOf, spanOf } from "../src/text/places";
+import { lineSeparator, offsetAt, placeOf, spanOf } from "../src/editor/places";
 
 const doc = Text.of(["a𝄞b", "", "𝄞𝄞"]);
 

@@ -1,7 +1,6 @@
 import { ChangeSet, Text } from "@codemirror/state";
 import { describe, expect, it } from "vitest";
-import { difference } from "../src/editor/adopt";
-import { Tracked } from "../src/editor/tracked";
+import { difference, Tracked } from "../src/editor/texts";
 
 const text = (value: string) => Text.of(value.split("\n"));
 const at = (line: number, column: number, end: number) => ({ line, column, end_line: line, end_column: end });

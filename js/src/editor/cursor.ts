@@ -1,4 +1,6 @@
-/** Where the cursor stood, over a reload of the page; per lab, in this tab only. */
+/** The cursor: kept over a reload of the page, per lab, in this tab; and moved to a place by scrolling the editor alone. */
+
+import type { EditorView } from "@codemirror/view";
 
 const KEY = (name: string) => `lrp-cursor-${name}`;
 
@@ -16,4 +18,17 @@ export function rememberedCursor(name: string): number {
   } catch {
     return 0;
   }
+}
+
+export function reveal(view: EditorView, offset: number): void {
+  const scroller = view.scrollDOM;
+  const { top, bottom } = view.lineBlockAt(offset);
+  const height = scroller.clientHeight;
+  if (top >= scroller.scrollTop && bottom <= scroller.scrollTop + height) return;
+  scroller.scrollTop = Math.max(0, (top + bottom - height) / 2);
+}
+
+export function select(view: EditorView, from: number, to: number): void {
+  view.dispatch({ selection: { anchor: from, head: to }, userEvent: "select" });
+  reveal(view, from);
 }

@@ -4,9 +4,8 @@ import { type Diagnostic, diagnosticCount, setDiagnostics } from "@codemirror/li
 import type { EditorView } from "@codemirror/view";
 import type { FindingView, IssueView, Severity, TextRange } from "../protocol";
 import type { LabState } from "../session/state";
-import { h } from "../ui/dom";
-import { prose } from "../ui/prose";
-import type { Tracked } from "./tracked";
+import { h, prose } from "../ui/dom";
+import type { Tracked } from "./texts";
 
 const SEVERITY: Record<Severity, Diagnostic["severity"]> = {
   error: "error",

@@ -19,18 +19,16 @@ import { lrp, outlineOf } from "../language/lrp";
 import type { ElementKind, TextRange } from "../protocol";
 import type { Connection } from "../session/connection";
 import type { Lab } from "../session/store";
-import { lineSeparator } from "../text/places";
-import { adopt, adopted } from "./adopt";
 import { completion } from "./complete";
-import { rememberCursor, rememberedCursor } from "./cursor";
+import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
 import { showDiagnostics } from "./diagnostics";
 import { hangingIndent } from "./hanging";
 import { hover } from "./hover";
 import { keys } from "./keys";
 import { live, liveChanged, marksOf } from "./live";
 import { goToDefinition, navigation, rename } from "./navigate";
-import { reveal, select } from "./reveal";
-import { Tracked } from "./tracked";
+import { lineSeparator } from "./places";
+import { adopt, adopted, Tracked } from "./texts";
 
 const PARSE_FOR = 200; // ms: a new text is shown in its colours at once
 const VALUES_AFTER = 200; // ms: nobody reads values that change faster, and each change lays out the page

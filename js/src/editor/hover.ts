@@ -6,8 +6,7 @@ import { hoverTooltip } from "@codemirror/view";
 import { outlineOf } from "../language/lrp";
 import type { HoverView } from "../protocol";
 import type { Lab } from "../session/store";
-import { h } from "../ui/dom";
-import { prose } from "../ui/prose";
+import { h, prose } from "../ui/dom";
 import { chainAt, contextAt } from "./context";
 
 export function hover(lab: Lab): Extension {

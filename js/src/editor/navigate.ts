@@ -4,9 +4,9 @@ import { type Extension, StateEffect, StateField } from "@codemirror/state";
 import { type Command, type EditorView, keymap, showTooltip, type Tooltip } from "@codemirror/view";
 import type { ReferencesView } from "../protocol";
 import type { Lab } from "../session/store";
-import { placeOf, spanOf } from "../text/places";
 import { h } from "../ui/dom";
-import { select } from "./reveal";
+import { select } from "./cursor";
+import { placeOf, spanOf } from "./places";
 
 async function references(view: EditorView, lab: Lab, offset: number): Promise<ReferencesView | null> {
   const reply = await lab.ask({ type: "references", ...placeOf(view.state.doc, offset) });

@@ -1,16 +1,15 @@
 /** The state graph of the machine looked at: drawn, marked, moved around in, and worked with. */
 
+import { restartNotice } from "../parts/notes";
 import type { Layout } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, s, setAttribute } from "../ui/dom";
-import { openMenu } from "../ui/menu";
+import { type MenuItem, openMenu } from "../ui/menu";
 import { Camera } from "./camera";
 import { draw, makeLayers, moveState } from "./draw";
 import { keepOneTabStop, walkWithArrows } from "./focus";
 import { Marks } from "./marks";
-import { stateMenu, transitionMenu } from "./menus";
-import { restartNotice } from "./notice";
 
 type Mode = "live" | "static" | "hidden";
 const DRAG_FROM = 4; // px of movement that make a press a drag
@@ -246,4 +245,26 @@ function emptyNote(lab: Lab): HTMLElement {
     note.hidden = lab.store.state.program.machines.length > 0;
   });
   return note;
+}
+
+export function stateMenu(lab: Lab, path: string, open: () => void): (MenuItem | null)[] {
+  const nested = lab.store.state.program.machines.some((machine) => machine.parent === path);
+  return [
+    { label: "Transition here", action: "transition", run: () => void lab.act({ do: "transition", path }) },
+    { label: "Teleport here", action: "teleport", run: () => void lab.act({ do: "teleport", path }) },
+    null,
+    { label: "Open nested machine", action: "open", run: open, disabled: !nested, hint: "⇧⏎" },
+    { label: "Inspect", action: "inspect", run: () => lab.inspect("state", path) },
+    { label: "Go to source", action: "source", run: () => lab.goTo("state", path), hint: "⏎" },
+    { label: "Rename…", action: "rename", run: () => lab.rename("state", path) },
+  ];
+}
+
+export function transitionMenu(lab: Lab, path: string): (MenuItem | null)[] {
+  return [
+    { label: "Fire now", action: "fire", run: () => void lab.act({ do: "fire", path }) },
+    null,
+    { label: "Inspect", action: "inspect", run: () => lab.inspect("transition", path) },
+    { label: "Go to source", action: "source", run: () => lab.goTo("transition", path), hint: "⏎" },
+  ];
 }

@@ -7,7 +7,6 @@ import { h, setAttribute, setText } from "../ui/dom";
 import { icon } from "../ui/icons";
 import { openMenu } from "../ui/menu";
 import { type Choices, labMenu } from "./menu";
-import { positionOf, rateAt, rateText, SLIDER } from "./rate";
 
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 
@@ -195,4 +194,24 @@ function bridgeChip(lab: Lab): HTMLElement {
     armed.hidden = !bridge.hardware;
   });
   return chip;
+}
+
+const TOP = 100;
+const FREE = 108;
+
+export const SLIDER = { min: 0, max: FREE, step: 1 } as const;
+
+/** Hz at a position of the slider. */
+export function rateAt(position: number): number {
+  return position > TOP ? 0 : Math.round(10 ** (position / 50));
+}
+
+/** The position that shows a rate. */
+export function positionOf(rate: number): number {
+  if (rate <= 0) return FREE;
+  return Math.min(TOP, Math.max(0, Math.round(50 * Math.log10(rate))));
+}
+
+export function rateText(rate: number): string {
+  return rate > 0 ? `${rate} Hz` : "free";
 }

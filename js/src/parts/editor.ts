@@ -3,8 +3,7 @@
 import type { Editor } from "../editor/editor";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
-import { h, setAttribute } from "../ui/dom";
-import { prose } from "../ui/prose";
+import { h, prose, setAttribute } from "../ui/dom";
 
 export function editorPanel(lab: Lab, editor: Editor): HTMLElement {
   const host = h("div", { class: "lrp-editor" }, editor.view.dom);

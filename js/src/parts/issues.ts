@@ -3,8 +3,7 @@
 import type { FindingView, IssueView, Severity, TextRange } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel, setSwitch, toggle } from "../ui/button";
-import { h, reconcile, setAttribute, setText } from "../ui/dom";
-import { prose } from "../ui/prose";
+import { h, prose, reconcile, setAttribute, setText } from "../ui/dom";
 
 interface Entry {
   key: string;

@@ -1,10 +1,9 @@
-/** What needs to be said across the lab: no kernel, held edits, two texts, a block that hangs. */
+/** What the lab has to say: no kernel, held edits, two texts, a block that hangs, a restart; and what a screen reader hears. */
 
 import type { Difference } from "../protocol";
 import type { Lab } from "../session/store";
-import { button } from "../ui/button";
-import { h } from "../ui/dom";
-import { prose } from "../ui/prose";
+import { button, setSwitch, toggle } from "../ui/button";
+import { h, prose, setText } from "../ui/dom";
 
 export function notes(lab: Lab, text: () => string): HTMLElement {
   return h(
@@ -127,4 +126,64 @@ function conflictNote(lab: Lab): HTMLElement {
     text.textContent = conflict.text;
   });
   return note;
+}
+
+export function restartNotice(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const reason = h("p", {});
+  const keep = toggle(
+    "Keep running next time",
+    "What an edit of the active state does: restart, or go on",
+    "keep",
+    (on) => void lab.act({ do: "on_active_edit", name: on ? "keep" : "restart" }),
+  );
+  const notice = h(
+    "div",
+    { class: "lrp-notice", role: "status" },
+    reason,
+    h("div", { class: "lrp-row" }, keep, button({ icon: "close", title: "Dismiss", onclick: () => hide() })),
+  );
+  let seen = 0;
+  const hide = () => {
+    notice.hidden = true;
+  };
+  notice.hidden = true;
+  store.watch(["restart", "settings", "snapshot"], (changed) => {
+    const { restart, settings } = store.state;
+    setSwitch(keep, settings.on_active_edit === "keep");
+    const count = restart?.count ?? 0;
+    if (count > seen && restart && !changed.has("snapshot")) {
+      setText(reason, "");
+      reason.append(`Restarted at tick ${restart.tick}: `, ...prose(restart.reason));
+      notice.hidden = false;
+    }
+    seen = count;
+  });
+  return notice;
+}
+
+const PAUSE = 1000; // ms
+
+export function announcer(lab: Lab): HTMLElement {
+  const region = h("div", { class: "lrp-hidden", "aria-live": "polite", role: "status" });
+  let _timer: ReturnType<typeof setTimeout> | undefined;
+  let said = "";
+  const speak = () => {
+    const { active, status } = lab.store.state;
+    const states = active.map((path) =>
+      path
+        .split("/")
+        .filter((_, i) => i % 2)
+        .join(", "),
+    );
+    const words = `${status === "running" ? "" : `${status}. `}${states.length ? `In ${states.join(" and ")}` : ""}`;
+    if (words !== said) region.textContent = said = words;
+  };
+  lab.store.watch(["active", "status"], () => {
+    _timer ??= setTimeout(() => {
+      _timer = undefined;
+      speak();
+    }, PAUSE);
+  });
+  return region;
 }

@@ -78,3 +78,7 @@ export function reconcile<T>(
   }
   for (const gone of old.values()) gone.remove();
 }
+
+export function prose(sentence: string): (HTMLElement | string)[] {
+  return sentence.split(/`([^`]*)`/).map((part, index) => (index % 2 ? h("code", {}, part) : part));
+}

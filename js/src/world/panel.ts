@@ -3,8 +3,7 @@
 import type { PanelButton, PanelQuestion, PanelView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
-import { h, setAttribute, setText } from "../ui/dom";
-import { prose } from "../ui/prose";
+import { h, prose, setAttribute, setText } from "../ui/dom";
 import { type Inputs, inputs, values } from "./fields";
 import { type Table, tableOf } from "./table";
 
