@@ -38,7 +38,7 @@ from lrp_jupyter.widgets.protocol import (
 )
 from lrp_jupyter.widgets.texts import Texts, finding_id
 
-__all__ = ["ViewStates", "bridge_view", "difference", "is_urgent"]
+__all__ = ["ViewStates", "difference", "is_urgent", "listed_members"]
 
 PRINTED = 500
 """Lines of output that a view is sent at most."""
@@ -83,6 +83,7 @@ class ViewStates:
             if view != self._program_view:  # white space makes another program, and the same view
                 self._program_view = view
         paths, revision = self._paths, texts.running_revision
+        members = list(listed_members(session.bridge))
         return {
             "status": frame.status,
             "reason": frame.reason,
@@ -111,12 +112,12 @@ class ViewStates:
                 for path, text in frame.variables.items()
             },
             "events": {path_text(path): value for path, value in frame.events.items() if value is not None},
-            "members": _member_values(session.bridge),
+            "members": _member_values(members),
             "issues": self._issues(frame, revision),
             "printed": self._lines(),
             "restart": self._last_restart(frame),
             "hung": _hung_view(frame),
-            "bridge": bridge_view(session.bridge),
+            "bridge": _bridge_view(session.bridge, members),
             "panel": _panel_view(session.bridge),
             "settings": {
                 "hold": texts.hold,
@@ -303,7 +304,7 @@ def _value_view(text: str, number: float | None) -> ValueView:
     return {"text": text, "number": number if number is not None and math.isfinite(number) else None}
 
 
-def bridge_view(bridge: Bridge) -> BridgeView:
+def _bridge_view(bridge: Bridge, members: Iterable[Member]) -> BridgeView:
     """Return how a bridge is connected to its robot, and what `robot` offers."""
     status = bridge.status
     return {
@@ -312,20 +313,22 @@ def bridge_view(bridge: Bridge) -> BridgeView:
         "sentence": status.sentence,
         "hardware": bridge.hardware,
         "armed": bridge.safety.armed,
-        "members": [_member_view(member) for member in _members(bridge)],
+        "members": [_member_view(member) for member in members],
     }
 
 
-def _member_values(bridge: Bridge) -> dict[str, str]:
+def _member_values(members: Iterable[Member]) -> dict[str, str]:
     """Return the last reading of every variable of the robot, as text."""
     return {
         member.name: "waiting" if member.value is None else _short(member.value)
-        for member in _members(bridge)
+        for member in members
         if member.kind == "variable" and not member.fields
     }
 
 
-def _members(bridge: Bridge) -> Iterator[Member]:
+def listed_members(bridge: Bridge) -> Iterator[Member]:
+    """Yield what `robot` offers, and the fields of its readings."""
+
     def inside(member: Member, depth: int) -> Iterator[Member]:
         yield member
         # the arguments of a command cannot be read

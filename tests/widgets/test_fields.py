@@ -6,7 +6,7 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.widgets.requests import arguments_of, fields_of
-from lrp_jupyter.widgets.view_state import bridge_view
+from lrp_jupyter.widgets.view_state import listed_members
 
 
 class Far(Bridge):
@@ -58,7 +58,7 @@ def test_the_message_of_a_command_has_the_fields_of_its_type(far):
 def test_a_command_itself_has_no_fields(far):
     assert fields_of(far, "robot.move") == []
     assert fields_of(far, "robot.move.linear") == []
-    assert not [member for member in bridge_view(far)["members"] if member["name"].startswith("move.")]
+    assert not [member for member in listed_members(far) if member.name.startswith("move.")]
 
 
 def test_other_chains_are_not_known_here(far):
