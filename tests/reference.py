@@ -13,6 +13,7 @@ from numbers import Real
 
 from lrp_jupyter.language.blocks import parse_block
 from lrp_jupyter.language.program import Block, Machine, Program, Spawn, State
+from lrp_jupyter.language.triggers import Condition, Delay, Epsilon
 
 MISSING = object()
 
@@ -139,10 +140,10 @@ class Reference:
     # -- conditions
     def enabled(self, t, m):
         try:
-            if t.kind == "eps":
+            if isinstance(t.trigger, Epsilon):
                 return True
-            if t.kind == "ontime":
-                delay = t.trigger
+            if isinstance(t.trigger, Delay):
+                delay = t.trigger.amount
                 if isinstance(delay, Block):
                     delay = self.run(delay, m.scope)
                 elif isinstance(delay, str):
@@ -150,14 +151,14 @@ class Reference:
                 if isinstance(delay, bool) or not isinstance(delay, Real) or delay != delay:
                     return False
                 return (self.now - m.entered) * 1000 + 1e-6 >= delay
-            if isinstance(t.trigger, Block):
-                return self.run(t.trigger, m.scope) is True
+            if isinstance(t.trigger, Condition):
+                return self.run(t.trigger.condition, m.scope) is True
             while m is not None:
-                event = find(m.machine.events, t.trigger)
+                event = find(m.machine.events, t.trigger.event)
                 if event:
                     return self.run(event.condition, m.scope) is True
                 m = m.home
-            event = find(self.program.events, t.trigger)
+            event = find(self.program.events, t.trigger.event)
             return bool(event) and self.run(event.condition, self.globals) is True
         except Skip:
             return False

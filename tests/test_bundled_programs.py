@@ -158,7 +158,7 @@ def _forms(program):
 
 def _forms_of_transition(transition):
     trigger = transition.trigger
-    what = type(trigger).__name__.replace("NoneType", "nothing")
+    what = type(getattr(trigger, "amount", trigger)).__name__
     yield f"{transition.kind} with {what}"
     if transition.wildcard:
         yield "from every state but these" if transition.sources else "from every state"
@@ -174,8 +174,8 @@ FORMS = {
     "onresume of the program", "several spawns", "machine at depth 0", "machine at depth 1",
     "variables of a machine", "events of a machine", "empty state", "state", "running of a state",
     "onexit of a state", "spawn in onentry", "block in onentry", "several spawns in onentry",
-    "several blocks", "on with Name", "on with Block", "ontime with int", "ontime with Name",
-    "ontime with Block", "eps with nothing", "exit with Name", "exit with Block", "from one state",
+    "several blocks", "on with Occurrence", "on with Condition", "ontime with int", "ontime with Name",
+    "ontime with Block", "eps with Epsilon", "exit with Occurrence", "exit with Condition", "from one state",
     "from one of several states", "from every state", "from every state but these",
     "into one of its sources", "named", "unnamed",
 }  # fmt: skip

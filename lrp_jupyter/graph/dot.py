@@ -56,7 +56,7 @@ def dot(subject: Program | Machine) -> str:
     if program.spawns:
         lines.append(f"  {_quoted('')} [shape=point, width=0.12];")
     for source, target, data in graph.edges(data=True):
-        style = _STYLE["wildcard" if data["wildcard"] else data["kind"]]
+        style = _STYLE[data["style"]]
         text = data["text"]
         if data["dangling"]:
             text, style = f"{text} ✗".strip(), style + ', arrowhead="none"'

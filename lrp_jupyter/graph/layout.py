@@ -37,7 +37,6 @@ from lrp_jupyter.graph.routes import (
 from lrp_jupyter.graph.shapes import Label, Layout, Port, Start, StateShape, TransitionShape
 from lrp_jupyter.graph.state_graph import (
     ANY,
-    arrow_text,
     distinct_states,
     events_in_scope,
     outer_states,
@@ -104,8 +103,8 @@ class _Edge:
         self.source = source
         self.target = str(transition.destination)
         self.broken = broken
-        self.outward = transition.kind == "exit"
-        self.text = shorten(arrow_text(transition), LABEL_FONT, WIDEST_LABEL)
+        self.outward = transition.outward
+        self.text = shorten(transition.arrow_text, LABEL_FONT, WIDEST_LABEL)
         self.size = (text_width(self.text, LABEL_FONT) + 4.0, LABEL_FONT + 4.0)
 
 
@@ -133,8 +132,8 @@ class _Drawing:
         events: frozenset[str] | None,
         outer: frozenset[str] | None,
     ) -> str | None:
-        inside = self.states if transition.kind != "exit" else outer
-        if transition.kind == "exit" and outer is not None and not outer:
+        inside = self.states if not transition.outward else outer
+        if transition.outward and outer is not None and not outer:
             return "no state spawns this machine, so there is nothing to exit to"
         return why_dangling(
             transition,
@@ -300,7 +299,7 @@ class _Drawing:
             id=f"{path_text(self.path)}:{edge.id}",
             name=edge.id,
             kind=edge.transition.kind,
-            style="wildcard" if edge.transition.wildcard else edge.transition.kind,
+            style=edge.transition.style,
             source=edge.source,
             destination=edge.target,
             d=route.d,
@@ -331,8 +330,8 @@ def _state_size(name: str, state: State | None) -> tuple[float, float]:
 def _source_text(transition: Transition) -> str:
     """Write the transition as the program does, in one line."""
     words: list[str] = [transition.kind]
-    if transition.trigger is not None:
-        words.append(transition.trigger_text)
+    if transition.trigger.text:
+        words.append(transition.trigger.text)
     words += [transition.source_text, "->", str(transition.destination)]
     if transition.name:
         words.append(str(transition.name))

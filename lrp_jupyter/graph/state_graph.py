@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.language.program import Block, Machine, Path, Program, State, Transition, path_text
+from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, resolve
 
 if TYPE_CHECKING:
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 __all__ = [
     "ANY",
     "PROGRAM",
-    "arrow_text",
     "distinct_states",
     "events_in_scope",
     "find_machine",
@@ -91,8 +90,8 @@ def state_graph(program: Program, *, expand: bool = True) -> StateGraph:
         Nodes have ``kind`` (``program``, ``state``, ``any``, ``missing``), ``name``, ``machine``
         (path) and ``machines`` (paths of the nested ones). Edges have the transition's label as
         key (``spawn MACHINE`` for a spawn) and ``kind`` (``on``, ``ontime``, ``eps``, ``exit``,
-        ``spawn``), ``label``, ``condition`` (as written), ``text`` (as pictures show it),
-        ``wildcard``, ``order`` (place in the machine) and ``dangling`` (why it cannot be taken, or
+        ``spawn``), ``label``, ``condition`` (as written), ``text`` and ``style`` (as pictures show
+        it), ``wildcard``, ``order`` (place in the machine) and ``dangling`` (why it cannot be taken, or
         None).
     """
     names = resolve(program)
@@ -116,7 +115,8 @@ def state_graph(program: Program, *, expand: bool = True) -> StateGraph:
                         kind=noun.kind,
                         label=arrow.label,
                         condition=noun.trigger_text,
-                        text=arrow_text(noun),
+                        text=noun.arrow_text,
+                        style=noun.style,
                         wildcard=noun.wildcard,
                         order=order,
                         dangling=dangling,
@@ -153,6 +153,7 @@ def _states_and_spawns(names: Resolution) -> StateGraph:
             label=label,
             condition="",
             text="",
+            style="spawn",
             wildcard=False,
             order=spawning.ordinal,
             dangling=dangling,
@@ -194,22 +195,6 @@ def events_in_scope(program: Program, path: Path) -> frozenset[str]:
     return frozenset(names.by_path.get(path, names.top).visible_events)
 
 
-def arrow_text(transition: Transition) -> str:
-    """Say when a transition is taken, as its arrow in a picture does."""
-    if transition.kind == "eps":
-        text = "ε"
-    elif transition.kind == "ontime":
-        trigger = transition.trigger
-        text = f"{trigger} ms" if isinstance(trigger, int) else f"after {transition.trigger_text}"
-    elif isinstance(transition.trigger, Block):
-        text = f"[{transition.trigger.text.strip()}]"
-    else:
-        text = transition.trigger_text
-    if transition.wildcard and transition.sources:
-        text += " (not " + ", ".join(transition.sources) + ")"
-    return text
-
-
 def why_dangling(
     transition: Transition, *, source_exists: bool, target_exists: bool, events: frozenset[str] | None
 ) -> str | None:
@@ -226,9 +211,9 @@ def why_dangling(
         return f"there is no state `{transition.destination}`"
     if not source_exists:
         return f"a state that it leaves does not exist: `{transition.source_text}`"
-    needs_event = transition.kind in ("on", "exit") and not isinstance(transition.trigger, Block)
-    if needs_event and events is not None and str(transition.trigger) not in events:
-        return f"there is no event `{transition.trigger}`"
+    kind, name = transition.trigger.reference or ("", "")
+    if kind == "event" and events is not None and name not in events:
+        return f"there is no event `{name}`"
     return None
 
 

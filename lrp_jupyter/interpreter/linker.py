@@ -17,7 +17,6 @@ from typing import NamedTuple
 from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.language.blocks import compile_block
 from lrp_jupyter.language.program import (
-    Block,
     Element,
     Machine,
     Path,
@@ -106,12 +105,12 @@ class SpawnPlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgePlan:
-    """A transition; `test` is an event, an inline block, a delay in milliseconds, or None for `eps`."""
+    """A transition; `test` is the event or block to test, why there is none, or None."""
 
     site: Site
     label: str
     noun: Transition
-    test: EventPlan | BlockPlan | str | int | Broken | None
+    test: EventPlan | BlockPlan | Broken | None
 
 
 @dataclass(slots=True, eq=False)
@@ -277,23 +276,19 @@ class _Linker:
     def _edge(self, arrow: Arrow) -> EdgePlan:
         element, noun = arrow.element, arrow.noun
         self.plan.places[element] = noun.span.start
-        if noun.kind != "exit" and noun.destination not in arrow.scope.states:
+        if not noun.outward and noun.destination not in arrow.scope.states:
             self.plan.dangling.add((element, "unknown state"))
-        trigger = noun.trigger
-        test: EventPlan | BlockPlan | str | int | Broken | None
+        reference, owner = noun.trigger.reference, arrow.owner
+        test: EventPlan | BlockPlan | Broken | None = None
         unresolved = arrow.unresolved_trigger
         if unresolved is not None:
             self.plan.dangling.add((element, unresolved.kind))
             test = Broken(*unresolved)
-        elif isinstance(trigger, Block):
+        elif noun.trigger.block is not None:
             test = self._blocks(element)[0]
-        elif isinstance(trigger, str):
-            owner = arrow.owner
-            assert owner is not None  # else it were unresolved
+        elif reference is not None and reference[0] == "event" and owner is not None:
             events = self.machines[owner].events if owner.noun else self.plan.events
-            test = str(trigger) if noun.kind == "ontime" else events[trigger]
-        else:
-            test = trigger
+            test = events[reference[1]]
         return EdgePlan(Site(element, 0, noun.span.start), arrow.label, noun, test)
 
     def _spawn(self, spawning: Spawning) -> SpawnPlan:

@@ -29,6 +29,7 @@ from lrp_jupyter.interpreter.linker import (
 )
 from lrp_jupyter.language.blocks import bind
 from lrp_jupyter.language.program import Path
+from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence, Trigger
 
 if TYPE_CHECKING:
     from lrp_jupyter.interpreter.run import Run
@@ -114,7 +115,7 @@ class Edge:
 
     def __init__(self, act: Activation, state: StatePlan, plan: EdgePlan) -> None:
         noun = plan.noun
-        self.up = noun.kind == "exit"
+        self.up = noun.outward
         self.row: Row | None = None  # of the destination, once it has been there
         home = act if not self.up else act.parent
         destination = str(noun.destination)
@@ -243,36 +244,43 @@ def noted(values: dict[Path, bool | None], event: Path, call: Call) -> Call:
     return test
 
 
-def _always() -> bool:
-    return True
-
-
 def _test(run: Run, act: Activation, edge: EdgePlan) -> Call:
-    plan = edge.test
-    if isinstance(plan, Broken):
-        return broken(plan)
-    if isinstance(plan, EventPlan):
-        call = bind_block(run, plan.block, run.scope(plan.owner).cells)
-        values = run.event_values
-        return call if values is None else noted(values, plan.block.site.element.path, call)
-    if edge.noun.kind != "ontime":
-        return bind_block(run, plan, act.cells) if isinstance(plan, BlockPlan) else _always
-    if isinstance(plan, int):
-        milliseconds = plan
+    """Return the callable that tests whether a transition is enabled."""
+    if isinstance(edge.test, Broken):
+        return broken(edge.test)
+    return _TESTS[type(edge.noun.trigger)](run, act, edge)
+
+
+def _occurs(run: Run, act: Activation, edge: EdgePlan) -> Call:
+    assert isinstance(edge.test, EventPlan)
+    event = edge.test
+    call = bind_block(run, event.block, run.scope(event.owner).cells)
+    values = run.event_values
+    return call if values is None else noted(values, event.block.site.element.path, call)
+
+
+def _holds(run: Run, act: Activation, edge: EdgePlan) -> Call:
+    assert isinstance(edge.test, BlockPlan)
+    return bind_block(run, edge.test, act.cells)
+
+
+def _is_due(run: Run, act: Activation, edge: EdgePlan) -> Call:
+    trigger = edge.noun.trigger
+    assert isinstance(trigger, Delay)
+    amount = trigger.amount
+    if isinstance(amount, int):
+        milliseconds = amount
 
         def due() -> bool:
             return (run.now - act.entered) * 1000.0 + TOLERANCE >= milliseconds
 
         return due
     read: Call
-    if isinstance(plan, BlockPlan):
-        read = (
-            bind(plan.code, run.namespace, act.cells)
-            if not isinstance(plan.code, Broken)
-            else broken(plan.code)
-        )
+    if isinstance(edge.test, BlockPlan):
+        code = edge.test.code
+        read = broken(code) if isinstance(code, Broken) else bind(code, run.namespace, act.cells)
     else:
-        read = _reader(str(plan), act.cells[str(plan)])
+        read = _reader(str(amount), act.cells[str(amount)])
 
     def due_when_read() -> bool:
         delay = read()
@@ -283,6 +291,19 @@ def _test(run: Run, act: Activation, edge: EdgePlan) -> Call:
     return (
         watched(run, edge.site, due_when_read) if edge.site[:2] in run.issues.open_blocks else due_when_read
     )
+
+
+def _always(run: Run, act: Activation, edge: EdgePlan) -> Call:
+    return lambda: True
+
+
+_TESTS: dict[type[Trigger], Callable[[Run, Activation, EdgePlan], Call]] = {
+    Occurrence: _occurs,
+    Condition: _holds,
+    Delay: _is_due,
+    Epsilon: _always,
+}
+"""How each kind of trigger is tested."""
 
 
 TOLERANCE = 1e-6

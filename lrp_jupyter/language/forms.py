@@ -11,6 +11,7 @@ from lark import Lark, Token, UnexpectedToken
 from lark.lexer import Lexer
 
 from lrp_jupyter.language.tokens import LEGAL
+from lrp_jupyter.language.triggers import FORMS
 
 __all__ = ["USAGE", "Mistake", "Shape", "expected_text", "shape_of"]
 
@@ -23,10 +24,7 @@ USAGE = {
     "onexit": "(onexit [action])",
     "event": "(event name [condition])",
     "spawn": "(spawn machine state)",
-    "on": "(on event source -> destination)",
-    "ontime": "(ontime milliseconds source -> destination)",
-    "eps": "(eps source -> destination)",
-    "exit": "(exit event source -> destination)",
+    **{keyword: form.usage for keyword, form in FORMS.items()},
     "onpause": "(onpause [action])",
     "onresume": "(onresume [action])",
 }
@@ -108,7 +106,7 @@ def _shape(types: tuple[str, ...]) -> Shape | Mistake | None:
         token: Any = error.token
         position = len(types) if token.type == "$END" else token.value + (types[0] == "PROGRAM")
         return Mistake(position, frozenset(error.accepts or error.expected))
-    if tree.data not in ("on", "ontime", "eps", "exit"):
+    if tree.data not in FORMS:
         return None
     *head, destination, name = tree.children[1:]
     source = head[-1]
@@ -145,7 +143,7 @@ def expected_text(keyword: str, before: tuple[str, ...], expected: frozenset[str
 def _name_word(keyword: str, before: tuple[str, ...]) -> str:
     if keyword == "spawn":
         return "the machine's name" if len(before) == 1 else "the name of its start state"
-    if keyword not in ("on", "ontime", "eps", "exit"):
+    if keyword not in FORMS:
         return "its name"
     if before[-1] == "ARROW":
         return "the destination state"
@@ -153,6 +151,4 @@ def _name_word(keyword: str, before: tuple[str, ...]) -> str:
         return "the transition's name"
     if "LBRACE" in before:
         return "a state's name"
-    if len(before) == 1 and keyword != "eps":
-        return "a variable's name" if keyword == "ontime" else "an event's name"
-    return "the source state"
+    return (FORMS[keyword].name if len(before) == 1 else "") or "the source state"

@@ -19,6 +19,7 @@ from lrp_jupyter.language.program import (
     Transition,
     Variable,
 )
+from lrp_jupyter.language.triggers import FORMS, trigger_of
 
 __all__ = ["Actions", "Node", "Part", "node", "program"]
 
@@ -33,7 +34,7 @@ Node = Variable | Machine | Event | Spawn | State | Transition | Actions
 Part = Node | Block | Name | int | None
 """What one token of a form means; None for signs and for what was wrong."""
 
-_TRANSITIONS = frozenset({"ON_FORM", "ONTIME_FORM", "EPS_FORM", "EXIT_FORM"})
+_TRANSITIONS = frozenset(f"{keyword.upper()}_FORM" for keyword in FORMS)
 
 
 def node(keyword: str, types: Sequence[str], parts: Sequence[Any], shape: Shape | None, span: Span) -> Node:
@@ -53,12 +54,12 @@ def node(keyword: str, types: Sequence[str], parts: Sequence[Any], shape: Shape 
     if shape is not None:
         trigger, source, sources, destination, name = shape
         return Transition(
-            keyword,  # type: ignore[arg-type]
-            None if trigger is None else parts[trigger],
+            trigger_of(keyword, None if trigger is None else parts[trigger]),
             tuple([parts[index] for index in sources]),
             source in ("every", "but"),
             parts[destination],
             None if name is None else parts[name],
+            FORMS[keyword].outward,
             span,
         )
     if keyword == "var":

@@ -21,6 +21,7 @@ from lrp_jupyter.language.forms import USAGE, Mistake, Shape, expected_text, sha
 from lrp_jupyter.language.matching import Matching, match
 from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
+from lrp_jupyter.language.triggers import FORMS, Epsilon
 
 __all__ = ["parse", "scan"]
 
@@ -212,7 +213,7 @@ class _Reader:
             if iskeyword(part.name) or part.name == "__debug__":
                 message = f"`{part.name}` is a word of Python; give the variable another name."
                 self.report(*form.tokens[1][1:], "LRP110", message)
-        elif shape is not None and shape.source == "every" and keyword == "eps":
+        elif shape is not None and shape.source == "every" and keyword == Epsilon.keyword:
             message = (
                 "`eps` cannot leave every state, or it would fire at every tick; "
                 "name its sources, as in `(eps {a b} -> c)`."
@@ -300,13 +301,11 @@ class _Reader:
 
 _BROKEN = frozenset({"STRAY", "UNCLOSED", "UNOPENED"})
 _FORM_TYPES = {keyword: f"{keyword.upper()}_FORM" for keyword in KEYWORDS}
-_JUDGED = frozenset({"var", "eps"})
+_JUDGED = frozenset({"var", Epsilon.keyword})
 _FILLED = {
     "var": "the variable's value",
     "event": "the event's condition",
-    "on": "the condition",
-    "exit": "the condition",
-    "ontime": "the delay in milliseconds",
+    **{keyword: form.block for keyword, form in FORMS.items() if form.block},
 }
 """What the block of a form must say: an empty one would be `None`."""
 

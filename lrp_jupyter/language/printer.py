@@ -77,10 +77,10 @@ def _transition(transition: Transition, indent: str) -> str:
     head = f"{indent}({transition.kind} "
     name = f" {transition.name}" if transition.name else ""
     tail = f"{transition.source_text} -> {transition.destination}{name})"
-    if isinstance(transition.trigger, Block):
-        return _with_block(head, transition.trigger, f" {tail}")
-    trigger = "" if transition.trigger is None else f"{transition.trigger} "
-    return f"{head}{trigger}{tail}"
+    trigger = transition.trigger
+    if trigger.block is not None:
+        return _with_block(head, trigger.block[1], f" {tail}")
+    return f"{head}{trigger.text} {tail}" if trigger.text else f"{head}{tail}"
 
 
 def _actions(keyword: str, actions: Iterable[Action], indent: str) -> list[str]:

@@ -9,14 +9,16 @@ Paper: §3.1, §3.2.
 
 from __future__ import annotations
 
-import ast
 import re
 from bisect import bisect_right
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import accumulate
 from typing import Literal, NamedTuple
+
+from lrp_jupyter.language.source import NOWHERE, Block, Name, Span
+from lrp_jupyter.language.triggers import TransitionKind, Trigger
 
 __all__ = [
     "Action",
@@ -34,40 +36,12 @@ __all__ = [
     "Spawn",
     "State",
     "Transition",
-    "TransitionKind",
     "Variable",
     "path_text",
 ]
 
 Path = tuple[str, ...]
-TransitionKind = Literal["on", "ontime", "eps", "exit"]
 Severity = Literal["error", "warning", "hint"]
-
-
-class Span(NamedTuple):
-    """A range of characters of the text: ``text[start:end]``."""
-
-    start: int
-    end: int
-
-
-NOWHERE = Span(0, 0)
-
-
-class Name(str):
-    """A name of the program that knows where it stands; otherwise a plain string."""
-
-    __slots__ = ("span",)
-    span: Span
-
-    def __new__(cls, text: str, span: Span = NOWHERE) -> Name:
-        """Make a name."""
-        self = super().__new__(cls, text)
-        self.span = span
-        return self
-
-    def __getnewargs__(self) -> tuple[str, Span]:  # type: ignore[override]
-        return str(self), self.span
 
 
 class Element(NamedTuple):
@@ -89,52 +63,6 @@ class Element(NamedTuple):
 def path_text(path: Path) -> str:
     """Write a path as text: ``follower/looking/lookalgo``."""
     return "/".join(path)
-
-
-@lru_cache(maxsize=20_000)
-def _meaning(text: str) -> str:
-    from lrp_jupyter.language.blocks import parse_block  # blocks need the nouns of this module
-
-    try:
-        return ast.dump(parse_block(text))
-    except SyntaxError:  # only in a program put together by hand; the parser refuses such a block
-        return text
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Block:
-    """Python between square brackets.
-
-    Parameters
-    ----------
-    text : str
-        What stands between the brackets, to the letter.
-    span : Span
-        From the opening bracket to behind the closing one.
-    line, column : int
-        Place of the first character behind the opening bracket, from 1; columns in characters.
-    prefix : str
-        What stands before that character in its line (positions inside a block depend on it).
-    """
-
-    text: str
-    span: Span = NOWHERE
-    line: int = 1
-    column: int = 1
-    prefix: str = ""
-
-    @property
-    def meaning(self) -> str:
-        """The block's syntax tree as text: equal for blocks that differ in layout only."""
-        return _meaning(self.text)
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Block):
-            return NotImplemented
-        return self.text == other.text or self.meaning == other.meaning
-
-    def __hash__(self) -> int:
-        return hash(self.meaning)
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,14 +98,12 @@ Action = Block | Spawn
 
 @dataclass(frozen=True, slots=True)
 class Transition:
-    """A transition of any kind.
+    """A transition: what it waits for, where it leads from and to.
 
     Parameters
     ----------
-    kind : {"on", "ontime", "eps", "exit"}
-    trigger : Name or Block or int or None
-        ``on``, ``exit``: an event's name or an inline condition. ``ontime``: milliseconds, a
-        variable's name, or an expression. ``eps``: None.
+    trigger : Trigger
+        An event, a condition, a delay, or nothing.
     sources : tuple of Name
         The states it leaves; for a wildcard those that it does *not* leave.
     wildcard : bool
@@ -185,15 +111,27 @@ class Transition:
     destination : Name
     name : Name or None
         The transition's own name.
+    outward : bool
+        ``exit``: it leads out of its machine, to a state of the machine around it.
     """
 
-    kind: TransitionKind
-    trigger: Name | Block | int | None
+    trigger: Trigger
     sources: tuple[Name, ...]
     wildcard: bool
     destination: Name
     name: Name | None = None
+    outward: bool = False
     span: Span = field(default=NOWHERE, compare=False)
+
+    @property
+    def kind(self) -> TransitionKind:
+        """The keyword of its form: ``on``, ``ontime``, ``eps`` or ``exit``."""
+        return "exit" if self.outward else self.trigger.keyword
+
+    @property
+    def style(self) -> str:
+        """Which kind of arrow a picture draws."""
+        return "wildcard" if self.wildcard else "exit" if self.outward else self.trigger.style
 
     @property
     def source_text(self) -> str:
@@ -205,10 +143,16 @@ class Transition:
 
     @property
     def trigger_text(self) -> str:
-        """The condition or delay as the language writes it; ``eps`` for an epsilon transition."""
-        if self.trigger is None:
-            return "eps"
-        return f"[{self.trigger.text}]" if isinstance(self.trigger, Block) else str(self.trigger)
+        """The trigger in one word: as the language writes it, ``eps`` for nothing."""
+        return self.trigger.text or self.trigger.keyword
+
+    @property
+    def arrow_text(self) -> str:
+        """When it is taken, as its arrow in a picture says."""
+        text = self.trigger.arrow
+        if self.wildcard and self.sources:
+            text += " (not " + ", ".join(self.sources) + ")"
+        return text
 
     @property
     def label(self) -> str:

@@ -101,9 +101,8 @@ def _mentions(names: Resolution) -> Iterator[tuple[str, str, Span, Scope | None,
 
 
 def _named_by(arrow: Arrow) -> Iterator[tuple[str, Name, Scope | None]]:
-    trigger = arrow.noun.trigger
-    if isinstance(trigger, Name):
-        yield "variable" if arrow.noun.kind == "ontime" else "event", trigger, arrow.owner
+    if arrow.noun.trigger.reference is not None:
+        yield *arrow.noun.trigger.reference, arrow.owner
     for source in arrow.noun.sources:
         yield "state", source, arrow.scope
     for home in arrow.homes or (None,):

@@ -28,12 +28,12 @@ from lrp_jupyter.language.program import (
     Transition,
     Variable,
 )
+from lrp_jupyter.language.triggers import Purpose
 
 __all__ = [
     "Arrow",
     "Code",
     "Definition",
-    "Purpose",
     "Repeat",
     "Resolution",
     "Scope",
@@ -43,14 +43,17 @@ __all__ = [
 ]
 
 Definition = Variable | Event | State | Machine
-Purpose = Literal["action", "initialiser", "condition", "delay"]
 _Defined = TypeVar("_Defined", Variable, Event, State, Machine)
+
+
+_Unknown = Literal["unknown event", "unknown state", "unknown machine", "unknown variable"]
+_UNKNOWN: dict[str, _Unknown] = {"event": "unknown event", "variable": "unknown variable"}
 
 
 class Unresolved(NamedTuple):
     """Why a reference means nothing: the kind of fault, and a sentence without its full stop."""
 
-    kind: Literal["unknown event", "unknown state", "unknown machine", "unknown variable"]
+    kind: _Unknown
     message: str
 
 
@@ -126,6 +129,10 @@ class Scope:
         while scope is not None:
             yield scope
             scope = scope.outer
+
+    def owner(self, kind: Literal["event", "variable"], name: str) -> Scope | None:
+        """Return the scope that defines the event or variable that a name means here."""
+        return (self.visible_events if kind == "event" else self.visible).get(name)
 
     def event(self, name: str) -> Event | None:
         """Return the event that a transition of this machine means. Paper: §3.1."""
@@ -239,12 +246,11 @@ class Arrow(NamedTuple):
     @property
     def unresolved_trigger(self) -> Unresolved | None:
         """Why its event or the variable of its delay means nothing, if so."""
-        trigger = self.noun.trigger
-        if not isinstance(trigger, Name) or self.owner is not None:
+        reference = self.noun.trigger.reference
+        if reference is None or self.owner is not None:
             return None
-        if self.noun.kind == "ontime":
-            return Unresolved("unknown variable", f"there is no variable `{trigger}`")
-        return Unresolved("unknown event", f"there is no event `{trigger}`")
+        kind, name = reference
+        return Unresolved(_UNKNOWN[kind], f"there is no {kind} `{name}`")
 
 
 class Resolution:
@@ -319,11 +325,9 @@ class Resolution:
             return
         here = (scope,)
         for label, noun in zip(scope.noun.labels, scope.noun.transitions, strict=True):
-            owner = None
-            if isinstance(noun.trigger, Name):
-                known = scope.visible if noun.kind == "ontime" else scope.visible_events
-                owner = known.get(noun.trigger)
-            homes = here if noun.kind != "exit" else self.outside(scope)
+            reference = noun.trigger.reference
+            owner = None if reference is None else scope.owner(*reference)
+            homes = self.outside(scope) if noun.outward else here
             yield Arrow(Element("transition", (*scope.path, label)), noun, scope, owner, homes)
 
     def outside(self, scope: Scope) -> tuple[Scope, ...]:
@@ -345,9 +349,9 @@ class Resolution:
                 element = Element("event", (*path, name))
                 found[element] = (Code(element, 0, event.condition, "condition", scope, visible),)
             for element, noun, *_ in self.arrows[scope]:
-                if isinstance(noun.trigger, Block):
-                    purpose: Purpose = "delay" if noun.kind == "ontime" else "condition"
-                    found[element] = (Code(element, 0, noun.trigger, purpose, scope, visible),)
+                if noun.trigger.block is not None:
+                    purpose, block = noun.trigger.block
+                    found[element] = (Code(element, 0, block, purpose, scope, visible),)
             for name, state in scope.states.items():
                 inside = (*path, name)
                 if state.onentry:

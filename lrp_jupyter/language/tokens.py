@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 
 from lrp_jupyter.language.scanner import block_end, brackets, line_end
+from lrp_jupyter.language.triggers import FORMS
 
 __all__ = ["KEYWORDS", "LEGAL", "Token", "keyword_of", "tokenize"]
 
 LEGAL: dict[str, frozenset[str]] = {
     "program": frozenset({"var", "machine", "event", "spawn", "onpause", "onresume"}),
-    "machine": frozenset({"var", "event", "state", "on", "ontime", "eps", "exit"}),
+    "machine": frozenset({"var", "event", "state", *FORMS}),
     "state": frozenset({"onentry", "running", "onexit", "machine"}),
     "onentry": frozenset({"spawn"}),
 }

@@ -304,7 +304,7 @@ class FireCommand(PageCommand, do="fire"):
         lit = {tuple(path.split("/")) for path in opened.view_state()["lit"]}
         if not any(path[:-1] == tuple(where) and found.leaves(path[-1]) for path in lit):
             raise LRPError(f"No state that `{label}` leaves is active: {found.source_text}.")
-        target = where[:-2] if found.kind == "exit" else where
+        target = where[:-2] if found.outward else where
         return session.ask(do.Force((*target, str(found.destination))))
 
 

@@ -140,5 +140,5 @@ def _appearance(program: Program, path: Path, machine: Machine, starts: tuple[st
         ),
         starts,
         frozenset(t.trigger_text for t in machine.transitions if t.trigger_text in names),
-        outer_states(program, path) if any(t.kind == "exit" for t in machine.transitions) else frozenset(),
+        outer_states(program, path) if any(t.outward for t in machine.transitions) else frozenset(),
     )

@@ -42,7 +42,8 @@ from typing import Literal, NotRequired, Required, TypedDict
 
 from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.interpreter.frame import Status
-from lrp_jupyter.language.program import Path, Severity, TransitionKind, line_starts, path_text
+from lrp_jupyter.language.program import Path, Severity, line_starts, path_text
+from lrp_jupyter.language.triggers import TransitionKind
 from lrp_jupyter.sim.world import Point, Pose
 
 PartName = Literal["lab", "controls", "editor", "tree", "graph", "variables", "issues", "world"]

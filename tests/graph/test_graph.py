@@ -41,6 +41,7 @@ def test_an_edge_says_what_kind_it_is_and_when_it_is_taken(follower):
         "label": "tlooking",
         "condition": "outofline",
         "text": "outofline",
+        "style": "on",
         "wildcard": False,
         "order": 0,
         "dangling": None,

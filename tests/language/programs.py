@@ -17,6 +17,7 @@ from lrp_jupyter.language.program import (
     Transition,
     Variable,
 )
+from lrp_jupyter.language.triggers import trigger_of
 
 NAMES = ["a", "b", "moving", "état", "end", "on", "state", "x1", "_"]
 VALUES = [
@@ -61,16 +62,17 @@ spawns = st.builds(Spawn, names, names)
 @st.composite
 def transitions(draw: st.DrawFn) -> Transition:
     kind = draw(st.sampled_from(["on", "ontime", "eps", "exit"]))
-    trigger: Any = None
+    part: Any = None
     if kind == "ontime":
-        trigger = draw(st.integers(0, 10**9) | names | values)
+        part = draw(st.integers(0, 10**9) | names | values)
     elif kind != "eps":
-        trigger = draw(names | values)
+        part = draw(names | values)
     sources = draw(st.lists(names, min_size=1, max_size=1 if kind == "exit" else 3).map(tuple))
     wildcard = kind != "exit" and draw(st.booleans())
     if wildcard and kind != "eps" and draw(st.booleans()):
         sources = ()
-    return Transition(kind, trigger, sources, wildcard, draw(names), draw(st.none() | names))
+    trigger, name = trigger_of(kind, part), draw(st.none() | names)
+    return Transition(trigger, sources, wildcard, draw(names), name, kind == "exit")
 
 
 def states(machines: st.SearchStrategy[Machine]) -> st.SearchStrategy[State]:

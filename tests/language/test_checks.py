@@ -17,6 +17,7 @@ from lrp_jupyter.language.checks import CODES, Code, check
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Block, Machine, Name, Program, Spawn, State, Transition
+from lrp_jupyter.language.triggers import Epsilon
 
 EXAMPLES = [code for code in CODES.values() if code.example]
 
@@ -482,7 +483,7 @@ def test_no_program_makes_a_check_raise(program: Program) -> None:
 
 def test_a_program_put_together_by_hand_can_be_checked() -> None:
     states = (State(Name("a"), running=(Block("this is no Python"),)), State(Name("b")))
-    exits = (Transition("exit", None, (Name("a"),), False, Name("b")),)
+    exits = (Transition(Epsilon(), (Name("a"),), False, Name("b"), outward=True),)
     program = Program(
         machines=(Machine(Name("m"), states=states, transitions=exits),),
         spawns=(Spawn(Name("m"), Name("a")),),

@@ -20,6 +20,7 @@ from lrp_jupyter.language.program import (
     Transition,
     Variable,
 )
+from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence
 
 
 def var(name: str, text: str = "1") -> Variable:
@@ -31,7 +32,9 @@ def event(name: str, text: str = "True") -> Event:
 
 
 def on(trigger: str, source: str, destination: str, name: str | None = None) -> Transition:
-    return Transition("on", Name(trigger), (Name(source),), False, Name(destination), name and Name(name))
+    return Transition(
+        Occurrence(Name(trigger)), (Name(source),), False, Name(destination), name and Name(name)
+    )
 
 
 def machine(name: str = "m", **parts: Sequence[object]) -> Machine:
@@ -150,7 +153,7 @@ def test_another_destination_is_another_transition() -> None:
 def test_the_order_of_sources_means_nothing() -> None:
     def two(*sources: str) -> Program:
         names = tuple(map(Name, sources))
-        return program(machine(transitions=[Transition("on", Name("e"), names, False, Name("c"))]))
+        return program(machine(transitions=[Transition(Occurrence(Name("e")), names, False, Name("c"))]))
 
     assert not diff(two("a", "b"), two("b", "a"))
 
@@ -206,12 +209,15 @@ variables = st.builds(Variable, a_name, blocks)
 events = st.builds(Event, a_name, blocks)
 transitions = st.builds(
     Transition,
-    st.sampled_from(["on", "ontime", "eps", "exit"]),
-    st.one_of(a_name, blocks, st.integers(0, 2)),
+    st.builds(Occurrence, a_name)
+    | st.builds(Condition, blocks)
+    | st.builds(Delay, a_name | blocks | st.integers(0, 2))
+    | st.builds(Epsilon),
     some(a_name),
     st.booleans(),
     a_name,
     st.none() | a_name,
+    st.booleans(),
 ).filter(lambda transition: transition.wildcard or transition.sources)
 spawns = st.builds(Spawn, a_name, a_name)
 

@@ -256,12 +256,15 @@ def test_the_examples_of_the_reference_use_the_whole_grammar(examples: list[Prog
     assert any(each.name for each in transitions)
     sources_used = {re.sub(r"\w+( \w+)*", "a", each.source_text) for each in transitions}
     assert sources_used >= {"a", "*", "*-{a}", "{a}"}
-    assert {type(each.trigger).__name__ for each in transitions if each.kind == "ontime"} >= {
+    assert {type(each.trigger.amount).__name__ for each in transitions if each.kind == "ontime"} >= {
         "int",
         "Name",
         "Block",
     }
-    assert {type(each.trigger).__name__ for each in transitions if each.kind == "on"} >= {"Name", "Block"}
+    assert {type(each.trigger).__name__ for each in transitions if each.kind == "on"} >= {
+        "Occurrence",
+        "Condition",
+    }
     assert any(machine.variables for machine in machines)
     assert any(machine.events for machine in machines)
     assert any(program.variables for program in examples)

@@ -13,7 +13,7 @@ from collections.abc import Hashable, Iterator
 
 from lrp_jupyter.language.checks.references import Links, MeantArrow, MeantSpawn
 from lrp_jupyter.language.checks.report import Report
-from lrp_jupyter.language.program import Block, Transition
+from lrp_jupyter.language.program import Transition
 from lrp_jupyter.language.resolution import Resolution, Scope
 
 __all__ = ["check_reachability"]
@@ -154,12 +154,10 @@ def _untested(report: Report, scope: Scope, arrows: list[MeantArrow]) -> None:
 
 def _key(arrow: MeantArrow) -> Hashable:
     """Return what transitions share that are enabled together: milliseconds, if they are known."""
-    kind, trigger = arrow.noun.kind, arrow.noun.trigger
-    if trigger is None or isinstance(trigger, int):
-        return max(0, trigger or 0)
-    if isinstance(trigger, Block) or kind == "ontime":
-        return kind == "ontime", trigger
-    return ("event", id(arrow.event)) if arrow.event and arrow.sound else None
+    trigger = arrow.noun.trigger
+    if trigger.due is not None:
+        return trigger.due
+    return trigger if arrow.sound or trigger.reference is None else None
 
 
 class _Earlier:
@@ -188,9 +186,8 @@ class _Earlier:
 
 
 def _livelock(report: Report, transition: Transition) -> None:
-    trigger, destination = transition.trigger, transition.destination
-    instant = trigger is None or (isinstance(trigger, int) and trigger <= 0)
-    if instant and not transition.wildcard and destination in transition.sources:
+    destination = transition.destination
+    if transition.trigger.due == 0 and not transition.wildcard and destination in transition.sources:
         message = (
             f"`{destination}` is left and entered anew at every tick, so that nothing in it ever runs; "
             f"give this transition a condition or a time, or another destination."

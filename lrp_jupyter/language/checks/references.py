@@ -118,12 +118,13 @@ class _References:
         before = len(self.report.findings)
         noun, scope, event = arrow.noun, arrow.scope, None
         sources = [self._state("LRP302", source, scope) for source in noun.sources]
-        if isinstance(noun.trigger, Name):
-            if noun.kind != "ontime":
-                event = self._event(arrow, noun.trigger)
+        if noun.trigger.reference is not None:
+            kind, name = noun.trigger.reference
+            if kind == "event":
+                event = self._event(arrow, name)
             elif arrow.owner is None:
-                self._delay(scope, noun.trigger)
-        lead = self._exit if noun.kind == "exit" else self._destination
+                self._delay(scope, name)
+        lead = self._exit if noun.outward else self._destination
         targets = lead(scope, around, noun)
         return MeantArrow(noun, sources, event, targets, len(self.report.findings) == before)
 
@@ -169,14 +170,14 @@ class _References:
             f"`{name}` is a state of `{outside[0][0].name}`, outside of `{scope.name}`; "
             f"only `(exit condition source -> {name})` leads there."
         )
-        certain = transition.kind == "on" and len(transition.sources) == 1 and not transition.wildcard
+        certain = transition.trigger.can_exit and len(transition.sources) == 1 and not transition.wildcard
         self.report.add("LRP303", name.span, message, self._keyword(transition, "exit") if certain else None)
         return outside
 
     def _exit(self, scope: Scope, around: list[Scope], transition: Transition) -> list[tuple[Scope, str]]:
         name = transition.destination
         inside = [(scope, str(name))] if name in scope.states else []
-        fix = self._keyword(transition, "on") if inside else None
+        fix = self._keyword(transition, transition.trigger.keyword) if inside else None
         if not around:
             message = f"No state is around `{scope.name}` that `exit` could leave; write `(on …)`."
             self.report.add("LRP307", transition.span, message, fix)

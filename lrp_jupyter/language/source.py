@@ -1,0 +1,82 @@
+"""Pieces of a program's text that know where they stand: spans, names and blocks of Python."""
+
+from __future__ import annotations
+
+import ast
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import NamedTuple
+
+from lrp_jupyter.language.suites import parse_block
+
+__all__ = ["NOWHERE", "Block", "Name", "Span"]
+
+
+class Span(NamedTuple):
+    """A range of characters of the text: ``text[start:end]``."""
+
+    start: int
+    end: int
+
+
+NOWHERE = Span(0, 0)
+
+
+class Name(str):
+    """A name of the program that knows where it stands; otherwise a plain string."""
+
+    __slots__ = ("span",)
+    span: Span
+
+    def __new__(cls, text: str, span: Span = NOWHERE) -> Name:
+        """Make a name."""
+        self = super().__new__(cls, text)
+        self.span = span
+        return self
+
+    def __getnewargs__(self) -> tuple[str, Span]:  # type: ignore[override]
+        return str(self), self.span
+
+
+@lru_cache(maxsize=20_000)
+def _meaning(text: str) -> str:
+    try:
+        return ast.dump(parse_block(text))
+    except SyntaxError:  # only in a program put together by hand; the parser refuses such a block
+        return text
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Block:
+    """Python between square brackets.
+
+    Parameters
+    ----------
+    text : str
+        What stands between the brackets, to the letter.
+    span : Span
+        From the opening bracket to behind the closing one.
+    line, column : int
+        Place of the first character behind the opening bracket, from 1; columns in characters.
+    prefix : str
+        What stands before that character in its line (positions inside a block depend on it).
+    """
+
+    text: str
+    span: Span = NOWHERE
+    line: int = 1
+    column: int = 1
+    prefix: str = ""
+
+    @property
+    def meaning(self) -> str:
+        """The block's syntax tree as text: equal for blocks that differ in layout only."""
+        return _meaning(self.text)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Block):
+            return NotImplemented
+        return self.text == other.text or self.meaning == other.meaning
+
+    def __hash__(self) -> int:
+        return hash(self.meaning)
