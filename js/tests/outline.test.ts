@@ -31,6 +31,15 @@ it("gives every element its path", () => {
 
 it("labels transitions as the kernel does, a second one with its number", () => {
   const labels = read(PROGRAM).items.flatMap((item) => (item.kind === "transition" ? [item.name] : []));
+  const paths = read(PROGRAM).items.flatMap((item) => (item.kind === "transition" ? [item.path] : []));
+  expect(paths.map((path) => path.slice(path.indexOf(":") + 1))).toEqual([
+    "tgo",
+    "on:a->c",
+    "on:a->c#2",
+    "eps:*-{a c}->c",
+    "ontime:a->c",
+    "on:*->a",
+  ]);
   expect(labels).toEqual(["tgo", "go:a->c", "go:a->c#2", "eps:*-{a c}->c", "100:a->c", "[n == 1]:*->a"]);
 });
 

@@ -99,7 +99,7 @@ class Lines:
         elif self._quiet:
             return
         elif event.kind == "fired":
-            self._fired[event.path[:-1]] = event.path[-1]
+            self._fired[event.path[:-1]] = event.data.label  # type: ignore[attr-defined]
         elif event.kind == "entered":
             name = self._fired.pop(event.path[:-1], "->")
             by = "" if "->" in name else f"  ({name})"  # without a name it is called by what it does

@@ -230,7 +230,7 @@ class _Run:
         while news:
             event = news.popleft()
             if event.kind == "fired":
-                self._last.appendleft(f"{event.now:.1f} s  {' → '.join(event.data)}")  # type: ignore[arg-type]
+                self._last.appendleft(f"{event.now:.1f} s  {' → '.join(event.data[:2])}")  # type: ignore[index]
             if event.kind == "restarted":
                 self._happenings.since.clear()
             if self._board is None:

@@ -97,8 +97,9 @@ def layout(
 class _Edge:
     """One arrow to draw."""
 
-    def __init__(self, label: str, transition: Transition, source: str, broken: str | None) -> None:
-        self.id = label
+    def __init__(self, id_: str, label: str, transition: Transition, source: str, broken: str | None) -> None:
+        self.id = id_
+        self.label = label
         self.transition = transition
         self.source = source
         self.target = str(transition.destination)
@@ -119,8 +120,8 @@ class _Drawing:
         events = events_in_scope(program, path) if program else None
         outer = outer_states(program, path) if program else None
         self.edges = [
-            _Edge(label, transition, source, self._broken(transition, source, events, outer))
-            for label, transition in zip(machine.labels, machine.transitions, strict=True)
+            _Edge(id_, label, transition, source, self._broken(transition, source, events, outer))
+            for id_, label, transition in zip(machine.ids, machine.labels, machine.transitions, strict=True)
             for source in ([ANY] if transition.wildcard else dict.fromkeys(map(str, transition.sources)))
         ]
         self.sizes = self._sizes()
@@ -297,7 +298,7 @@ class _Drawing:
         title = _source_text(edge.transition)
         return TransitionShape(
             id=f"{path_text(self.path)}:{edge.id}",
-            name=edge.id,
+            name=edge.label,
             kind=edge.transition.kind,
             style=edge.transition.style,
             source=edge.source,

@@ -59,6 +59,9 @@ class StateShape(TypedDict):
 class TransitionShape(TypedDict):
     """One arrow. A transition with several sources has several, with the same `id`.
 
+    `id` is the machine's path and the transition's id, which survives an edit of its condition or delay;
+    `name` is its label, which does not.
+
     `kind` is the kind of transition; `style` says how it is drawn: as its kind, or ``wildcard``.
     `d`, `head`, `mark` are SVG path data of shaft, head and of the cross of a broken one; `broken`
     says why it can never be taken.

@@ -183,7 +183,8 @@ def _transition(shape: TransitionShape, fired: bool) -> str:
     glow = f'<path class="lrp-glow" d="{shape["d"]}"/>' if fired else ""
     head = f'<path class="lrp-head" d="{shape["head"]}"/>' if shape["head"] else ""
     mark = f'<path class="lrp-mark" d="{shape["mark"]}"/>' if shape["mark"] else ""
-    mine = f'data-lrp-transition="{escape(shape["id"])}"' + (' data-fired=""' if fired else "")
+    shown = f"{shape['id'].partition(':')[0]}:{shape['name']}"
+    mine = f'data-lrp-transition="{escape(shown)}"' + (' data-fired=""' if fired else "")
     return (
         f'<g class="{classes}" {mine}>'
         f"<title>{escape(shape['title'])}</title>{glow}"

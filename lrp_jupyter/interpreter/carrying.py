@@ -6,11 +6,9 @@ move along with their elements; those of what is gone, changed or repaired are o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from types import MappingProxyType
-
 from lrp_jupyter.interpreter.issues import Issue, Issues
 from lrp_jupyter.interpreter.linker import Plan
+from lrp_jupyter.language.identity import Successors, is_inside
 from lrp_jupyter.language.program import Element
 
 __all__ = ["carry_issues"]
@@ -20,8 +18,8 @@ def carry_issues(
     issues: Issues,
     old: Plan,
     plan: Plan,
-    gone: tuple[Element, ...] = (),
-    names: Mapping[Element, Element] = MappingProxyType({}),
+    successors: Successors = Successors(),  # noqa: B008  (a frozen value)
+    changed: tuple[Element, ...] = (),
 ) -> None:
     """Resolve the issues of what is gone, changed or repaired; move the others with the text.
 
@@ -30,23 +28,26 @@ def carry_issues(
     issues : Issues
     old, plan : Plan
         Of the text in which the issues stand, and of the one in which they are to stand.
-    gone : tuple of Element
-        What was removed or changed.
-    names : mapping of Element to Element
-        Those that an explicit rename gives.
+    successors : Successors
+        What became of the elements of the old one.
+    changed : tuple of Element
+        What has another content in the new one.
     """
     twice = {site.element: site.offset for site in plan.duplicates}
 
     def over(issue: Issue) -> bool:
-        element = names.get(issue.element, issue.element)
+        element = successors.of(issue.element)
+        if element is None or element not in plan.places or any(is_inside(element, c) for c in changed):
+            return True
         dangled = (issue.element, issue.kind) in old.dangling
-        repaired = (dangled and (element, issue.kind) not in plan.dangling) or (
+        return (dangled and (element, issue.kind) not in plan.dangling) or (
             issue.kind == "defined twice" and element not in twice
         )
-        return any(_inside(element, other) for other in gone) or repaired or element not in plan.places
 
     def place(issue: Issue) -> tuple[int, int]:
-        element = names.get(issue.element, issue.element)
+        element = successors.of(issue.element)
+        if element is None:
+            return issue.line, issue.column
         if issue.kind == "defined twice" and element in twice:
             return plan.program.place(twice[element])
         before, after = old.places.get(issue.element), plan.places.get(element)
@@ -57,11 +58,4 @@ def carry_issues(
         return issue.line + new_line - line, issue.column + (new_column - column if same_line else 0)
 
     issues.resolve(lambda _, issue: over(issue))
-    issues.move(place, names)
-
-
-def _inside(element: Element, other: Element) -> bool:
-    """Whether an element is the other one, or stands in it."""
-    return element == other or (
-        other.kind in ("machine", "state") and element.path[: len(other.path)] == other.path
-    )
+    issues.move(place, successors)

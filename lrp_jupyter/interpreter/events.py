@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from lrp_jupyter.language.program import Path
 
-__all__ = ["EVENT_KINDS", "UNSET", "Observer", "TraceEvent"]
+__all__ = ["EVENT_KINDS", "UNSET", "Firing", "Observer", "TraceEvent"]
 
 EVENT_KINDS = (
     "started",
@@ -35,6 +35,14 @@ UNSET = _Unset()
 """The value of a variable that has none."""
 
 
+class Firing(NamedTuple):
+    """From which state to which a transition led, and what it is called where it is shown."""
+
+    source: str
+    destination: str
+    label: str
+
+
 class TraceEvent(NamedTuple):
     """One event of a run.
 
@@ -44,14 +52,14 @@ class TraceEvent(NamedTuple):
         One of :data:`EVENT_KINDS`.
     path : tuple of str
         What it concerns, as spawned: a state (entered, left, forced), a machine (spawned,
-        discarded), a transition (fired: the machine's path and the label), a variable (changed);
+        discarded), a transition (fired: the machine's path and the id), a variable (changed);
         empty for the program as a whole.
     tick : int
         The tick in which it happened; the first is 1. Between two ticks: that of the last one.
     now : float
         Seconds.
     data : object
-        fired: ``(source, destination)``, the names of the states; changed: the new value or
+        fired: a :class:`Firing`; changed: the new value or
         :data:`UNSET`; issue: the :class:`Issue`; patched: the :class:`Patch`; restarted: the
         reason, a sentence; forced: ``"transition"`` or ``"teleport"``; else None.
     """

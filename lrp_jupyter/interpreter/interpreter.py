@@ -30,6 +30,7 @@ Everything acts between ticks and before the call returns. An interpreter belong
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, Literal
 
 from lrp_jupyter.interpreter.carrying import carry_issues
@@ -37,13 +38,15 @@ from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.forcing import How, find_state, force
 from lrp_jupyter.interpreter.issues import Issues
 from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
-from lrp_jupyter.interpreter.patching import Decision, Patch, Renaming, adopt, decide
+from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, decide
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import bind_block
 from lrp_jupyter.interpreter.variables import Variables, as_path, assign
 from lrp_jupyter.language.diff import diff
+from lrp_jupyter.language.identity import after_rename
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.language.rename import rename as renamed_text
 
 __all__ = ["Interpreter", "Variables"]
 
@@ -231,12 +234,12 @@ class Interpreter:
         if decision.apply:
             run.remember()
             show_in_tracebacks(program)
-            carry_issues(run.issues, run.plan, plan, changes.removed + changes.changed)
+            carry_issues(run.issues, run.plan, plan, changes.successors, changes.changed)
             if decision.restart:
                 run.plan = plan
                 self._restart(decision.reason or "")
             else:
-                adopt(run, plan)
+                adopt(run, plan, changes.successors)
             self._report_duplicates()
         patch = Patch(changes, decision.apply, decision.restart, decision.reason)
         run.emit("patched", (), patch)
@@ -267,17 +270,15 @@ class Interpreter:
         """
         run = self._run
         self._advance(now)
-        from lrp_jupyter.language.rename import rename
-
         where = as_path(path)
-        program = parse(rename(self.program, kind, where, new_name), self.program.filename)
+        program = parse(renamed_text(self.program, kind, where, new_name), self.program.filename)
         plan = link(program)
-        changes = diff(run.plan.program, program)
+        successors = after_rename(run.plan.program, program)
+        changes = replace(diff(run.plan.program, program), successors=successors)
         run.remember()
-        names = dict(zip(run.plan.places, plan.places, strict=True))  # the same parts in the same order
-        carry_issues(run.issues, run.plan, plan, names=names)
+        carry_issues(run.issues, run.plan, plan, successors)
         show_in_tracebacks(program)
-        adopt(run, plan, Renaming(kind, where, new_name))
+        adopt(run, plan, successors, renamed=True)
         run.emit("patched", (), Patch(changes, True))
         self._done()
         return program.text

@@ -5,10 +5,11 @@ Paper: §6.2. A fault never stops the loop; the entity that caused it is ignored
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, overload
 
+from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element
 
 __all__ = ["ISSUE_CODES", "Issue", "IssueKind", "Issues"]
@@ -140,18 +141,20 @@ class Issues(Sequence[Issue]):
                 self._all[key] = replace(issue, resolved=True)
         self.open_blocks = {key[:2] for key, issue in self._all.items() if not issue.resolved}
 
-    def move(self, shift: Callable[[Issue], tuple[int, int]], names: Mapping[Element, Element]) -> None:
-        """Give every issue its place, and what has a new name that name, in a new text."""
+    def move(self, shift: Callable[[Issue], tuple[int, int]], successors: Successors) -> None:
+        """Give every issue its place, and its element, in a new text; those of what is gone stay."""
         self._last.clear()
-        moved = {}
+        moved: dict[Key, Issue] = {}
         for (old, ordinal, kind), issue in self._all.items():
             line, column = shift(issue)
-            element = names.get(old, old)
-            if (line, column, element) != (issue.line, issue.column, old):
+            element = successors.of(old) or old
+            if (line, column) != (issue.line, issue.column) or element is not old:
                 issue = replace(issue, line=line, column=column, element=element)
-            moved[element, ordinal, kind] = issue
+            known = moved.get((element, ordinal, kind))
+            if known is None or known.resolved:  # the element of a resolved one may be gone, its name reused
+                moved[element, ordinal, kind] = issue
         self._all = moved
-        self.open_blocks = {(names.get(element, element), ordinal) for element, ordinal in self.open_blocks}
+        self.open_blocks = {key[:2] for key, issue in moved.items() if not issue.resolved}
 
     def clear(self) -> None:
         """Forget all of them; what is still at fault comes again."""

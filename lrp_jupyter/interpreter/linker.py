@@ -265,7 +265,7 @@ class _Linker:
     def _block(self, place: Code) -> BlockPlan:
         element, ordinal, block = place.element, place.ordinal, place.block
         self.plan.places.setdefault(element, block.span.start)
-        name = f"{element.path[-1]}.{element.kind}" if element.path else element.kind
+        name = f"{element.shown[-1]}.{element.kind}" if element.path else element.kind
         code: CodeType | Broken
         try:
             code = compile_block(block, place.visible, self.plan.program.filename, name)

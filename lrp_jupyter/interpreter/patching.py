@@ -18,12 +18,13 @@ from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariablePlan
 from lrp_jupyter.interpreter.tree import Activation, Scope
 from lrp_jupyter.language.diff import ChangeSet
-from lrp_jupyter.language.program import Element, Path, Spawn
+from lrp_jupyter.language.identity import Successors
+from lrp_jupyter.language.program import Path, Spawn
 
 if TYPE_CHECKING:
     from lrp_jupyter.interpreter.run import Run
 
-__all__ = ["Decision", "Patch", "Renaming", "adopt", "decide"]
+__all__ = ["Decision", "Patch", "adopt", "decide"]
 
 Policy = Literal["restart", "keep"]
 
@@ -49,6 +50,11 @@ class Patch:
     restarted: bool = False
     reason: str | None = None
 
+    @property
+    def successors(self) -> Successors:
+        """What became of each element of the old program."""
+        return self.changes.successors
+
 
 @dataclass(frozen=True, slots=True)
 class Decision:
@@ -57,29 +63,6 @@ class Decision:
     apply: bool = True
     restart: bool = False
     reason: str | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Renaming:
-    """An explicit rename: a path of definition and the new last name."""
-
-    kind: str
-    path: Path
-    new: str
-
-    def moved(self, path: Path) -> Path:
-        """Where an element with this old path is now."""
-        if self.kind in ("machine", "state") and path[: len(self.path)] == self.path:
-            return (*self.path[:-1], self.new, *path[len(self.path) :])
-        return path
-
-    def variable(self, plan: VariablePlan) -> str:
-        """Tell what a variable is called now."""
-        return self.new if plan.initial.site.element == Element(self.kind, self.path) else plan.name
-
-    def spawn(self, identity: tuple[str, str]) -> tuple[str, str]:
-        """Tell what a top-level spawn is called now."""
-        return self.moved(identity[:1])[-1], self.moved(identity)[-1]
 
 
 def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
@@ -125,33 +108,42 @@ def _changed_part(old: StatePlan, new: StatePlan) -> str | None:
     return "`onexit`" if old.noun.onexit != new.noun.onexit else None
 
 
-def adopt(run: Run, plan: Plan, renaming: Renaming | None = None) -> None:
-    """Swap plans and carry over what runs; every active state must exist in `plan`."""
+def adopt(run: Run, plan: Plan, successors: Successors, *, renamed: bool = False) -> None:
+    """Swap plans and carry over what runs; every active state must exist in `plan`.
+
+    After an explicit rename nothing is initialised or spawned: only names have changed.
+    """
     old, run.plan = run.plan, plan
-    if renaming:
-        run.pending = frozenset(map(renaming.spawn, run.pending))
+    run.pending = frozenset(_spawn_now(successors, identity) for identity in run.pending)
     if run.started:
-        _carry(run, run.globals, old.variables, plan.variables, run.base, renaming)
+        _carry(run, run.globals, old.variables, plan.variables, run.base, successors, renamed)
     added: list[tuple[Activation, SpawnPlan]] = []
     live: dict[Path, Scope] = {(): run.globals}
     for act in [act for root in run.roots for act in root.walk()]:  # outer ones come first
         before, here = act.machine, act.state.path
-        there = renaming.moved(here) if renaming else here
+        there = successors.path("state", here) or here
         act.machine = machine = plan.machines[there[:-1]]
         added += ((act, spawn) for spawn in _added_spawns(act.state, machine.states[there[-1]]))
         act.state = machine.states[there[-1]]
         act.path = (*act.parent.full_path, machine.name) if act.parent else (machine.name,)
-        if renaming and act.spawn is not None:
-            act.spawn = renaming.spawn(act.spawn)
+        if act.spawn is not None:
+            act.spawn = _spawn_now(successors, act.spawn)
         act.outer = live[machine.outer.path] if machine.outer else run.globals
         live[machine.path] = act
-        _carry(run, act, before.variables, machine.variables, act.outer.cells, renaming)
+        _carry(run, act, before.variables, machine.variables, act.outer.cells, successors, renamed)
     run.live = live
     run.rebind()
-    if renaming is None:
+    if not renamed:
         for act, spawn in added:
             run.spawn(act, spawn)
         _spawn_added(run, old, plan)
+
+
+def _spawn_now(successors: Successors, identity: tuple[str, str]) -> tuple[str, str]:
+    """Return what a top-level spawn names now."""
+    machine = successors.path("machine", identity[:1]) or identity
+    state = successors.path("state", identity) or identity
+    return machine[0], state[-1]
 
 
 def _carry(
@@ -160,17 +152,20 @@ def _carry(
     old: tuple[VariablePlan, ...],
     new: tuple[VariablePlan, ...],
     outer: dict[str, CellType],
-    renaming: Renaming | None,
+    successors: Successors,
+    renamed: bool,
 ) -> None:
     """Keep the cells of variables that stay; initialise what is new or has a new initialiser."""
     kept = {}
     for variable in old:
-        name = renaming.variable(variable) if renaming else variable.name
-        kept[name] = (variable.noun.initial, scope.own[variable.name], scope.last[variable.name])
+        path = successors.path("variable", variable.initial.site.element.path)
+        if path is None:
+            continue
+        kept[path[-1]] = (variable.noun.initial, scope.own[variable.name], scope.last[variable.name])
     scope.own, scope.last, scope.cells = {}, {}, dict(outer)
     for variable in new:
         initial, cell, last = kept.get(variable.name, (None, CellType(), UNSET))
-        if initial != variable.noun.initial and renaming is None:
+        if initial != variable.noun.initial and not renamed:
             run.evaluate(variable, scope.cells, cell)
         scope.cells[variable.name] = scope.own[variable.name] = cell
         scope.last[variable.name] = last

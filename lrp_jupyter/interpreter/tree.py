@@ -15,7 +15,7 @@ from numbers import Real
 from types import CellType
 from typing import TYPE_CHECKING
 
-from lrp_jupyter.interpreter.events import UNSET
+from lrp_jupyter.interpreter.events import UNSET, Firing
 from lrp_jupyter.interpreter.faults import Fault
 from lrp_jupyter.interpreter.linker import (
     BlockPlan,
@@ -125,8 +125,8 @@ class Edge:
             if home
             else f"`exit` cannot lead to `{destination}`: `{act.machine.name}` is not nested in a state"
         )
-        self.path = (*act.path, plan.label)
-        self.data = (state.name, destination)
+        self.path = (*act.path, plan.site.element.path[-1])
+        self.data = Firing(state.name, destination, plan.label)
         self.site = plan.site._replace(ordinal=1)  # 0 is its condition or delay
         self.tested = plan.test.block.site if isinstance(plan.test, EventPlan) else plan.site
 

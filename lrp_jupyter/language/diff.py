@@ -16,9 +16,10 @@ from __future__ import annotations
 from bisect import bisect_left
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal, TypeVar
 
+from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import (
     Element,
     Event,
@@ -33,7 +34,10 @@ from lrp_jupyter.language.program import (
 
 __all__ = ["ChangeSet", "diff"]
 
-_Change = tuple[Literal["added", "removed", "changed", "moved"], Element]
+_Change = (
+    tuple[Literal["added", "removed", "changed", "moved"], Element]
+    | tuple[Literal["became"], tuple[Element, Element]]
+)
 _Named = TypeVar("_Named", Variable, Event, State, Machine)
 _Key = TypeVar("_Key", bound=Hashable)
 _ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
@@ -58,12 +62,15 @@ class ChangeSet:
     moved : tuple of Element
         Transitions and variables that stand at another place among those that stayed; as few as
         explain the new order.
+    successors : Successors
+        What became of each element of the old program.
     """
 
     added: tuple[Element, ...] = ()
     removed: tuple[Element, ...] = ()
     changed: tuple[Element, ...] = ()
     moved: tuple[Element, ...] = ()
+    successors: Successors = field(default=Successors(), compare=False, repr=False)
 
     def __bool__(self) -> bool:
         return bool(self.added or self.removed or self.changed or self.moved)
@@ -94,9 +101,15 @@ def diff(old: Program, new: Program) -> ChangeSet:
         Empty if the two mean the same: ``not diff(p, p)``.
     """
     groups: dict[str, list[Element]] = {"added": [], "removed": [], "changed": [], "moved": []}
-    for what, element in _program(old, new):
-        groups[what].append(element)
-    return ChangeSet(**{what: tuple(elements) for what, elements in groups.items()})
+    became: dict[Element, Element] = {}
+    for change in _program(old, new):
+        if change[0] == "became":
+            before, after = change[1]
+            became[before] = after
+        else:
+            groups[change[0]].append(change[1])
+    added, removed, changed, moved = map(tuple, groups.values())
+    return ChangeSet(added, removed, changed, moved, Successors(became, removed))
 
 
 def _words(element: Element) -> str:
@@ -144,18 +157,21 @@ def _variables(path: Path, old: Sequence[Variable], new: Sequence[Variable]) -> 
 
 
 def _transitions(path: Path, old: Machine, new: Machine) -> Iterator[_Change]:
-    before, after = _by_identity(old.transitions), _by_identity(new.transitions)
-    labels = dict(zip(after, new.labels, strict=True))
-    for key, label in zip(before, old.labels, strict=True):
+    before, after = _by_identity(path, old), _by_identity(path, new)
+    for key, (element, _) in before.items():
         if key not in after:
-            yield "removed", Element("transition", (*path, label))
-    for key, transition in after.items():
+            yield "removed", element
+    for key, (element, noun) in after.items():
         if key not in before:
-            yield "added", Element("transition", (*path, labels[key]))
-        elif before[key].trigger != transition.trigger:
-            yield "changed", Element("transition", (*path, labels[key]))
+            yield "added", element
+            continue
+        old_element, old_noun = before[key]
+        if (old_element, old_element.label) != (element, element.label):
+            yield "became", (old_element, element)
+        if old_noun.trigger != noun.trigger:
+            yield "changed", element
     for key in _moved(before, after):
-        yield "moved", Element("transition", (*path, labels[key]))
+        yield "moved", after[key][0]
 
 
 def _named(
@@ -190,12 +206,16 @@ def _by_name(elements: Iterable[_Named]) -> dict[str, _Named]:
     return named
 
 
-def _by_identity(transitions: Iterable[Transition]) -> dict[tuple[Hashable, int], Transition]:
+_Keyed = dict[tuple[Hashable, int], tuple[Element, Transition]]
+
+
+def _by_identity(path: Path, machine: Machine) -> _Keyed:
+    """Transitions and their elements by kind, sources, destination, name and number among equals."""
     seen: Counter[Hashable] = Counter()
-    keyed: dict[tuple[Hashable, int], Transition] = {}
-    for transition in transitions:
+    keyed: _Keyed = {}
+    for element, transition in zip(machine.elements(path), machine.transitions, strict=True):
         identity = transition.identity
-        keyed[identity, seen[identity]] = transition
+        keyed[identity, seen[identity]] = element, transition
         seen[identity] += 1
     return keyed
 

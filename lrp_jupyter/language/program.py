@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import re
 from bisect import bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import accumulate
@@ -44,20 +44,30 @@ Path = tuple[str, ...]
 Severity = Literal["error", "warning", "hint"]
 
 
-class Element(NamedTuple):
-    """The identity of one part of a program.
+class _Identity(NamedTuple):
+    kind: str
+    path: Path
+
+
+class Element(_Identity):
+    """The identity of one part of a program: it survives every edit that keeps the part.
 
     ``kind`` is ``variable``, ``event``, ``machine``, ``state``, ``transition`` or ``spawn``; the
     actions of a state (``onentry``, ``running``, ``onexit``) are elements too, under the path of
     their state, and so are the program's ``onpause`` and ``onresume`` (empty path).
-    The last name of a transition's path is its :attr:`Transition.label`.
+    The last name of a transition's path is its :attr:`Transition.id`.
     """
 
-    kind: str
-    path: Path
+    label: str = ""
+    """What is shown in the place of the path's last name; no part of the identity."""
+
+    @property
+    def shown(self) -> Path:
+        """The path as it is shown: a transition's label in the place of its id."""
+        return (*self.path[:-1], self.label) if self.label else self.path
 
     def __str__(self) -> str:
-        return f"{self.kind} `{path_text(self.path)}`" if self.path else self.kind
+        return f"{self.kind} `{path_text(self.shown)}`" if self.path else self.kind
 
 
 def path_text(path: Path) -> str:
@@ -155,8 +165,16 @@ class Transition:
         return text
 
     @property
+    def id(self) -> str:
+        """What identifies it within its machine: its name, else ``kind:from->to``.
+
+        It is the same whatever the transition waits for, so an edit of its condition or delay keeps it.
+        """
+        return str(self.name or f"{self.kind}:{self.source_text}->{self.destination}")
+
+    @property
     def label(self) -> str:
-        """What it is called: its name, else ``condition:from->to``."""
+        """What it is called where it is shown: its name, else ``condition:from->to``."""
         return str(self.name or f"{self.trigger_text}:{self.source_text}->{self.destination}")
 
     @property
@@ -199,15 +217,24 @@ class Machine:
     span: Span = field(default=NOWHERE, compare=False)
 
     @cached_property
+    def ids(self) -> tuple[str, ...]:
+        """The ids of the transitions, made distinct: a second `t` is `t#2`."""
+        return _distinct(transition.id for transition in self.transitions)
+
+    @cached_property
     def labels(self) -> tuple[str, ...]:
-        """The labels of the transitions, made distinct: a second `t` is `t#2`."""
-        seen: dict[str, int] = {}
-        labels = []
-        for transition in self.transitions:
-            label = transition.label
-            seen[label] = count = seen.get(label, 0) + 1
-            labels.append(label if count == 1 else f"{label}#{count}")
-        return tuple(labels)
+        """The labels of the transitions, made distinct in the same way."""
+        return _distinct(transition.label for transition in self.transitions)
+
+    def elements(self, path: Path) -> tuple[Element, ...]:
+        """Return the elements of the transitions of this machine, whose path is given."""
+        found = []
+        for id_, label in zip(self.ids, self.labels, strict=True):
+            element = Element("transition", (*path, id_))
+            if label != id_:
+                element.label = label
+            found.append(element)
+        return tuple(found)
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
         """Show itself in a notebook: a picture, and a tree as plain text."""
@@ -269,6 +296,15 @@ class Program:
         from lrp_jupyter.graph.still import mimebundle  # views build on this module
 
         return mimebundle(self)
+
+
+def _distinct(names: Iterable[str]) -> tuple[str, ...]:
+    seen: dict[str, int] = {}
+    distinct = []
+    for name in names:
+        seen[name] = count = seen.get(name, 0) + 1
+        distinct.append(name if count == 1 else f"{name}#{count}")
+    return tuple(distinct)
 
 
 _LINE_END = re.compile(r"\r\n|\r|\n")

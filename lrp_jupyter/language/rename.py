@@ -179,7 +179,7 @@ def _unknown(program: Program, element: Element) -> Exception:
 
 def _check_name(kind: str, name: str) -> None:
     if not name.isidentifier():
-        raise ValueError(f"`{name}` is no name; use letters, digits and `_`.")
+        raise ValueError(f"`{name}` is not a valid name. Use letters, digits and `_`.")
     if kind == "variable" and (iskeyword(normal(name)) or name == "__debug__"):
         raise ValueError(f"`{name}` is a word of Python; give the variable another name.")
 
@@ -203,6 +203,8 @@ def _check_meaning(
     counts = Counter(use.span for use in uses if use.symbol)
     if any(counts[span] > 1 for span in symbol.references):
         raise ValueError(f"{symbol.element} is not the only one that its `exit` can lead to; rename by hand.")
+    if symbol.element.kind == "transition" and _shared(found, symbol, program):
+        raise ValueError(f"{symbol.element} is not the only one of this name. Rename it by hand.")
     if any(other.element == (symbol.element.kind, (*symbol.element.path[:-1], name)) for other in found):
         raise ValueError(f"`{name}` is taken: there is another {symbol.element.kind} of this name.")
     new_found, new_uses = symbols(parse(text, program.filename))
@@ -215,6 +217,16 @@ def _check_meaning(
             raise ValueError(f"`{name}` is taken: it means something else in line {line}.")
     if len(before) != len(after):
         raise ValueError(f"`{name}` is taken: an inner function uses it for something else.")
+
+
+def _shared(found: list[Symbol], symbol: Symbol, program: Program) -> bool:
+    """Whether another transition of the machine has the same name: no rename could be undone."""
+    names = [
+        program.text[slice(*other.definition)]
+        for other in found
+        if other.element.kind == "transition" and other.element.path[:-1] == symbol.element.path[:-1]
+    ]
+    return names.count(program.text[slice(*symbol.definition)]) > 1
 
 
 def _meanings(found: list[Symbol], uses: list[Mention]) -> list[int | None]:

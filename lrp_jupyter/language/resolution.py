@@ -241,7 +241,7 @@ class Arrow(NamedTuple):
     @property
     def label(self) -> str:
         """The transition's label, distinct within its machine."""
-        return self.element.path[-1]
+        return self.element.shown[-1]
 
     @property
     def unresolved_trigger(self) -> Unresolved | None:
@@ -324,11 +324,12 @@ class Resolution:
         if scope.noun is None:
             return
         here = (scope,)
-        for label, noun in zip(scope.noun.labels, scope.noun.transitions, strict=True):
+        elements = scope.noun.elements(scope.path)
+        for element, noun in zip(elements, scope.noun.transitions, strict=True):
             reference = noun.trigger.reference
             owner = None if reference is None else scope.owner(*reference)
             homes = self.outside(scope) if noun.outward else here
-            yield Arrow(Element("transition", (*scope.path, label)), noun, scope, owner, homes)
+            yield Arrow(element, noun, scope, owner, homes)
 
     def outside(self, scope: Scope) -> tuple[Scope, ...]:
         """Return the machines that an ``exit`` of a machine can lead into: those that spawn it."""
@@ -363,6 +364,20 @@ class Resolution:
         _actions(found, Element("onpause", ()), self.program.onpause, self.top)
         _actions(found, Element("onresume", ()), self.program.onresume, self.top)
         return found
+
+    def elements(self) -> Iterator[Element]:
+        """Yield every element of the program, in an order that depends on its form alone."""
+        for scope in self.scopes:
+            if scope.noun:
+                yield Element("machine", scope.path)
+            yield from (Element("variable", (*scope.path, name)) for name in scope.variables)
+            yield from (Element("event", (*scope.path, name)) for name in scope.events)
+            for name in scope.states:
+                for kind in ("state", "onentry", "running", "onexit"):
+                    yield Element(kind, (*scope.path, name))
+            yield from (arrow.element for arrow in self.arrows[scope])
+        yield from (spawning.element for spawning in self.spawns)
+        yield from (Element("onpause", ()), Element("onresume", ()))
 
     def defined(self, spawned: Path) -> Path:
         """Return where the machine with a path *as spawned* is defined; its own path if it is not."""

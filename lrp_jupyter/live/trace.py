@@ -62,15 +62,14 @@ def _details(event: TraceEvent) -> dict[str, Any]:
     data: Any = event.data
     match event.kind:
         case "fired":
-            source, destination = data
             return {
                 "machine": "/".join(event.path[:-1]),
-                "transition": event.path[-1],
-                "source": source,
-                "destination": destination,
+                "transition": data.label,
+                "source": data.source,
+                "destination": data.destination,
             }
         case "issue":
-            element = "/".join(data.element.path)
+            element = "/".join(data.element.shown)
             return {
                 "code": data.code,
                 "element": element,

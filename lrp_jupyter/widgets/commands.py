@@ -294,16 +294,14 @@ class FireCommand(PageCommand, do="fire"):
 
     def apply(self, opened: OpenProgram) -> Applied:
         session = opened.session
-        *where, label = path_of("transition", self.path)
+        *where, id_ = path_of("transition", self.path)
         machine = find_machine(session.program, where)
-        found = next(
-            (t for name, t in zip(machine.labels, machine.transitions, strict=True) if name == label), None
-        )
+        found = dict(zip(machine.ids, machine.transitions, strict=True)).get(id_)
         if found is None:
-            raise UnknownElementError(f"There is no transition `{label}` in `{path_text(tuple(where))}`.")
+            raise UnknownElementError(f"There is no transition `{id_}` in `{path_text(tuple(where))}`.")
         lit = {tuple(path.split("/")) for path in opened.view_state()["lit"]}
         if not any(path[:-1] == tuple(where) and found.leaves(path[-1]) for path in lit):
-            raise LRPError(f"No state that `{label}` leaves is active: {found.source_text}.")
+            raise LRPError(f"No state that `{found.label}` leaves is active: {found.source_text}.")
         target = where[:-2] if found.outward else where
         return session.ask(do.Force((*target, str(found.destination))))
 

@@ -14,7 +14,7 @@ from lrp_jupyter.interpreter.frame import render
 from lrp_jupyter.language.program import Path, Program, Span, Spawn, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
-from lrp_jupyter.widgets.protocol import CountView, ElementKind, Facet, InspectView, ViewState, path_of
+from lrp_jupyter.widgets.protocol import CountView, ElementKind, Facet, InspectView, ViewState, id_of, path_of
 
 __all__ = ["InspectRequest"]
 
@@ -92,11 +92,10 @@ def _action(action: object) -> str:
 
 def _transition(now: ViewState, program: Program, path: Path) -> InspectView:
     machine = find_machine(program, path[:-1])
-    known = dict(zip(machine.labels, machine.transitions, strict=True))
-    label, transition = path[-1], known.get(path[-1])
+    transition = dict(zip(machine.ids, machine.transitions, strict=True)).get(path[-1])
     if transition is None:
-        raise UnknownElementError(f"There is no transition `{label}` in `{path_text(path[:-1])}`.")
-    fired = now["fired"].get(f"{path_text(path[:-1])}:{label}", {"count": 0, "tick": 0})
+        raise UnknownElementError(f"There is no transition `{path[-1]}` in `{path_text(path[:-1])}`.")
+    fired = now["fired"].get(id_of("transition", path), {"count": 0, "tick": 0})
     facets = [
         _facet("kind", transition.kind),
         _facet("when", transition.trigger_text),
@@ -104,7 +103,7 @@ def _transition(now: ViewState, program: Program, path: Path) -> InspectView:
         _facet("to", str(transition.destination)),
         _facet("fired", _times(fired)),
     ]
-    return _view(f"transition {label}", "", program, transition.span, facets)
+    return _view(f"transition {transition.label}", "", program, transition.span, facets)
 
 
 def _times(seen: CountView) -> str:

@@ -134,9 +134,9 @@ def _appearance(program: Program, path: Path, machine: Machine, starts: tuple[st
                 transition.trigger_text,
                 transition.source_text,
                 str(transition.destination),
-                label,
+                id_,
             )
-            for label, transition in zip(machine.labels, machine.transitions, strict=True)
+            for id_, transition in zip(machine.ids, machine.transitions, strict=True)
         ),
         starts,
         frozenset(t.trigger_text for t in machine.transitions if t.trigger_text in names),

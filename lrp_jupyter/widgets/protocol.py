@@ -31,7 +31,7 @@ after the last character. Only the page converts them to UTF-16 (`range_of` and 
 from the character offsets of Python).
 
 **Names.** ``path`` is an element's path in the text, ``follower/looking/lookalgo``; a transition's is
-``follower:tlooking``: the machine's path, a colon, its name or ``condition:from->to`` (`Machine.labels`).
+``follower:tlooking``: the machine's path, a colon, its name or ``kind:from->to`` (`Machine.ids`).
 `path_of` and `id_of` convert.
 """
 

@@ -226,13 +226,13 @@ def program_view(program: Program) -> ProgramView:
             ],
             "transitions": [
                 {
-                    "id": f"{text}:{label}",
+                    "id": f"{text}:{id_}",
                     "kind": transition.kind,
                     "trigger": transition.trigger_text,
                     "source": transition.source_text,
                     "destination": str(transition.destination),
                 }
-                for label, transition in zip(machine.labels, machine.transitions, strict=True)
+                for id_, transition in zip(machine.ids, machine.transitions, strict=True)
             ],
             "variables": _names(f"{text}/", machine.variables),
             "events": _names(f"{text}/", machine.events),

@@ -171,7 +171,7 @@ def test_loops_stand_on_top_side_by_side_each_with_its_label_outside(programs):
 # -- names and reasons -------------------------------------------------------------------------------
 
 
-def test_ids_are_paths_of_states_and_labels_of_transitions(follower):
+def test_ids_are_paths_of_states_and_ids_of_transitions(follower):
     outer, inner = drawings(follower)
     assert [shape["id"] for shape in outer["states"]][:3] == [
         "follower/*",
@@ -179,7 +179,8 @@ def test_ids_are_paths_of_states_and_labels_of_transitions(follower):
         "follower/looking",
     ]
     assert outer["transitions"][0]["id"] == "follower:tlooking"
-    assert outer["transitions"][2]["id"] == "follower:bumping:*->bumpback"
+    assert outer["transitions"][2]["id"] == "follower:on:*->bumpback"
+    assert outer["transitions"][2]["name"] == "bumping:*->bumpback"
     assert inner["transitions"][0]["id"] == "follower/looking/lookalgo:treturnleft"
 
 

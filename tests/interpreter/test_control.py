@@ -434,7 +434,7 @@ def test_issues_are_a_sequence():
     first, second = i.issues
     assert i.issues[0] == first
     assert i.issues[-1:] == (second,)
-    assert (first.code, second.code, first.element.path) == ("LRP603", "LRP601", ("m", "nope:a->a"))
+    assert (first.code, second.code, str(first.element)) == ("LRP603", "LRP601", "transition `m/nope:a->a`")
     assert str(second) == "1:31: LRP601 ZeroDivisionError: division by zero (2 times)"
     assert repr(i.issues).startswith("Issues([Issue(")
     i.issues.clear()

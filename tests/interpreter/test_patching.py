@@ -156,3 +156,57 @@ def test_only_the_first_of_two_definitions_counts_in_an_edit_too():
     patch = i.patch(parse("(var n := [2])(var n := [1])(machine m (state a (running [n])))(spawn m a)"))
     assert (patch.restarted, i.variables["n"]) == (False, 2)
     assert all(issue.resolved for issue in i.issues if issue.element.kind == "state")
+
+
+BLINK = """(machine m (state on) (state off)
+  (ontime 100 on -> off) (on [gone] off -> on))
+(spawn m on)"""
+
+
+def test_a_transition_is_the_same_after_an_edit_of_its_delay():
+    i, fired = started(BLINK, 0), []
+    i.observe(lambda event: fired.append((event.path, event.data)) if event.kind == "fired" else None)
+    for tick in range(3):
+        i.step(tick / 10)
+    patch = edited(i, "100", "300")
+    assert patch.successors.of(Element("transition", ("m", "ontime:on->off"))) is not None
+    i.transition_to("m/on", now=0.3)
+    for tick in range(3, 8):
+        i.step(tick / 10)
+    (first, before), (second, after) = fired
+    assert first == second == ("m", "ontime:on->off")
+    assert (before.label, after.label) == ("100:on->off", "300:on->off")
+    assert (before.source, before.destination) == ("on", "off")
+
+
+def test_an_issue_of_a_transition_shows_its_label_and_is_kept_by_its_identity():
+    i = started(BLINK, 4)
+    (issue,) = i.issues
+    assert issue.element == Element("transition", ("m", "on:off->on"))
+    assert str(issue.element) == "transition `m/[gone]:off->on`"
+    i.rename("state", "m/off", "dark")
+    (moved,) = i.issues
+    assert str(moved.element) == "transition `m/[gone]:dark->on`"
+    i.step(0.4)
+    assert [(issue.count, issue.resolved) for issue in i.issues] == [(3, False)]
+
+
+def test_issues_of_transitions_that_share_a_name_are_not_taken_for_each_other():
+    i = started(
+        "(machine m (state a) (state b)  (on [one] a -> b t)\n  (on [two] {a b} -> a t)) (spawn m a)",
+        2,
+    )
+    assert [str(issue.element) for issue in i.issues] == ["transition `m/t`", "transition `m/t#2`"]
+    edited(i, "  (on [one] a -> b t)\n", "")
+    (issue,) = [issue for issue in i.issues if not issue.resolved]
+    assert (str(issue.element), issue.count) == ("transition `m/t`", 1)
+
+
+def test_a_rename_hands_on_what_became_of_every_element():
+    i, patches = started(BLINK), []
+    i.observe(lambda event: patches.append(event.data) if event.kind == "patched" else None)
+    i.rename("state", "m/on", "lit")
+    kept = patches[0].successors.carry(
+        {Element("state", ("m", "on")): 2, Element("transition", ("m", "ontime:on->off")): 1}
+    )
+    assert kept == {Element("state", ("m", "lit")): 2, Element("transition", ("m", "ontime:lit->off")): 1}

@@ -137,7 +137,8 @@ def test_the_condition_is_content_of_a_transition() -> None:
 
 def test_a_changed_nameless_transition_has_its_new_label() -> None:
     changes = diff(with_transitions(on("e", "a", "b")), with_transitions(on("f", "a", "b")))
-    assert changes == ChangeSet(changed=element("transition", "m", "f:a->b"))
+    assert changes == ChangeSet(changed=element("transition", "m", "on:a->b"))
+    assert str(changes) == "transition `m/f:a->b` changed"
 
 
 def test_another_destination_is_another_transition() -> None:

@@ -80,7 +80,7 @@ function drawFrame(layer: SVGGElement, layout: Layout): void {
 function makeArrow(shape: TransitionShape): SVGGElement {
   return s(
     "g",
-    { role: "button", tabindex: "-1", "data-lrp-transition": shape.id },
+    { role: "button", tabindex: "-1", "data-of": shape.id },
     s("title"),
     s("path", { class: "lrp-hit" }),
     s("path", { class: "lrp-glow" }),
@@ -94,6 +94,7 @@ function updateArrow(element: Element, shape: TransitionShape): void {
   const broken = shape.broken ? " lrp-broken" : "";
   setAttribute(element, "class", `lrp-transition lrp-${shape.style}${broken}`);
   setAttribute(element, "data-broken", shape.broken);
+  setAttribute(element, "data-lrp-transition", `${shape.id.slice(0, shape.id.indexOf(":"))}:${shape.name}`);
   const words = `transition ${shape.name} from ${shape.source === "*" ? "any state" : shape.source} to ${shape.destination}`;
   setAttribute(element, "aria-label", shape.broken ? `${words}, broken: ${shape.broken}` : words);
   const [title, hit, glow, shaft, head, mark] = element.children;

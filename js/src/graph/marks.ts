@@ -28,7 +28,7 @@ export class Marks {
     }
     const last = lastFired(state.fired, state.machine);
     for (const arrow of layers.arrows.children) {
-      const id = arrow.getAttribute("data-lrp-transition") ?? "";
+      const id = arrow.getAttribute("data-of") ?? "";
       setAttribute(arrow, "data-fired", id === last);
       if (!fresh && grown(state.fired[id], this.fired[id])) this.glow(arrow);
       setAttribute(arrow, "data-chosen", id === state.chosen);

@@ -179,8 +179,7 @@ export function graphView(lab: Lab): HTMLElement {
 
   const hit = (target: EventTarget | null) => {
     const from = target as Element;
-    const id = from.closest?.("[data-of]")?.getAttribute("data-of");
-    const arrow = id ?? from.closest?.("[data-lrp-transition]")?.getAttribute("data-lrp-transition");
+    const arrow = from.closest?.("[data-of]")?.getAttribute("data-of");
     const state = from.closest?.(".lrp-state.lrp-state")?.getAttribute("data-lrp-state");
     return { arrow: arrow ?? null, state: state ?? null };
   };

@@ -1,6 +1,6 @@
 /**
  * What a text defines and where, read from the editor's own tree: it is right while a word is being
- * typed, and needs no kernel. Paths and labels are those of the kernel (`Machine.labels`).
+ * typed, and needs no kernel. Paths and labels are those of the kernel (`Machine.ids`, `Machine.labels`).
  */
 
 import type { SyntaxNode, Tree } from "@lezer/common";
@@ -75,10 +75,10 @@ export function outline(tree: Tree, read: Read): Outline {
 }
 
 function collect(parent: SyntaxNode, prefix: string, read: Read, items: Item[]): void {
-  const labels = new Map<string, number>();
+  const seen: Seen = { ids: new Map(), labels: new Map() };
   for (let node = parent.firstChild; node; node = node.nextSibling) {
     if (node.name === "Transition") {
-      const item = transition(node, prefix, labels, read);
+      const item = transition(node, prefix, seen, read);
       if (item) items.push(item);
       continue;
     }
@@ -101,7 +101,20 @@ function collect(parent: SyntaxNode, prefix: string, read: Read, items: Item[]):
   }
 }
 
-function transition(node: SyntaxNode, prefix: string, labels: Map<string, number>, read: Read): Item | null {
+/** How often each id and each label of a machine's transitions has come. */
+interface Seen {
+  ids: Map<string, number>;
+  labels: Map<string, number>;
+}
+
+/** A second `t` is `t#2`. */
+function distinct(counts: Map<string, number>, plain: string): string {
+  const count = (counts.get(plain) ?? 0) + 1;
+  counts.set(plain, count);
+  return count === 1 ? plain : `${plain}#${count}`;
+}
+
+function transition(node: SyntaxNode, prefix: string, seen: Seen, read: Read): Item | null {
   const arrow = node.getChild("Arrow");
   const keyword = node.getChild("Keyword");
   if (!arrow || !keyword) return null;
@@ -116,14 +129,13 @@ function transition(node: SyntaxNode, prefix: string, labels: Map<string, number
   if (!destination) return null;
   const trigger = text(keyword) === "eps" ? "eps" : before[0] ? text(before.shift()!) : "";
   const own = after[1]?.name === "Name" ? after[1] : null;
-  const plain = own ? text(own) : `${trigger}:${sources(before, text)}->${text(destination)}`;
-  const count = (labels.get(plain) ?? 0) + 1;
-  labels.set(plain, count);
-  const name = count === 1 ? plain : `${plain}#${count}`;
+  const way = `${sources(before, text)}->${text(destination)}`;
+  const id = distinct(seen.ids, own ? text(own) : `${text(keyword)}:${way}`);
+  const name = distinct(seen.labels, own ? text(own) : `${trigger}:${way}`);
   const place = own ?? node;
   return {
     kind: "transition",
-    path: `${prefix.slice(0, -1)}:${name}`,
+    path: `${prefix.slice(0, -1)}:${id}`,
     name,
     from: node.from,
     to: node.to,
