@@ -85,7 +85,7 @@ def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
     findings: list[Remark] = []
     for position in found.extra:
         _, start, end = tokens[indices[position]]
-        findings.append((start, end, "LRP102", "This `)` closes nothing that is open; remove it."))
+        findings.append((start, end, "LRP102", "Unmatched `)`: there is no open form here. Remove it."))
     for position in found.lost:
         _, start, end = tokens[indices[position]]
         findings.append((start, end, "LRP101", f"A `(` is missing before `{text[start:end]}`; put it there."))

@@ -149,19 +149,25 @@ class _Reader:
             message = "A `[` is missing here, before the Python that ends with `]`; put it there."
             self.report(start, start + 1, "LRP103", message)
         else:
-            what = "This `]` closes nothing that is open" if word == "]" else f"`{word}` means nothing here"
-            self.report(start, end, "LRP104", f"{what}; remove it.")
+            what = (
+                "Unmatched `]`: there is no open block here"
+                if word == "]"
+                else f"`{word}` is not part of the language"
+            )
+            self.report(start, end, "LRP104", f"{what}. Remove it.")
 
     def _integer(self, word: str, start: int, end: int) -> int:
         if word.isascii() and word.isdecimal() and len(word) < 16:
             return int(word)
-        message = f"`{word}` is no whole number of milliseconds; write digits only, or a block: `[{word}]`."
+        message = (
+            f"`{word}` is not a whole number of milliseconds. Write digits only, or a block: `[{word}]`."
+        )
         self.report(start, end, "LRP108", message)
         return 0
 
     def _name(self, word: str, start: int, end: int) -> str:
         if not word.isidentifier():
-            self.report(start, end, "LRP110", f"`{word}` is no name; use letters, digits and `_`.")
+            self.report(start, end, "LRP110", f"`{word}` is not a valid name. Use letters, digits and `_`.")
         return unicodedata.normalize("NFKC", word)  # as Python does
 
     def _block(self, word: str, start: int, end: int, form: _Form) -> Block:
@@ -242,8 +248,8 @@ class _Reader:
             self.report(start, start + 1, "LRP106", f"A keyword must follow this `(`: {_either(legal)}.")
             return
         close = get_close_matches(form.keyword, legal, 1) or get_close_matches(form.keyword, KEYWORDS, 1)
-        hint = f"did you mean `{close[0]}`?" if close else f"write {_either(legal)}."
-        self.report(end - len(form.keyword), end, "LRP106", f"`{form.keyword}` is no keyword; {hint}")
+        hint = f"Did you mean `{close[0]}`?" if close else f"Write {_either(legal)}."
+        self.report(end - len(form.keyword), end, "LRP106", f"`{form.keyword}` is not a keyword. {hint}")
 
     def _shape(self, form: _Form, end: int) -> Shape | Mistake | None:
         """Hold a form against the grammar."""

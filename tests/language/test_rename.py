@@ -137,7 +137,7 @@ def test_a_program_without_a_text_is_printed_first() -> None:
 @pytest.mark.parametrize(
     ("text", "kind", "path", "name", "message"),
     [
-        ("(var a := [1])", "variable", "a", "1b", "is no name"),
+        ("(var a := [1])", "variable", "a", "1b", "is not a valid name"),
         ("(var a := [1])", "variable", "a", "class", "word of Python"),
         ("(var a := [1])", "variable", "a", "__debug__", "word of Python"),
         ("(var a := [1])(var b := [1])", "variable", "a", "b", "there is another variable of this name"),

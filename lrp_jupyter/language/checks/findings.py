@@ -204,7 +204,7 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
     (
         "LRP405",
         "warning",
-        "State entered anew at every tick",
+        "State entered again at every tick",
         "An `eps` (or a delay of 0) from a state to itself leaves no tick in which that state runs.",
     ),
     (
@@ -232,7 +232,7 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "LRP503",
         "error",
         "Changing what has no value",
-        "`x += 1` needs an `x` to begin with. A name that is no variable is local to one run of the "
+        "`x += 1` needs an `x` to begin with. A name that is not a variable is local to one run of the "
         "block, even if the notebook has one like it.",
     ),
     (

@@ -59,7 +59,7 @@ class _Python:
                 )
                 self._add("LRP503", place, span, message)
             elif name not in visible:
-                problem = f"`{name}` is no variable here, so it has no value that could change"
+                problem = f"`{name}` is not a variable here, so it has no value to change"
                 self._unknown("LRP503", place, name, span, problem, [*visible, *facts.binds])
 
     def _unknown(
@@ -114,7 +114,7 @@ class _Python:
                     else None
                 )
                 remedy = "write `=` to assign" if remark.edit else "use its result, or remove it"
-                message = f"This only compares, and nobody sees the result; {remedy}."
+                message = f"This only compares, and the result is not used; {remedy}."
                 self._add("LRP504", place, remark.span, message, fix, remark.edit)
         for remark in facts.uncalled:
             if not (used and remark.last):

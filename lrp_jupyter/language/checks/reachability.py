@@ -189,7 +189,7 @@ def _livelock(report: Report, transition: Transition) -> None:
     destination = transition.destination
     if transition.trigger.due == 0 and not transition.wildcard and destination in transition.sources:
         message = (
-            f"`{destination}` is left and entered anew at every tick, so that nothing in it ever runs; "
+            f"`{destination}` is left and entered again at every tick, so that nothing in it ever runs; "
             f"give this transition a condition or a time, or another destination."
         )
         report.add("LRP405", transition.span, message)

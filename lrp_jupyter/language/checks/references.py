@@ -140,7 +140,7 @@ class _References:
         if arrow.owner is not None:
             return arrow.owner.events[name]
         if name in scope.visible:
-            message = f"`{name}` is a variable and no event; write `[{name}]` to test it."
+            message = f"`{name}` is a variable, not an event. Write `[{name}]` to test it."
             self.report.add("LRP301", name.span, message, replace(name.span, f"[{name}]"))
             return None
         remedy = self._elsewhere(lambda other: name in other.events) or f"define `(event {name} […])`"
@@ -150,7 +150,9 @@ class _References:
 
     def _delay(self, scope: Scope, name: Name) -> None:
         if name in self.report.names:
-            message = f"`{name}` is no variable of the program; write `[{name}]` to use that of the notebook."
+            message = (
+                f"`{name}` is not a variable of the program. Write `[{name}]` to use the one of the notebook."
+            )
             self.report.add("LRP308", name.span, message, replace(name.span, f"[{name}]"))
             return
         remedy = (
