@@ -94,7 +94,7 @@ function updateArrow(element: Element, shape: TransitionShape): void {
   const broken = shape.broken ? " lrp-broken" : "";
   setAttribute(element, "class", `lrp-transition lrp-${shape.style}${broken}`);
   setAttribute(element, "data-broken", shape.broken);
-  setAttribute(element, "data-lrp-transition", `${shape.id.slice(0, shape.id.indexOf(":"))}:${shape.name}`);
+  setAttribute(element, "data-lrp-transition", `${shape.id.split(":")[0]}:${shape.name}`);
   const words = `transition ${shape.name} from ${shape.source === "*" ? "any state" : shape.source} to ${shape.destination}`;
   setAttribute(element, "aria-label", shape.broken ? `${words}, broken: ${shape.broken}` : words);
   const [title, hit, glow, shaft, head, mark] = element.children;

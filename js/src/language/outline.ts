@@ -130,8 +130,9 @@ function transition(node: SyntaxNode, prefix: string, seen: Seen, read: Read): I
   const trigger = text(keyword) === "eps" ? "eps" : before[0] ? text(before.shift()!) : "";
   const own = after[1]?.name === "Name" ? after[1] : null;
   const way = `${sources(before, text)}->${text(destination)}`;
-  const id = distinct(seen.ids, own ? text(own) : `${text(keyword)}:${way}`);
-  const name = distinct(seen.labels, own ? text(own) : `${trigger}:${way}`);
+  const called = own && text(own);
+  const id = distinct(seen.ids, called ?? `${text(keyword)}:${way}`);
+  const name = distinct(seen.labels, called ?? `${trigger}:${way}`);
   const place = own ?? node;
   return {
     kind: "transition",
