@@ -6,20 +6,69 @@ A fault of a program (an exception in a block, an unknown state) is recorded as 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from lrp_jupyter.language.program import Finding
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
 
 __all__ = [
     "BridgeError",
+    "Edit",
+    "Finding",
+    "Fix",
     "LRPError",
     "LRPSyntaxError",
     "NoDataYet",
     "SessionClosedError",
     "SessionTimeoutError",
+    "Severity",
     "UnknownElementError",
 ]
+
+Severity = Literal["error", "warning", "hint"]
+
+
+class Edit(NamedTuple):
+    """Replace ``text[start:end]`` (characters) by `text`."""
+
+    start: int
+    end: int
+    text: str
+
+
+class Fix(NamedTuple):
+    """A certain remedy: what it does, in words, and the edits that do it."""
+
+    title: str
+    edits: tuple[Edit, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One thing that the checks have to say about a text.
+
+    Parameters
+    ----------
+    code : str
+        Stable: ``LRP301``.
+    severity : {"error", "warning", "hint"}
+    message : str
+        One sentence: what is wrong, and what to do. Names in backticks.
+    line, column, end_line, end_column : int
+        From 1; columns in characters; the end is behind the last character.
+    fix : Fix or None
+        Given where the remedy is certain.
+    """
+
+    code: str
+    severity: Severity
+    message: str
+    line: int
+    column: int
+    end_line: int
+    end_column: int
+    fix: Fix | None = None
+
+    def __str__(self) -> str:
+        return f"{self.line}:{self.column}: {self.code} {self.severity}: {self.message}"
 
 
 class LRPError(Exception):

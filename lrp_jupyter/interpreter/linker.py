@@ -25,7 +25,7 @@ from lrp_jupyter.language.program import (
     Transition,
     Variable,
 )
-from lrp_jupyter.language.resolution import Arrow, Code, Scope, Spawning, resolve
+from lrp_jupyter.language.resolution import Arrow, PlacedBlock, Scope, Spawning, resolve
 
 __all__ = [
     "BlockPlan",
@@ -262,7 +262,7 @@ class _Linker:
     def _blocks(self, element: Element) -> tuple[BlockPlan, ...]:
         return tuple([self._block(code) for code in self.names.blocks.get(element, ())])
 
-    def _block(self, place: Code) -> BlockPlan:
+    def _block(self, place: PlacedBlock) -> BlockPlan:
         element, ordinal, block = place.element, place.ordinal, place.block
         self.plan.places.setdefault(element, block.span.start)
         name = f"{element.shown[-1]}.{element.kind}" if element.path else element.kind

@@ -15,8 +15,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import accumulate
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
+from lrp_jupyter.errors import Edit, Finding, Fix
 from lrp_jupyter.language.source import NOWHERE, Block, Name, Span
 from lrp_jupyter.language.triggers import TransitionKind, Trigger
 
@@ -41,7 +42,6 @@ __all__ = [
 ]
 
 Path = tuple[str, ...]
-Severity = Literal["error", "warning", "hint"]
 
 
 class _Identity(NamedTuple):
@@ -316,48 +316,3 @@ def line_starts(text: str) -> list[int]:
         return [0, *(match.end() for match in _LINE_END.finditer(text))]
     lines = text.split("\n")
     return list(accumulate((len(line) + 1 for line in lines[:-1]), initial=0))
-
-
-class Edit(NamedTuple):
-    """Replace ``text[start:end]`` (characters) by `text`."""
-
-    start: int
-    end: int
-    text: str
-
-
-class Fix(NamedTuple):
-    """A certain remedy: what it does, in words, and the edits that do it."""
-
-    title: str
-    edits: tuple[Edit, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Finding:
-    """One thing that the checks have to say about a text.
-
-    Parameters
-    ----------
-    code : str
-        Stable: ``LRP301``.
-    severity : {"error", "warning", "hint"}
-    message : str
-        One sentence: what is wrong, and what to do. Names in backticks.
-    line, column, end_line, end_column : int
-        From 1; columns in characters; the end is behind the last character.
-    fix : Fix or None
-        Given where the remedy is certain.
-    """
-
-    code: str
-    severity: Severity
-    message: str
-    line: int
-    column: int
-    end_line: int
-    end_column: int
-    fix: Fix | None = None
-
-    def __str__(self) -> str:
-        return f"{self.line}:{self.column}: {self.code} {self.severity}: {self.message}"

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from keyword import iskeyword
 from typing import NamedTuple
 
@@ -22,7 +22,7 @@ from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Element, Name, Path, Program, Span
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
 
-__all__ = ["References", "Symbol", "references", "rename", "symbols"]
+__all__ = ["Symbol", "references", "rename", "symbols"]
 
 _KINDS = ("state", "machine", "event", "variable", "transition")
 
@@ -109,26 +109,18 @@ def _named_by(arrow: Arrow) -> Iterator[tuple[str, Name, Scope | None]]:
         yield "state", arrow.noun.destination, home
 
 
-class References(NamedTuple):
-    """An element of the program, where it is defined, and every other place where it is meant."""
-
-    element: Element
-    definition: Span
-    references: tuple[Span, ...]
-
-
-def references(program: Program, offset: int) -> References | None:
+def references(program: Program, offset: int) -> Symbol | None:
     """Find what the name at an offset of the program's text means.
 
     Returns
     -------
-    References or None
+    Symbol or None
         None if no name stands there, or one that means no part of the program.
     """
     for symbol in symbols(program)[0]:
         for start, end in (symbol.definition, *symbol.references):
             if start <= offset <= end:
-                return References(symbol.element, symbol.definition, tuple(sorted(set(symbol.references))))
+                return replace(symbol, references=sorted(set(symbol.references)))
     return None
 
 

@@ -32,8 +32,8 @@ from lrp_jupyter.language.triggers import Purpose
 
 __all__ = [
     "Arrow",
-    "Code",
     "Definition",
+    "PlacedBlock",
     "Repeat",
     "Resolution",
     "Scope",
@@ -161,7 +161,7 @@ class Scope:
         return machine is not None and machine not in self.outwards()
 
 
-class Code(NamedTuple):
+class PlacedBlock(NamedTuple):
     """A block in its place.
 
     Parameters
@@ -336,23 +336,23 @@ class Resolution:
         return tuple(home for home in self.spawners.get(scope, ()) if home.noun)
 
     @cached_property
-    def blocks(self) -> dict[Element, tuple[Code, ...]]:
+    def blocks(self) -> dict[Element, tuple[PlacedBlock, ...]]:
         """The blocks of every element that has some, with the variables that they see."""
-        found: dict[Element, tuple[Code, ...]] = {}
+        found: dict[Element, tuple[PlacedBlock, ...]] = {}
         for scope in self.scopes:
             path, visible = scope.path, scope.visible
             before = scope.outer.visible if scope.outer else {}
             for name, variable in scope.variables.items():  # sees the scope before its own variable
                 element = Element("variable", (*path, name))
-                found[element] = (Code(element, 0, variable.initial, "initialiser", scope, before),)
+                found[element] = (PlacedBlock(element, 0, variable.initial, "initialiser", scope, before),)
                 before = {**before, name: scope}
             for name, event in scope.events.items():
                 element = Element("event", (*path, name))
-                found[element] = (Code(element, 0, event.condition, "condition", scope, visible),)
+                found[element] = (PlacedBlock(element, 0, event.condition, "condition", scope, visible),)
             for element, noun, *_ in self.arrows[scope]:
                 if noun.trigger.block is not None:
                     purpose, block = noun.trigger.block
-                    found[element] = (Code(element, 0, block, purpose, scope, visible),)
+                    found[element] = (PlacedBlock(element, 0, block, purpose, scope, visible),)
             for name, state in scope.states.items():
                 inside = (*path, name)
                 if state.onentry:
@@ -400,11 +400,14 @@ def resolve(program: Program) -> Resolution:
 
 
 def _actions(
-    found: dict[Element, tuple[Code, ...]], element: Element, items: Sequence[Block | Spawn], scope: Scope
+    found: dict[Element, tuple[PlacedBlock, ...]],
+    element: Element,
+    items: Sequence[Block | Spawn],
+    scope: Scope,
 ) -> None:
     found[element] = tuple(
         [
-            Code(element, ordinal, item, "action", scope, scope.visible)
+            PlacedBlock(element, ordinal, item, "action", scope, scope.visible)
             for ordinal, item in enumerate(items)
             if isinstance(item, Block)
         ]

@@ -12,7 +12,7 @@ from lrp_jupyter.language.checks.names import check_names
 from lrp_jupyter.language.checks.python import check_python
 from lrp_jupyter.language.checks.reachability import check_reachability
 from lrp_jupyter.language.checks.references import check_references
-from lrp_jupyter.language.checks.report import Report
+from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program
 from lrp_jupyter.language.resolution import resolve
@@ -43,7 +43,7 @@ def check(text_or_program: str | Program, names: Collection[str] = ()) -> tuple[
         if scanned is None:
             return found
         program = scanned
-    report = Report(program, names)
+    report = Reporter(program, names)
     resolution = resolve(program)
     check_names(report, resolution)
     check_reachability(report, resolution, check_references(report, resolution))

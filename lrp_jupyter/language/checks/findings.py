@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from lrp_jupyter.errors import Severity
 from lrp_jupyter.language.checks.examples import EXAMPLES
-from lrp_jupyter.language.program import Severity
 
 __all__ = ["CODES", "Code"]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import builtins
 import re
 
-from lrp_jupyter.language.checks.report import Report
+from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.program import Edit, Fix, Machine, Name, Span, Transition, Variable, path_text
 from lrp_jupyter.language.resolution import Resolution, Scope
 
@@ -16,7 +16,7 @@ _LINE_END = re.compile(r"\r\n|\r|\n")
 _PROVIDED = {"robot": "the robot", "print": "the `print` that writes into the lab's output"}
 
 
-def check_names(report: Report, names: Resolution) -> None:
+def check_names(report: Reporter, names: Resolution) -> None:
     """Report what is wrong with the definitions of a program."""
     for element, scope, first, again in names.repeats:
         place = f" of `{path_text(scope.path)}`" if scope.path else ""
@@ -39,7 +39,7 @@ def _article(kind: str) -> str:
     return f"an {kind}" if kind == "event" else f"a {kind}"
 
 
-def _hiding(report: Report, scope: Scope, variable: Variable) -> None:
+def _hiding(report: Reporter, scope: Scope, variable: Variable) -> None:
     name = variable.name
     outer = scope.outer.visible.get(name) if scope.outer else None
     if name in _PROVIDED:
@@ -56,7 +56,7 @@ def _hiding(report: Report, scope: Scope, variable: Variable) -> None:
         report.add("LRP204", name.span, message)
 
 
-def _colliding(report: Report, scope: Scope) -> None:
+def _colliding(report: Reporter, scope: Scope) -> None:
     """Report transitions that edits can only tell apart by their order. Paper: §6.1, footnote 5."""
     seen: dict[object, Transition] = {}
     for transition in scope.transitions:
@@ -71,7 +71,7 @@ def _colliding(report: Report, scope: Scope) -> None:
             )
 
 
-def _no_spawn(report: Report) -> None:
+def _no_spawn(report: Reporter) -> None:
     """Report, at the first line, that nothing is ever spawned; with one state there is no doubt which."""
     program = report.program
     machine: Machine = program.machines[0]

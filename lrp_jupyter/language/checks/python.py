@@ -11,9 +11,9 @@ from itertools import chain
 
 from lrp_jupyter.language.checks.facts import Facts, facts_of
 from lrp_jupyter.language.checks.names import BUILTINS
-from lrp_jupyter.language.checks.report import Report, nearest, replace
+from lrp_jupyter.language.checks.report import Reporter, nearest, replace
 from lrp_jupyter.language.program import Block, Span, path_text
-from lrp_jupyter.language.resolution import Code, Resolution, Scope
+from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
 
 __all__ = ["check_python"]
 
@@ -22,13 +22,13 @@ _SPELT = {"nil": "None", "null": "None", "undefined": "None", "self": "robot"}
 """What people write who come from other languages, in which `difflib` would see no likeness."""
 
 
-def check_python(report: Report, names: Resolution) -> None:
+def check_python(report: Reporter, names: Resolution) -> None:
     """Report what is wrong inside the blocks of a program."""
     _Python(report, names).check()
 
 
 class _Python:
-    def __init__(self, report: Report, names: Resolution) -> None:
+    def __init__(self, report: Reporter, names: Resolution) -> None:
         self.report = report
         self.scopes = names.scopes
         self.blocks = tuple(chain.from_iterable(names.blocks.values()))
@@ -42,7 +42,7 @@ class _Python:
 
     # Names
 
-    def _names(self, place: Code, facts: Facts) -> None:
+    def _names(self, place: PlacedBlock, facts: Facts) -> None:
         visible = place.visible
         for name, span, _ in facts.reads:
             if name not in visible and name not in self.known and not name.startswith("__"):
@@ -63,7 +63,7 @@ class _Python:
                 self._unknown("LRP503", place, name, span, problem, [*visible, *facts.binds])
 
     def _unknown(
-        self, code: str, place: Code, name: str, span: Span, problem: str, *known: Iterable[str]
+        self, code: str, place: PlacedBlock, name: str, span: Span, problem: str, *known: Iterable[str]
     ) -> None:
         """Report a name without a meaning, with what was probably meant."""
         elsewhere = self._elsewhere(place, name)
@@ -75,7 +75,7 @@ class _Python:
         else:
             self._add(code, place, span, f"{problem}; declare `(var {name} := [value])`.")
 
-    def _elsewhere(self, place: Code, name: str) -> str | None:
+    def _elsewhere(self, place: PlacedBlock, name: str) -> str | None:
         """Say what the name is that this block does not see."""
         if place.scope.event(name):
             return "it is an event; only transitions use events"
@@ -104,7 +104,7 @@ class _Python:
 
     # Values
 
-    def _values(self, place: Code, facts: Facts) -> None:
+    def _values(self, place: PlacedBlock, facts: Facts) -> None:
         used = place.purpose != "action"
         for remark in facts.comparisons:
             if not (used and remark.last):
@@ -146,7 +146,7 @@ class _Python:
     def _add(
         self,
         code: str,
-        place: Code,
+        place: PlacedBlock,
         span: Span,
         message: str,
         text: str | None = None,

@@ -12,14 +12,14 @@ from collections import defaultdict
 from collections.abc import Hashable, Iterator
 
 from lrp_jupyter.language.checks.references import Links, MeantArrow, MeantSpawn
-from lrp_jupyter.language.checks.report import Report
+from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.program import Transition
 from lrp_jupyter.language.resolution import Resolution, Scope
 
 __all__ = ["check_reachability"]
 
 
-def check_reachability(report: Report, names: Resolution, links: Links) -> None:
+def check_reachability(report: Reporter, names: Resolution, links: Links) -> None:
     """Report states, machines, events and transitions that the program never comes to."""
     _unspawned(report, names, links)
     _spawned_again(report, names, links)
@@ -31,7 +31,7 @@ def check_reachability(report: Report, names: Resolution, links: Links) -> None:
             _livelock(report, transition)
 
 
-def _unspawned(report: Report, names: Resolution, links: Links) -> None:
+def _unspawned(report: Reporter, names: Resolution, links: Links) -> None:
     spawned = {spawned.machine for spawned in links.spawned}
     for scope in names.scopes:
         # One finding says that the program spawns nothing; a spawn of who knows what may mean any.
@@ -48,7 +48,7 @@ def _unspawned(report: Report, names: Resolution, links: Links) -> None:
         report.add("LRP402", scope.name.span, message)
 
 
-def _spawned_again(report: Report, names: Resolution, links: Links) -> None:
+def _spawned_again(report: Reporter, names: Resolution, links: Links) -> None:
     """Report spawns of machines that certainly run already."""
     first: dict[tuple[Scope, Scope, str], MeantSpawn] = {}
     for spawned in links.spawned:  # those at top level come first, and their machines run for ever
@@ -64,7 +64,7 @@ def _spawned_again(report: Report, names: Resolution, links: Links) -> None:
             first[machine, scope, state] = spawned
 
 
-def _unreached(report: Report, names: Resolution, links: Links) -> None:
+def _unreached(report: Reporter, names: Resolution, links: Links) -> None:
     reached = _reach(names, links)
     for scope, states in reached.items():
         for name, state in scope.states.items():
@@ -115,7 +115,7 @@ class _Outgoing:
         yield from (arrow for arrow in self._wild if arrow.noun.leaves(state))
 
 
-def _unused_events(report: Report, names: Resolution, links: Links) -> None:
+def _unused_events(report: Reporter, names: Resolution, links: Links) -> None:
     used = {id(arrow.event) for arrows in links.arrows.values() for arrow in arrows}
     for scope in names.scopes:
         for name, event in scope.events.items():
@@ -125,7 +125,7 @@ def _unused_events(report: Report, names: Resolution, links: Links) -> None:
                 report.add("LRP403", event.name.span, message)
 
 
-def _untested(report: Report, scope: Scope, arrows: list[MeantArrow]) -> None:
+def _untested(report: Reporter, scope: Scope, arrows: list[MeantArrow]) -> None:
     """Report transitions that come after one which always fires before them. Paper: §5.1.1."""
     earlier: dict[str, _Earlier] = defaultdict(_Earlier)
     for arrow in arrows:
@@ -185,7 +185,7 @@ class _Earlier:
         return ("on the same condition", self._same[key]) if key in self._same else None
 
 
-def _livelock(report: Report, transition: Transition) -> None:
+def _livelock(report: Reporter, transition: Transition) -> None:
     destination = transition.destination
     if transition.trigger.due == 0 and not transition.wildcard and destination in transition.sources:
         message = (

@@ -13,7 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from lrp_jupyter.language.checks.report import Report, replace
+from lrp_jupyter.language.checks.report import Reporter, replace
 from lrp_jupyter.language.program import Event, Fix, Name, Span, Spawn, Transition, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, Spawning
 
@@ -78,13 +78,13 @@ class Links:
     arrows: dict[Scope, list[MeantArrow]] = field(default_factory=dict)
 
 
-def check_references(report: Report, names: Resolution) -> Links:
+def check_references(report: Reporter, names: Resolution) -> Links:
     """Report every reference that dangles, and return what all of them probably mean."""
     return _References(report, names).links
 
 
 class _References:
-    def __init__(self, report: Report, names: Resolution) -> None:
+    def __init__(self, report: Reporter, names: Resolution) -> None:
         self.report = report
         self.scopes = names.scopes
         self.links = Links()

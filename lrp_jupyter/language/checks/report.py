@@ -9,10 +9,10 @@ from functools import lru_cache
 from lrp_jupyter.language.checks.findings import CODES
 from lrp_jupyter.language.program import Edit, Finding, Fix, Name, Program, Span
 
-__all__ = ["Report", "nearest", "replace"]
+__all__ = ["Reporter", "nearest", "replace"]
 
 
-class Report:
+class Reporter:
     """The findings of one check, gathered.
 
     Parameters
