@@ -33,12 +33,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, Literal
 
-from lrp_jupyter.interpreter.carrying import carry_issues
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.forcing import How, find_state, force
 from lrp_jupyter.interpreter.issues import Issues
 from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
-from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, decide
+from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import bind_block
 from lrp_jupyter.interpreter.variables import Variables, as_path, assign

@@ -1,8 +1,9 @@
 """What an edit does to a running program: decide, then apply.
 
 :func:`decide` compares what runs with the new plan and changes nothing; :func:`adopt` swaps the
-plans and carries the tree of activations over by path. Both happen between two ticks, so an edit
-is applied as a whole or not at all. Paper: §6.1.
+plans and carries the tree of activations over, and :func:`carry_issues` the issues, by the one map
+from old elements to new ones. All of it happens between two ticks, so an edit is applied as a whole
+or not at all. Paper: §6.1.
 
 Deviation: §6.1 restarts whenever the active state is gone. Here the old program runs on until the
 new one can be started, so that a name half typed stops no robot.
@@ -15,16 +16,17 @@ from types import CellType
 from typing import TYPE_CHECKING, Literal
 
 from lrp_jupyter.interpreter.events import UNSET
+from lrp_jupyter.interpreter.issues import Issue, Issues
 from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariablePlan
 from lrp_jupyter.interpreter.tree import Activation, Scope
 from lrp_jupyter.language.diff import ChangeSet
-from lrp_jupyter.language.identity import Successors
-from lrp_jupyter.language.program import Path, Spawn
+from lrp_jupyter.language.identity import Successors, is_inside
+from lrp_jupyter.language.program import Element, Path, Spawn
 
 if TYPE_CHECKING:
     from lrp_jupyter.interpreter.run import Run
 
-__all__ = ["Decision", "Patch", "adopt", "decide"]
+__all__ = ["Decision", "Patch", "adopt", "carry_issues", "decide"]
 
 Policy = Literal["restart", "keep"]
 
@@ -187,3 +189,50 @@ def _spawn_added(run: Run, old: Plan, plan: Plan) -> None:
         dangled = not tried.get(spawn.identity, False)
         if spawn.identity not in running and dangled and (spawn.resolves or spawn.identity not in tried):
             run.spawn(None, spawn)
+
+
+def carry_issues(
+    issues: Issues,
+    old: Plan,
+    plan: Plan,
+    successors: Successors = Successors(),  # noqa: B008  (a frozen value)
+    changed: tuple[Element, ...] = (),
+) -> None:
+    """Resolve the issues of what is gone, changed or repaired; move the others with the text. Paper: §6.2.
+
+    Parameters
+    ----------
+    issues : Issues
+    old, plan : Plan
+        Of the text in which the issues stand, and of the one in which they are to stand.
+    successors : Successors
+        What became of the elements of the old one.
+    changed : tuple of Element
+        What has another content in the new one.
+    """
+    twice = {site.element: site.offset for site in plan.duplicates}
+
+    def over(issue: Issue) -> bool:
+        element = successors.of(issue.element)
+        if element is None or element not in plan.places or any(is_inside(element, c) for c in changed):
+            return True
+        dangled = (issue.element, issue.kind) in old.dangling
+        return (dangled and (element, issue.kind) not in plan.dangling) or (
+            issue.kind == "defined twice" and element not in twice
+        )
+
+    def place(issue: Issue) -> tuple[int, int]:
+        element = successors.of(issue.element)
+        if element is None:
+            return issue.line, issue.column
+        if issue.kind == "defined twice" and element in twice:
+            return plan.program.place(twice[element])
+        before, after = old.places.get(issue.element), plan.places.get(element)
+        if before is None or after is None:
+            return issue.line, issue.column
+        (line, column), (new_line, new_column) = old.program.place(before), plan.program.place(after)
+        same_line = issue.line == line
+        return issue.line + new_line - line, issue.column + (new_column - column if same_line else 0)
+
+    issues.resolve(lambda _, issue: over(issue))
+    issues.move(place, successors)

@@ -14,6 +14,7 @@ from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cached_property
+from importlib import import_module
 from itertools import accumulate
 from typing import NamedTuple
 
@@ -238,9 +239,7 @@ class Machine:
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
         """Show itself in a notebook: a picture, and a tree as plain text."""
-        from lrp_jupyter.graph.still import mimebundle  # views build on this module
-
-        return mimebundle(self)
+        return _picture_of(self)
 
 
 @dataclass(frozen=True)
@@ -293,9 +292,17 @@ class Program:
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
         """Show itself in a notebook: a picture, and a tree as plain text."""
-        from lrp_jupyter.graph.still import mimebundle  # views build on this module
+        return _picture_of(self)
 
-        return mimebundle(self)
+
+def _picture_of(noun: Machine | Program) -> dict[str, str]:
+    """Return what a notebook shows of a noun.
+
+    Pictures stand far above the nouns, so their module is looked up by name when one is shown: the one
+    place where something below calls something above.
+    """
+    bundle: dict[str, str] = import_module("lrp_jupyter.graph.still").mimebundle(noun)
+    return bundle
 
 
 def _distinct(names: Iterable[str]) -> tuple[str, ...]:
