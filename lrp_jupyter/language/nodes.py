@@ -19,7 +19,7 @@ from lrp_jupyter.language.program import (
     Transition,
     Variable,
 )
-from lrp_jupyter.language.triggers import FORMS, trigger_of
+from lrp_jupyter.language.triggers import FORMS
 
 __all__ = ["Actions", "Node", "Part", "node", "program"]
 
@@ -54,7 +54,7 @@ def node(keyword: str, types: Sequence[str], parts: Sequence[Any], shape: Shape 
     if shape is not None:
         trigger, source, sources, destination, name = shape
         return Transition(
-            trigger_of(keyword, None if trigger is None else parts[trigger]),
+            FORMS[keyword].make(None if trigger is None else parts[trigger]),
             tuple([parts[index] for index in sources]),
             source in ("every", "but"),
             parts[destination],

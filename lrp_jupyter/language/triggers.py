@@ -9,6 +9,7 @@ Paper: §3.1 (events, epsilon transitions, timeouts).
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal, NamedTuple
 
@@ -24,7 +25,6 @@ __all__ = [
     "TransitionKind",
     "Trigger",
     "TriggerForm",
-    "trigger_of",
 ]
 
 TransitionKind = Literal["on", "ontime", "eps", "exit"]
@@ -178,6 +178,8 @@ class TriggerForm(NamedTuple):
     ----------
     usage : str
         An example of it.
+    make : callable
+        Returns the trigger, given the name, block or number behind the keyword, or None.
     name : str
         What a name in the place of the trigger is; empty where there is no trigger.
     block : str
@@ -187,26 +189,24 @@ class TriggerForm(NamedTuple):
     """
 
     usage: str
+    make: Callable[[Any], Trigger]
     name: str = ""
     block: str = ""
     outward: bool = False
 
 
+def _event(part: Name | Block) -> Trigger:
+    return Condition(part) if isinstance(part, Block) else Occurrence(part)
+
+
 FORMS: dict[str, TriggerForm] = {
-    "on": TriggerForm("(on event source -> destination)", "an event's name", "the condition"),
+    "on": TriggerForm("(on event source -> destination)", _event, "an event's name", "the condition"),
     "ontime": TriggerForm(
-        "(ontime milliseconds source -> destination)", "a variable's name", "the delay in milliseconds"
+        "(ontime milliseconds source -> destination)", Delay, "a variable's name", "the delay in milliseconds"
     ),
-    "eps": TriggerForm("(eps source -> destination)"),
-    "exit": TriggerForm("(exit event source -> destination)", "an event's name", "the condition", True),
+    "eps": TriggerForm("(eps source -> destination)", lambda _: Epsilon()),
+    "exit": TriggerForm(
+        "(exit event source -> destination)", _event, "an event's name", "the condition", outward=True
+    ),
 }
 """The forms of transitions by keyword; ``grammar.lark`` says which tokens they hold."""
-
-
-def trigger_of(keyword: str, part: Any) -> Trigger:
-    """Return the trigger of a form, given the name, block or number behind its keyword, if any."""
-    if part is None:
-        return Epsilon()
-    if keyword == Delay.keyword:
-        return Delay(part)
-    return Condition(part) if isinstance(part, Block) else Occurrence(part)

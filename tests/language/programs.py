@@ -17,7 +17,7 @@ from lrp_jupyter.language.program import (
     Transition,
     Variable,
 )
-from lrp_jupyter.language.triggers import trigger_of
+from lrp_jupyter.language.triggers import FORMS
 
 NAMES = ["a", "b", "moving", "état", "end", "on", "state", "x1", "_"]
 VALUES = [
@@ -71,7 +71,7 @@ def transitions(draw: st.DrawFn) -> Transition:
     wildcard = kind != "exit" and draw(st.booleans())
     if wildcard and kind != "eps" and draw(st.booleans()):
         sources = ()
-    trigger, name = trigger_of(kind, part), draw(st.none() | names)
+    trigger, name = FORMS[kind].make(part), draw(st.none() | names)
     return Transition(trigger, sources, wildcard, draw(names), name, kind == "exit")
 
 
