@@ -531,12 +531,11 @@ export interface Port {
   missing: boolean;
 }
 
-/** Where something stands. ``gone``: since when its state is not there; ``pinned``: moved by hand. */
-export interface Place {
+/** The middle of a node, in px; ``gone``: since when its state is not in the program, in seconds. */
+export interface Position {
   x: number;
   y: number;
   gone?: number;
-  pinned?: boolean;
 }
 
 /** The drawing of one machine. Boxes are ``[left, top, width, height]``, all numbers px. */
@@ -548,7 +547,7 @@ export interface Layout {
   states: StateShape[];
   transitions: TransitionShape[];
   ports: Port[];
-  places: Record<string, Place>;
+  places: Record<string, Position>;
 }
 
 /** How often something happened since the session began, and the tick of the last time. */

@@ -40,9 +40,10 @@ from __future__ import annotations
 from bisect import bisect_right
 from typing import Literal, NotRequired, Required, TypedDict
 
+from lrp_jupyter.errors import Severity
 from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.interpreter.frame import Status
-from lrp_jupyter.language.program import Path, Severity, line_starts, path_text
+from lrp_jupyter.language.program import Path, line_starts, path_text
 from lrp_jupyter.language.triggers import TransitionKind
 from lrp_jupyter.sim.world import Point, Pose
 

@@ -13,11 +13,12 @@ from typing import Any, cast
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
+from lrp_jupyter.errors import Severity
 from lrp_jupyter.graph.paths import Paths
 from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.interpreter.frame import Frame, render
 from lrp_jupyter.interpreter.issues import Issue
-from lrp_jupyter.language.program import Finding, Path, Program, Severity, path_text
+from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.protocol import (
     BridgeView,
