@@ -94,7 +94,7 @@ class Board:
         self.console.print(what)
 
     def show(self, look: Look) -> None:
-        """Draw the board anew."""
+        """Redraw the board."""
         width, height = self.console.size
         rows = board_text(look, width, self._rows)[: height - 1]
         self.console.file.write(_BEGIN)

@@ -85,11 +85,11 @@ def lrp(
 
 RUN_EPILOG = """
 **Exit code**: 0 when the run came to its end, 1 when the text is not a program (or `--until` was not
-reached, or the run paused at an issue and nobody was there), 2 when something cannot be read or opened or
+reached, or the run paused at an issue with no keyboard at hand), 2 when something cannot be read or opened or
 an option is wrong, 3 when the interpreter itself failed. Ctrl-C stops the robot and ends the run: 130.
 
-**Live programming**: with `--watch` every save of the file changes the running program. A text that is no
-program changes nothing: its errors are shown, the last program runs on.
+**Live programming**: with `--watch` every save of the file changes the running program. A text that is not
+a program changes nothing: its errors are shown, the last program runs on.
 
 **Traces**: `--trace` writes JSON Lines, an object per event, with `tick` (the first is 1), `time` (seconds)
 and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired` (`machine`, `transition`,

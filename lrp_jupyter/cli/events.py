@@ -91,7 +91,7 @@ class Lines:
         """Write something."""
         self._console.print(what)
 
-    def tell(self, event: TraceEvent, source: str) -> None:
+    def write(self, event: TraceEvent, source: str) -> None:
         """Write what happened; `source` is the text of the program."""
         head = f"{event.now:8.1f} s  "
         if isinstance(event.data, Issue):

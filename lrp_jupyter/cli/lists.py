@@ -93,7 +93,7 @@ def list_challenges() -> None:
     """Print the challenges that a program can be graded by."""
     from lrp_jupyter.grading.challenges import challenges
 
-    table = _table("challenge", "what the robot shall do")
+    table = _table("challenge", "what the robot has to do")
     for each in challenges():
         table.add_row(Text(each.name, "bold"), Text(each.task))
     _show(table)

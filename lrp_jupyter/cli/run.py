@@ -85,13 +85,13 @@ def run_file(file: str, wanted: RunOptions) -> int:
         return _Run(session, source, wanted, trace).go(program)
 
 
-def _nobody_reads(stream: TextIO) -> bool:
+def _has_no_reader(stream: TextIO) -> bool:
     """Whether the other end of a pipe is closed; False where that cannot be known."""
     if not hasattr(select, "poll"):
         return False
     try:
         poll = select.poll()
-        poll.register(stream.fileno(), 0)  # errors are told unasked
+        poll.register(stream.fileno(), 0)  # errors are always reported
         return any(event & select.POLLERR for _, event in poll.poll(0))
     except (OSError, ValueError):  # it has no file, or is closed
         return False
@@ -124,7 +124,7 @@ class _Run:
         self.source = source
         self.wanted = wanted
         self._wake: SimpleQueue[None] = SimpleQueue()  # an event's `set` may not be called by a signal
-        self._caught: list[int] = []  # signals that end the run; that of a pipe nobody reads, too
+        self._caught: list[int] = []  # signals that end the run; that of a pipe without a reader, too
         self._left = False  # by the key q
         self._trace = trace
         self._happenings = EventCollector(wanted.seconds, wanted.until, trace is not None)
@@ -183,7 +183,7 @@ class _Run:
                     self._look()
                     for key in self._keys.pressed() if self._keys is not None else "":
                         self._press(key)
-                    # nobody can let it go on, neither by a key nor by a save
+                    # nothing can resume it, neither a key nor a save
                     alone = pace.is_paused() and self._keys is None and not wanted.watch
             finally:
                 wall = perf_counter() - began
@@ -217,7 +217,7 @@ class _Run:
             while lines:
                 trace.write(lines.popleft())
             trace.flush()
-            gone = _nobody_reads(trace)  # a program that has come to rest writes nothing
+            gone = _has_no_reader(trace)  # a program that has come to rest writes nothing
         except BrokenPipeError:
             gone = True
         if gone:
@@ -234,7 +234,7 @@ class _Run:
             if event.kind == "restarted":
                 self._happenings.since.clear()
             if self._board is None:
-                self._lines.tell(event, frame.program.text)
+                self._lines.write(event, frame.program.text)
         self._printed, printed = self.session.output.since(self._printed)
         for line in printed:
             self.say(line)
@@ -312,7 +312,7 @@ class _Run:
             self._apply(text)
 
     def _apply(self, text: str) -> None:
-        """Let the program be another one, and say what that does."""
+        """Replace the running program, and print the effect."""
         head = f"{self.session.frame.time:8.1f} s  saved: "
         program, findings = scan(text, self.source.name)
         if program is None:
@@ -321,7 +321,7 @@ class _Run:
             return
         try:
             answer = self.session.submit(do.ReplaceProgram(with_initials(program, self.wanted.assignments)))
-            self.session.call(lambda: None)  # carried out, also while nothing runs
+            self.session.call(lambda: None)  # applied, also while nothing runs
             patch = answer.result(0)
         except LRPError as error:
             self.say(Text(f"{head}{error}", "bold yellow"))
@@ -334,7 +334,7 @@ class _Run:
             self.say(f"{head}nothing changed in its meaning")
         else:
             self.say(Text(f"{head}applied while it runs: {patch.changes}", "green"))
-        if self._keys is None and self.pace.is_paused():  # at an issue; nobody can press a key
+        if self._keys is None and self.pace.is_paused():  # at an issue, and there is no keyboard
             self.pace.resume()
         _report(self.say, self.source.name, text, check(program))
 

@@ -92,7 +92,7 @@ def _decoded(data: bytes, name: str) -> str:
 
 
 _SETTLE = 50  # ms without a change: editors write in several steps
-_LOOK = 500  # ms after which it looks anyway: some file systems tell nothing
+_LOOK = 500  # ms after which the file is read anyway: some file systems notify of nothing
 
 
 class Watch:

@@ -55,7 +55,7 @@ class Challenge:
     ----------
     name : str
     task : str
-        What the robot shall do, in a sentence or two.
+        What the robot has to do, in a sentence or two.
     worlds : tuple of str or World
         Every one has to be mastered.
     criteria : tuple of Criterion
@@ -247,7 +247,7 @@ def _too_close(run: RunRecord) -> str | None:
     found = next((sample for sample in run.samples if "wall" in sample.touched), None)
     if found is None:
         return None
-    return "it came too close to the wall: below the distance that it shall keep, steer away from it"
+    return "it came too close to the wall: steer away from it below the distance to keep"
 
 
 def _restarted(run: RunRecord) -> str | None:

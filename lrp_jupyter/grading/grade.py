@@ -40,7 +40,7 @@ class Attempt(NamedTuple):
 
 @dataclass(frozen=True)
 class Grade:
-    """The result of :func:`grade`; true if everything passed. ``print(grade)`` tells why.
+    """The result of :func:`grade`; true if everything passed. ``print(grade)`` shows why.
 
     Parameters
     ----------
@@ -116,7 +116,7 @@ def grade(
     Returns
     -------
     Grade
-        A text that is no program does not pass; the reason is its first error.
+        A text that is not a program does not pass; the reason is its first error.
 
     Raises
     ------

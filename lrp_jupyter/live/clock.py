@@ -14,7 +14,7 @@ from typing import Protocol
 __all__ = ["LAG", "Clock", "MonotonicClock", "VirtualClock"]
 
 LAG = 0.25
-"""Wall seconds by which a host may fall behind before the pacing starts anew."""
+"""Wall seconds by which a host may fall behind before the pacing starts again from the present."""
 
 
 class Clock(Protocol):
@@ -35,14 +35,14 @@ class Clock(Protocol):
         """Make it `t` now."""
 
     def pause(self) -> None:
-        """Let no time pass; idempotent."""
+        """Stop the time; idempotent."""
 
     def resume(self) -> None:
-        """Let time pass again; idempotent."""
+        """Continue the time; idempotent."""
 
 
 class VirtualClock:
-    """Time that passes only when somebody waits for it: it jumps.
+    """A virtual clock: its time passes only when it is waited for, and then it jumps.
 
     Parameters
     ----------

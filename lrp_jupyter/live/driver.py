@@ -12,7 +12,7 @@ how they wait.
 
 The monitor is a second thread. A block that does not return holds up its loop and nothing else: the
 monitor reports which block it is, stops the robot, and can interrupt the block. It also feeds the
-bridge's watchdog and pauses a robot that nobody watches any more. It never touches the interpreter.
+bridge's watchdog and pauses a robot that is no longer watched. It never touches the interpreter.
 """
 
 from __future__ import annotations
@@ -399,7 +399,7 @@ class Monitor:
         if self._dead_man is not None and wall - self._seen > self._dead_man:
             self._seen = wall
             loop.bridge.stop_all()
-            loop.inbox.put(Pause(f"nobody has watched the robot for {self._dead_man:g} s"))
+            loop.inbox.put(Pause(f"the robot has not been watched for {self._dead_man:g} s"))
 
     def _report(self, since: float) -> None:
         loop = self._loop

@@ -217,7 +217,7 @@ class Loop:
         self.clock.speed = speed
 
     def advance(self, seconds: float) -> None:
-        """Let time pass, without a tick; a simulated world moves, by whole steps."""
+        """Advance the time, without a tick; a simulated world moves by whole steps."""
         if self._step is None:
             self.now = round((self.now + seconds) * 1e12) / 1e12  # half the time of round(…, 12)
         elif (steps := math.floor(seconds / self._step + 1e-6)) > 0:

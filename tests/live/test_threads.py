@@ -269,11 +269,11 @@ def test_stopping_the_robot_does_not_wait_for_the_block(session, gates, pushcart
     assert pushcart.paused.is_set()
 
 
-def test_a_robot_that_nobody_watches_pauses(session, pushcart):
+def test_a_robot_that_is_not_watched_pauses(session, pushcart):
     counting = session(COUNT, pushcart, dead_man=0.05)
     counting.start()
     frame = counting.wait_for(lambda frame: frame.status == "paused", LONG)
-    assert "nobody" in frame.reason
+    assert "not been watched" in frame.reason
     assert pushcart.stops >= 1
 
 

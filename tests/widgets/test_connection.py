@@ -225,7 +225,7 @@ def test_credit_of_a_view_shows_that_somebody_watches(bench):
     lab = bench(MOVER, dead_man=0.05, rate=100)
     lab.session.start()
     assert lab.session.wait_for(lambda frame: frame.status == "paused", 60)
-    assert "nobody has watched" in lab.session.frame.reason
+    assert "has not been watched" in lab.session.frame.reason
 
 
 def test_poses_come_with_a_frame_as_numbers(bench):

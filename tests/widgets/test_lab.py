@@ -180,7 +180,7 @@ def test_hardware_opens_disarmed_and_pauses_when_nobody_watches(make, monkeypatc
     lab = make("(machine m (state a (running [robot.move(linear=1)]))) (spawn m a)", "wheels")
     assert not lab.session.bridge.safety.armed
     lab.session.wait_for(lambda frame: frame.status == "paused", 60)
-    assert "nobody has watched the robot" in lab.session.frame.reason
+    assert "the robot has not been watched" in lab.session.frame.reason
 
 
 def test_a_robot_that_cannot_be_reached_is_an_error_in_a_sentence_and_leaves_nothing(make):
