@@ -31,7 +31,7 @@ from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.nodes import Limits
 from lrp_jupyter.bridges.panel import Panel
-from lrp_jupyter.bridges.ros.channel import Channel
+from lrp_jupyter.bridges.ros.channel import Channel, ended
 from lrp_jupyter.bridges.ros.link import TopicLink, Transport
 from lrp_jupyter.bridges.ros.panel import Draft, draw_panel
 from lrp_jupyter.bridges.ros.rosbridge import RosbridgeTransport
@@ -393,7 +393,7 @@ def _number(text: float | str) -> object:
 
 def _refuse(channel: Channel, *_arguments: object, **_fields: object) -> None:
     why = channel.problem or channel.waiting or "its type is not known yet"
-    raise BridgeError(f"`robot.{channel.wire.variable}` was not sent: {why}")
+    raise BridgeError(f"`robot.{channel.wire.variable}` was not sent: {ended(why)}")
 
 
 def _any_number(value: object) -> bool:

@@ -17,7 +17,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.members import did_you_mean
-from lrp_jupyter.bridges.ros.channel import Channel
+from lrp_jupyter.bridges.ros.channel import Channel, ended
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import Types
@@ -184,10 +184,10 @@ class TopicLink:
         """
         name, handle = f"`robot.{channel.wire.variable}`", channel.handle
         if not self.connected and not urgent:
-            raise BridgeError(f"{name} was not sent: {self._trouble}")
+            raise BridgeError(f"{name} was not sent: {ended(self._trouble)}")
         if handle is None or (channel.problem and not urgent):
             why = channel.problem or (channel.waiting if self.connected else self._trouble)
-            raise BridgeError(f"{name} was not sent: {why}")
+            raise BridgeError(f"{name} was not sent: {ended(why)}")
         self.transport.send(handle, values, urgent)
 
     # -- on its own thread ------------------------------------------------------------------------
@@ -310,14 +310,14 @@ class TopicLink:
         for channel in channels:
             why = channel.problem or channel.waiting
             if why:
-                return ConnectionState.WAITING, f"`robot.{channel.wire.variable}`: {why}"
+                return ConnectionState.WAITING, f"`robot.{channel.wire.variable}`: {ended(why)}"
         inputs = [channel for channel in channels if channel.wire.direction == "subscription"]
         silent = [f"`{channel.wire.topic}`" for channel in inputs if channel.silent()]
         if silent:
-            return ConnectionState.STALE, f"{', '.join(silent)}: nothing has arrived for a while"
+            return ConnectionState.STALE, f"{', '.join(silent)}: nothing has arrived for a while."
         empty = [f"`{channel.wire.topic}`" for channel in inputs if channel.expects]
         if empty:
-            return ConnectionState.WAITING, f"{', '.join(empty)}: nothing has arrived yet"
+            return ConnectionState.WAITING, f"{', '.join(empty)}: nothing has arrived yet."
         return ConnectionState.CONNECTED, f"Connected to {self.transport.place}."
 
     def _report_change(self, state: ConnectionState, sentence: str) -> None:

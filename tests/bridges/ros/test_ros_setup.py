@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros.channel import ended
 from lrp_jupyter.bridges.ros.setup import Wire, setup_as_dict, setup_from_dict
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
@@ -355,3 +356,11 @@ def test_an_address_that_is_none_is_refused(ros: RosBridge) -> None:
         ros.answer("host", "where?")
     with pytest.raises(BridgeError, match="has no question `colour`"):
         ros.answer("colour", "red")
+
+
+@pytest.mark.parametrize(
+    ("reason", "sentence"),
+    [("it is lost", "it is lost."), ("It is lost.", "It is lost."), ("Or `b`?", "Or `b`?")],
+)
+def test_a_sentence_ends_once(reason: str, sentence: str) -> None:
+    assert ended(reason) == sentence
