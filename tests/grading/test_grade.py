@@ -7,7 +7,7 @@ from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.sim.world import Box, CircleZone, RobotSpec, World
+from lrp_jupyter.sim.world import BoxSolid, CircleZone, RobotSpec, World
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
 
@@ -231,7 +231,7 @@ def test_what_is_missing_in_an_order_is_told_with_when_the_one_before_it_came():
     world = World(
         size=(2, 1),
         robots=(RobotSpec((0.3, 0.5, 0)),),
-        solids=(Box((1.5, 0.5, 0.2, 0.2), name="ball"),),
+        solids=(BoxSolid((1.5, 0.5, 0.2, 0.2), name="ball"),),
         zones={"start": CircleZone((0.3, 0.5, 0.05)), "near": CircleZone((0.8, 0.5, 0.05))},
         name="mine",
     )
