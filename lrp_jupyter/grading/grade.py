@@ -182,7 +182,7 @@ def _record(
         if session.fault:
             raise LRPError(f"the run broke off, and not by the program's fault:\n{session.fault}")
         record.issues = tuple(issue for issue in session.issues if not issue.resolved)
-        record.notices = tuple(notice.text for notice in bridge.safety.notices)
+        record.notices = bridge.safety.notices
         record.commands = bridge.safety.command_count
     return record
 
@@ -204,7 +204,7 @@ def _no_command(run: RunRecord) -> str | None:
 
 
 def _watchdog(run: RunRecord) -> str | None:
-    return next((text for text in run.notices if text.startswith("no command")), None)
+    return next((notice.text for notice in run.notices if notice.kind == "command watchdog"), None)
 
 
 _FIRST: tuple[Hint, ...] = (_nothing_active, _has_issues, _no_command)

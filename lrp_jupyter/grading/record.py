@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from lrp_jupyter.bridges.safety import Notice
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import matches
@@ -64,7 +65,7 @@ class RunRecord:
     samples: list[Sample] = field(default_factory=list)
     events: list[TraceEvent] = field(default_factory=list)
     issues: tuple[Issue, ...] = ()
-    notices: tuple[str, ...] = ()
+    notices: tuple[Notice, ...] = ()
     commands: int = 0
 
     def sample(self, bridge: SimBridge, interpreter: Interpreter) -> None:
