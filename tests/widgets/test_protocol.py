@@ -162,7 +162,7 @@ def test_the_poses_of_one_robot_take_36_bytes():
 
 @pytest.mark.parametrize(("bumper", "pen", "flags"), [(True, False, 1.0), (False, True, 2.0)])
 def test_bumper_and_pen_are_bits_of_their_own(bumper, pen, flags):
-    buffer = protocol.pack_poses(0.0, [(0, 0, 0, bumper, pen, 0, [], [])])
+    buffer = pack_poses(0.0, [(0, 0, 0, bumper, pen, 0, [], [])])
     assert struct.unpack("<d5f", buffer)[4] == flags
 
 
