@@ -12,7 +12,7 @@ PROJECT = Path(__file__).parents[1]
 PACKAGE = Path(lrp_jupyter.__file__).parent
 
 # class names that mean two things and are to be renamed: nothing may be added here
-AMBIGUOUS = {
+AMBIGUOUS = {"Issues", "Scope", "Variables"}
     "Issues", "Scope", "Variables",
 }  # fmt: skip
 
