@@ -13,8 +13,6 @@ PACKAGE = Path(lrp_jupyter.__file__).parent
 
 # class names that mean two things and are to be renamed: nothing may be added here
 AMBIGUOUS = {"Issues", "Scope", "Variables"}
-    "Issues", "Scope", "Variables",
-}  # fmt: skip
 
 
 def test_every_import_points_down_and_none_goes_in_a_circle():
