@@ -44,6 +44,8 @@ class Successors:
 
     def path(self, kind: str, path: Path) -> Path | None:
         """Return the path of definition that an element of the old program has now; None if it is gone."""
+        if not self.moved and not self.gone:
+            return path
         now = self.of(Element(kind, path))
         return None if now is None else now.path
 

@@ -229,13 +229,12 @@ class Machine:
 
     def elements(self, path: Path) -> tuple[Element, ...]:
         """Return the elements of the transitions of this machine, whose path is given."""
-        found = []
-        for id_, label in zip(self.ids, self.labels, strict=True):
-            element = Element("transition", (*path, id_))
-            if label != id_:
-                element.label = label
-            found.append(element)
-        return tuple(found)
+        found = tuple([Element("transition", (*path, id_)) for id_ in self.ids])
+        if not all(transition.name for transition in self.transitions):  # of a named one both are its name
+            for element, label in zip(found, self.labels, strict=True):
+                if label != element.path[-1]:
+                    element.label = label
+        return found
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
         """Show itself in a notebook: a picture, and a tree as plain text."""
