@@ -334,7 +334,7 @@ def test_the_address_of_a_brick_is_asked_and_a_wrong_one_refused(open_brick, bri
     host = lab.sees('[data-question="host"]')
     host.fill("not an address")
     host.press("Enter")
-    lab.reads(".lrp-toast", "is no address of a brick")
+    lab.reads(".lrp-toast", "is not the address of a brick")
     host.fill("127.0.0.1")
     host.press("Enter")
     lab.reads(".lrp-sentence", "SLOWPOKE")
