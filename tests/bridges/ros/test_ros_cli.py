@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from lrp_jupyter.cli.robot import where
 
 from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.cli.run import where
 
 pytestmark = pytest.mark.slow  # each starts processes of its own
 
