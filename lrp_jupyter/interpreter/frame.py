@@ -2,7 +2,8 @@
 
 A view sees some of the frames and never all. Whatever must not be lost is therefore counted
 from the beginning (visits, firings, restarts): the difference of two frames tells what happened
-between them, however many were skipped.
+between them, however many were skipped. The counts are the interpreter's own, so a frame that
+nobody asks for costs nothing.
 """
 
 from __future__ import annotations
@@ -12,16 +13,14 @@ from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
-from lrp_jupyter.interpreter.events import TraceEvent
+from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.interpreter.linker import Broken, MachinePlan, SpawnPlan, link
 from lrp_jupyter.language.program import Path, Program
 
-if TYPE_CHECKING:
-    from lrp_jupyter.interpreter.interpreter import Interpreter
-
-__all__ = ["Frame", "Hung", "Status", "Tally", "is_active", "matches", "render"]
+__all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "make_frame", "matches", "render"]
 
 Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
 
@@ -64,10 +63,11 @@ class Frame:
     numbers : mapping of path to float
         Those of them that are numbers.
     visits, visited_at : mapping of path to int
-        How often each state was entered, and in which tick it last was.
+        How often each state was entered, and in which tick last. By path of definition: a machine
+        that several states spawn is counted once, wherever it ran. States never entered are absent.
     fired, fired_at : mapping of path to int
-        How often each transition fired (the machine's path and the label), and in which tick it
-        last did.
+        How often each transition fired, and in which tick last, by path of definition: that of its
+        machine, then its id. Transitions that never fired are absent.
     events : mapping of path to bool or None
         What each event was at its last test, None if that failed; empty unless they are watched.
     issues : tuple of Issue
@@ -131,8 +131,9 @@ class Frame:
         return is_active(state, self.active)
 
     def count_of(self, state: str | Path) -> int:
-        """How often states of this name or path were entered."""
-        return sum(count for path, count in self.visits.items() if matches(state, path))
+        """Return how often states of this name or path, of definition or as spawned, were entered."""
+        wanted = definition_of(state, self.program)
+        return sum(count for path, count in self.visits.items() if matches(wanted, path))
 
 
 def matches(wanted: str | Path, path: Path) -> bool:
@@ -147,63 +148,49 @@ def is_active(state: str | Path, active: tuple[Path, ...]) -> bool:
     return any(matches(state, path[:end]) for path in active for end in range(2, len(path) + 1, 2))
 
 
-class Tally:
-    """The observer that counts for the frames. It belongs to the interpreter's thread."""
+def definition_of(state: str | Path, program: Program) -> str | Path:
+    """Return the path of definition of a state that is given as spawned; anything else as it is."""
+    path = tuple(state.split("/")) if isinstance(state, str) else tuple(state)
+    plan = link(program)
+    machine: MachinePlan | Broken | None = plan.machines.get(path[:1])
+    for name, inner in zip(path[1:-1:2], path[2::2], strict=False):
+        outer = machine.states.get(name) if isinstance(machine, MachinePlan) else None
+        if outer is None:
+            return state
+        spawned = (x.target for x in outer.onentry if isinstance(x, SpawnPlan) and x.identity[0] == inner)
+        machine = next(spawned, outer.machines.get(inner))
+    return (*machine.path, path[-1]) if isinstance(machine, MachinePlan) and len(path) > 2 else state
 
-    def __init__(self) -> None:
-        self.visits: dict[Path, int] = {}
-        self.visited_at: dict[Path, int] = {}
-        self.fired: dict[Path, int] = {}
-        self.fired_at: dict[Path, int] = {}
-        self.restarts = 0
-        self.restart_reason = ""
-        self.revision = 0
-        self.patch_reason = ""
 
-    def __call__(self, event: TraceEvent) -> None:
-        """Count one event."""
-        kind, path = event[0], event[1]
-        if kind == "entered":
-            self.visits[path] = self.visits.get(path, 0) + 1
-            self.visited_at[path] = event[2]
-        elif kind == "fired":
-            self.fired[path] = self.fired.get(path, 0) + 1
-            self.fired_at[path] = event[2]
-        elif kind == "restarted":
-            self.restarts += 1
-            self.restart_reason = str(event.data or "")
-        elif kind == "patched":
-            self.revision += bool(getattr(event.data, "applied", True))
-            self.patch_reason = str(getattr(event.data, "reason", "") or "")
-
-    def frame(self, interpreter: Interpreter, time: float, **more: object) -> Frame:
-        """Make the frame of this moment; between two ticks, on the interpreter's thread."""
-        variables: dict[Path, str] = {}
-        numbers: dict[Path, float] = {}
-        for path, value in interpreter.variables.items():
-            variables[path] = render(value)
-            if isinstance(value, (int, float)) and not isinstance(value, bool):
-                with suppress(OverflowError):
-                    numbers[path] = float(value)
-        return Frame(
-            tick=interpreter.tick,
-            time=time,
-            active=interpreter.active,
-            variables=MappingProxyType(variables),
-            numbers=MappingProxyType(numbers),
-            visits=MappingProxyType(self.visits.copy()),
-            visited_at=MappingProxyType(self.visited_at.copy()),
-            fired=MappingProxyType(self.fired.copy()),
-            fired_at=MappingProxyType(self.fired_at.copy()),
-            events=MappingProxyType(dict(interpreter.event_values)),
-            issues=tuple(interpreter.issues),
-            restarts=self.restarts,
-            restart_reason=self.restart_reason,
-            revision=self.revision,
-            patch_reason=self.patch_reason,
-            program=interpreter.program,
-            **more,  # type: ignore[arg-type]
-        )
+def make_frame(interpreter: Interpreter, time: float, **more: object) -> Frame:
+    """Make the frame of this moment; between two ticks, on the interpreter's thread."""
+    variables: dict[Path, str] = {}
+    numbers: dict[Path, float] = {}
+    for path, value in interpreter.variables.items():
+        variables[path] = render(value)
+        if isinstance(value, (int, float)) and not isinstance(value, bool):
+            with suppress(OverflowError):
+                numbers[path] = float(value)
+    visits, firings = interpreter.visits, interpreter.firings
+    return Frame(
+        tick=interpreter.tick,
+        time=time,
+        active=interpreter.active,
+        variables=MappingProxyType(variables),
+        numbers=MappingProxyType(numbers),
+        visits=MappingProxyType({path: count.times for path, count in visits.items()}),
+        visited_at=MappingProxyType({path: count.tick for path, count in visits.items()}),
+        fired=MappingProxyType({path: count.times for path, count in firings.items()}),
+        fired_at=MappingProxyType({path: count.tick for path, count in firings.items()}),
+        events=MappingProxyType(dict(interpreter.event_values)),
+        issues=tuple(interpreter.issues),
+        restarts=interpreter.restarts,
+        restart_reason=interpreter.restart_reason,
+        revision=interpreter.revision,
+        patch_reason=interpreter.patch_reason,
+        program=interpreter.program,
+        **more,  # type: ignore[arg-type]
+    )
 
 
 class _Bounded(reprlib.Repr):

@@ -39,7 +39,7 @@ from lrp_jupyter.interpreter.issues import Issues
 from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run
-from lrp_jupyter.interpreter.tree import bind_block
+from lrp_jupyter.interpreter.tree import Count, bind_block
 from lrp_jupyter.interpreter.variables import Variables, as_path, assign
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.identity import after_rename
@@ -69,6 +69,16 @@ class Interpreter:
     output : callable, optional
         What blocks see as ``print``.
 
+    Attributes
+    ----------
+    paused : bool
+    restarts : int
+        How often the program was restarted; `restart_reason` says why the last time.
+    revision : int
+        How many edits, renames and rewinds have taken effect.
+    patch_reason : str
+        What the last edit has to say, for example why it is not applied yet.
+
     Paper: §5.1, §6.
     """
 
@@ -86,6 +96,10 @@ class Interpreter:
         self.on_active_edit = on_active_edit
         self.on_issue = on_issue
         self.paused = False
+        self.restarts = 0
+        self.restart_reason = ""
+        self.revision = 0
+        self.patch_reason = ""
         self._run = Run(link(program), robot, {} if namespace is None else namespace, output, journal)
         show_in_tracebacks(program)
         self._report_duplicates()
@@ -125,7 +139,8 @@ class Interpreter:
     @property
     def journal(self) -> int:
         """How many ticks :meth:`rewind` can go back now."""
-        return len(self._run.journal) if self._run.journal is not None else 0
+        run = self._run
+        return run.journal.reach(run.ticks) if run.journal is not None else 0
 
     @property
     def last_exception(self) -> BaseException | None:
@@ -137,6 +152,16 @@ class Interpreter:
         wanted = as_path(path)
         acts = (act for root in self._run.roots for act in root.walk())
         return next((act.entered for act in acts if act.full_path == wanted), None)
+
+    @property
+    def visits(self) -> dict[Path, Count]:
+        """How often each state was entered and in which tick last, by path of definition."""
+        return self._run.counted("state")
+
+    @property
+    def firings(self) -> dict[Path, Count]:
+        """How often each transition fired and in which tick last, by path of definition."""
+        return self._run.counted("transition")
 
     @property
     def event_values(self) -> Mapping[Path, bool | None]:
@@ -176,12 +201,16 @@ class Interpreter:
         if run.roots:
             for root in run.roots:
                 run.tick(root)
-            if run.attention and run.pending:
-                run.spawn_top(run.pending)
         else:
             run.start()
         if run.attention:
+            if run.pending:
+                run.spawn_top(run.pending)
             self._done(ticked=True)
+        elif run.journal is not None:
+            run.journal.log.append(now)
+            if run.ticks >= run.journal.full:
+                run.journal.trim(run.ticks)
 
     def _advance(self, now: float | None) -> None:
         if now is None:
@@ -195,8 +224,10 @@ class Interpreter:
         run = self._run
         if run.watched:
             run.settle(run.live.values())
-            if run.journal is not None and ticked:
-                run.journal.close(run.now)
+        if ticked and run.journal is not None:
+            run.journal.log.append(run.now)
+            if run.ticks >= run.journal.full:
+                run.journal.trim(run.ticks)
         if run.stale:
             run.rebind()
         run.attention = run.watched or bool(run.pending)
@@ -235,11 +266,13 @@ class Interpreter:
             show_in_tracebacks(program)
             carry_issues(run.issues, run.plan, plan, changes.successors, changes.changed)
             if decision.restart:
-                run.plan = plan
+                run.replace_plan(plan, changes.successors)
                 self._restart(decision.reason or "")
             else:
                 adopt(run, plan, changes.successors)
             self._report_duplicates()
+            self.revision += 1
+        self.patch_reason = decision.reason or ""
         patch = Patch(changes, decision.apply, decision.restart, decision.reason)
         run.emit("patched", (), patch)
         self._done()
@@ -278,6 +311,8 @@ class Interpreter:
         carry_issues(run.issues, run.plan, plan, successors)
         show_in_tracebacks(program)
         adopt(run, plan, successors, renamed=True)
+        self.revision += 1
+        self.patch_reason = ""
         run.emit("patched", (), Patch(changes, True))
         self._done()
         return program.text
@@ -366,16 +401,18 @@ class Interpreter:
         if run.journal is None:
             raise ValueError("there is no journal to go back by")
         before = run.plan
-        run.journal.undo(run, ticks)
+        run.undo(ticks)
+        self.revision += 1
         if run.plan is not before:
             carry_issues(run.issues, before, run.plan)
         show_in_tracebacks(self.program)
-        run.rebind()
 
     # ---- inside -----------------------------------------------------------------------------
 
     def _restart(self, reason: str) -> None:
         """Paper: §6.1: no transition is triggered, so no onexit runs; issues stay."""
+        self.restarts += 1
+        self.restart_reason = reason
         self._run.clear()
         self._run.emit("restarted", (), reason)
 
@@ -383,7 +420,7 @@ class Interpreter:
         run = self._run
         for block in blocks if run.roots else ():
             try:
-                bind_block(run, block, run.globals.cells)()
+                bind_block(run, block, run.globals.visible)()
             except BaseException as error:
                 run.fault(block.site, error)
 

@@ -1,141 +1,139 @@
-"""Stepping back: inverse records at the few places that mutate a run.
+"""Stepping back: a log of what undoes every change of a run.
 
-One entry per tick, holding what undoes it in reverse; nothing in it when nothing changed. What
-happens between two ticks (an edit, a forced state) is rare and takes a whole snapshot. Objects
-changed in place are not recorded: exact replay is a new run from recorded inputs.
+Whatever changes a run appends to the log, before it does so, a record that undoes that: a function
+and its arguments. The end of a tick is logged as its time, so a tick in which nothing changed costs
+one number. What happens between two ticks (an edit, a forced state) is rare and saves everything in
+a checkpoint. Objects changed in place are not recorded: exact replay is a new run from recorded
+inputs.
 """
 
 from __future__ import annotations
 
 from collections import deque
+from collections.abc import Callable, Iterable
 from types import CellType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from lrp_jupyter.interpreter.events import UNSET
-from lrp_jupyter.interpreter.tree import Activation, content
+from lrp_jupyter.interpreter.cells import content, put
 
-if TYPE_CHECKING:
-    from lrp_jupyter.interpreter.run import Run
-
-__all__ = ["Journal"]
+__all__ = ["Checkpoint", "Journal", "Record"]
 
 
-Record = tuple[Any, ...]
-"""``(activation, state, entered, children)`` or ``(cell, value)`` before, or ``(snapshot,)``."""
+Record = tuple[Any, ...] | float
+"""``(function, *arguments)``: what undoes a change; or the time at which a tick ended, seconds."""
 
 
 EDITS = 300
-"""Snapshots that are kept: each holds on to a whole program, and people type for hours."""
+"""Checkpoints that are kept: each holds on to a whole program, and people type for hours."""
 
 
 class Journal:
-    """Whole ticks, the last `bound` of them, and no more than the last :data:`EDITS` with a snapshot.
+    """What undoes the last `bound` ticks, and no more than the last :data:`EDITS` checkpoints.
 
-    ``log`` collects what was done since the end of the last tick, whose time is `now`; at the end of
-    a tick it is closed together with that time.
+    ``log`` is appended to directly, by whatever changes the run. It begins with the time at which
+    the first tick that can be undone began.
     """
 
+    __slots__ = ("_bound", "_checkpoints", "_first", "full", "log")
+
     def __init__(self, bound: int) -> None:
-        self._entries: deque[tuple[float, list[Record]]] = deque(maxlen=bound)
-        self.log: list[Record] = []
-        self.now = 0.0
-        self._closed = 0
-        self._snapshots: deque[int] = deque()  # numbers of the entries that hold one
-        self._has_snapshot = False
+        self._bound = bound
+        self._first = 0  # ticks that can no longer be undone
+        self._checkpoints: deque[int] = deque()  # the ticks after which they were made
+        self.log: list[Record] = [0.0]
+        self.full = 2 * bound
+        """The tick at which to :meth:`trim`."""
 
-    def __len__(self) -> int:
-        """How many ticks can be undone."""
-        return len(self._entries)
+    def reach(self, tick: int) -> int:
+        """Return how many ticks can be undone after `tick` ticks."""
+        return min(tick - self._first, self._bound)
 
-    def remember(self, run: Run) -> None:
-        """Remember everything, before a change that is not one of a tick."""
-        if not any(isinstance(record[0], Snapshot) for record in self.log):  # one undoes all that follows
-            self.log.append((Snapshot(run),))
-            self._has_snapshot = True
+    def save(self, ended: int, make: Callable[[], Checkpoint]) -> None:
+        """Log a checkpoint, unless there is one since the last of `ended` ticks: one undoes all after it."""
+        if self._checkpoints and self._checkpoints[-1] == ended:
+            return
+        self._checkpoints.append(ended)
+        self.log.append((make().restore,))
+        if len(self._checkpoints) > EDITS:
+            self._drop(self._checkpoints[0] + 1)
 
-    def close(self, now: float) -> None:
-        """End a tick."""
-        self._entries.append((self.now, self.log))
-        self.log = []
-        self.now = now
-        self._closed += 1
-        if self._has_snapshot:
-            self._has_snapshot = False
-            self._snapshots.append(self._closed)
-            if len(self._snapshots) > EDITS:
-                kept = self._closed - self._snapshots.popleft()
-                while len(self._entries) > kept:
-                    self._entries.popleft()
+    def trim(self, tick: int) -> None:
+        """Drop what lies further back than `bound` ticks; now and then, as it moves the whole log."""
+        self._drop(tick - self._bound)
+        self.full = tick + self._bound
 
-    def undo(self, run: Run, ticks: int) -> None:
+    def _drop(self, first: int) -> None:
+        """Let `first` be the number of ticks that can no longer be undone, if it is not higher already."""
+        first = max(first, self._first)
+        ends = (place for place, record in enumerate(self.log) if not isinstance(record, tuple))
+        for _ in range(first - self._first):
+            next(ends)
+        del self.log[: next(ends)]
+        self._first = first
+        while self._checkpoints and self._checkpoints[0] < first:
+            self._checkpoints.popleft()
+
+    def undo(self, tick: int, ticks: int) -> float:
         """Undo what came after the last tick, then `ticks` ticks, then what came before those.
+
+        Parameters
+        ----------
+        tick : int
+            The number of the last tick.
+        ticks : int
+
+        Returns
+        -------
+        float
+            The time at which the tick ended that is the last one now.
 
         Raises
         ------
         ValueError
             If the journal does not reach back so far.
         """
-        if not 0 <= ticks <= len(self._entries):
-            have = len(self._entries)
-            raise ValueError(f"the journal holds {have} ticks: cannot go back {ticks}")
-        self._undo_log(run)
-        for _ in range(ticks):
-            self.now, self.log = self._entries.pop()
-            run.ticks -= 1
-            self._closed -= 1
-            while self._snapshots and self._snapshots[-1] > self._closed:
-                self._snapshots.pop()
-            self._undo_log(run)
-        run.now = self.now
-        run.live = {(): run.globals, **{act.machine.path: act for root in run.roots for act in root.walk()}}
-        for scope in run.live.values():
-            scope.sync()
-
-    def _undo_log(self, run: Run) -> None:
-        for what, *before in reversed(self.log):
-            if isinstance(what, Activation):
-                what.state, what.entered, what.children = before
-            elif isinstance(what, Snapshot):
-                what.restore(run)
+        if not 0 <= ticks <= self.reach(tick):
+            raise ValueError(f"the journal holds {self.reach(tick)} ticks: cannot go back {ticks}")
+        self._drop(tick - self._bound)
+        ends = 0
+        while True:
+            record = self.log.pop()
+            if isinstance(record, tuple):
+                record[0](*record[1:])
+            elif ends == ticks:
+                self.log.append(record)
+                break
             else:
-                put(what, before[0])
-        self.log = []
-        self._has_snapshot = False
+                ends += 1
+        while self._checkpoints and self._checkpoints[-1] >= tick - ticks:
+            self._checkpoints.pop()
+        return record
 
 
-def put(cell: CellType, value: object) -> None:
-    """Put a value into a cell, or empty it."""
-    if value is not UNSET:
-        cell.cell_contents = value
-    elif content(cell) is not UNSET:
-        del cell.cell_contents
+class Checkpoint:
+    """Attributes of objects, and the contents of cells, at one moment.
 
+    Parameters
+    ----------
+    parts : iterable of (object, names)
+        Objects, and which of their attributes to save. A dict is copied.
+    cells : iterable of types.CellType
+    """
 
-FIELDS = ("machine", "path", "outer", "spawn", "cells", "state", "entered", "children")
+    __slots__ = ("_parts", "_values")
 
+    def __init__(self, parts: Iterable[tuple[object, tuple[str, ...]]], cells: Iterable[CellType]) -> None:
+        self._parts = [(part, {name: _copy(getattr(part, name)) for name in names}) for part, names in parts]
+        self._values = [(cell, content(cell)) for cell in cells]
 
-class Snapshot:
-    """A whole run: the plan, the tree of activations and every variable."""
-
-    __slots__ = ("_acts", "_globals", "_run", "_values")
-
-    def __init__(self, run: Run) -> None:
-        self._run = (run.plan, run.roots, run.pending, run.started)
-        self._globals = (run.globals, dict(run.globals.own), run.globals.cells)
-        self._acts = [
-            (act, {name: getattr(act, name) for name in FIELDS} | {"own": dict(act.own)})
-            for root in run.roots
-            for act in root.walk()
-        ]
-        scopes = (run.globals, *(act for act, _ in self._acts))
-        self._values = [(cell, content(cell)) for scope in scopes for cell in scope.own.values()]
-
-    def restore(self, run: Run) -> None:
-        """Put everything back."""
-        run.plan, run.roots, run.pending, run.started = self._run
-        run.globals, run.globals.own, run.globals.cells = self._globals
-        for act, fields in self._acts:
-            for name, value in fields.items():
-                setattr(act, name, value)
+    def restore(self) -> None:
+        """Set everything back."""
+        for part, attributes in self._parts:
+            for name, value in attributes.items():
+                setattr(part, name, value)
         for cell, value in self._values:
             put(cell, value)
+
+
+def _copy(value: object) -> object:
+    return dict(value) if isinstance(value, dict) else value

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from types import CellType
 from typing import TYPE_CHECKING, Literal
 
-from lrp_jupyter.interpreter.events import UNSET
+from lrp_jupyter.interpreter.cells import Slot
 from lrp_jupyter.interpreter.issues import Issue, Issues
 from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariablePlan
 from lrp_jupyter.interpreter.tree import Activation, Scope
@@ -115,7 +115,8 @@ def adopt(run: Run, plan: Plan, successors: Successors, *, renamed: bool = False
 
     After an explicit rename nothing is initialised or spawned: only names have changed.
     """
-    old, run.plan = run.plan, plan
+    old = run.plan
+    run.replace_plan(plan, successors)
     run.pending = frozenset(_spawn_now(successors, identity) for identity in run.pending)
     if run.started:
         _carry(run, run.globals, old.variables, plan.variables, run.base, successors, renamed)
@@ -132,7 +133,7 @@ def adopt(run: Run, plan: Plan, successors: Successors, *, renamed: bool = False
             act.spawn = _spawn_now(successors, act.spawn)
         act.outer = live[machine.outer.path] if machine.outer else run.globals
         live[machine.path] = act
-        _carry(run, act, before.variables, machine.variables, act.outer.cells, successors, renamed)
+        _carry(run, act, before.variables, machine.variables, act.outer.visible, successors, renamed)
     run.live = live
     run.rebind()
     if not renamed:
@@ -153,7 +154,7 @@ def _carry(
     scope: Scope,
     old: tuple[VariablePlan, ...],
     new: tuple[VariablePlan, ...],
-    outer: dict[str, CellType],
+    outer: dict[str, Slot],
     successors: Successors,
     renamed: bool,
 ) -> None:
@@ -161,16 +162,14 @@ def _carry(
     kept = {}
     for variable in old:
         path = successors.path("variable", variable.initial.site.element.path)
-        if path is None:
-            continue
-        kept[path[-1]] = (variable.noun.initial, scope.own[variable.name], scope.last[variable.name])
-    scope.own, scope.last, scope.cells = {}, {}, dict(outer)
+        if path is not None:
+            kept[path[-1]] = (variable.noun.initial, scope.own[variable.name])
+    scope.own, scope.visible = {}, dict(outer)
     for variable in new:
-        initial, cell, last = kept.get(variable.name, (None, CellType(), UNSET))
+        initial, slot = kept.get(variable.name) or (None, Slot(CellType()))
         if initial != variable.noun.initial and not renamed:
-            run.evaluate(variable, scope.cells, cell)
-        scope.cells[variable.name] = scope.own[variable.name] = cell
-        scope.last[variable.name] = last
+            run.evaluate(variable, scope.visible, slot)
+        scope.visible[variable.name] = scope.own[variable.name] = slot
 
 
 def _added_spawns(old: StatePlan, new: StatePlan) -> list[SpawnPlan]:

@@ -12,10 +12,11 @@ from types import CellType
 from typing import Any
 
 from lrp_jupyter.errors import NoDataYet
+from lrp_jupyter.interpreter.cells import Slot, content, put
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, make_issue
 from lrp_jupyter.interpreter.issues import IssueKind, Issues
-from lrp_jupyter.interpreter.journal import Journal
+from lrp_jupyter.interpreter.journal import Checkpoint, Journal, Record
 from lrp_jupyter.interpreter.linker import (
     Broken,
     MachinePlan,
@@ -27,6 +28,7 @@ from lrp_jupyter.interpreter.linker import (
 )
 from lrp_jupyter.interpreter.tree import (
     Activation,
+    Count,
     Edge,
     Row,
     Scope,
@@ -35,7 +37,8 @@ from lrp_jupyter.interpreter.tree import (
     is_boolean,
     short,
 )
-from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.language.identity import Successors
+from lrp_jupyter.language.program import Element, Path, Program
 
 __all__ = ["Run"]
 
@@ -59,15 +62,24 @@ class Run:
         self.ticks = 0
         self.issues = Issues()
         self.last_exception: BaseException | None = None
-        self.base = {"robot": CellType(robot), "print": CellType(output or builtins.print)}
+        self.base = {
+            "robot": Slot(CellType(robot)),
+            "print": Slot(CellType(output or builtins.print)),
+        }
         self.journal = Journal(journal) if journal > 0 else None
+        self.log: list[Record] | None = self.journal.log if self.journal is not None else None
+        self.counts: dict[Element, Count] = {}
         self.observers: list[Observer] = []
         self.events: list[TraceEvent] = []
         self.interrupted: KeyboardInterrupt | None = None
         self.event_values: dict[Path, bool | None] | None = None
         self.new_issue = False
         self.stale = False
-        self.watched = self.attention = self.journal is not None
+        self.leaking = False
+        self.watched = False
+        """Whether any variable is compared after a tick: it leaks, or there are observers."""
+        self.attention = False
+        """Whether there is anything to do after a tick but to log its end."""
         self.clear()
 
     def clear(self) -> None:
@@ -91,29 +103,33 @@ class Run:
 
     def start(self) -> None:
         """Spawn what the top level spawns; the first time, initialise the globals before."""
+        self.remember(self.ticks - 1)
         if not self.started:
             self.begin()
         self.spawn_top(None)
 
     def begin(self) -> None:
         """Initialise the globals: the program has started."""
-        self.remember()
         self.started = True
         self.emit("started", ())
         self.initialise(self.globals, self.plan.variables, self.base)
 
     def spawn_top(self, only: frozenset[tuple[str, str]] | None) -> None:
-        """Do the top-level spawns in order: all, or `only` some of them."""
-        self.remember()
+        """Do the top-level spawns in order, in a tick: all, or `only` some of them."""
+        self.remember(self.ticks - 1)
         self.pending = frozenset()
         for spawn in self.plan.spawns:
             if only is None or spawn.identity in only:
                 self.spawn(None, spawn)
 
     def tick(self, act: Activation) -> bool:
-        """Tick one machine; True if it went up by `exit`, which ends the tick of its parent."""
+        """Tick one machine; True if it went up by `exit`, which ends the tick of its parent.
+
+        What :meth:`leave` and :meth:`enter` do is written out here: a call costs as much as a block.
+        """
         row = act.row
-        for test, edge in row.tests:
+        for edge in row.edges:
+            test = edge.test
             try:
                 holds = test()
             except BaseException as error:
@@ -123,18 +139,57 @@ class Run:
                 continue
             if holds is True or self._judge(edge, holds):
                 if edge.target is not None:
-                    self._fire(act, edge)
-                    return edge.up
+                    break
                 self.report(edge.site, "unknown state", edge.missing)
-        for call, site in row.running:
-            try:
-                call()
-            except BaseException as error:
-                self.fault(site, error)
-        for child in act.children:
-            if self.tick(child):
-                break
-        return False
+        else:
+            if row.running:
+                for call in row.running:
+                    try:
+                        call()
+                    except BaseException as error:
+                        self.fault(row.site_of(call), error)
+            if act.children:
+                for child in act.children:
+                    if self.tick(child):
+                        break
+            return False
+        home = edge.home
+        assert home is not None  # else it would lead nowhere
+        new = edge.row
+        if new is None:
+            new = self._destination(home, edge)
+        if self.log is not None:
+            self.log.append((_restore, home, home.state, home.entered, home.children))
+        if home.children:
+            self.discard(home, self.leave)
+        old = home.row
+        if old.onexit:
+            for call in old.onexit:
+                try:
+                    call()
+                except BaseException as error:
+                    self.fault(old.site_of(call), error)
+        home.row = new
+        home.state = new.state
+        home.entered = self.now
+        tick = self.ticks
+        count = edge.count
+        count.times += 1
+        count.tick = tick
+        count = new.count
+        count.times += 1
+        count.tick = tick
+        if self.observers:
+            self.emit("left", old.path)
+            self.emit("fired", edge.path, edge.data)
+            self.emit("entered", new.path)
+        if new.onentry:
+            for call in new.onentry:
+                try:
+                    call()
+                except BaseException as error:
+                    self.fault(new.site_of(call), error)
+        return edge.up
 
     def _judge(self, edge: Edge, value: object) -> bool:
         """Whether a condition that is neither True nor False holds: only numpy's True does."""
@@ -146,36 +201,6 @@ class Run:
             f"a condition is True or False, not {short(value)}; compare with something",
         )
         return False
-
-    def _fire(self, act: Activation, edge: Edge) -> None:
-        home = act.parent if edge.up else act
-        assert home is not None  # else it would lead nowhere
-        row = edge.row
-        if row is None:
-            row = self._destination(home, edge)
-        if self.observers or home.children:
-            self.leave(home)
-            if self.observers:
-                self.events.append(_new(TraceEvent, ("fired", edge.path, self.ticks, self.now, edge.data)))
-            self.enter(home, row)
-            return
-        # Leave and enter where nothing is inside and nobody watches: two calls less, an eighth of
-        # the time of a state change.
-        if self.journal is not None:
-            self.journal.log.append((home, home.state, home.entered, ()))
-        for call, site in home.row.onexit:
-            try:
-                call()
-            except BaseException as error:
-                self.fault(site, error)
-        home.row = row
-        home.state = row.state
-        home.entered = self.now
-        for call, site in row.onentry:
-            try:
-                call()
-            except BaseException as error:
-                self.fault(site, error)
 
     def _destination(self, home: Activation, edge: Edge) -> Row:
         """Look up where an edge leads, the first time that it fires: an issue of its is over."""
@@ -197,35 +222,35 @@ class Run:
         act.row = row
         act.state = row.state
         act.entered = self.now
-        if self.observers:
-            self.events.append(_new(TraceEvent, ("entered", row.path, self.ticks, self.now, None)))
-        for call, site in row.onentry:
+        row.count.times += 1
+        row.count.tick = self.ticks
+        self.emit("entered", row.path)
+        for call in row.onentry:
             try:
                 call()
             except BaseException as error:
-                self.fault(site, error)
+                self.fault(row.site_of(call), error)
 
     def leave(self, act: Activation) -> None:
         """Leave the active state, what it contains first, innermost first. Paper: §5.1, step 6."""
-        if self.journal is not None:
-            self.journal.log.append((act, act.state, act.entered, act.children))
+        if self.log is not None:
+            self.log.append((_restore, act, act.state, act.entered, act.children))
         if act.children:
             self.discard(act, self.leave)
-        for call, site in act.row.onexit:
+        for call in act.row.onexit:
             try:
                 call()
             except BaseException as error:
-                self.fault(site, error)
-        if self.observers:
-            self.events.append(_new(TraceEvent, ("left", act.row.path, self.ticks, self.now, None)))
+                self.fault(act.row.site_of(call), error)
+        self.emit("left", act.row.path)
 
     def discard(self, act: Activation, leave: Callable[[Activation], None]) -> None:
         """Leave and discard the machines inside, the last one spawned first."""
         for child in reversed(act.children):
             leave(child)
             if self.watched:
-                if self.journal is not None:  # a closure may change them when they are no longer looked at
-                    self.journal.log += [(cell, child.last[name]) for name, cell in child.own.items()]
+                if self.log is not None:  # a function may write them when they are no longer compared
+                    self.log += [(put, slot.cell, slot.last) for slot in child.own.values() if slot.leaked]
                 self.settle((child,))
             del self.live[child.machine.path]
             self.emit("discarded", child.path)
@@ -269,28 +294,27 @@ class Run:
         if parent is None:
             self.roots += (act,)
         else:
-            if self.journal is not None:
-                self.journal.log.append((parent, parent.state, parent.entered, parent.children))
+            if self.log is not None:
+                self.log.append((_restore, parent, parent.state, parent.entered, parent.children))
             parent.children += (act,)
         self.emit("spawned", act.path)
-        self.initialise(act, machine.variables, outer.cells)
+        self.initialise(act, machine.variables, outer.visible)
         return act
 
     def initialise(
-        self, scope: Scope, variables: tuple[VariablePlan, ...], outer: Mapping[str, CellType]
+        self, scope: Scope, variables: tuple[VariablePlan, ...], outer: Mapping[str, Slot]
     ) -> None:
         """Initialise variables in the order of the text; each sees those before it."""
-        scope.cells = cells = dict(outer)
+        scope.visible = dict(outer)
         for variable in variables:
-            cell = CellType()
-            self.evaluate(variable, cells, cell)
-            cells[variable.name] = scope.own[variable.name] = cell
-            scope.last[variable.name] = UNSET
+            slot = Slot(CellType())
+            self.evaluate(variable, scope.visible, slot)
+            scope.visible[variable.name] = scope.own[variable.name] = slot
 
-    def evaluate(self, variable: VariablePlan, cells: dict[str, CellType], cell: CellType) -> None:
-        """Run an initialiser; if it fails, the cell keeps what it holds."""
+    def evaluate(self, variable: VariablePlan, visible: Mapping[str, Slot], slot: Slot) -> None:
+        """Run an initialiser; if it fails, the variable keeps what it holds."""
         try:
-            cell.cell_contents = bind_block(self, variable.initial, cells)()
+            slot.cell.cell_contents = bind_block(self, variable.initial, visible)()
         except BaseException as error:
             self.fault(variable.initial.site, error)
 
@@ -344,11 +368,34 @@ class Run:
                 act.row = act.rows[act.state.name] = bind_row(self, act, act.state)
         self.stale = False
 
-    # ---- what others are told ---------------------------------------------------------------
+    # ---- what others can know ---------------------------------------------------------------
+
+    def count(self, element: Element) -> Count:
+        """Return the count of a state or transition, by its element of definition."""
+        count = self.counts.get(element)
+        if count is None:
+            count = self.counts[element] = Count()
+        return count
+
+    def counted(self, kind: str) -> dict[Path, Count]:
+        """Return the counts above 0 of all elements of a kind, by path of definition."""
+        return {
+            element.path: count
+            for element, count in self.counts.items()
+            if element.kind == kind and count.times
+        }
+
+    def replace_plan(self, plan: Plan, successors: Successors) -> None:
+        """Continue with another plan: the counts of what it still has are kept, the others dropped."""
+        self.plan = plan
+        self._set_counts(successors.carry(self.counts))
+
+    def _set_counts(self, counts: Mapping[Element, Count]) -> None:
+        self.counts = {element: count for element, count in counts.items() if element in self.plan.places}
 
     def observe(self, callback: Observer) -> Callable[[], None]:
         """Tell `callback` of every event from now on; return what ends that."""
-        if not self.watched:
+        if not self.observers:
             for scope in self.live.values():
                 scope.sync()
         self.observers.append(callback)
@@ -357,7 +404,7 @@ class Run:
         def unsubscribe() -> None:
             if callback in self.observers:
                 self.observers.remove(callback)
-            self.watched = self.journal is not None or bool(self.observers)
+            self.watched = self.leaking or bool(self.observers)
 
         return unsubscribe
 
@@ -366,29 +413,77 @@ class Run:
         if self.observers:
             self.events.append(_new(TraceEvent, (kind, path, self.ticks, self.now, data)))
 
-    def remember(self) -> None:
-        """Let the journal take a snapshot, before a change that is not one of a tick."""
+    # ---- the journal ------------------------------------------------------------------------
+
+    def remember(self, ended: int | None = None) -> None:
+        """Log a checkpoint, before a change that is not one of a tick.
+
+        Parameters
+        ----------
+        ended : int, optional
+            How many ticks are over; all, unless it is done inside one.
+        """
         if self.journal is not None:
-            self.journal.remember(self)
+            self.journal.save(self.ticks if ended is None else ended, self._checkpoint)
+
+    def _checkpoint(self) -> Checkpoint:
+        acts = [act for root in self.roots for act in root.walk()]
+        return Checkpoint(
+            [
+                (self, ("plan", "roots", "pending", "started", "globals", "counts")),
+                (self.globals, ("own", "visible")),
+                *((act, _CARRIED) for act in acts),
+            ],
+            [slot.cell for scope in (self.globals, *acts) for slot in scope.own.values()],
+        )
+
+    def undo(self, ticks: int) -> None:
+        """Go back to the end of the tick that lies `ticks` before the last one."""
+        assert self.journal is not None
+        counts = self.counts  # they are not undone, but what they count may have its old name again
+        self.now = self.journal.undo(self.ticks, ticks)
+        self._set_counts(counts | self.counts)
+        self.ticks -= ticks
+        self.live = {
+            (): self.globals,
+            **{act.machine.path: act for root in self.roots for act in root.walk()},
+        }
+        for scope in self.live.values():
+            scope.sync()
+        self.rebind()
+
+    def leak(self, slot: Slot) -> None:
+        """Compare a variable after every tick from now on: a function inside a block writes it."""
+        if not slot.leaked:
+            slot.leaked = self.leaking = self.watched = self.attention = True
+            if not self.observers:
+                slot.last = content(slot.cell)
 
     def settle(self, scopes: Iterable[Scope]) -> None:
-        """Take note of every variable that changed, for the journal and the observers."""
+        """Compare the variables that may have changed unseen, for the journal and the observers."""
         for scope in scopes:
-            if not scope.own:
-                continue
-            last = scope.last
-            for name, cell in scope.own.items():
+            for name, slot in scope.own.items():
+                if not (slot.leaked or self.observers):
+                    continue
                 try:
-                    value = cell.cell_contents
+                    value = slot.cell.cell_contents
                 except ValueError:
                     value = UNSET
-                old = last[name]
+                old = slot.last
                 if value is not old:
-                    last[name] = value
-                    if self.journal is not None:
-                        self.journal.log.append((cell, old))
+                    slot.last = value
+                    if slot.leaked and self.log is not None:
+                        self.log.append((put, slot.cell, old))
                     if self.observers and not _same(old, value):
                         self.emit("changed", (*scope.path, name), value)
+
+
+_CARRIED = ("machine", "path", "outer", "spawn", "own", "visible", "state", "entered", "children")
+
+
+def _restore(act: Activation, state: StatePlan, entered: float, children: tuple[Activation, ...]) -> None:
+    """Undo a change of state; the rows are bound again when all is undone."""
+    act.state, act.entered, act.children = state, entered, children
 
 
 def _same(old: object, new: object) -> bool:

@@ -9,14 +9,17 @@ changes (a patch, a fault that begins or ends); they are cheap to make again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from numbers import Real
-from types import CellType
-from typing import TYPE_CHECKING
+from types import CellType, CodeType
+from typing import Any, Protocol
 
+from lrp_jupyter.interpreter.cells import Slot, content, put, writes_of
 from lrp_jupyter.interpreter.events import UNSET, Firing
 from lrp_jupyter.interpreter.faults import Fault
+from lrp_jupyter.interpreter.issues import Issues
+from lrp_jupyter.interpreter.journal import Record
 from lrp_jupyter.interpreter.linker import (
     BlockPlan,
     Broken,
@@ -28,18 +31,18 @@ from lrp_jupyter.interpreter.linker import (
     StatePlan,
 )
 from lrp_jupyter.language.blocks import bind
-from lrp_jupyter.language.program import Path
+from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence, Trigger
-
-if TYPE_CHECKING:
-    from lrp_jupyter.interpreter.run import Run
 
 __all__ = [
     "Activation",
+    "Count",
     "Edge",
+    "Host",
     "Row",
     "Scope",
     "bind_block",
+    "bind_code",
     "bind_row",
     "broken",
     "is_boolean",
@@ -49,20 +52,30 @@ __all__ = [
 Call = Callable[[], object]
 
 
+class Count:
+    """How often a state was entered or a transition fired: `times`, and the last time in `tick`."""
+
+    __slots__ = ("tick", "times")
+
+    def __init__(self) -> None:
+        self.times = 0
+        self.tick = 0
+
+
 class Scope:
-    """Variables: `own` are its cells, `cells` all that are visible, `last` their known values."""
+    """Variables, by name: `own` are those of this scope, `visible` all that its blocks see."""
 
-    __slots__ = ("cells", "last", "own", "path")
+    __slots__ = ("own", "path", "visible")
 
-    def __init__(self, path: Path, cells: dict[str, CellType]) -> None:
+    def __init__(self, path: Path, visible: dict[str, Slot]) -> None:
         self.path = path
-        self.cells = cells
-        self.own: dict[str, CellType] = {}
-        self.last: dict[str, object] = {}
+        self.visible = visible
+        self.own: dict[str, Slot] = {}
 
     def sync(self) -> None:
-        """Take note of the present values."""
-        self.last = {name: content(cell) for name, cell in self.own.items()}
+        """Store the present values as those that were last compared."""
+        for slot in self.own.values():
+            slot.last = content(slot.cell)
 
 
 class Activation(Scope):
@@ -78,7 +91,7 @@ class Activation(Scope):
         spawn: tuple[str, str] | None,
         state: StatePlan,
     ) -> None:
-        super().__init__((*parent.full_path, machine.name) if parent else (machine.name,), outer.cells)
+        super().__init__((*parent.full_path, machine.name) if parent else (machine.name,), outer.visible)
         self.machine = machine
         self.parent = parent
         self.outer = outer
@@ -111,13 +124,15 @@ class Activation(Scope):
 class Edge:
     """A transition as one state of one activation sees it."""
 
-    __slots__ = ("data", "missing", "path", "row", "site", "target", "tested", "up")
+    __slots__ = ("count", "data", "home", "missing", "path", "row", "site", "target", "test", "tested", "up")
 
-    def __init__(self, act: Activation, state: StatePlan, plan: EdgePlan) -> None:
+    def __init__(self, act: Activation, state: StatePlan, plan: EdgePlan, test: Call, count: Count) -> None:
         noun = plan.noun
+        self.test = test
+        self.count = count
         self.up = noun.outward
         self.row: Row | None = None  # of the destination, once it has been there
-        home = act if not self.up else act.parent
+        self.home = home = act if not self.up else act.parent  # whose state it changes
         destination = str(noun.destination)
         self.target = home.machine.states.get(destination) if home else None
         self.missing = (
@@ -131,29 +146,42 @@ class Edge:
         self.tested = plan.test.block.site if isinstance(plan.test, EventPlan) else plan.site
 
 
-Calls = tuple[tuple[Call, Site], ...]
+Calls = tuple[Call, ...]
 
 
 class Row:
     """What one state of one activation does; every spawn of its onentry is a call like a block."""
 
-    __slots__ = ("onentry", "onexit", "path", "running", "state", "tests")
+    __slots__ = ("count", "edges", "onentry", "onexit", "path", "running", "state")
 
     def __init__(
         self,
         state: StatePlan,
         path: Path,
-        tests: tuple[tuple[Call, Edge], ...],
+        count: Count,
+        edges: tuple[Edge, ...],
         onentry: Calls,
         running: Calls,
         onexit: Calls,
     ) -> None:
         self.state = state
         self.path = path
-        self.tests = tests
+        self.count = count
+        self.edges = edges
         self.onentry = onentry
         self.running = running
         self.onexit = onexit
+
+    def site_of(self, call: Call) -> Site:
+        """Return what a fault of an action is charged to."""
+        state = self.state
+        actions = ((self.onentry, state.onentry), (self.running, state.running), (self.onexit, state.onexit))
+        return next(
+            plan.site
+            for calls, plans in actions
+            for known, plan in zip(calls, plans, strict=True)
+            if known is call
+        )
 
 
 def is_boolean(value: object) -> bool:
@@ -171,12 +199,29 @@ def short(value: object) -> str:
     return text if len(text) <= 60 else text[:57] + "…"
 
 
-def content(cell: CellType) -> object:
-    """Give the value in a cell, or UNSET."""
-    try:
-        return cell.cell_contents
-    except ValueError:
-        return UNSET
+class Host(Protocol):
+    """What bound blocks and conditions use of the run that they belong to."""
+
+    namespace: dict[str, Any]
+    now: float
+    issues: Issues
+    log: list[Record] | None
+    event_values: dict[Path, bool | None] | None
+
+    def scope(self, machine: Path) -> Scope:
+        """Return the living scope of a machine, by its path of definition."""
+
+    def count(self, element: Element) -> Count:
+        """Return the count of a state or transition."""
+
+    def spawn(self, parent: Activation | None, plan: SpawnPlan) -> None:
+        """Do a spawn."""
+
+    def recovered(self, site: Site, value: object) -> None:
+        """Resolve the issues of a site that just ran without fault."""
+
+    def leak(self, slot: Slot) -> None:
+        """Compare a variable after every tick."""
 
 
 def broken(reason: Broken) -> Call:
@@ -188,15 +233,41 @@ def broken(reason: Broken) -> Call:
     return fail
 
 
-def bind_block(run: Run, plan: BlockPlan, cells: dict[str, CellType]) -> Call:
-    """Bind a block to cells; while it has an open issue, a run without fault resolves that."""
+def bind_code(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> Call:
+    """Bind a compiled block to variables; what it writes is logged before it runs."""
+    call = bind(code, run.namespace, {name: visible[name].cell for name in code.co_freevars})
+    log = run.log
+    if log is None:
+        return call
+    own, inner = writes_of(code)
+    for name in inner:
+        run.leak(visible[name])
+    return _logged(log, tuple([visible[name] for name in own]), call) if own else call
+
+
+def _logged(log: list[Record], slots: tuple[Slot, ...], call: Call) -> Call:
+    def block() -> object:
+        for slot in slots:
+            if not slot.leaked:
+                cell = slot.cell
+                try:
+                    log.append((put, cell, cell.cell_contents))
+                except ValueError:
+                    log.append((put, cell, UNSET))
+        return call()
+
+    return block
+
+
+def bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> Call:
+    """Bind a block to variables; while it has an open issue, a run without fault resolves that."""
     if isinstance(plan.code, Broken):
         return broken(plan.code)
-    call = bind(plan.code, run.namespace, cells)
+    call = bind_code(run, plan.code, visible)
     return watched(run, plan.site, call) if plan.site[:2] in run.issues.open_blocks else call
 
 
-def watched(run: Run, site: Site, call: Call) -> Call:
+def watched(run: Host, site: Site, call: Call) -> Call:
     """Wrap a call whose site has an open issue: a run without fault resolves it."""
 
     def again() -> object:
@@ -207,24 +278,29 @@ def watched(run: Run, site: Site, call: Call) -> Call:
     return again
 
 
-def bind_row(run: Run, act: Activation, state: StatePlan) -> Row:
+def bind_row(run: Host, act: Activation, state: StatePlan) -> Row:
     """Bind everything that `state` does in `act`."""
 
     def calls(plans: tuple[BlockPlan | SpawnPlan, ...]) -> Calls:
         return tuple(
-            (
+            [
                 partial(run.spawn, act, plan)
                 if isinstance(plan, SpawnPlan)
-                else bind_block(run, plan, act.cells),
-                plan.site,
-            )
-            for plan in plans
+                else bind_block(run, plan, act.visible)
+                for plan in plans
+            ]
         )
 
     return Row(
         state,
         (*act.path, state.name),
-        tuple((_test(run, act, plan), Edge(act, state, plan)) for plan in state.edges),
+        run.count(Element("state", state.path)),
+        tuple(
+            [
+                Edge(act, state, plan, _test(run, act, plan), run.count(plan.site.element))
+                for plan in state.edges
+            ]
+        ),
         calls(state.onentry),
         calls(state.running),
         calls(state.onexit),
@@ -244,27 +320,27 @@ def noted(values: dict[Path, bool | None], event: Path, call: Call) -> Call:
     return test
 
 
-def _test(run: Run, act: Activation, edge: EdgePlan) -> Call:
+def _test(run: Host, act: Activation, edge: EdgePlan) -> Call:
     """Return the callable that tests whether a transition is enabled."""
     if isinstance(edge.test, Broken):
         return broken(edge.test)
     return _TESTS[type(edge.noun.trigger)](run, act, edge)
 
 
-def _occurs(run: Run, act: Activation, edge: EdgePlan) -> Call:
+def _occurs(run: Host, act: Activation, edge: EdgePlan) -> Call:
     assert isinstance(edge.test, EventPlan)
     event = edge.test
-    call = bind_block(run, event.block, run.scope(event.owner).cells)
+    call = bind_block(run, event.block, run.scope(event.owner).visible)
     values = run.event_values
     return call if values is None else noted(values, event.block.site.element.path, call)
 
 
-def _holds(run: Run, act: Activation, edge: EdgePlan) -> Call:
+def _holds(run: Host, act: Activation, edge: EdgePlan) -> Call:
     assert isinstance(edge.test, BlockPlan)
-    return bind_block(run, edge.test, act.cells)
+    return bind_block(run, edge.test, act.visible)
 
 
-def _is_due(run: Run, act: Activation, edge: EdgePlan) -> Call:
+def _is_due(run: Host, act: Activation, edge: EdgePlan) -> Call:
     trigger = edge.noun.trigger
     assert isinstance(trigger, Delay)
     amount = trigger.amount
@@ -278,9 +354,9 @@ def _is_due(run: Run, act: Activation, edge: EdgePlan) -> Call:
     read: Call
     if isinstance(edge.test, BlockPlan):
         code = edge.test.code
-        read = broken(code) if isinstance(code, Broken) else bind(code, run.namespace, act.cells)
+        read = broken(code) if isinstance(code, Broken) else bind_code(run, code, act.visible)
     else:
-        read = _reader(str(amount), act.cells[str(amount)])
+        read = _reader(str(amount), act.visible[str(amount)].cell)
 
     def due_when_read() -> bool:
         delay = read()
@@ -293,11 +369,11 @@ def _is_due(run: Run, act: Activation, edge: EdgePlan) -> Call:
     )
 
 
-def _always(run: Run, act: Activation, edge: EdgePlan) -> Call:
+def _always(run: Host, act: Activation, edge: EdgePlan) -> Call:
     return lambda: True
 
 
-_TESTS: dict[type[Trigger], Callable[[Run, Activation, EdgePlan], Call]] = {
+_TESTS: dict[type[Trigger], Callable[[Host, Activation, EdgePlan], Call]] = {
     Occurrence: _occurs,
     Condition: _holds,
     Delay: _is_due,

@@ -6,10 +6,11 @@ import ast
 from collections.abc import Iterator, Mapping
 
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.cells import content, put
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.run import Run
-from lrp_jupyter.interpreter.tree import Scope, content
-from lrp_jupyter.language.blocks import bind, compile_block, facts_of
+from lrp_jupyter.interpreter.tree import Scope, bind_code
+from lrp_jupyter.language.blocks import compile_block, facts_of
 from lrp_jupyter.language.program import Block, Path, path_text
 
 __all__ = ["Variables", "as_path", "assign", "find_variable"]
@@ -27,15 +28,15 @@ class Variables(Mapping[Path, object]):
 
     def __getitem__(self, path: Path | str) -> object:
         scope, name = find_variable(self._run, path)
-        value = content(scope.own[name])
+        value = content(scope.own[name].cell)
         if value is UNSET:
             raise UnknownElementError(f"variable `{path_text(as_path(path))}` has no value")
         return value
 
     def __iter__(self) -> Iterator[Path]:
         for scope in self._run.live.values():
-            for name, cell in scope.own.items():
-                if content(cell) is not UNSET:
+            for name, slot in scope.own.items():
+                if content(slot.cell) is not UNSET:
                     yield (*scope.path, name)
 
     def __len__(self) -> int:
@@ -81,6 +82,9 @@ def assign(run: Run, path: Path | str, expression: str) -> None:
     if fault is not None:
         raise SyntaxError(fault.message)
     ast.parse(text, "<expression>", "eval")  # an expression, not statements
-    code = compile_block(Block(text), frozenset(scope.cells), "<expression>")
-    value = bind(code, run.namespace, scope.cells)()
-    scope.own[name].cell_contents = value
+    code = compile_block(Block(text), frozenset(scope.visible), "<expression>")
+    value = bind_code(run, code, scope.visible)()
+    cell = scope.own[name].cell
+    if run.log is not None:
+        run.log.append((put, cell, content(cell)))
+    cell.cell_contents = value

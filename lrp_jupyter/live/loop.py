@@ -44,7 +44,7 @@ from typing import Any, ClassVar, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError
-from lrp_jupyter.interpreter.frame import Frame, Hung, Status, Tally, is_active
+from lrp_jupyter.interpreter.frame import Frame, Hung, Status, is_active, make_frame
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Element, Path, Program
@@ -162,8 +162,6 @@ class Loop:
         self.fault = ""
         """The traceback of what broke the session; empty while nothing has."""
         self.ticking = False
-        self.tally = Tally()
-        interpreter.observe(self.tally)
         self._step = bridge.time_step  # seconds; None where time passes by itself
         self._publish = publish
         self._printed = printed
@@ -387,7 +385,7 @@ class Loop:
     def make_frame(self) -> Frame:
         """Make a frame of this moment."""
         rate, speed = self._achieved if self.status == "running" else (0.0, 0.0)
-        return self.tally.frame(
+        return make_frame(
             self.interpreter,
             self.now,
             status=self.status,
@@ -441,7 +439,7 @@ class Loop:
             breaks the session.
         """
         self._check_whole()
-        restarts = self.tally.restarts
+        restarts = self.interpreter.restarts
         try:
             return command.apply(self)
         except Exception as error:
@@ -449,7 +447,7 @@ class Loop:
                 self.break_down(traceback.format_exc())
             raise
         finally:
-            if self.tally.restarts != restarts:  # no onexit has run: nothing may keep moving
+            if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
                 self.bridge.stop_all()
 
     def _check_whole(self) -> None:
@@ -525,7 +523,6 @@ class Loop:
             self.due = self.now
             self.clock.rebase(self.now)
         interpreter.rewind(ticks)
-        self.tally.revision += 1
 
     def force(self, path: Path, how: Literal["transition", "teleport"]) -> None:
         """Force a state; one that does not exist is an issue, as it is in a transition. Paper: §6.4."""

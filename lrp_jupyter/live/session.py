@@ -39,7 +39,7 @@ import atexit
 import math
 import threading
 import weakref
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Future
 from dataclasses import replace
 from functools import partial
@@ -51,7 +51,7 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.interpreter.events import Observer
-from lrp_jupyter.interpreter.frame import Frame, Status, matches
+from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import link
@@ -340,9 +340,9 @@ class Session:
         loop = self._loop
         if callable(until):
             return lambda: bool(until(loop.make_frame()))
-        state, visits = until, loop.tally.visits
-        before = _count(visits, state)
-        return lambda: _count(visits, state) > before or loop.is_active(state)
+        state, interpreter = until, loop.interpreter
+        before = _count(interpreter, state)
+        return lambda: _count(interpreter, state) > before or loop.is_active(state)
 
     def wait_for(self, condition: Until, timeout: float | None = None) -> Frame:
         """Wait, in wall time, until a state is active (or was, however shortly) or a condition holds.
@@ -584,8 +584,9 @@ def _path(path: str | Path) -> Path:
     return tuple(path.split("/")) if isinstance(path, str) else tuple(path)
 
 
-def _count(visits: Mapping[Path, int], state: str | Path) -> int:
-    return sum(count for path, count in visits.items() if matches(state, path))
+def _count(interpreter: Interpreter, state: str | Path) -> int:
+    wanted = definition_of(state, interpreter.program)
+    return sum(count.times for path, count in interpreter.visits.items() if matches(wanted, path))
 
 
 @atexit.register

@@ -18,11 +18,10 @@ from lrp_jupyter.graph.paths import Paths
 from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.interpreter.frame import Frame, render
 from lrp_jupyter.interpreter.issues import Issue
-from lrp_jupyter.language.program import Finding, Path, Program, path_text
+from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.protocol import (
     BridgeView,
-    CountView,
     HungView,
     IssueView,
     MachineItem,
@@ -100,14 +99,14 @@ class ViewStates:
             "layouts": dict(layouts),
             "active": [path_text(path) for path in frame.active],
             "lit": paths.lit(frame.active),
-            "entered": _counts(
-                (path_text(paths.member(path)), count, frame.visited_at.get(path, 0))
+            "entered": {
+                path_text(path): {"count": count, "tick": frame.visited_at[path]}
                 for path, count in frame.visits.items()
-            ),
-            "fired": _counts(
-                (id_of("transition", self._defined(path)), count, frame.fired_at.get(path, 0))
+            },
+            "fired": {
+                id_of("transition", path): {"count": count, "tick": frame.fired_at[path]}
                 for path, count in frame.fired.items()
-            ),
+            },
             "variables": {
                 path_text(paths.member(path)): _value_view(text, frame.numbers.get(path))
                 for path, text in frame.variables.items()
@@ -127,9 +126,6 @@ class ViewStates:
             },
             "conflict": texts.conflict,
         }
-
-    def _defined(self, spawned: Path) -> Path:
-        return (*self._paths.machine(spawned[:-1]), spawned[-1])
 
     def _last_restart(self, frame: Frame) -> RestartView:
         if frame.restarts != self._restarts:
@@ -193,16 +189,6 @@ def is_urgent(changes: Mapping[str, Any]) -> bool:
 
 
 # -- from the package's values to plain data ---------------------------------------------------------
-
-
-def _counts(counted: Iterable[tuple[str, int, int]]) -> dict[str, CountView]:
-    """Add up counts of the same name; of the ticks the last one counts."""
-    counts: dict[str, CountView] = {}
-    for name, count, tick in counted:
-        known = counts.setdefault(name, {"count": 0, "tick": 0})
-        known["count"] += count
-        known["tick"] = max(known["tick"], tick)
-    return counts
 
 
 def _hung_view(frame: Frame) -> HungView | None:

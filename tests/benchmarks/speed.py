@@ -32,9 +32,15 @@ SHARE = 0.004  # seconds of a turn
 
 
 def measure(runs: dict[str, Run], size: int, turns: int) -> dict[str, float]:
-    """Best time of each per unit, in seconds; slow ones do fewer units in their turns."""
+    """Best time of each per unit, in seconds; slow ones do fewer units in their turns.
+
+    Every run is warm before it counts: `size` units, or a second's worth of them.
+    """
     sizes = {}
     for name, run in runs.items():
+        begin = process_time()
+        run(10)
+        run(max(0, min(size, int(10 / (process_time() - begin)))))
         begin = process_time()
         run(10)
         sizes[name] = max(10, min(size, int(SHARE * 10 / (process_time() - begin))))
@@ -93,15 +99,14 @@ def blocks_of_their_own(size: int, turns: int) -> None:
     size = max(size, 4_000)  # twice around
     times = measure(runs, size, turns)
     table("A tick in a ring of states, each with blocks of its own", times)
-    by_hand, bare, journal, observer = (
-        times[f"{name}, 1000 states"] / times[f"{name}, 5 states"]
+    growth = {
+        name: times[f"{name}, 1000 states"] / times[f"{name}, 5 states"]
         for name in ("hand-written functions", "lrp", "lrp, journal", "lrp, observer")
-    )
-    print(
-        f"\n1000 states take {by_hand:.2f} of the time of 5 by hand, {bare:.2f} in lrp, {journal:.2f} with "
-        f"its journal, {observer:.2f} with an observer: {bare / by_hand:.2f}, {journal / by_hand:.2f} and "
-        f"{observer / by_hand:.2f} times what they take by hand"
-    )
+    }
+    by_hand = growth["hand-written functions"]
+    print("\n| | 1000 states : 5 states | as much as by hand |\n|---|---:|---:|")
+    for name, ratio in growth.items():
+        print(f"| {name} | {ratio:.2f} | {ratio / by_hand:.2f} |")
 
 
 def depth_and_width(size: int, turns: int) -> None:

@@ -5,8 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from story import robot
 
-from lrp_jupyter.interpreter.events import TraceEvent
-from lrp_jupyter.interpreter.frame import LONGEST, Frame, Tally, render
+from lrp_jupyter.interpreter.frame import LONGEST, Frame, make_frame, render
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
 
@@ -32,14 +31,77 @@ def test_machines_and_other_states_are_not_active_states(state):
     assert not Frame(active=(LOOKLEFT,)).is_active(state)
 
 
-def test_the_counts_of_a_tally_go_on_over_restarts():
-    tally = Tally()
-    for tick in (1, 2, 3):
-        tally(TraceEvent("entered", ("m", "a"), tick, tick / 10))
-        tally(TraceEvent("fired", ("m", "t"), tick, tick / 10, ("a", "a")))
-        tally(TraceEvent("restarted", (), tick, tick / 10, "`a` is active and its `running` changed"))
-    assert (tally.visits, tally.fired, tally.fired_at) == ({("m", "a"): 3}, {("m", "t"): 3}, {("m", "t"): 3})
-    assert (tally.restarts, tally.restart_reason) == (3, "`a` is active and its `running` changed")
+def test_counts_go_on_over_restarts_and_rewinds():
+    i = Interpreter(parse("(machine m (state a) (on [True] a -> a t))(spawn m a)"))
+    for tick in range(3):
+        i.step(tick / 10)
+    i.reset()
+    i.step(0.3)
+    i.rewind(1)
+    i.step(0.4)
+    frame = make_frame(i, 0.4)
+    assert (frame.visits, frame.visited_at) == ({("m", "a"): 5}, {("m", "a"): 4})
+    assert (frame.fired, frame.fired_at) == ({("m", "t"): 3}, {("m", "t"): 4})
+    assert (frame.restarts, frame.restart_reason, frame.revision) == (1, "reset", 1)
+
+
+def test_a_frame_tells_in_which_tick_a_state_was_entered_last_however_late_it_is_made():
+    i = Interpreter(parse("(machine m (state a) (state b) (ontime 200 a -> b t))(spawn m a)"))
+    for tick in range(10):
+        i.step(tick / 10)
+    frame = make_frame(i, 0.9)
+    assert frame.visited_at == {("m", "a"): 1, ("m", "b"): 3}
+    assert frame.fired_at == {("m", "t"): 3}
+
+
+def test_what_was_never_entered_and_never_fired_is_not_in_a_frame():
+    i = Interpreter(parse("(machine m (state a) (state b) (on [False] a -> b t))(spawn m a)"))
+    i.step(0.0)
+    i.step(0.1)
+    assert (make_frame(i, 0.1).visits, make_frame(i, 0.1).fired) == ({("m", "a"): 1}, {})
+
+
+def test_counts_belong_to_the_definition_and_are_found_by_a_path_as_spawned_too():
+    i = Interpreter(
+        parse(
+            "(machine k (state s (onentry (spawn l u)) (machine l (state u))))"
+            "(machine l (state u))"
+            "(machine m (state a (onentry (spawn k s))) (state b (onentry (spawn k s)))"
+            " (on [True] a -> b) (on [True] b -> a))"
+            "(spawn m a)"
+        )
+    )
+    for tick in range(4):
+        i.step(tick / 10)
+    frame = make_frame(i, 0.3)
+    assert frame.active == (("m", "b", "k", "s", "l", "u"),)
+    assert frame.visits == {("m", "a"): 2, ("m", "b"): 2, ("k", "s"): 4, ("k", "s", "l", "u"): 4}
+    for state in ("s", "k/s", "m/a/k/s", ("m", "b", "k", "s"), "u", "k/s/l/u", "m/a/k/s/l/u"):
+        assert frame.count_of(state) == 4, state
+    for state in ("k", "m/c/k/s", "l/u", "m/a/l/u", "m/a/k/t", "x/y/z/s", "m/a/k"):
+        assert frame.count_of(state) == 0, state
+
+
+def test_a_renamed_state_keeps_its_count_and_so_does_a_renamed_transition():
+    i = Interpreter(parse("(machine m (state a) (state b) (on [True] a -> b t) (eps b -> a))(spawn m a)"))
+    for tick in range(3):
+        i.step(tick / 10)
+    i.rename("state", "m/b", "c")
+    i.rename("machine", "m", "n")
+    i.step(0.3)
+    frame = make_frame(i, 0.3)
+    assert frame.visits == {("n", "a"): 2, ("n", "c"): 2}
+    assert frame.fired[("n", "t")] == 2
+
+
+def test_a_fault_and_an_edit_elsewhere_leave_the_counts_as_they_are():
+    text = "(var n := [0])(machine m (state a (onentry [1 / n])) (state b) (eps a -> b) (eps b -> a))"
+    i = Interpreter(parse(text + "(spawn m a)"))
+    for tick in range(4):
+        i.step(tick / 10)
+    i.patch(parse(text + "(spawn m a)(machine other (state x))"))
+    i.step(0.4)
+    assert make_frame(i, 0.4).visits == {("m", "a"): 3, ("m", "b"): 2}
 
 
 PROGRAM = """(var n := [10 ** 400])(var ok := [True])(var speed := [0.5])(var gone := [1 / 0])
@@ -49,11 +111,10 @@ PROGRAM = """(var n := [10 ** 400])(var ok := [True])(var speed := [0.5])(var go
 
 
 def test_a_frame_shows_a_moment_of_a_run_and_what_happened_since_the_beginning():
-    i, tally = Interpreter(parse(PROGRAM), bot := robot()), Tally()
-    i.observe(tally)
+    i = Interpreter(parse(PROGRAM), bot := robot())
     for tick, bot.bumper in enumerate([False, True, False, True]):
         i.step(tick / 10)
-    frame = tally.frame(i, 0.35, status="running", rate=10.0)
+    frame = make_frame(i, 0.35, status="running", rate=10.0)
     assert (frame.status, frame.rate, frame.tick, frame.time) == ("running", 10.0, 4, 0.35)
     assert frame.active == (("m", "b"),)
     assert (frame.is_active("b"), frame.is_active("k")) == (True, False)
@@ -71,21 +132,20 @@ def test_a_frame_shows_a_moment_of_a_run_and_what_happened_since_the_beginning()
     assert frame.tick == 4
 
 
-def test_a_tally_counts_edits_that_took_effect_and_says_why_others_did_not():
-    i, tally = Interpreter(parse(PROGRAM), robot()), Tally()
-    i.observe(tally)
+def test_edits_that_took_effect_are_counted_and_others_say_why_they_did_not():
+    i = Interpreter(parse(PROGRAM), robot())
     i.step(0.0)
     i.patch(parse(PROGRAM + "; the same"))
     i.rename("state", "m/b", "c")
-    assert (tally.revision, tally.patch_reason, tally.restarts) == (2, "", 0)
+    assert (i.revision, i.patch_reason, i.restarts) == (2, "", 0)
     i.patch(parse(PROGRAM.replace("state a", "state aa")))
-    assert tally.revision == 2
-    assert "the old program runs on" in tally.patch_reason
+    assert i.revision == 2
+    assert "the old program runs on" in i.patch_reason
     i.patch(parse(PROGRAM.replace("m a", "m b")))
-    assert (tally.revision, tally.restarts) == (3, 1)
-    assert tally.restart_reason == tally.patch_reason == "`(spawn m a)` was changed or removed"
+    assert (i.revision, i.restarts) == (3, 1)
+    assert i.restart_reason == i.patch_reason == "`(spawn m a)` was changed or removed"
     i.reset()
-    assert (tally.restarts, tally.restart_reason) == (2, "reset")
+    assert (i.restarts, i.restart_reason) == (2, "reset")
 
 
 def test_an_event_without_a_truth_has_none_and_watching_twice_is_watching_once():
@@ -139,13 +199,12 @@ def test_a_frame_tells_what_each_event_was_at_its_last_test_once_they_are_watche
         "(spawn m a)"
     )
     i = Interpreter(program)
-    tally = Tally()
     i.step(0.0)
     i.step(0.1)
-    assert tally.frame(i, 0.1).events == {}
+    assert make_frame(i, 0.1).events == {}
     i.watch_events()
     i.step(0.2)
-    assert tally.frame(i, 0.2).events == {("outer",): False, ("m", "bad"): None}
+    assert make_frame(i, 0.2).events == {("outer",): False, ("m", "bad"): None}
     i.step(0.3)
     i.step(0.4)
-    assert tally.frame(i, 0.4).events == {("outer",): True, ("m", "bad"): None, ("m", "mine"): False}
+    assert make_frame(i, 0.4).events == {("outer",): True, ("m", "bad"): None, ("m", "mine"): False}

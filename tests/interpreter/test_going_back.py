@@ -1,8 +1,12 @@
 """Going back, in combination with everything that acts between ticks."""
 
+from itertools import takewhile
+
 import pytest
 from story import active, started
 
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.journal import Checkpoint
 from lrp_jupyter.language.parser import parse
 
 TIMED = """(var n := [0])
@@ -16,6 +20,10 @@ TIMED = """(var n := [0])
 
 def moment(i):
     return active(i), dict(i.variables), i.now, i.tick, i.program.text
+
+
+def records_since_the_last_tick(i):
+    return list(takewhile(lambda record: isinstance(record, tuple), reversed(i._run.journal.log)))
 
 
 def test_the_time_after_going_back_is_that_of_the_last_tick_left():
@@ -141,8 +149,9 @@ def test_many_commands_without_a_tick_are_remembered_as_one():
     for value in range(100):
         i.patch(parse(TIMED.replace("300", str(300 + value))))
         i.teleport_to("m/b" if value % 2 else "m/a")
-    assert len(i._run.journal.log) < 1_000
-    assert sum(type(record[0]).__name__ == "Snapshot" for record in i._run.journal.log) == 1
+    records = records_since_the_last_tick(i)
+    assert len(records) < 1_000
+    assert sum(isinstance(getattr(record[0], "__self__", None), Checkpoint) for record in records) == 1
     i.rewind(0)
     assert (i.variables["n"], i.program.text) == (1, TIMED)
 
@@ -187,3 +196,56 @@ def test_the_journal_holds_on_to_no_more_than_some_hundred_programs(monkeypatch)
     assert i.journal == 3
     i.rewind(3)
     assert i.variables["n"] == 5
+
+
+def test_a_journal_reaches_as_far_as_it_is_bound_and_its_log_stays_as_long():
+    program = parse("(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)")
+    i = Interpreter(program, journal=10)
+    for tick in range(95):
+        i.step(tick / 10)
+        assert i.journal == min(tick + 1, 10)
+        assert len(i._run.journal.log) < 50
+    with pytest.raises(ValueError, match="the journal holds 10 ticks"):
+        i.rewind(11)
+    i.rewind(10)
+    assert (i.variables["n"], i.now, i.tick, i.journal) == (84, 8.4, 85, 0)
+    i.step(8.5)
+    i.rewind(1)
+    assert (i.variables["n"], i.now, i.journal) == (84, 8.4, 0)
+
+
+def test_a_tick_in_which_nothing_changed_costs_the_journal_one_number():
+    i = started(
+        "(var n := [0])(machine m (state a (running [n])) (state b) (on [n > 5] a -> b))(spawn m a)", 3
+    )
+    before = len(i._run.journal.log)
+    for tick in range(3, 13):
+        i.step(tick / 10)
+    assert i._run.journal.log[before:] == [tick / 10 for tick in range(3, 13)]
+
+
+def test_what_a_function_writes_is_undone_in_whatever_order_blocks_write_it_too():
+    i = started(
+        """(var n := [0])(var hook := [None])
+        (machine first (state a (running [n += 1])))
+        (machine second (state a (onentry [
+            def hook():
+              nonlocal n
+              n += 10]) (running [hook()])))
+        (machine third (state a (running [n += 100])))
+        (spawn first a)(spawn second a)(spawn third a)"""
+    )
+    for tick in range(1, 4):
+        i.step(tick / 10)
+    assert i.variables["n"] == 333
+    for left in (222, 111, 0):
+        i.rewind(1)
+        assert i.variables["n"] == left
+
+
+def test_what_an_expression_from_outside_writes_is_undone():
+    i = started("(var n := [1])(var k := [2])(machine m (state a))(spawn m a)")
+    i.set_variable("n", "[k := value for value in (5, 6)][-1] + (n := 9)")
+    assert dict(i.variables) == {("n",): 15, ("k",): 6}
+    i.rewind(0)
+    assert dict(i.variables) == {("n",): 1, ("k",): 2}
