@@ -8,16 +8,14 @@ the way to the target is the only thing that is made.
 from __future__ import annotations
 
 from functools import partial
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.linker import SpawnPlan, StatePlan
+from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Activation, Row
 from lrp_jupyter.language.program import Path, path_text
-
-if TYPE_CHECKING:
-    from lrp_jupyter.interpreter.run import Run
 
 __all__ = ["How", "find_state", "force"]
 

@@ -13,18 +13,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from types import CellType
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 from lrp_jupyter.interpreter.cells import Slot
 from lrp_jupyter.interpreter.issues import Issue, Issues
 from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariablePlan
+from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Activation, Scope
 from lrp_jupyter.language.diff import ChangeSet
 from lrp_jupyter.language.identity import Successors, is_inside
 from lrp_jupyter.language.program import Element, Path, Spawn
-
-if TYPE_CHECKING:
-    from lrp_jupyter.interpreter.run import Run
 
 __all__ = ["Decision", "Patch", "adopt", "carry_issues", "decide"]
 
