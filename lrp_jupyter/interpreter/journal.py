@@ -3,7 +3,7 @@
 Whatever changes a run appends to the log, before it does so, a record that undoes that: a function
 and its arguments. The end of a tick is logged as its time, so a tick in which nothing changed costs
 one number. What happens between two ticks (an edit, a forced state) is rare and saves everything in
-a checkpoint. Objects changed in place are not recorded: exact replay is a new run from recorded
+one saved state. Objects changed in place are not recorded: exact replay is a new run from recorded
 inputs.
 """
 
@@ -16,7 +16,7 @@ from typing import Any
 
 from lrp_jupyter.interpreter.cells import content, put
 
-__all__ = ["Checkpoint", "Journal", "Record"]
+__all__ = ["Journal", "Record", "SavedState"]
 
 
 Record = tuple[Any, ...] | float
@@ -24,22 +24,22 @@ Record = tuple[Any, ...] | float
 
 
 EDITS = 300
-"""Checkpoints that are kept: each holds on to a whole program, and people type for hours."""
+"""Saved states that are kept: each holds on to a whole program, and people type for hours."""
 
 
 class Journal:
-    """What undoes the last `bound` ticks, and no more than the last :data:`EDITS` checkpoints.
+    """What undoes the last `bound` ticks, and no more than the last :data:`EDITS` saved states.
 
     ``log`` is appended to directly, by whatever changes the run. It begins with the time at which
     the first tick that can be undone began.
     """
 
-    __slots__ = ("_bound", "_checkpoints", "_first", "full", "log")
+    __slots__ = ("_bound", "_first", "_saved", "full", "log")
 
     def __init__(self, bound: int) -> None:
         self._bound = bound
         self._first = 0  # ticks that can no longer be undone
-        self._checkpoints: deque[int] = deque()  # the ticks after which they were made
+        self._saved: deque[int] = deque()  # the ticks after which they were made
         self.log: list[Record] = [0.0]
         self.full = 2 * bound
         """The tick at which to :meth:`trim`."""
@@ -48,14 +48,14 @@ class Journal:
         """Return how many ticks can be undone after `tick` ticks."""
         return min(tick - self._first, self._bound)
 
-    def save(self, ended: int, make: Callable[[], Checkpoint]) -> None:
-        """Log a checkpoint, unless there is one since the last of `ended` ticks: one undoes all after it."""
-        if self._checkpoints and self._checkpoints[-1] == ended:
+    def save(self, ended: int, make: Callable[[], SavedState]) -> None:
+        """Log a saved state, unless there is one since the last of `ended` ticks: it undoes all after it."""
+        if self._saved and self._saved[-1] == ended:
             return
-        self._checkpoints.append(ended)
+        self._saved.append(ended)
         self.log.append((make().restore,))
-        if len(self._checkpoints) > EDITS:
-            self._drop(self._checkpoints[0] + 1)
+        if len(self._saved) > EDITS:
+            self._drop(self._saved[0] + 1)
 
     def trim(self, tick: int) -> None:
         """Drop what lies further back than `bound` ticks; now and then, as it moves the whole log."""
@@ -70,8 +70,8 @@ class Journal:
             next(ends)
         del self.log[: next(ends)]
         self._first = first
-        while self._checkpoints and self._checkpoints[0] < first:
-            self._checkpoints.popleft()
+        while self._saved and self._saved[0] < first:
+            self._saved.popleft()
 
     def undo(self, tick: int, ticks: int) -> float:
         """Undo what came after the last tick, then `ticks` ticks, then what came before those.
@@ -105,12 +105,12 @@ class Journal:
                 break
             else:
                 ends += 1
-        while self._checkpoints and self._checkpoints[-1] >= tick - ticks:
-            self._checkpoints.pop()
+        while self._saved and self._saved[-1] >= tick - ticks:
+            self._saved.pop()
         return record
 
 
-class Checkpoint:
+class SavedState:
     """Attributes of objects, and the contents of cells, at one moment.
 
     Parameters

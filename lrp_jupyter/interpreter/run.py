@@ -16,7 +16,7 @@ from lrp_jupyter.interpreter.cells import Slot, content, put
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, make_issue
 from lrp_jupyter.interpreter.issues import IssueKind, Issues
-from lrp_jupyter.interpreter.journal import Checkpoint, Journal, Record
+from lrp_jupyter.interpreter.journal import Journal, Record, SavedState
 from lrp_jupyter.interpreter.linker import (
     Broken,
     MachinePlan,
@@ -416,7 +416,7 @@ class Run:
     # ---- the journal ------------------------------------------------------------------------
 
     def remember(self, ended: int | None = None) -> None:
-        """Log a checkpoint, before a change that is not one of a tick.
+        """Save the whole state, before a change that is not one of a tick.
 
         Parameters
         ----------
@@ -424,11 +424,11 @@ class Run:
             How many ticks are over; all, unless it is done inside one.
         """
         if self.journal is not None:
-            self.journal.save(self.ticks if ended is None else ended, self._checkpoint)
+            self.journal.save(self.ticks if ended is None else ended, self._saved_state)
 
-    def _checkpoint(self) -> Checkpoint:
+    def _saved_state(self) -> SavedState:
         acts = [act for root in self.roots for act in root.walk()]
-        return Checkpoint(
+        return SavedState(
             [
                 (self, ("plan", "roots", "pending", "started", "globals", "counts")),
                 (self.globals, ("own", "visible")),

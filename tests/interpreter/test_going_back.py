@@ -6,7 +6,7 @@ import pytest
 from story import active, started
 
 from lrp_jupyter.interpreter.interpreter import Interpreter
-from lrp_jupyter.interpreter.journal import Checkpoint
+from lrp_jupyter.interpreter.journal import SavedState
 from lrp_jupyter.language.parser import parse
 
 TIMED = """(var n := [0])
@@ -151,7 +151,7 @@ def test_many_commands_without_a_tick_are_remembered_as_one():
         i.teleport_to("m/b" if value % 2 else "m/a")
     records = records_since_the_last_tick(i)
     assert len(records) < 1_000
-    assert sum(isinstance(getattr(record[0], "__self__", None), Checkpoint) for record in records) == 1
+    assert sum(isinstance(getattr(record[0], "__self__", None), SavedState) for record in records) == 1
     i.rewind(0)
     assert (i.variables["n"], i.program.text) == (1, TIMED)
 

@@ -77,6 +77,15 @@ def test_a_view_without_credit_gets_nothing_and_loses_nothing(bench):
     assert slow.last("frame")["tick"] == 20
 
 
+def test_a_view_that_looks_late_hears_in_which_tick_a_state_was_entered_last(bench):
+    lab = bench("(machine m (state a) (state b) (ontime 200 a -> b t))(spawn m a)")
+    page = lab.page("graph")
+    lab.session.run(seconds=2)
+    lab.publish()
+    entered = page.last("frame")["entered"]
+    assert {name: seen["tick"] for name, seen in entered.items()} == {"m/a": 1, "m/b": 3}
+
+
 def frames_in(lab, page, milliseconds):
     """Publish every 6 ms; give the milliseconds at which the page got a frame."""
     came, before = [], len(page.all("frame"))
