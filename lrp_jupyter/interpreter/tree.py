@@ -242,18 +242,21 @@ def bind_code(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> Call:
     own, inner = writes_of(code)
     for name in inner:
         run.leak(visible[name])
-    return _logged(log, tuple([visible[name] for name in own]), call) if own else call
+    for name in own:
+        call = _logged(log, visible[name], call)
+    return call
 
 
-def _logged(log: list[Record], slots: tuple[Slot, ...], call: Call) -> Call:
+def _logged(log: list[Record], slot: Slot, call: Call) -> Call:
+    """Wrap a block that writes a variable: log what the variable held."""
+    cell, append = slot.cell, log.append
+
     def block() -> object:
-        for slot in slots:
-            if not slot.leaked:
-                cell = slot.cell
-                try:
-                    log.append((put, cell, cell.cell_contents))
-                except ValueError:
-                    log.append((put, cell, UNSET))
+        if not slot.leaked:
+            try:
+                append((put, cell, cell.cell_contents))
+            except ValueError:
+                append((put, cell, UNSET))
         return call()
 
     return block
