@@ -94,6 +94,57 @@ def test_a_renamed_state_keeps_its_count_and_so_does_a_renamed_transition():
     assert frame.fired[("n", "t")] == 2
 
 
+COUNTED = "(machine m (state a) (state b) (ontime 100 a -> b) (eps b -> a))(spawn m a)"
+
+
+def test_a_transition_keeps_its_count_when_its_delay_is_edited():
+    i = Interpreter(parse(COUNTED))
+    for tick in range(4):
+        i.step(tick / 10)
+    before = make_frame(i, 0.3).fired
+    i.patch(parse(COUNTED.replace("100", "300")))
+    assert len(before) == 2
+    assert make_frame(i, 0.3).fired == before
+    for tick in range(4, 8):
+        i.step(tick / 10)
+    assert sorted(make_frame(i, 0.7).fired.values()) == [2, 3]
+
+
+def test_what_an_edit_removes_loses_its_counts():
+    i = Interpreter(parse(COUNTED))
+    for tick in range(3):
+        i.step(tick / 10)
+    i.patch(parse(COUNTED.replace(" (ontime 100 a -> b)", "")))
+    frame = make_frame(i, 0.2)
+    assert (len(frame.fired), frame.visits) == (1, {("m", "a"): 2, ("m", "b"): 1})
+    i.patch(parse("(machine m (state a))(spawn m a)"))
+    frame = make_frame(i, 0.2)
+    assert (frame.fired, frame.visits) == ({}, {("m", "a"): 2})
+    i.patch(parse(COUNTED))
+    assert make_frame(i, 0.2).visits == {("m", "a"): 2}
+
+
+def test_a_restart_by_an_edit_drops_the_counts_of_what_is_gone():
+    i = Interpreter(parse(COUNTED))
+    i.step(0.0)
+    patch = i.patch(parse("(machine m (state b))(spawn m b)"))
+    i.step(0.1)
+    assert patch.restarted
+    assert make_frame(i, 0.1).visits == {("m", "b"): 1}
+
+
+def test_going_back_over_a_rename_gives_counts_their_old_names_and_undoes_none():
+    i = Interpreter(parse(COUNTED))
+    for tick in range(3):
+        i.step(tick / 10)
+    i.rename("state", "m/b", "c")
+    i.step(0.3)
+    i.step(0.4)
+    assert make_frame(i, 0.4).visits == {("m", "a"): 3, ("m", "c"): 2}
+    i.rewind(2)
+    assert make_frame(i, 0.2).visits == {("m", "a"): 3, ("m", "b"): 2}
+
+
 def test_a_fault_and_an_edit_elsewhere_leave_the_counts_as_they_are():
     text = "(var n := [0])(machine m (state a (onentry [1 / n])) (state b) (eps a -> b) (eps b -> a))"
     i = Interpreter(parse(text + "(spawn m a)"))
