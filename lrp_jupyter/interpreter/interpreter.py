@@ -35,19 +35,19 @@ from typing import Any, Literal
 
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.forcing import How, find_state, force
-from lrp_jupyter.interpreter.issues import Issues
+from lrp_jupyter.interpreter.issues import IssueLog
 from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Count, bind_block
-from lrp_jupyter.interpreter.variables import Variables, as_path, assign
+from lrp_jupyter.interpreter.variables import VariableMapping, as_path, assign
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.identity import after_rename
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.language.rename import rename as renamed_text
 
-__all__ = ["Interpreter", "Variables"]
+__all__ = ["Interpreter", "VariableMapping"]
 
 
 class Interpreter:
@@ -117,12 +117,12 @@ class Interpreter:
         return tuple(path for root in self._run.roots for path in root.leaves())
 
     @property
-    def variables(self) -> Variables:
+    def variables(self) -> VariableMapping:
         """The living variables."""
-        return Variables(self._run)
+        return VariableMapping(self._run)
 
     @property
-    def issues(self) -> Issues:
+    def issues(self) -> IssueLog:
         """The faults of the program so far, each once. Paper: §6.2."""
         return self._run.issues
 

@@ -12,7 +12,7 @@ from typing import Literal, overload
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element
 
-__all__ = ["ISSUE_CODES", "Issue", "IssueKind", "Issues"]
+__all__ = ["ISSUE_CODES", "Issue", "IssueKind", "IssueLog"]
 
 IssueKind = Literal[
     "exception",
@@ -89,7 +89,7 @@ Key = tuple[Element, int, str]
 """Element, ordinal of the block within it, kind."""
 
 
-class Issues(Sequence[Issue]):
+class IssueLog(Sequence[Issue]):
     """The issues of one run, each once, in the order in which they first came."""
 
     def __init__(self) -> None:
@@ -111,7 +111,7 @@ class Issues(Sequence[Issue]):
         return iter(tuple(self._all.values()))
 
     def __repr__(self) -> str:
-        return f"Issues({list(self)!r})"
+        return f"IssueLog({list(self)!r})"
 
     def report(
         self, key: Key, make: Callable[[], Issue], message: str, tick: int, line: int = 0

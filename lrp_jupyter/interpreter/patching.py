@@ -16,10 +16,10 @@ from types import CellType
 from typing import Literal
 
 from lrp_jupyter.interpreter.cells import Slot
-from lrp_jupyter.interpreter.issues import Issue, Issues
+from lrp_jupyter.interpreter.issues import Issue, IssueLog
 from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariablePlan
 from lrp_jupyter.interpreter.run import Run
-from lrp_jupyter.interpreter.tree import Activation, Scope
+from lrp_jupyter.interpreter.tree import Activation, Environment
 from lrp_jupyter.language.diff import ChangeSet
 from lrp_jupyter.language.identity import Successors, is_inside
 from lrp_jupyter.language.program import Element, Path, Spawn
@@ -119,7 +119,7 @@ def adopt(run: Run, plan: Plan, successors: Successors, *, renamed: bool = False
     if run.started:
         _carry(run, run.globals, old.variables, plan.variables, run.base, successors, renamed)
     added: list[tuple[Activation, SpawnPlan]] = []
-    live: dict[Path, Scope] = {(): run.globals}
+    live: dict[Path, Environment] = {(): run.globals}
     for act in [act for root in run.roots for act in root.walk()]:  # outer ones come first
         before, here = act.machine, act.state.path
         there = successors.path("state", here) or here
@@ -149,7 +149,7 @@ def _spawn_now(successors: Successors, identity: tuple[str, str]) -> tuple[str, 
 
 def _carry(
     run: Run,
-    scope: Scope,
+    environment: Environment,
     old: tuple[VariablePlan, ...],
     new: tuple[VariablePlan, ...],
     outer: dict[str, Slot],
@@ -161,13 +161,13 @@ def _carry(
     for variable in old:
         path = successors.path("variable", variable.initial.site.element.path)
         if path is not None:
-            kept[path[-1]] = (variable.noun.initial, scope.own[variable.name])
-    scope.own, scope.visible = {}, dict(outer)
+            kept[path[-1]] = (variable.noun.initial, environment.own[variable.name])
+    environment.own, environment.visible = {}, dict(outer)
     for variable in new:
         initial, slot = kept.get(variable.name) or (None, Slot(CellType()))
         if initial != variable.noun.initial and not renamed:
-            run.evaluate(variable, scope.visible, slot)
-        scope.visible[variable.name] = scope.own[variable.name] = slot
+            run.evaluate(variable, environment.visible, slot)
+        environment.visible[variable.name] = environment.own[variable.name] = slot
 
 
 def _added_spawns(old: StatePlan, new: StatePlan) -> list[SpawnPlan]:
@@ -189,7 +189,7 @@ def _spawn_added(run: Run, old: Plan, plan: Plan) -> None:
 
 
 def carry_issues(
-    issues: Issues,
+    issues: IssueLog,
     old: Plan,
     plan: Plan,
     successors: Successors = Successors(),  # noqa: B008  (a frozen value)
@@ -199,7 +199,7 @@ def carry_issues(
 
     Parameters
     ----------
-    issues : Issues
+    issues : IssueLog
     old, plan : Plan
         Of the text in which the issues stand, and of the one in which they are to stand.
     successors : Successors

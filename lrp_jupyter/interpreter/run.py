@@ -15,7 +15,7 @@ from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.interpreter.cells import Slot, content, put
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, make_issue
-from lrp_jupyter.interpreter.issues import IssueKind, Issues
+from lrp_jupyter.interpreter.issues import IssueKind, IssueLog
 from lrp_jupyter.interpreter.journal import Journal, Record, SavedState
 from lrp_jupyter.interpreter.linker import (
     Broken,
@@ -30,8 +30,8 @@ from lrp_jupyter.interpreter.tree import (
     Activation,
     Count,
     Edge,
+    Environment,
     Row,
-    Scope,
     bind_block,
     bind_row,
     is_boolean,
@@ -60,7 +60,7 @@ class Run:
         self.namespace = namespace
         self.now = 0.0
         self.ticks = 0
-        self.issues = Issues()
+        self.issues = IssueLog()
         self.last_exception: BaseException | None = None
         self.base = {
             "robot": Slot(CellType(robot)),
@@ -87,16 +87,16 @@ class Run:
         self.roots: tuple[Activation, ...] = ()
         self.pending: frozenset[tuple[str, str]] = frozenset()
         self.started = False
-        self.globals = Scope((), dict(self.base))
-        self.live: dict[Path, Scope] = {(): self.globals}
+        self.globals = Environment((), dict(self.base))
+        self.live: dict[Path, Environment] = {(): self.globals}
 
     @property
     def program(self) -> Program:
         """The program that runs."""
         return self.plan.program
 
-    def scope(self, machine: Path) -> Scope:
-        """Look up the living scope of a machine, by its path of definition; the empty path: the globals."""
+    def environment(self, machine: Path) -> Environment:
+        """Return the living environment of a machine, by its path of definition; empty for the globals."""
         return self.live[machine]
 
     # ---- the tick ---------------------------------------------------------------------------
@@ -302,14 +302,14 @@ class Run:
         return act
 
     def initialise(
-        self, scope: Scope, variables: tuple[VariablePlan, ...], outer: Mapping[str, Slot]
+        self, environment: Environment, variables: tuple[VariablePlan, ...], outer: Mapping[str, Slot]
     ) -> None:
         """Initialise variables in the order of the text; each sees those before it."""
-        scope.visible = dict(outer)
+        environment.visible = dict(outer)
         for variable in variables:
             slot = Slot(CellType())
-            self.evaluate(variable, scope.visible, slot)
-            scope.visible[variable.name] = scope.own[variable.name] = slot
+            self.evaluate(variable, environment.visible, slot)
+            environment.visible[variable.name] = environment.own[variable.name] = slot
 
     def evaluate(self, variable: VariablePlan, visible: Mapping[str, Slot], slot: Slot) -> None:
         """Run an initialiser; if it fails, the variable keeps what it holds."""
@@ -396,8 +396,8 @@ class Run:
     def observe(self, callback: Observer) -> Callable[[], None]:
         """Tell `callback` of every event from now on; return what ends that."""
         if not self.observers:
-            for scope in self.live.values():
-                scope.sync()
+            for environment in self.live.values():
+                environment.sync()
         self.observers.append(callback)
         self.watched = self.attention = True
 
@@ -434,7 +434,7 @@ class Run:
                 (self.globals, ("own", "visible")),
                 *((act, _CARRIED) for act in acts),
             ],
-            [slot.cell for scope in (self.globals, *acts) for slot in scope.own.values()],
+            [slot.cell for environment in (self.globals, *acts) for slot in environment.own.values()],
         )
 
     def undo(self, ticks: int) -> None:
@@ -448,8 +448,8 @@ class Run:
             (): self.globals,
             **{act.machine.path: act for root in self.roots for act in root.walk()},
         }
-        for scope in self.live.values():
-            scope.sync()
+        for environment in self.live.values():
+            environment.sync()
         self.rebind()
 
     def leak(self, slot: Slot) -> None:
@@ -459,10 +459,10 @@ class Run:
             if not self.observers:
                 slot.last = content(slot.cell)
 
-    def settle(self, scopes: Iterable[Scope]) -> None:
+    def settle(self, environments: Iterable[Environment]) -> None:
         """Compare the variables that may have changed unseen, for the journal and the observers."""
-        for scope in scopes:
-            for name, slot in scope.own.items():
+        for environment in environments:
+            for name, slot in environment.own.items():
                 if not (slot.leaked or self.observers):
                     continue
                 try:
@@ -475,7 +475,7 @@ class Run:
                     if slot.leaked and self.log is not None:
                         self.log.append((put, slot.cell, old))
                     if self.observers and not _same(old, value):
-                        self.emit("changed", (*scope.path, name), value)
+                        self.emit("changed", (*environment.path, name), value)
 
 
 _CARRIED = ("machine", "path", "outer", "spawn", "own", "visible", "state", "entered", "children")

@@ -18,7 +18,7 @@ from typing import Any, Protocol
 from lrp_jupyter.interpreter.cells import Slot, content, put, writes_of
 from lrp_jupyter.interpreter.events import UNSET, Firing
 from lrp_jupyter.interpreter.faults import Fault
-from lrp_jupyter.interpreter.issues import Issues
+from lrp_jupyter.interpreter.issues import IssueLog
 from lrp_jupyter.interpreter.journal import Record
 from lrp_jupyter.interpreter.linker import (
     BlockPlan,
@@ -38,9 +38,9 @@ __all__ = [
     "Activation",
     "Count",
     "Edge",
+    "Environment",
     "Host",
     "Row",
-    "Scope",
     "bind_block",
     "bind_code",
     "bind_row",
@@ -62,8 +62,8 @@ class Count:
         self.tick = 0
 
 
-class Scope:
-    """Variables, by name: `own` are those of this scope, `visible` all that its blocks see."""
+class Environment:
+    """Variables, by name: `own` are those of its machine, `visible` all that its blocks see."""
 
     __slots__ = ("own", "path", "visible")
 
@@ -78,7 +78,7 @@ class Scope:
             slot.last = content(slot.cell)
 
 
-class Activation(Scope):
+class Activation(Environment):
     """One running machine."""
 
     __slots__ = ("children", "entered", "machine", "outer", "parent", "row", "rows", "spawn", "state")
@@ -87,7 +87,7 @@ class Activation(Scope):
         self,
         machine: MachinePlan,
         parent: Activation | None,
-        outer: Scope,
+        outer: Environment,
         spawn: tuple[str, str] | None,
         state: StatePlan,
     ) -> None:
@@ -204,12 +204,12 @@ class Host(Protocol):
 
     namespace: dict[str, Any]
     now: float
-    issues: Issues
+    issues: IssueLog
     log: list[Record] | None
     event_values: dict[Path, bool | None] | None
 
-    def scope(self, machine: Path) -> Scope:
-        """Return the living scope of a machine, by its path of definition."""
+    def environment(self, machine: Path) -> Environment:
+        """Return the living environment of a machine, by its path of definition."""
 
     def count(self, element: Element) -> Count:
         """Return the count of a state or transition."""
@@ -333,7 +333,7 @@ def _test(run: Host, act: Activation, edge: EdgePlan) -> Call:
 def _occurs(run: Host, act: Activation, edge: EdgePlan) -> Call:
     assert isinstance(edge.test, EventPlan)
     event = edge.test
-    call = bind_block(run, event.block, run.scope(event.owner).visible)
+    call = bind_block(run, event.block, run.environment(event.owner).visible)
     values = run.event_values
     return call if values is None else noted(values, event.block.site.element.path, call)
 

@@ -9,14 +9,14 @@ from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.cells import content, put
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.run import Run
-from lrp_jupyter.interpreter.tree import Scope, bind_code
+from lrp_jupyter.interpreter.tree import Environment, bind_code
 from lrp_jupyter.language.blocks import compile_block, facts_of
 from lrp_jupyter.language.program import Block, Path, path_text
 
-__all__ = ["Variables", "as_path", "assign", "find_variable"]
+__all__ = ["VariableMapping", "as_path", "assign", "find_variable"]
 
 
-class Variables(Mapping[Path, object]):
+class VariableMapping(Mapping[Path, object]):
     """The living variables and their values, by path: ``("follower", "nobump")``.
 
     A path may also be written as text, ``"follower/nobump"``. Variables that have no value (their
@@ -27,17 +27,17 @@ class Variables(Mapping[Path, object]):
         self._run = run
 
     def __getitem__(self, path: Path | str) -> object:
-        scope, name = find_variable(self._run, path)
-        value = content(scope.own[name].cell)
+        environment, name = find_variable(self._run, path)
+        value = content(environment.own[name].cell)
         if value is UNSET:
             raise UnknownElementError(f"variable `{path_text(as_path(path))}` has no value")
         return value
 
     def __iter__(self) -> Iterator[Path]:
-        for scope in self._run.live.values():
-            for name, slot in scope.own.items():
+        for environment in self._run.live.values():
+            for name, slot in environment.own.items():
                 if content(slot.cell) is not UNSET:
-                    yield (*scope.path, name)
+                    yield (*environment.path, name)
 
     def __len__(self) -> int:
         return sum(1 for _ in self)
@@ -51,8 +51,8 @@ def as_path(path: Path | str) -> Path:
     return tuple(path.split("/")) if isinstance(path, str) else tuple(path)
 
 
-def find_variable(run: Run, path: Path | str) -> tuple[Scope, str]:
-    """Find the living scope of a variable and its name.
+def find_variable(run: Run, path: Path | str) -> tuple[Environment, str]:
+    """Find the living environment of a variable and its name.
 
     Raises
     ------
@@ -60,9 +60,9 @@ def find_variable(run: Run, path: Path | str) -> tuple[Scope, str]:
         If no such variable lives now.
     """
     *where, name = as_path(path) or ("",)
-    for key, scope in run.live.items():
-        if tuple(where) in (scope.path, key) and name in scope.own:  # as spawned, or as defined
-            return scope, name
+    for key, environment in run.live.items():
+        if tuple(where) in (environment.path, key) and name in environment.own:  # as spawned, or as defined
+            return environment, name
     raise UnknownElementError(f"no variable `{path_text(as_path(path))}` lives now")
 
 
@@ -76,15 +76,15 @@ def assign(run: Run, path: Path | str, expression: str) -> None:
     Exception
         Whatever the expression raises; the variable keeps its value.
     """
-    scope, name = find_variable(run, path)
+    environment, name = find_variable(run, path)
     text = expression.strip()
     fault = facts_of(text).fault
     if fault is not None:
         raise SyntaxError(fault.message)
     ast.parse(text, "<expression>", "eval")  # an expression, not statements
-    code = compile_block(Block(text), frozenset(scope.visible), "<expression>")
-    value = bind_code(run, code, scope.visible)()
-    cell = scope.own[name].cell
+    code = compile_block(Block(text), frozenset(environment.visible), "<expression>")
+    value = bind_code(run, code, environment.visible)()
+    cell = environment.own[name].cell
     if run.log is not None:
         run.log.append((put, cell, content(cell)))
     cell.cell_contents = value

@@ -436,7 +436,7 @@ def test_issues_are_a_sequence():
     assert i.issues[-1:] == (second,)
     assert (first.code, second.code, str(first.element)) == ("LRP603", "LRP601", "transition `m/nope:a->a`")
     assert str(second) == "1:31: LRP601 ZeroDivisionError: division by zero (2 times)"
-    assert repr(i.issues).startswith("Issues([Issue(")
+    assert repr(i.issues).startswith("IssueLog([Issue(")
     i.issues.clear()
     assert not i.issues
     i.step(0.3)
