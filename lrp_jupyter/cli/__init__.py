@@ -1,8 +1,8 @@
-"""The command line: ``lrp run | check | graph | grade`` and lists of what there is.
+"""The command line: ``lrp run | check | graph | grade`` and lists of what can be chosen.
 
-Errors of usage and faults of a person's files are one sentence on stderr and a documented exit
-code; a traceback means a fault of this package. Each command is a module, imported when it is
-called, so that ``lrp check`` does not wait for a physics engine.
+A usage error or a fault in the user's files is one sentence on stderr and a documented exit code; a
+traceback means a fault of this package. What a command needs is imported when it is called, so that
+``lrp check`` does not wait for a physics engine.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ __all__ = ["app", "main"]
 
 
 def main() -> None:
-    """Run the command that the arguments of the process name."""
+    """Run the command given by the arguments of the process."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal without `→` shows `?`

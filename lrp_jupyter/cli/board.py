@@ -1,4 +1,4 @@
-"""The live display: one calm board in the terminal, redrawn in place; what is said scrolls above it."""
+"""The live display of a run: a board redrawn in place; printed lines scroll above it."""
 
 from __future__ import annotations
 
@@ -17,25 +17,25 @@ from lrp_jupyter.cli.map import framed
 from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.language.program import Path
 
-__all__ = ["Board", "Look", "board_text"]
+__all__ = ["Board", "BoardState", "board_text"]
 
 _STATUS = {"running": ("▶", "bold green"), "paused": ("⏸", "bold yellow"), "hung": ("✋", "bold red")}
 _ISSUES = 4  # shown at the same time, at most
 _LEFT = 32  # characters of the left column
 BESIDE = 76
-"""Columns from which on the map stands beside the states, instead of below."""
+"""Width in columns from which the map is shown beside the states instead of below them."""
 _BEGIN, _END = "\x1b[?2026h", "\x1b[?2026l"  # synchronized output: unknown modes are ignored
 
 
 @dataclass(frozen=True)
-class Look:
-    """Everything that the board shows at one moment.
+class BoardState:
+    """Everything that the board shows at one moment: its view state.
 
     Parameters
     ----------
     frame : Frame
     name, where : str
-        Of the program, and its robot.
+        The program's name, and its robot.
     map : sequence of str
         Rows of the sketch of the world; empty where there is none.
     readings : sequence of (str, str)
@@ -45,9 +45,9 @@ class Look:
     last : sequence of str
         The last transitions, the newest first.
     changed : collection of path
-        Variables that have changed lately.
+        Variables that changed since the last redraw.
     keys : bool
-        Whether keys are read.
+        Whether the keyboard is read.
     """
 
     frame: Frame
@@ -62,7 +62,7 @@ class Look:
 
 
 class Board:
-    """Shows looks in a terminal. A context: the cursor is back afterwards.
+    """A live display in the terminal; a context manager that restores the cursor at its end.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Board:
     def __init__(self, console: Console) -> None:
         self.console = console
         self._live = Live(console=console, auto_refresh=False, vertical_overflow="crop")
-        self._rows: dict[str, int] = {}  # the most that each part has needed: it never shrinks, nothing jumps
+        self._rows: dict[str, int] = {}  # most lines of each part so far: parts never shrink
 
     def __enter__(self) -> Board:
         self._live.start()
@@ -83,53 +83,53 @@ class Board:
 
     @property
     def room(self) -> tuple[int, int]:
-        """Columns and rows that the map may have."""
+        """Columns and rows available to the map."""
         width, height = self.console.size
         if width >= BESIDE:
             return min(width - _LEFT - 4, 72), max(4, height - 9)
         return width - 3, max(0, height - 21)
 
-    def say(self, what: RenderableType) -> None:
-        """Write something that stays, above the board."""
+    def print(self, what: RenderableType) -> None:
+        """Print something above the board, where it stays."""
         self.console.print(what)
 
-    def show(self, look: Look) -> None:
+    def show(self, state: BoardState) -> None:
         """Redraw the board."""
         width, height = self.console.size
-        rows = board_text(look, width, self._rows)[: height - 1]
+        rows = board_text(state, width, self._rows)[: height - 1]
         self.console.file.write(_BEGIN)
         self._live.update(Group(*rows), refresh=True)
         self.console.file.write(_END)
         self.console.file.flush()
 
 
-def board_text(look: Look, width: int, rows: dict[str, int] | None = None) -> list[Text]:
-    """Write a board, line by line.
+def board_text(state: BoardState, width: int, rows: dict[str, int] | None = None) -> list[Text]:
+    """Return the lines of the board.
 
     Parameters
     ----------
-    look : Look
+    state : BoardState
     width : int
         Columns of the terminal.
     rows : dict, optional
-        How many lines each part has had at most; kept up to date.
+        The most lines that each part has had so far; updated in place.
     """
     rows = {} if rows is None else rows
     parts = [
-        _padded("states", rows, [*_states(look)]),
-        _padded("variables", rows, [*_variables(look)]),
-        _padded("readings", rows, [_pair(*reading) for reading in look.readings]),
-        _padded("last", rows, [Text(line, "dim") for line in look.last]),
+        _padded("states", rows, [*_states(state)]),
+        _padded("variables", rows, [*_variables(state)]),
+        _padded("readings", rows, [_pair(*reading) for reading in state.readings]),
+        _padded("last", rows, [Text(line, "dim") for line in state.last]),
     ]
     left = [line for part in parts if part for line in (*part, Text())][:-1]
-    right = framed(look.map) if look.map else []
+    right = framed(state.map) if state.map else []
     if width >= BESIDE:
         body = [_beside(a, b) for a, b in zip_longest(left, right, fillvalue=Text())]
     else:
         body = [*left, *right]
-    lines = [Text(), _header(look), Text(), *body, *_issues(look.frame, width)]
-    if look.keys:
-        lines += [Text(), Text("space: pause, go on   s: one step   r: restart   q: end", "dim")]
+    lines = [Text(), _header(state), Text(), *body, *_issues(state.frame, width)]
+    if state.keys:
+        lines += [Text(), Text("space: pause or resume   s: one step   r: restart   q: quit", "dim")]
     for line in lines:
         line.no_wrap = True
         line.truncate(width - 1, overflow="ellipsis")
@@ -146,8 +146,8 @@ def _beside(left: Text, right: Text) -> Text:
     return Text.assemble(left, "  ", right)
 
 
-def _header(look: Look) -> Text:
-    frame = look.frame
+def _header(state: BoardState) -> Text:
+    frame = state.frame
     sign, style = _STATUS.get(frame.status, ("■", "bold"))
     parts = [f"{frame.time:.1f} s", f"tick {frame.tick}", f"{frame.rate:g} Hz" if frame.rate else "free"]
     if frame.achieved_speed and not 0.9 < frame.achieved_speed < 1.1:
@@ -155,7 +155,12 @@ def _header(look: Look) -> Text:
     if frame.restarts:
         parts.append(f"{frame.restarts} restart" + ("s" if frame.restarts > 1 else ""))
     line = Text.assemble(
-        (f"{sign} {look.name}", style), "  ", "  ".join(parts), "  ", (look.where, "dim"), overflow="ellipsis"
+        (f"{sign} {state.name}", style),
+        "  ",
+        "  ".join(parts),
+        "  ",
+        (state.where, "dim"),
+        overflow="ellipsis",
     )
     if frame.status != "running":
         words = f"{frame.status}: {frame.reason}" if frame.reason else frame.status
@@ -163,9 +168,9 @@ def _header(look: Look) -> Text:
     return line
 
 
-def _states(look: Look) -> Iterator[Text]:
-    """One line for each active machine: its name, its active state, since when."""
-    frame = look.frame
+def _states(board: BoardState) -> Iterator[Text]:
+    """Yield a line for each active machine: its name, its active state, and for how long."""
+    frame = board.frame
     shown: set[Path] = set()
     rows: list[tuple[int, str, str, str]] = []
     for path in frame.active:
@@ -173,7 +178,7 @@ def _states(look: Look) -> Iterator[Text]:
             here = path[:end]
             if here not in shown:
                 shown.add(here)
-                since = look.since.get(here)
+                since = board.since.get(here)
                 time = "" if since is None else f"{max(0.0, frame.time - since):.1f} s"
                 rows.append((end // 2 - 1, path[end - 2], path[end - 1], time))
     widest = max((2 * depth + cell_len(machine) for depth, machine, _, _ in rows), default=0)
@@ -187,9 +192,9 @@ def _states(look: Look) -> Iterator[Text]:
         yield Text("nothing is active", "dim")
 
 
-def _variables(look: Look) -> Iterator[Text]:
-    for path, value in look.frame.variables.items():
-        style = "bold" if path in look.changed else ""
+def _variables(state: BoardState) -> Iterator[Text]:
+    for path, value in state.frame.variables.items():
+        style = "bold" if path in state.changed else ""
         yield _pair("/".join(path if len(path) == 1 else path[-2:]), value, style)
 
 

@@ -1,4 +1,4 @@
-"""The commands, their options and their help; what they do stands in modules of their own."""
+"""The commands with their options and help texts; other modules implement them."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["app"]
 
 
 class _Commands(TyperGroup):
-    """Errors that a person can mend are one sentence."""
+    """A command group that prints an error of the user's as one sentence and exits with code 2."""
 
     def invoke(self, ctx: Any) -> Any:
         try:
@@ -24,7 +24,7 @@ class _Commands(TyperGroup):
         except (LRPError, OSError) as error:
             if isinstance(error, OSError) and not isinstance(error, LRPError):
                 name = f"`{error.filename}`: " if error.filename else ""
-                error = LRPError(f"{name}{(error.strerror or str(error)).lower()}")
+                error = LRPError(f"{name}{error.strerror or str(error)}.")
             typer.echo(f"lrp: {error}", err=True)
             raise typer.Exit(2) from None
 
@@ -40,14 +40,14 @@ app = typer.Typer(
 
 
 class Findings(StrEnum):
-    """How ``lrp check`` writes."""
+    """Output formats of ``lrp check``."""
 
     text = "text"
     json = "json"
 
 
 class Drawing(StrEnum):
-    """How ``lrp graph`` writes."""
+    """Output formats of ``lrp graph``."""
 
     svg = "svg"
     dot = "dot"
@@ -56,13 +56,15 @@ class Drawing(StrEnum):
 
 
 class OnIssue(StrEnum):
-    """What a fault of the running program does."""
+    """What happens at a fault of the running program."""
 
     record = "record"
     pause = "pause"
 
 
-File = Annotated[str, typer.Argument(metavar="FILE", help="A file, a bundled program's name, or `-`.")]
+File = Annotated[
+    str, typer.Argument(metavar="FILE", help="A file, the name of a bundled program, or `-` for stdin.")
+]
 
 
 def _version(wanted: bool) -> None:
@@ -74,28 +76,29 @@ def _version(wanted: bool) -> None:
 @app.callback()
 def lrp(
     _: Annotated[
-        bool, typer.Option("--version", help="Say which version this is.", callback=_version, is_eager=True)
+        bool, typer.Option("--version", help="Print the version.", callback=_version, is_eager=True)
     ] = False,
 ) -> None:
     """Live programming of robot behaviour: nested state machines that change while they run.
 
-    Begin with `lrp run follower`.
+    Start with `lrp run follower`.
     """
 
 
 RUN_EPILOG = """
-**Exit code**: 0 when the run came to its end, 1 when the text is not a program (or `--until` was not
-reached, or the run paused at an issue with no keyboard at hand), 2 when something cannot be read or opened or
-an option is wrong, 3 when the interpreter itself failed. Ctrl-C stops the robot and ends the run: 130.
+**Exit code**: 0 when the run ended normally, 1 when the text is not a valid program (or `--until` was not
+reached, or the run paused at an issue and there is no keyboard to resume it), 2 when a file cannot be read, a
+robot cannot be opened or an option is wrong, 3 when the interpreter itself failed, 130 when Ctrl-C stopped
+the robot and ended the run.
 
-**Live programming**: with `--watch` every save of the file changes the running program. A text that is not
-a program changes nothing: its errors are shown, the last program runs on.
+**Live programming**: with `--watch` every save of the file patches the running program. A text that is not a
+valid program changes nothing: its errors are shown and the last valid program keeps running.
 
-**Traces**: `--trace` writes JSON Lines, an object per event, with `tick` (the first is 1), `time` (seconds)
+**Traces**: `--trace` writes JSON Lines, one object per event, with `tick` (the first is 1), `time` (seconds)
 and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired` (`machine`, `transition`,
 `source`, `destination`); `spawned`, `discarded` (`machine`); `changed` (`variable`, `value`); `issue`
 (`code`, `element`, `line`, `message`); `patched` (`applied`, `restarted`, `reason`); `restarted` (`reason`);
-`forced` (`state`, `how`). The same program, world and seed give the same trace.
+`forced` (`state`, `how`). The same program, world and seed produce the same trace.
 """
 
 
@@ -104,28 +107,29 @@ def run(
     file: File,
     bridge: Annotated[
         str | None,
-        typer.Option(help="The robot: see `lrp bridges`. Naming hardware arms it. By default the simulator."),
+        typer.Option(help="The robot: see `lrp bridges`. Naming hardware arms it. Default: the simulator."),
     ] = None,
     world: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME|FILE", help="Where to drive: see `lrp worlds`. By default what the text says."
+            metavar="NAME|FILE",
+            help="The simulated world: see `lrp worlds`. Default: the one named in the text.",
         ),
     ] = None,
     rate: Annotated[
-        float, typer.Option(metavar="HZ", min=0, help="Ticks per second; 0: as many as possible.")
+        float, typer.Option(metavar="HZ", min=0, help="Ticks per second; 0 for as many as possible.")
     ] = 10,
     seconds: Annotated[
         float | None,
-        typer.Option("--for", metavar="SECONDS", min=0, help="End after so much time of the run."),
+        typer.Option("--for", metavar="SECONDS", min=0, help="End the run after this time of its own clock."),
     ] = None,
     until: Annotated[
-        str | None, typer.Option(metavar="STATE", help="End when this state is entered.")
+        str | None, typer.Option(metavar="STATE", help="End the run when this state is entered.")
     ] = None,
     speed: Annotated[
-        str, typer.Option(metavar="X|max", help="Times real time; `max`: never wait (simulator only).")
+        str, typer.Option(metavar="X|max", help="Factor of real time; `max` never waits (simulator only).")
     ] = "1",
-    seed: Annotated[int | None, typer.Option(help="Of the simulator's noise.")] = None,
+    seed: Annotated[int | None, typer.Option(help="Seed of the simulator's noise.")] = None,
     noise: Annotated[
         list[str] | None,
         typer.Option(metavar="NAME=NUMBER", help="Imperfections: `motor=0.1`, `light=10`; see `lrp worlds`."),
@@ -133,18 +137,19 @@ def run(
     assignments: Annotated[
         list[str] | None,
         typer.Option(
-            "--set", metavar="NAME=EXPR", help="Let a variable begin with another value; may be repeated."
+            "--set", metavar="NAME=EXPR", help="Start with another value of a variable; may be repeated."
         ),
     ] = None,
     trace: Annotated[
-        str | None, typer.Option(metavar="FILE|-", help="Write what happens as JSON Lines; `-`: on stdout.")
+        str | None,
+        typer.Option(metavar="FILE|-", help="Write the events as JSON Lines; `-` writes to stdout."),
     ] = None,
     watch: Annotated[
-        bool, typer.Option("--watch", help="Every save of the file changes the running program.")
+        bool, typer.Option("--watch", help="Patch the running program at every save of the file.")
     ] = False,
-    on_issue: Annotated[OnIssue, typer.Option(help="What a fault of the program does.")] = OnIssue.record,
+    on_issue: Annotated[OnIssue, typer.Option(help="What to do at a fault of the program.")] = OnIssue.record,
     host: Annotated[
-        str | None, typer.Option(help="Address of the robot: short for `--option host=…`.")
+        str | None, typer.Option(help="Address of the robot; short for `--option host=…`.")
     ] = None,
     options: Annotated[
         list[str] | None,
@@ -153,7 +158,7 @@ def run(
         ),
     ] = None,
 ) -> None:
-    """Run a program and show what it does, while it can be changed."""
+    """Run a program and show what it does; with `--watch`, it can be changed meanwhile."""
     from lrp_jupyter.cli.options import parse_options
     from lrp_jupyter.cli.run import run_file
 
@@ -178,18 +183,18 @@ def run(
 @app.command()
 def check(
     files: Annotated[
-        list[str], typer.Argument(metavar="FILE…", help="Files, bundled programs' names, or `-`.")
+        list[str], typer.Argument(metavar="FILE…", help="Files, names of bundled programs, or `-` for stdin.")
     ],
     form: Annotated[
-        Findings, typer.Option("--format", help="For people, or for other programs.")
+        Findings, typer.Option("--format", help="Text for people or JSON for other programs.")
     ] = Findings.text,
 ) -> None:
-    """Find what is wrong with programs, without running them.
+    """Check programs without running them.
 
     **Exit code**: 0 when there are no errors (there may be warnings and hints), 1 when there are, 2 when a
     file cannot be read.
     """
-    from lrp_jupyter.cli.check import check_files
+    from lrp_jupyter.cli.offline import check_files
 
     raise typer.Exit(check_files(files, form is Findings.json))
 
@@ -198,18 +203,20 @@ def check(
 def graph(
     file: File,
     machine: Annotated[
-        str | None, typer.Option(metavar="PATH", help="One machine only: `follower/looking/lookalgo`.")
+        str | None, typer.Option(metavar="PATH", help="Draw one machine only: `follower/looking/lookalgo`.")
     ] = None,
     form: Annotated[
-        Drawing | None, typer.Option("--format", help="By default as the output file is called, else `svg`.")
+        Drawing | None, typer.Option("--format", help="Default: by the output file's suffix, else `svg`.")
     ] = None,
-    output: Annotated[Path | None, typer.Option("--output", "-o", metavar="FILE")] = None,
+    output: Annotated[
+        Path | None, typer.Option("--output", "-o", metavar="FILE", help="File to write. Default: stdout.")
+    ] = None,
 ) -> None:
     """Draw the state machines of a program.
 
-    **Exit code**: 0, or 1 when the text is not a program, 2 when something cannot be read or written.
+    **Exit code**: 0, 1 when the text is not a valid program, 2 when a file cannot be read or written.
     """
-    from lrp_jupyter.cli.graph import draw_graph
+    from lrp_jupyter.cli.offline import draw_graph
 
     raise typer.Exit(draw_graph(file, machine, form.value if form else None, output))
 
@@ -217,33 +224,34 @@ def graph(
 @app.command()
 def grade(
     file: Annotated[
-        str | None, typer.Argument(metavar="FILE", help="A file, a bundled program, or `-`.")
+        str | None,
+        typer.Argument(metavar="FILE", help="A file, the name of a bundled program, or `-` for stdin."),
     ] = None,
-    challenge: Annotated[str | None, typer.Option(metavar="NAME", help="What it has to master.")] = None,
+    challenge: Annotated[str | None, typer.Option(metavar="NAME", help="The challenge to run it in.")] = None,
     seeds: Annotated[
-        int, typer.Option(metavar="N", min=1, help="Runs in each world, each with other noise.")
+        int, typer.Option(metavar="N", min=1, help="Number of runs in each world, each with different noise.")
     ] = 1,
 ) -> None:
-    """Judge a program by a challenge; without arguments: list the challenges.
+    """Grade a program in a challenge; without arguments, list the challenges.
 
-    **Exit code**: 0 when every run met every criterion, 1 when not, 2 when there is no such file or
-    challenge.
+    **Exit code**: 0 when every run met every criterion, 1 when not, 2 when the file or challenge does
+    not exist.
     """
     if file is None or challenge is None:
         from lrp_jupyter.cli.lists import list_challenges
 
         if file is not None:
-            typer.echo("lrp: grade by what? Choose a challenge: `--challenge NAME`.\n", err=True)
+            typer.echo("lrp: No challenge was named. Choose one with `--challenge NAME`.\n", err=True)
         list_challenges()
         raise typer.Exit(2 if file is not None or challenge is not None else 0)
-    from lrp_jupyter.cli.check import grade_file
+    from lrp_jupyter.cli.offline import grade_file
 
     raise typer.Exit(grade_file(file, challenge, seeds))
 
 
 @app.command()
 def programs(
-    show: Annotated[str | None, typer.Option(metavar="NAME", help="Print the text of one.")] = None,
+    show: Annotated[str | None, typer.Option(metavar="NAME", help="Print the text of a program.")] = None,
 ) -> None:
     """List the bundled programs."""
     from lrp_jupyter.cli.lists import list_programs
@@ -253,10 +261,10 @@ def programs(
 
 @app.command()
 def worlds(
-    show: Annotated[str | None, typer.Option(metavar="NAME|FILE", help="Draw the map of one.")] = None,
+    show: Annotated[str | None, typer.Option(metavar="NAME|FILE", help="Draw the map of a world.")] = None,
     as_json: Annotated[
         str | None,
-        typer.Option("--json", metavar="NAME|FILE", help="Print one as JSON, to make one's own from."),
+        typer.Option("--json", metavar="NAME|FILE", help="Print a world as JSON, as a start for your own."),
     ] = None,
 ) -> None:
     """List the bundled worlds of the simulator."""
@@ -267,7 +275,7 @@ def worlds(
 
 @app.command()
 def bridges() -> None:
-    """List the robots that can be chosen."""
+    """List the available robots."""
     from lrp_jupyter.cli.lists import list_bridges
 
     list_bridges()
@@ -277,13 +285,13 @@ def bridges() -> None:
 def lab(
     ctx: typer.Context,
     folder: Annotated[
-        Path, typer.Option("--dir", metavar="FOLDER", help="Where the notebooks are copied to.")
+        Path, typer.Option("--dir", metavar="FOLDER", help="Folder to copy the notebooks to.")
     ] = Path("lrp-notebooks"),
     browser: Annotated[bool, typer.Option(help="Open a browser.")] = True,
 ) -> None:
-    """Open JupyterLab on a copy of the notebooks, beginning with the first.
+    """Open JupyterLab on a copy of the notebooks, at the first one.
 
-    What you changed in the copies is left alone when you come again. Further options go to JupyterLab.
+    Existing copies are never overwritten. Further options are passed to JupyterLab.
     """
     from lrp_jupyter.cli.lab import open_lab
 

@@ -1,4 +1,4 @@
-"""The events of a run: collected on the interpreter's thread, written as lines by another one."""
+"""The events of a run: collected on the interpreter's thread, printed as lines by another thread."""
 
 from __future__ import annotations
 
@@ -16,39 +16,39 @@ from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.live.trace import Trace
 
-__all__ = ["EventCollector", "Lines"]
+__all__ = ["EventCollector", "EventPrinter"]
 
 _SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
 _ROUNDING = 1e-6  # s
 
 
 class EventCollector:
-    """An observer that only collects; whoever shows it takes from the left.
+    """An observer that queues events for another thread, which pops them from the left.
 
-    Nothing after the end of the run is collected: a clock is not read to the very step.
+    Events after the end of the run are dropped: with a clock, the run may stop a few steps late.
 
     Parameters
     ----------
     seconds : float
         Length of the run; may be infinite.
     until : str, optional
-        A state that ends the run; :attr:`reached` is set when it is entered.
+        The state that ends the run; :attr:`reached` is set when it is entered.
     traced : bool
-        Whether to keep the lines of a trace.
+        Whether to collect the lines of a trace.
 
     Attributes
     ----------
     lines : deque of str
-        Of the trace.
-    news : deque of TraceEvent
-        What a person may want to know.
+        Lines of the trace not written yet.
+    pending : deque of TraceEvent
+        Events worth printing, not printed yet.
     since : dict of path to float
         When the active states were entered, in seconds.
     """
 
     def __init__(self, seconds: float = math.inf, until: str | None = None, traced: bool = False) -> None:
         self.lines: deque[str] = deque()
-        self.news: deque[TraceEvent] = deque()
+        self.pending: deque[TraceEvent] = deque()
         self.since: dict[Path, float] = {}
         self.reached = threading.Event()
         self._seconds = seconds
@@ -69,17 +69,17 @@ class EventCollector:
                 self._last_tick = tick
                 self.reached.set()
         if kind in _SHOWN:
-            self.news.append(event)
+            self.pending.append(event)
 
 
-class Lines:
-    """Writes what happens.
+class EventPrinter:
+    """Print events as lines of text.
 
     Parameters
     ----------
     console : Console
     quiet : bool
-        Only issues: the rest is in a trace.
+        Whether to print issues only; the trace has the rest.
     """
 
     def __init__(self, console: Console, quiet: bool) -> None:
@@ -87,25 +87,25 @@ class Lines:
         self._quiet = quiet
         self._fired: dict[Path, str] = {}
 
-    def say(self, what: RenderableType) -> None:
-        """Write something."""
+    def print(self, what: RenderableType) -> None:
+        """Print something on the console."""
         self._console.print(what)
 
     def write(self, event: TraceEvent, source: str) -> None:
-        """Write what happened; `source` is the text of the program."""
+        """Print one event; `source` is the text of the program."""
         head = f"{event.now:8.1f} s  "
         if isinstance(event.data, Issue):
-            self.say(Text(head) + _issue(event.data, source))
+            self.print(Text(head) + _issue(event.data, source))
         elif self._quiet:
             return
         elif event.kind == "fired":
             self._fired[event.path[:-1]] = event.data.label  # type: ignore[attr-defined]
         elif event.kind == "entered":
             name = self._fired.pop(event.path[:-1], "->")
-            by = "" if "->" in name else f"  ({name})"  # without a name it is called by what it does
-            self.say(f"{head}{'/'.join(event.path)}{by}")
+            by = "" if "->" in name else f"  ({name})"  # a transition without a name has its arrow as label
+            self.print(f"{head}{'/'.join(event.path)}{by}")
         else:
-            self.say(f"{head}{event.kind} {event.data or '/'.join(event.path)}".rstrip())
+            self.print(f"{head}{event.kind} {event.data or '/'.join(event.path)}".rstrip())
 
 
 def _issue(issue: Issue, source: str) -> Text:

@@ -1,4 +1,4 @@
-"""A finding as a person reads it: place, sentence, the line of the source with carets, the remedy."""
+"""Findings as text: location, message, the line of the source with carets, the fix."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ _TAB = 4
 
 
 def plain_console(stderr: bool = False) -> Console:
-    """Make a console that writes what it is given: no markup, no wrapping."""
+    """Return a console that prints text as it is: no markup, no wrapping."""
     return Console(stderr=stderr, markup=False, emoji=False, highlight=False, soft_wrap=True)
 
 
 def excerpt(text: str, line: int, column: int, end_line: int = 0, end_column: int = 0) -> list[str]:
-    """Return a line of a text, and below it carets from one column to another.
+    """Return one line of a text and, below it, carets from one column to another.
 
     Parameters
     ----------
     line, column, end_line, end_column : int
-        From 1, in characters. A range over several lines is marked to the end of the first one;
-        without an end the word at the place is marked.
+        Counted from 1, in characters. A range of several lines is marked to the end of its first line;
+        without an end, the word at the location is marked.
     """
     starts = line_starts(text)
     if not 1 <= line <= len(starts):
@@ -55,7 +55,7 @@ def _shown(text: str) -> str:
 
 
 def finding_text(name: str, text: str, finding: Finding) -> Text:
-    """Write a finding with its place in the source."""
+    """Return a finding as text, with the line of the source that it is about."""
     out = Text()
     out.append(f"{name}:{finding.line}:{finding.column}: ", "bold")
     out.append(f"{finding.severity} {finding.code}", COLOURS[finding.severity])
@@ -70,7 +70,7 @@ def finding_text(name: str, text: str, finding: Finding) -> Text:
 
 
 def summary(findings: Iterable[Finding]) -> str:
-    """Count: ``2 errors, 1 warning``."""
+    """Return the number of findings in words: ``2 errors, 1 warning``."""
     counted = {"error": 0, "warning": 0, "hint": 0}
     for finding in findings:
         counted[finding.severity] += 1

@@ -1,4 +1,4 @@
-"""``lrp lab``: JupyterLab on a copy of the notebooks that came with the package."""
+"""``lrp lab``: JupyterLab on a copy of the notebooks shipped with the package."""
 
 from __future__ import annotations
 
@@ -18,21 +18,21 @@ FIRST = "00-hello-live-robot.ipynb"
 
 
 def shipped_notebooks() -> Path:
-    """Find the folder of notebooks: in the wheel, or in the checkout of who works on the package."""
+    """Return the folder of the notebooks: in the installed package, or beside it in a checkout."""
     package = Path(__file__).parent.parent
     for folder in (package / "notebooks", package.parent / "notebooks"):
         if (folder / FIRST).is_file():
             return folder
-    raise LRPError("the notebooks did not come with this installation; install the package again")
+    raise LRPError("This installation has no notebooks. Install the package again.")
 
 
 def copy_notebooks(folder: Path) -> list[Path]:
-    """Copy the notebooks and their pictures to a folder; what stands there already is left alone.
+    """Copy the notebooks and their pictures to a folder, without overwriting existing files.
 
     Returns
     -------
     list of Path
-        The copies made now.
+        The files copied by this call.
     """
     copied = []
     source = shipped_notebooks()
@@ -54,10 +54,10 @@ def open_lab(folder: Path, browser: bool, options: list[str]) -> None:
         JupyterLab is not installed, or the folder cannot be written.
     """
     if find_spec("jupyterlab") is None:
-        raise LRPError('JupyterLab is not installed; `pip install "lrp-jupyter[lab]"` brings it')
+        raise LRPError('JupyterLab is not installed. Install it with `pip install "lrp-jupyter[lab]"`.')
     copied = copy_notebooks(folder)
     typer.echo(
-        f"{len(copied)} files copied to {folder}" if copied else f"the notebooks are in {folder} already"
+        f"{len(copied)} files copied to {folder}." if copied else f"The notebooks are in {folder} already."
     )
     arguments = [f"--ServerApp.root_dir={folder}", f"--LabApp.default_url=/lab/tree/{FIRST}", *options]
     if not browser:
@@ -71,9 +71,9 @@ def open_lab(folder: Path, browser: bool, options: list[str]) -> None:
 
 
 def send_at_once() -> None:
-    """Have a Jupyter server of this process send each message of a kernel at once.
+    """Disable Nagle's algorithm on the kernel websockets of a Jupyter server in this process.
 
-    It leaves Nagle's algorithm on, which adds tens of milliseconds to every answer of a lab.
+    The server leaves it on, which adds tens of milliseconds to every reply to a lab.
     """
     from jupyter_server.services.kernels.websocket import KernelWebsocketHandler
 

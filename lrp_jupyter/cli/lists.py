@@ -1,4 +1,4 @@
-"""``lrp programs | worlds | bridges``: what there is to choose from."""
+"""``lrp programs | worlds | bridges``: lists of what can be chosen, and ``lrp grade`` without arguments."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _table(*columns: str) -> Table:
 def _show(table: Table) -> None:
     console = Console(highlight=False, markup=False, emoji=False)
     if not console.is_terminal:
-        console.width = 200  # one line each: for other programs
+        console.width = 200  # one line each, for other programs to read
     console.print(table)
 
 
@@ -74,7 +74,7 @@ def list_worlds(show: str | None, as_json: bool) -> None:
 
 
 def list_bridges() -> None:
-    """Print the bridges that can be chosen."""
+    """Print the available bridges."""
     from lrp_jupyter.bridges.discovery import find_bridges
 
     table = _table("bridge", "from", "what it is")
@@ -90,7 +90,7 @@ def list_bridges() -> None:
 
 
 def list_challenges() -> None:
-    """Print the challenges that a program can be graded by."""
+    """Print the available challenges."""
     from lrp_jupyter.grading.challenges import challenges
 
     table = _table("challenge", "what the robot has to do")

@@ -18,7 +18,7 @@ _STYLES = {"#": "bright_black", "▒": "yellow", "·": "blue", ".": "magenta", "
 
 
 def framed(rows: Iterable[str]) -> list[Text]:
-    """Put the edge of the world around a sketch, and colours into it."""
+    """Return a sketch with colours and a frame for the edge of the world."""
     rows = list(rows)
     width = max(map(len, rows), default=0)
     return [
@@ -37,20 +37,20 @@ def _coloured(row: str) -> Text:
 
 
 def columns_for(size: tuple[float, float], columns: int, rows: int) -> int:
-    """How many characters wide a sketch may be, so that it is at most `columns` x `rows` large."""
+    """Return the greatest width of a sketch, in characters, that fits into `columns` x `rows`."""
     length, depth = size
     return max(1, min(columns, int(2 * rows * length / depth)))
 
 
 class Map:
-    """A sketch of a running world, with the trails that its robots have left (``.``).
+    """A sketch of a running world, with the trails of its robots (``.``).
 
-    Belongs to the thread that moves the world.
+    Must be used on the thread that advances the world.
     """
 
     def __init__(self, simulation: Simulation) -> None:
         self._simulation = simulation
-        self._seen = 0  # marks on the floor
+        self._seen = 0  # marks on the floor already drawn
         self._columns = 0
         self._trail: set[tuple[int, int]] = set()  # row, column
 

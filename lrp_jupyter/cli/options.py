@@ -1,7 +1,7 @@
-"""What was asked of ``lrp run``, read and checked before anything moves.
+"""Options of ``lrp run``, parsed and checked before anything moves.
 
-``--set search=0.5`` lets a variable begin with another value: the program runs as if its text said so;
-the text itself, and every position in it, stays as it is.
+``--set search=0.5`` replaces the initialiser of a variable: the program runs as if its text had that value,
+while the text and every position in it stay the same.
 """
 
 from __future__ import annotations
@@ -28,21 +28,21 @@ class RunOptions:
     Parameters
     ----------
     bridge, world : str or None
-        None: what the text says, else the simulator and its line.
+        None selects what the text names, or the simulator with the world `line`.
     rate : float
         Ticks per second; 0 for as many as possible.
     seconds : float
-        After which the run ends; infinite: never.
+        Length of the run; may be infinite.
     until : str or None
-        A state that ends the run when it is entered.
+        The state that ends the run when it is entered.
     speed : float
-        Times real time; infinite: never wait.
+        Factor of real time; infinite means never to wait.
     noise : dict
         Imperfections of the simulated robot.
     assignments : tuple of Assignment
         Other initial values.
     trace : str or None
-        A file, or ``-``.
+        A file, or ``-`` for stdout.
     answers : dict
         Options of the bridge, and answers to its questions.
     """
@@ -71,12 +71,12 @@ def parse_options(
     answers: Sequence[str],
     **others: Any,
 ) -> RunOptions:
-    """Read those options that are more than a text or a number.
+    """Return the options of a run, with those parsed that are more than a text or a number.
 
     Raises
     ------
     typer.BadParameter
-        With a sentence.
+        An option has an invalid value.
     """
     return RunOptions(
         seconds=math.inf if seconds is None else seconds,
@@ -117,8 +117,8 @@ def _number(text: str, option: str, what: str = "a number") -> float:
 def _assignment(name: str, text: str) -> Assignment:
     facts = facts_of(text)
     if facts.empty or facts.fault is not None:
-        why = facts.fault.message if facts.fault is not None else "it is empty"
-        raise typer.BadParameter(f"--set {name}: `{text}` is not Python: {why}")
+        why = facts.fault.message if facts.fault is not None else "It is empty."
+        raise typer.BadParameter(f"--set {name}: `{text}` is not a valid Python expression: {why}")
     return Assignment(tuple(name.strip("/").split("/")), text)
 
 
@@ -130,12 +130,12 @@ class Assignment(NamedTuple):
 
 
 def with_initials(program: Program, assignments: Sequence[Assignment]) -> Program:
-    """Return the program with other initialisers.
+    """Return the program with its initialisers replaced by the assigned expressions.
 
     Raises
     ------
     UnknownElementError
-        There is no such variable, or there are several of that name.
+        The variable does not exist, or several have that name.
     """
     for variable, expression in assignments:
         path = _full_path(program, variable)
@@ -161,10 +161,12 @@ def _full_path(program: Program, wanted: Path) -> Path:
     texts = [path_text(path) for path in (found or known)]
     name = path_text(wanted)
     if found:
-        raise UnknownElementError(f"--set {name}: which one? There are {', '.join(texts)}.")
+        raise UnknownElementError(
+            f"--set {name}: Several variables have this name. Use {' or '.join(texts)}."
+        )
     close = get_close_matches(name, [*texts, *(path[-1] for path in known)], n=1)
-    hint = f"did you mean `{close[0]}`?" if close else f"it has {', '.join(texts) or 'none'}."
-    raise UnknownElementError(f"--set {name}: the program has no such variable; {hint}")
+    hint = f"Did you mean `{close[0]}`?" if close else f"It has {', '.join(texts) or 'none'}."
+    raise UnknownElementError(f"--set {name}: The program has no such variable. {hint}")
 
 
 def _variables(program: Program) -> Iterator[Path]:

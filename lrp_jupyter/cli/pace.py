@@ -1,6 +1,6 @@
-"""How the time of a run passes: beside a clock, or as fast as it can.
+"""How a run advances: in real time, or as fast as possible.
 
-Both run on a thread of their own, so that the main thread can look, draw and be interrupted.
+Both advance the run on a thread of their own, so that the main thread can draw and handle signals.
 """
 
 from __future__ import annotations
@@ -19,45 +19,45 @@ from lrp_jupyter.live.session import Session
 __all__ = ["Clocked", "Pace", "Racing"]
 
 _PATIENCE = 1.0  # wall seconds for a block to return
-_SLICE = 1.0  # seconds of the run between two looks at what is wanted
+_SLICE = 1.0  # seconds of the run between two checks for pause and end
 _ROUNDING = 1e-6  # s
 
 
 class Pace(Protocol):
-    """What a run needs of its time."""
+    """Controls how a run advances in time."""
 
     def start(self) -> None:
-        """Begin."""
+        """Start the run."""
 
     def is_over(self) -> bool:
-        """Whether the time has run out, or the run has ended by itself."""
+        """Return whether the time is up or the run has ended by itself."""
 
     def is_paused(self) -> bool:
-        """Whether the run stands still."""
+        """Return whether the run is paused."""
 
     def pause(self) -> None:
-        """Stand still."""
+        """Pause the run."""
 
     def resume(self) -> None:
-        """Go on."""
+        """Resume the run."""
 
-    def seen(self, frame: Frame) -> Frame:
-        """Return what a person may see of the session's frame."""
+    def displayed(self, frame: Frame) -> Frame:
+        """Return the frame to display for a frame of the session."""
 
     def end(self) -> None:
-        """Stop the robot and the thread."""
+        """Stop the robot and the thread that advances the run."""
 
 
 class Clocked:
-    """In wall time, at the session's speed.
+    """Advances a session in wall time, at the session's speed.
 
     Parameters
     ----------
     session : Session
     seconds : float
-        After which the run is over, in its own time; may be infinite.
+        Length of the run, in its own time; may be infinite.
     over : callable
-        Whether it is over for another reason.
+        Returns whether the run has ended for another reason.
     """
 
     def __init__(self, session: Session, seconds: float, over: Callable[[], bool]) -> None:
@@ -66,7 +66,7 @@ class Clocked:
         self._over = over
 
     def start(self) -> None:
-        """Begin."""
+        """Start the run."""
         self._session.start()
 
     def is_over(self) -> bool:
@@ -87,7 +87,7 @@ class Clocked:
         """See :class:`Pace`."""
         self._session.resume()
 
-    def seen(self, frame: Frame) -> Frame:
+    def displayed(self, frame: Frame) -> Frame:
         """See :class:`Pace`."""
         return frame
 
@@ -97,15 +97,15 @@ class Clocked:
 
 
 class Racing:
-    """Without waiting, in slices of virtual time: it ends at the very step.
+    """Advances a session without waiting, in slices of virtual time; ends at the exact step.
 
     Parameters
     ----------
     session : Session
     seconds : float
-        After which the run is over; may be infinite.
+        Length of the run; may be infinite.
     until : str, optional
-        A state that ends the run.
+        The state that ends the run.
     wake : SimpleQueue
         Gets an item when the run is over.
     """
@@ -122,7 +122,7 @@ class Racing:
         self._thread = threading.Thread(target=self._run, name="race", daemon=True)
 
     def start(self) -> None:
-        """Begin."""
+        """Start the run."""
         self._began = perf_counter()
         self._going.set()
         self._thread.start()
@@ -139,9 +139,9 @@ class Racing:
                 reached = session.run(span, until=self._until)
                 if reached and self._until is not None:
                     break
-                if session.frame.time < before + span - _ROUNDING:  # it paused: at an issue
+                if session.frame.time < before + span - _ROUNDING:  # paused at an issue
                     self._going.clear()
-        except LRPError:  # closed under way
+        except LRPError:  # the session was closed during the run
             pass
         finally:
             self._done.set()
@@ -163,8 +163,8 @@ class Racing:
         """See :class:`Pace`."""
         self._going.set()
 
-    def seen(self, frame: Frame) -> Frame:
-        """Hide that a session stands still between two slices."""
+    def displayed(self, frame: Frame) -> Frame:
+        """Return the frame with the status `running` between two slices, where the session is paused."""
         if frame.status not in ("paused", "running") or self.is_paused():
             return frame
         wall = perf_counter() - self._began

@@ -1,8 +1,8 @@
-"""``lrp run``: a program runs, is shown, traced, and changed while it runs.
+"""``lrp run``: run a program, display and trace it, and patch it while it runs.
 
-The interpreter and its robot live on a thread of their own. This one, the main thread, only looks
-(twelve times a second), writes what happened, reads keys and waits for signals; so Ctrl-C is
-answered at once, whatever a block does.
+The interpreter and its robot run on a thread of their own. The main thread refreshes the display twelve
+times a second, prints events, reads keys and waits for signals, so Ctrl-C is handled at once, whatever a
+block does.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from rich.text import Text
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge
-from lrp_jupyter.cli.board import Board, Look
-from lrp_jupyter.cli.events import EventCollector, Lines
+from lrp_jupyter.cli.board import Board, BoardState
+from lrp_jupyter.cli.events import EventCollector, EventPrinter
 from lrp_jupyter.cli.excerpt import finding_text, plain_console
 from lrp_jupyter.cli.map import Map, columns_for
 from lrp_jupyter.cli.options import RunOptions, with_initials
 from lrp_jupyter.cli.pace import Clocked, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
-from lrp_jupyter.cli.terminal import Keys, noted_signals
+from lrp_jupyter.cli.terminal import Keys, recorded_signals
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.frame import Frame, matches
 from lrp_jupyter.language.checks import check
@@ -45,12 +45,12 @@ from lrp_jupyter.live.session import Session
 
 __all__ = ["open_robot", "run_file", "where"]
 
-_LOOKS = 1 / 12  # s between two looks
-_LAST = 3  # transitions that the board remembers
+_REFRESH = 1 / 12  # s between two refreshes of the display
+_LAST = 3  # number of recent transitions on the board
 
 
 def run_file(file: str, wanted: RunOptions) -> int:
-    """Run a program; return the exit code."""
+    """Run a program and return the exit code."""
     source = read_source(file)
     if wanted.watch and source.path is None:
         raise typer.BadParameter(
@@ -62,12 +62,12 @@ def run_file(file: str, wanted: RunOptions) -> int:
         _report(complaints.print, source.name, source.text, findings)
         if not wanted.watch:
             return 1
-        complaints.print("Nothing runs yet: correct the text and save it.")
+        complaints.print("Nothing runs yet. Correct the text and save it.")
     running = Program(filename=source.name) if program is None else with_initials(program, wanted.assignments)
     if program is not None and wanted.until is not None and not wanted.watch:
         _check_state(program, wanted.until)
     if source.path is not None:
-        sys.path.insert(0, str(source.path.parent.absolute()))  # modules beside the file, as for any script
+        sys.path.insert(0, str(source.path.parent.absolute()))  # for imports of modules beside the file
     with ExitStack() as stack:
         trace = _opened(wanted.trace, stack)
         bridge = open_robot(source, wanted)
@@ -86,7 +86,7 @@ def run_file(file: str, wanted: RunOptions) -> int:
 
 
 def _has_no_reader(stream: TextIO) -> bool:
-    """Whether the other end of a pipe is closed; False where that cannot be known."""
+    """Return whether the other end of a pipe is closed; False where that cannot be known."""
     if not hasattr(select, "poll"):
         return False
     try:
@@ -107,31 +107,31 @@ def _check_state(program: Program, until: str) -> None:
     known = [(*path, str(state.name)) for path, machine in program.walk() for state in machine.states]
     if not any(matches(until, path) for path in known):
         close = get_close_matches(until.rpartition("/")[2], {path[-1] for path in known}, n=1)
-        hint = f"; did you mean `{close[0]}`?" if close else "."
-        raise typer.BadParameter(f"--until: the program has no state `{until}`{hint}")
+        hint = f" Did you mean `{close[0]}`?" if close else ""
+        raise typer.BadParameter(f"--until: The program has no state `{until}`.{hint}")
 
 
-def _report(say: Any, name: str, text: str, findings: tuple[Finding, ...]) -> None:
+def _report(show: Any, name: str, text: str, findings: tuple[Finding, ...]) -> None:
     for finding in findings:
-        say(finding_text(name, text, finding))
+        show(finding_text(name, text, finding))
 
 
 class _Run:
-    """One run, seen from the main thread."""
+    """One run, controlled from the main thread."""
 
     def __init__(self, session: Session, source: Source, wanted: RunOptions, trace: TextIO | None) -> None:
         self.session = session
         self.source = source
         self.wanted = wanted
-        self._wake: SimpleQueue[None] = SimpleQueue()  # an event's `set` may not be called by a signal
-        self._caught: list[int] = []  # signals that end the run; that of a pipe without a reader, too
-        self._left = False  # by the key q
+        self._wake: SimpleQueue[None] = SimpleQueue()  # a signal handler may not call an event's `set`
+        self._caught: list[int] = []  # signals that end the run, including that of a closed pipe
+        self._quit = False  # by the key q
         self._trace = trace
-        self._happenings = EventCollector(wanted.seconds, wanted.until, trace is not None)
+        self._events = EventCollector(wanted.seconds, wanted.until, trace is not None)
         console = plain_console(stderr=wanted.trace == "-")
         drawn = console.is_terminal and not console.is_dumb_terminal and wanted.trace != "-"
         self._board = Board(Console(highlight=False, markup=False, emoji=False)) if drawn else None
-        self._lines = Lines(console, quiet=wanted.trace == "-")
+        self._printer = EventPrinter(console, quiet=wanted.trace == "-")
         self._keys: Keys | None = None  # only where there is a keyboard
         self._saved: SimpleQueue[str] = SimpleQueue()
         simulation = getattr(session.bridge, "simulation", None)
@@ -139,51 +139,51 @@ class _Run:
         self._drawing: Future[list[str]] | None = None
         self._rows: list[str] = []
         self._printed = 0
-        self._said: set[str] = set()  # notices of the robot
+        self._notices: set[str] = set()  # of the robot, printed already
         self._last: deque[str] = deque(maxlen=_LAST)
         self._values: dict[Path, str] = {}
         self.pace: Pace
         if wanted.speed == math.inf:
             self.pace = Racing(session, wanted.seconds, wanted.until, self._wake)
         else:
-            self.pace = Clocked(session, wanted.seconds, self._happenings.reached.is_set)
+            self.pace = Clocked(session, wanted.seconds, self._events.reached.is_set)
         self._where = where(session.bridge, wanted.world or source.world)
 
     @property
     def _bridge(self) -> Bridge:
         return self.session.bridge
 
-    def say(self, what: RenderableType) -> None:
-        """Write something that stays."""
-        (self._board or self._lines).say(what)
+    def print(self, what: RenderableType) -> None:
+        """Print a line that stays."""
+        (self._board or self._printer).print(what)
 
     def go(self, program: Program | None) -> int:
-        """Run to the end; return the exit code."""
+        """Run to the end and return the exit code."""
         session, wanted = self.session, self.wanted
-        session.observe(self._happenings)
+        session.observe(self._events)
         pace = self.pace
         with ExitStack() as stack:
-            self._caught = stack.enter_context(noted_signals(self._wake))
+            self._caught = stack.enter_context(recorded_signals(self._wake))
             if self._board is not None:
                 keys = stack.enter_context(Keys())
                 self._keys = keys if keys.usable else None
             if wanted.watch and self.source.path is not None:
                 stack.callback(Watch(self.source.path, self.source.text, self._saved.put).close)
             if program is not None:
-                _report(self.say, self.source.name, program.text, check(program))
+                _report(self.print, self.source.name, program.text, check(program))
             if self._board is not None:
                 stack.enter_context(self._board)
             began = perf_counter()
             alone = False
             try:
                 pace.start()
-                while not (self._caught or self._left or alone or pace.is_over()):
+                while not (self._caught or self._quit or alone or pace.is_over()):
                     with suppress(Empty):
-                        self._wake.get(timeout=self._pause_between_looks())
-                    self._look()
+                        self._wake.get(timeout=self._pause_between_refreshes())
+                    self._refresh()
                     for key in self._keys.pressed() if self._keys is not None else "":
                         self._press(key)
-                    # nothing can resume it, neither a key nor a save
+                    # neither a key nor a save can resume it
                     alone = pace.is_paused() and self._keys is None and not wanted.watch
             finally:
                 wall = perf_counter() - began
@@ -191,25 +191,25 @@ class _Run:
             frame = session.frame
             self._draw_last()
             self._keys = None
-            self._look()
+            self._refresh()
         return self._end(frame, wall, alone)
 
-    def _pause_between_looks(self) -> float:
+    def _pause_between_refreshes(self) -> float:
         left = (self.wanted.seconds - self.session.frame.time) / self.wanted.speed
-        return min(_LOOKS, max(left, 0.005))
+        return min(_REFRESH, max(left, 0.005))
 
-    # -- one look -----------------------------------------------------------------------------------
+    # -- one refresh --------------------------------------------------------------------------------
 
-    def _look(self) -> None:
+    def _refresh(self) -> None:
         self._write_trace()
         self._apply_saves()
-        frame = self.pace.seen(self.session.frame)
-        self._tell_news(frame)
+        frame = self.pace.displayed(self.session.frame)
+        self._print_events(frame)
         if self._board is not None:
-            self._board.show(self._seen(frame))
+            self._board.show(self._board_state(frame))
 
     def _write_trace(self) -> None:
-        lines, trace = self._happenings.lines, self._trace
+        lines, trace = self._events.lines, self._trace
         if trace is None:
             lines.clear()
             return
@@ -217,7 +217,7 @@ class _Run:
             while lines:
                 trace.write(lines.popleft())
             trace.flush()
-            gone = _has_no_reader(trace)  # a program that has come to rest writes nothing
+            gone = _has_no_reader(trace)  # an idle program writes nothing, so no error would show it
         except BrokenPipeError:
             gone = True
         if gone:
@@ -225,25 +225,25 @@ class _Run:
             self._trace = None
             sys.stdout = open("/dev/null", "w")  # noqa: SIM115  (closing the real one would fail again)
 
-    def _tell_news(self, frame: Frame) -> None:
-        news = self._happenings.news
-        while news:
-            event = news.popleft()
+    def _print_events(self, frame: Frame) -> None:
+        pending = self._events.pending
+        while pending:
+            event = pending.popleft()
             if event.kind == "fired":
                 self._last.appendleft(f"{event.now:.1f} s  {' → '.join(event.data[:2])}")  # type: ignore[index]
             if event.kind == "restarted":
-                self._happenings.since.clear()
+                self._events.since.clear()
             if self._board is None:
-                self._lines.write(event, frame.program.text)
+                self._printer.write(event, frame.program.text)
         self._printed, printed = self.session.output.since(self._printed)
         for line in printed:
-            self.say(line)
+            self.print(line)
         for notice in self._bridge.safety.notices:
-            if notice.text not in self._said:
-                self._said.add(notice.text)
-                self.say(Text(f"{notice.now:8.1f} s  robot: {notice.text}", "yellow"))
+            if notice.text not in self._notices:
+                self._notices.add(notice.text)
+                self.print(Text(f"{notice.now:8.1f} s  robot: {notice.text}", "yellow"))
 
-    def _seen(self, frame: Frame) -> Look:
+    def _board_state(self, frame: Frame) -> BoardState:
         values = dict(frame.variables)
         changed = frozenset(path for path, value in values.items() if self._values.get(path, value) != value)
         self._values = values
@@ -252,20 +252,20 @@ class _Run:
             for member in self._bridge.members()
             if member.kind == "variable" and member.value is not None
         ]
-        return Look(
+        return BoardState(
             frame=frame,
             name=self.session.name,
             where=self._where,
             map=self._drawn(frame),
             readings=readings,
-            since=self._happenings.since,
+            since=self._events.since,
             last=tuple(self._last),
             changed=changed,
             keys=self._keys is not None,
         )
 
     def _drawn(self, frame: Frame) -> list[str]:
-        """Return the newest map of the world, and ask for the next: it is drawn between two ticks."""
+        """Return the latest map of the world and submit a request for the next, drawn between two ticks."""
         if self._map is None or self._board is None:
             return []
         if self._drawing is not None and self._drawing.done() and self._drawing.exception() is None:
@@ -277,7 +277,7 @@ class _Run:
         return self._rows
 
     def _draw_last(self) -> None:
-        """Draw the map of the end; nothing moves any more."""
+        """Draw the final map; nothing moves any more."""
         if self._map is not None and self._rows:
             draw, wide = self._map.draw, len(self._rows[0])
             with suppress(LRPError):  # a block that does not return holds the world
@@ -295,9 +295,9 @@ class _Run:
             elif key == "r":
                 self.session.reset()
             elif key in "qQ":
-                self._left = True
+                self._quit = True
         except LRPError as error:
-            self.say(Text(str(error), "red"))
+            self.print(Text(str(error), "red"))
 
     # -- changes ------------------------------------------------------------------------------------
 
@@ -312,53 +312,53 @@ class _Run:
             self._apply(text)
 
     def _apply(self, text: str) -> None:
-        """Replace the running program, and print the effect."""
+        """Patch the running program and print the effect."""
         head = f"{self.session.frame.time:8.1f} s  saved: "
         program, findings = scan(text, self.source.name)
         if program is None:
-            self.say(Text(f"{head}not a program; the last one runs on", "bold red"))
-            _report(self.say, self.source.name, text, findings)
+            self.print(Text(f"{head}not a valid program; the last one keeps running", "bold red"))
+            _report(self.print, self.source.name, text, findings)
             return
         try:
             answer = self.session.submit(do.ReplaceProgram(with_initials(program, self.wanted.assignments)))
             self.session.call(lambda: None)  # applied, also while nothing runs
             patch = answer.result(0)
         except LRPError as error:
-            self.say(Text(f"{head}{error}", "bold yellow"))
+            self.print(Text(f"{head}{error}", "bold yellow"))
             return
         if not patch.applied:
-            self.say(Text(f"{head}not applied yet: {patch.reason}", "bold yellow"))
+            self.print(Text(f"{head}not applied yet: {patch.reason}", "bold yellow"))
         elif patch.restarted:
-            self.say(Text(f"{head}restarted: {patch.reason}", "bold yellow"))
+            self.print(Text(f"{head}restarted: {patch.reason}", "bold yellow"))
         elif not patch.changes:
-            self.say(f"{head}nothing changed in its meaning")
+            self.print(f"{head}its meaning has not changed")
         else:
-            self.say(Text(f"{head}applied while it runs: {patch.changes}", "green"))
+            self.print(Text(f"{head}applied while it runs: {patch.changes}", "green"))
         if self._keys is None and self.pace.is_paused():  # at an issue, and there is no keyboard
             self.pace.resume()
-        _report(self.say, self.source.name, text, check(program))
+        _report(self.print, self.source.name, text, check(program))
 
     # -- the end ------------------------------------------------------------------------------------
 
     def _end(self, frame: Frame, wall: float, alone: bool) -> int:
         if self.session.fault:
             plain_console(stderr=True).print(
-                f"lrp: the interpreter itself failed, not your program:\n{self.session.fault}"
+                f"lrp: The interpreter itself failed, not your program. Report this:\n{self.session.fault}"
             )
             return 3
         if alone:
             issue = max(frame.issues, key=lambda each: each.last_tick)
-            self.say(f"paused at an issue:\n{issue.traceback or issue}")
+            self.print(f"Paused at an issue:\n{issue.traceback or issue}")
         active = ", ".join("/".join(path) for path in frame.active) or "nothing"
         words = f"{self.session.name}: {frame.time:.1f} s, {frame.tick} ticks; {active} active"
         if issues := sum(not issue.resolved for issue in frame.issues):
             words += f"; {issues} issue" + ("s" if issues > 1 else "")
         if self.wanted.speed == math.inf and wall > 0:
             words += f"; {frame.time / wall:,.0f} times real time"
-        self.say(words)
+        self.print(words)
         if self._caught:
             return 128 + self._caught[0]
-        missed = self.wanted.until is not None and not (self._happenings.reached.is_set() or self._left)
+        missed = self.wanted.until is not None and not (self._events.reached.is_set() or self._quit)
         return int(alone or missed)
 
 
@@ -367,12 +367,12 @@ def _short(value: object) -> str:
 
 
 def open_robot(source: Source, wanted: RunOptions) -> Bridge:
-    """Make the bridge of a run, and open it; hardware that was named is armed.
+    """Return the opened bridge of a run; hardware that was named is armed.
 
     Raises
     ------
     BridgeError
-        There is no such bridge or world, or its robot cannot be reached.
+        The bridge or world does not exist, or its robot cannot be reached.
     typer.BadParameter
         An option does not fit the bridge.
     """
@@ -411,7 +411,7 @@ def _open_simulator(source: Source, wanted: RunOptions) -> Bridge:
 
 
 def where(bridge: Bridge, world: str | None = None) -> str:
-    """Say in a few words what the robot is: ``sim: line``; a real one is in no world."""
+    """Return the name of the bridge, with that of its world if it is simulated: ``sim: line``."""
     simulated = getattr(bridge, "world", None)
     name = "" if simulated is None else simulated.name or world
     return f"{bridge.name}: {name}" if name else bridge.name

@@ -1,6 +1,6 @@
-"""Texts of programs: from a file, from standard input, or bundled.
+"""Source texts of programs: from a file, from standard input, or bundled.
 
-With ``--watch`` every save of a file is a new text: live programming with one's own editor.
+With ``--watch`` every save of a file is a new text: live programming with any editor.
 """
 
 from __future__ import annotations
@@ -19,16 +19,16 @@ __all__ = ["Source", "UnreadableError", "Watch", "read_file", "read_source"]
 
 
 class UnreadableError(LRPError):
-    """There is no such file, or it is no text."""
+    """A file does not exist or is not text."""
 
 
 class Source(NamedTuple):
-    """A text and where it comes from.
+    """A program's text and its origin.
 
     Parameters
     ----------
     name : str
-        As it was asked for; findings and tracebacks show it.
+        As given on the command line; findings and tracebacks show it.
     text : str
     path : Path or None
         None for a bundled program and for standard input.
@@ -40,7 +40,7 @@ class Source(NamedTuple):
 
     @property
     def world(self) -> str | None:
-        """The world that the text itself asks for; a file is looked for beside it."""
+        """The world named in the text's heading; a file name is relative to the program's folder."""
         world = programs.heading(self.text).world
         if world is not None and self.path is not None and world.endswith(".json"):
             return str(self.path.parent / world)
@@ -53,10 +53,10 @@ def read_source(what: str) -> Source:
     Raises
     ------
     UnreadableError
-        The sentence says what there is instead.
+        The file cannot be read; the message lists the alternatives.
     """
     if what == "-":
-        return Source("<stdin>", _decoded(sys.stdin.buffer.read(), "standard input"))
+        return Source("<stdin>", _decoded(sys.stdin.buffer.read(), "Standard input"))
     path = Path(what)
     if path.exists():
         return Source(what, read_file(path), path)
@@ -64,49 +64,47 @@ def read_source(what: str) -> Source:
         return Source(what, programs.load(what))
     known = [*programs.names(), *sorted(str(each) for each in Path().glob("*.lrp"))]
     close = get_close_matches(what, known, n=1) or get_close_matches(path.stem, known, n=1)
-    hint = f"; did you mean `{close[0]}`?" if close else f"; bundled are {', '.join(programs.names())}."
-    raise UnreadableError(f"there is no file and no bundled program `{what}`{hint}")
+    hint = f"Did you mean `{close[0]}`?" if close else f"Bundled programs: {', '.join(programs.names())}."
+    raise UnreadableError(f"There is no file or bundled program `{what}`. {hint}")
 
 
 def read_file(path: Path) -> str:
-    """Read a text, line ends as they are.
+    """Return the text of a file, its line endings unchanged.
 
     Raises
     ------
     UnreadableError
-        With a sentence.
+        The file cannot be read or is not UTF-8.
     """
     try:
         return _decoded(path.read_bytes(), f"`{path}`")
     except OSError as error:
-        raise UnreadableError(
-            f"`{path}` cannot be read: {(error.strerror or str(error)).lower()}."
-        ) from error
+        raise UnreadableError(f"`{path}` cannot be read: {error.strerror or str(error)}.") from error
 
 
 def _decoded(data: bytes, name: str) -> str:
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
-        raise UnreadableError(f"{name} is not a text in UTF-8: byte {error.start} does not fit.") from error
+        raise UnreadableError(f"{name} is not valid UTF-8: byte {error.start} cannot be decoded.") from error
 
 
-_SETTLE = 50  # ms without a change: editors write in several steps
-_LOOK = 500  # ms after which the file is read anyway: some file systems notify of nothing
+_DEBOUNCE = 50  # ms without a change: editors write in several steps
+_POLL = 500  # ms after which the file is read anyway: some file systems send no notifications
 
 
 class Watch:
-    """A thread that reads a file again whenever it was saved.
+    """A thread that reads a file again whenever it is saved.
 
-    Its folder is watched, not the file: many editors save by putting a new file in its place.
+    The folder is watched, not the file: many editors save by replacing the file.
 
     Parameters
     ----------
     path : Path
     text : str
-        What is known of it already.
+        The text already read.
     saved : callable
-        Gets each new text, on the watching thread.
+        Called with each new text, on the watching thread.
     """
 
     def __init__(self, path: Path, text: str, saved: Callable[[str], object]) -> None:
@@ -123,9 +121,9 @@ class Watch:
         for _ in watch(
             self._path.absolute().parent,
             watch_filter=lambda _, path: Path(path).name == self._path.name,
-            debounce=_SETTLE,
-            step=_SETTLE // 2,
-            rust_timeout=_LOOK,
+            debounce=_DEBOUNCE,
+            step=_DEBOUNCE // 2,
+            rust_timeout=_POLL,
             yield_on_timeout=True,
             recursive=False,
             stop_event=self._stop,
@@ -133,13 +131,13 @@ class Watch:
         ):
             try:
                 text = read_file(self._path)
-            except UnreadableError:  # for a moment, or for good: the last text counts
+            except UnreadableError:  # for a moment or for good: the last text stays valid
                 continue
             if text != self._text:
                 self._text = text
                 self._saved(text)
 
     def close(self) -> None:
-        """Watch no longer."""
+        """Stop watching."""
         self._stop.set()
         self._thread.join(2)

@@ -18,11 +18,11 @@ try:
 except ImportError:  # pragma: no cover  (Windows: the run is ended by Ctrl-C)
     termios = None  # type: ignore[assignment]
 
-__all__ = ["Keys", "noted_signals"]
+__all__ = ["Keys", "recorded_signals"]
 
 
 class Keys:
-    """The keyboard, read key by key while the context lasts; Ctrl-C stays what it is."""
+    """A context manager that reads the keyboard key by key; Ctrl-C keeps its meaning."""
 
     def __init__(self) -> None:
         self._descriptor: int | None = None
@@ -30,7 +30,7 @@ class Keys:
 
     @property
     def usable(self) -> bool:
-        """Whether there is a keyboard, and this process has it."""
+        """Whether there is a keyboard, and this process is in its foreground."""
         return self._descriptor is not None
 
     def __enter__(self) -> Self:
@@ -61,24 +61,24 @@ class Keys:
 
 
 @contextmanager
-def noted_signals(wake: SimpleQueue[None]) -> Iterator[list[int]]:
-    """Note signals that end a run, instead of dying of them with a robot that still moves.
+def recorded_signals(wake: SimpleQueue[None]) -> Iterator[list[int]]:
+    """Record the signals that end a run, instead of being killed by them while the robot still moves.
 
     Parameters
     ----------
     wake : SimpleQueue
-        Gets an item with each signal; it may be filled by a handler, where an Event might deadlock.
+        Receives an item with each signal; safe in a signal handler, where an Event might deadlock.
     """
     caught: list[int] = []
 
-    def note(number: int, _: object) -> None:
+    def record(number: int, _: object) -> None:
         caught.append(number)
         wake.put(None)
 
     names = [name for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
     before = {getattr(signal, name): signal.getsignal(getattr(signal, name)) for name in names}
     for number in before:
-        signal.signal(number, note)
+        signal.signal(number, record)
     try:
         yield caught
     finally:

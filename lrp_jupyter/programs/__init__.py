@@ -52,7 +52,7 @@ def load(name: str) -> str:
     if name not in known:
         close = get_close_matches(name, known, n=1)
         hint = f" Did you mean `{close[0]}`?" if close else ""
-        raise LRPError(f"there is no bundled program `{name}`.{hint} There are: {', '.join(known)}")
+        raise LRPError(f"There is no bundled program `{name}`.{hint} Choose one of: {', '.join(known)}.")
     return files(__name__).joinpath(f"{name}.lrp").read_text(encoding="utf-8")
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from lrp_jupyter.cli.board import Look, board_text
+from lrp_jupyter.cli.board import BoardState, board_text
 from lrp_jupyter.cli.map import columns_for
 from lrp_jupyter.live.session import Session
 
@@ -16,18 +16,18 @@ NESTED = """(var speed := [0.2])
 """
 
 
-def look_at(seconds, **more):
+def state_after(seconds, **more):
     with Session(NESTED) as session:
         session.run(seconds)
-        return Look(frame=session.frame, name="my", where="none", **more)
+        return BoardState(frame=session.frame, name="my", where="none", **more)
 
 
-def text_of(look, width=100, rows=None):
-    return [str(line).rstrip() for line in board_text(look, width, rows)]
+def text_of(state, width=100, rows=None):
+    return [str(line).rstrip() for line in board_text(state, width, rows)]
 
 
 def test_every_active_state_has_a_line_with_its_machine_and_since_when():
-    lines = text_of(look_at(0.25, since={("outer", "a"): 0.0, ("other", "o"): 0.1}))
+    lines = text_of(state_after(0.25, since={("outer", "a"): 0.0, ("other", "o"): 0.1}))
     assert lines[3].split() == ["outer", "a", "0.2", "s"]
     assert lines[4].split() == ["inner", "x"]
     assert lines[4].startswith("  inner")
@@ -35,22 +35,22 @@ def test_every_active_state_has_a_line_with_its_machine_and_since_when():
 
 
 def test_variables_have_short_names_and_values():
-    lines = text_of(look_at(0.2))
+    lines = text_of(state_after(0.2))
     assert ["speed", "0.2"] in [line.split() for line in lines]
     assert ["inner/n", "3"] in [line.split() for line in lines]
 
 
 def test_nothing_jumps_when_states_and_variables_go():
     rows = {}
-    before = text_of(look_at(0.2), rows=rows)
-    after = text_of(look_at(0.4), rows=rows)
+    before = text_of(state_after(0.2), rows=rows)
+    after = text_of(state_after(0.4), rows=rows)
     assert before.index(next(line for line in before if "speed" in line)) == after.index(
         next(line for line in after if "speed" in line)
     )
 
 
 def test_an_issue_is_shown_with_its_line_and_a_caret():
-    lines = text_of(look_at(1))
+    lines = text_of(state_after(1))
     place = next(number for number, line in enumerate(lines) if "LRP601" in line)
     assert "4:22" in lines[place]
     assert "(6 times)" in lines[place]
@@ -59,8 +59,8 @@ def test_an_issue_is_shown_with_its_line_and_a_caret():
 
 
 def test_the_map_stands_beside_in_a_wide_terminal_and_below_in_a_narrow_one():
-    look = look_at(0.1, map=["  →", "###"])
-    wide, narrow = text_of(look, 100), text_of(look, 60)
+    state = state_after(0.1, map=["  →", "###"])
+    wide, narrow = text_of(state, 100), text_of(state, 60)
     assert any("outer" in line and "┌───┐" in line for line in wide)
     assert "┌───┐" in narrow
     assert all(len(line) < 60 for line in narrow)
@@ -69,9 +69,9 @@ def test_the_map_stands_beside_in_a_wide_terminal_and_below_in_a_narrow_one():
 def test_the_header_says_what_is_unusual():
     from dataclasses import replace
 
-    look = look_at(0.1)
-    frame = replace(look.frame, status="hung", reason="`a` has run for 2 s", restarts=2, achieved_speed=0.5)
-    (header,) = [line for line in text_of(replace(look, frame=frame)) if "tick" in line]
+    state = state_after(0.1)
+    frame = replace(state.frame, status="hung", reason="`a` has run for 2 s", restarts=2, achieved_speed=0.5)
+    (header,) = [line for line in text_of(replace(state, frame=frame)) if "tick" in line]
     for words in ("my", "0.1 s", "tick 1", "0.5x real time", "2 restarts", "hung: `a` has run for 2 s"):
         assert words in header
 
@@ -114,12 +114,12 @@ def test_ctrl_c_in_a_terminal_ends_the_run(terminal, speed):
 
 
 @pytest.mark.slow
-def test_what_is_said_scrolls_above_the_board(terminal, program):
+def test_what_is_printed_scrolls_above_the_board(terminal, program):
     path = program('(machine m (state a (onentry [print("hello", 6 * 7)]))) (spawn m a)')
     run = terminal("run", path, "--watch")
     run.wait_for("hello 42")
     path.write_text("(machine")
-    run.wait_for("saved: not a program; the last one runs on")
+    run.wait_for("saved: not a valid program; the last one keeps running")
     run.wait_for("LRP101")
     run.wait_for("▶ my")
     run.press("q")

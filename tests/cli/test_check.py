@@ -52,7 +52,7 @@ def test_bytes_that_are_no_text_are_a_sentence(lrp, tmp_path):
     result = lrp("check", path)
     assert (result.exit_code, result.stderr) == (
         2,
-        f"lrp: `{path}` is not a text in UTF-8: byte 5 does not fit.\n",
+        f"lrp: `{path}` is not valid UTF-8: byte 5 cannot be decoded.\n",
     )
 
 
@@ -84,9 +84,9 @@ def test_json_without_findings_is_an_empty_list(lrp, program):
 
 def test_a_wrong_name_is_answered_with_the_nearest(lrp, here):
     (here / "mine.lrp").write_text(GOOD)
-    assert "did you mean `follower`?" in lrp("check", "folower").stderr
-    assert "did you mean `mine.lrp`?" in lrp("check", "minw.lrp").stderr
-    assert "bundled are box-pusher" in lrp("check", "xyz").stderr
+    assert "Did you mean `follower`?" in lrp("check", "folower").stderr
+    assert "Did you mean `mine.lrp`?" in lrp("check", "minw.lrp").stderr
+    assert "Bundled programs: box-pusher" in lrp("check", "xyz").stderr
 
 
 @pytest.mark.parametrize(

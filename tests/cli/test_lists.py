@@ -12,7 +12,7 @@ def _first_words(text):
     return [line.split("   ")[0].strip() for line in text.splitlines()[1:]]
 
 
-def test_the_version_is_said(lrp):
+def test_the_version_is_printed(lrp):
     assert lrp("--version").stdout == f"lrp {version('lrp-jupyter')}\n"
 
 
@@ -25,7 +25,7 @@ def test_every_program_is_listed_with_its_world(lrp):
 def test_the_text_of_a_program_is_printed_to_the_letter(lrp):
     assert lrp("programs", "--show", "exit").stdout == programs.load("exit")
     result = lrp("programs", "--show", "exti")
-    assert (result.exit_code, result.stderr.startswith("lrp: there is no bundled program")) == (2, True)
+    assert (result.exit_code, result.stderr.startswith("lrp: There is no bundled program")) == (2, True)
 
 
 def test_every_world_is_listed(lrp):

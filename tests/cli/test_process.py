@@ -105,7 +105,7 @@ def test_every_save_changes_the_running_program(process, program, tmp_path, wait
     assert values == [7]  # 5 + 2: what was set stays set
     out = told.read_text()
     assert "saved: applied while it runs: variable `m` added" in out
-    assert "saved: not a program; the last one runs on" in out
+    assert "saved: not a valid program; the last one keeps running" in out
     assert "(var m := [7)\n" in out
     assert "^" in out
     assert "saved: restarted: `a` is active and its `running` changed" in out

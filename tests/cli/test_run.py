@@ -141,10 +141,10 @@ def test_a_variable_of_a_nested_machine_is_set_by_its_path_or_its_only_name(lrp)
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["--set", "serch=1"], "did you mean `search`?"),
+        (["--set", "serch=1"], "Did you mean `search`?"),
         (["--set", "search"], "takes NAME=VALUE"),
-        (["--set", "search="], "it is empty"),
-        (["--set", "search=1 +"], "is not Python"),
+        (["--set", "search="], "It is empty."),
+        (["--set", "search=1 +"], "is not a valid Python expression"),
         (["--speed", "fast"], "a factor such as 2"),
         (["--speed", "-1"], "above 0"),
         (["--rate", "-1"], "greater than or equal to 0"),
@@ -157,9 +157,9 @@ def test_a_variable_of_a_nested_machine_is_set_by_its_path_or_its_only_name(lrp)
         (["--bridge", "none", "--world", "line"], "--world is for the simulator"),
         (["--bridge", "none", "--option", "port=1"], "has no question `port`"),
         (["--bridge", "sim", "--host", "10.0.0.1"], "no option `host`"),
-        (["--until", "ende"], "did you mean `end`?"),
+        (["--until", "ende"], "Did you mean `end`?"),
         (["--watch"], "--watch needs a file of your own"),
-        (["--trace", "no/such/folder"], "no such file or directory"),
+        (["--trace", "no/such/folder"], "No such file or directory."),
         (["--on-issue", "panic"], "panic"),
     ],
 )

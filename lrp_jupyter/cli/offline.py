@@ -1,0 +1,126 @@
+"""``lrp check | graph | grade``: commands that read a program, print a result and end."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Sequence
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any, Literal
+
+from rich.text import Text
+
+from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
+from lrp_jupyter.cli.source import UnreadableError, read_source
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.parser import scan
+from lrp_jupyter.language.program import Finding, Program, path_text
+
+__all__ = ["Format", "check_files", "draw_graph", "grade_file"]
+
+Format = Literal["svg", "dot", "mermaid", "json"]
+_SUFFIXES: dict[str, Format] = {".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".json": "json"}
+
+
+def check_files(files: Sequence[str], as_json: bool) -> int:
+    """Print the findings of files; return the exit code: 1 with errors, 2 if a file is unreadable."""
+    console, complaints = plain_console(), plain_console(stderr=True)
+    found: list[Finding] = []
+    lines: list[dict[str, Any]] = []
+    unreadable = False
+    for file in files:
+        try:
+            source = read_source(file)
+        except UnreadableError as error:
+            complaints.print(f"lrp: {error}")
+            unreadable = True
+            continue
+        findings = check(source.text)
+        found += findings
+        for finding in findings:
+            lines.append(_as_dict(source.name, finding))
+            if not as_json:
+                console.print(finding_text(source.name, source.text, finding))
+        if not (findings or as_json):
+            console.print(f"{source.name}: no findings")
+    if as_json:
+        json.dump(lines, sys.stdout, ensure_ascii=False, indent=2)
+        sys.stdout.write("\n")
+    elif found:
+        console.print(summary(found))
+    return 2 if unreadable else int(any(finding.severity == "error" for finding in found))
+
+
+def _as_dict(name: str, finding: Finding) -> dict[str, Any]:
+    fix = finding.fix
+    return {
+        "file": name,
+        "code": finding.code,
+        "severity": finding.severity,
+        "message": finding.message,
+        "line": finding.line,
+        "column": finding.column,
+        "end_line": finding.end_line,
+        "end_column": finding.end_column,
+        "fix": fix and {"title": fix.title, "edits": [edit._asdict() for edit in fix.edits]},
+    }
+
+
+def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path | None) -> int:
+    """Write the graph of a file; return the exit code: 1 if it is not a valid program."""
+    source = read_source(file)
+    program, findings = scan(source.text, source.name)
+    if program is None:
+        for finding in findings:
+            plain_console(stderr=True).print(finding_text(source.name, source.text, finding))
+        return 1
+    if kind is None:
+        kind = _SUFFIXES.get(output.suffix.lower(), "svg") if output is not None else "svg"
+    known = [path_text(path) for path, _ in program.walk()]
+    if machine is not None and machine.strip("/") not in known:
+        close = get_close_matches(machine, known, n=1)
+        hint = f"Did you mean `{close[0]}`?" if close else f"The program has {', '.join(known) or 'none'}."
+        raise UnknownElementError(f"There is no machine `{machine}`. {hint}")
+    picture = _rendered(program, machine, kind)
+    if output is None:
+        sys.stdout.write(picture)
+    else:
+        output.write_text(picture, encoding="utf-8")
+    return 0
+
+
+def _rendered(program: Program, machine: str | None, kind: Format) -> str:
+    path = tuple(machine.strip("/").split("/")) if machine else None
+    from lrp_jupyter.graph.state_graph import find_machine
+
+    if kind == "svg":
+        from lrp_jupyter.graph.still import svg
+
+        return svg(program, machine_path=path)
+    if kind == "json":
+        from lrp_jupyter.graph.layout import layout
+
+        paths = [path] if path else dict.fromkeys(path for path, _ in program.walk())
+        drawings = [layout(find_machine(program, each), program=program, path=each) for each in paths]
+        return json.dumps(drawings[0] if path else drawings, ensure_ascii=False, indent=2) + "\n"
+    from lrp_jupyter.graph.still import dot, mermaid
+
+    write = dot if kind == "dot" else mermaid
+    return write(find_machine(program, path) if path else program)
+
+
+def grade_file(file: str, name: str, seeds: int) -> int:
+    """Run a file in every world of a challenge with `seeds` seeds; return 1 if it does not pass."""
+    from lrp_jupyter.grading.challenges import challenge
+    from lrp_jupyter.grading.grade import grade
+
+    task, source = challenge(name), read_source(file)
+    result = grade(source.text, task, seeds)
+    report = Text(f"{source.name}, {result}")
+    report.highlight_regex(r"✓", "green")
+    report.highlight_regex(r"✗", "bold red")
+    report.highlight_regex(r"(?m)^Hint:", "bold yellow")
+    plain_console().print(report)
+    return int(not result.passed)
