@@ -481,7 +481,7 @@ export interface Start {
   head: string;
 }
 
-/** One state; `x`, `y` is the middle, in px. */
+/** One state; `x`, `y` is its centre, in px. */
 export interface StateShape {
   id: string;
   name: string;
@@ -497,7 +497,7 @@ export interface StateShape {
   start: Start | null;
 }
 
-/** A text and the box around it; `x`, `y` is the middle. */
+/** A text and the box around it; `x`, `y` is its centre. */
 export interface Label {
   text: string;
   x: number;
@@ -506,7 +506,7 @@ export interface Label {
   height: number;
 }
 
-/** One arrow. A transition with several sources has several, with the same `id`. */
+/** One arrow. A transition with several sources has an arrow for each, with the same `id`. */
 export interface TransitionShape {
   id: string;
   name: string;
@@ -522,7 +522,7 @@ export interface TransitionShape {
   broken: string | null;
 }
 
-/** Where an ``exit`` leaves the frame; `label` is the state of the enclosing machine. */
+/** The point where an ``exit`` leaves the frame; `label` names the state it leads to. */
 export interface Port {
   x: number;
   y: number;
@@ -531,7 +531,7 @@ export interface Port {
   missing: boolean;
 }
 
-/** The middle of a node, in px; ``gone``: since when its state is not in the program, in seconds. */
+/** The centre of a node, in px; ``gone``: the time at which its state was removed, in seconds. */
 export interface Position {
   x: number;
   y: number;

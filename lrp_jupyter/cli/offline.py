@@ -105,7 +105,7 @@ def _rendered(program: Program, machine: str | None, kind: Format) -> str:
         paths = [path] if path else dict.fromkeys(path for path, _ in program.walk())
         drawings = [layout(find_machine(program, each), program=program, path=each) for each in paths]
         return json.dumps(drawings[0] if path else drawings, ensure_ascii=False, indent=2) + "\n"
-    from lrp_jupyter.graph.still import dot, mermaid
+    from lrp_jupyter.graph.exports import dot, mermaid
 
     write = dot if kind == "dot" else mermaid
     return write(find_machine(program, path) if path else program)

@@ -38,7 +38,7 @@ PASSED = 2_000
 
 
 def is_dense(names: Sequence[str], links: Sequence[Link]) -> bool:
-    """Whether there are so many edges that layers would tell nothing: more than 2.5 per state."""
+    """Return whether there are too many edges for layers to help: more than 2.5 per state."""
     return len(links) > 2.5 * len(names)
 
 
@@ -88,7 +88,7 @@ def _ellipse(states: Sequence[str], sizes: Mapping[str, Size], links: int) -> di
 
 
 def left_of(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Iterable[Link]) -> Point:
-    """Say where ``*`` belongs: left of everything, as high as the states that it leads to."""
+    """Return the position of ``*``: left of everything, at the height of the states that it leads to."""
     left = min(x - sizes[name][0] / 2 for name, (x, _) in places.items())
     targets = {target: places[target][1] for source, target in links if source == ANY and target in places}
     ys = list(targets.values()) or [y for _, y in places.values()]
@@ -119,7 +119,7 @@ def _layered(
 
 
 def layers(names: Sequence[str], links: Iterable[Link], starts: Sequence[str] = ()) -> dict[str, int]:
-    """Give each node its layer: the length of the longest path to it, without going in circles.
+    """Return the layer of each node: the length of the longest path to it that contains no cycle.
 
     Circles are opened where a walk from the start states, then from ``*``, then in the order of the text
     comes back to where it is; no edge leads into a start state.
@@ -140,7 +140,7 @@ def layers(names: Sequence[str], links: Iterable[Link], starts: Sequence[str] = 
 def _forward_links(
     names: Sequence[str], links: Iterable[Link], starts: Collection[str]
 ) -> dict[str, list[str]]:
-    """Return where each name leads, each target once, without the links that close a circle."""
+    """Return where each name leads, each target once, without the links that close a cycle."""
     after: dict[str, list[str]] = {name: [] for name in names}
     first = frozenset(starts)
     for source, target in dict.fromkeys(links):
@@ -216,7 +216,7 @@ def order(
 def _rows(
     names: Sequence[str], links: Iterable[tuple[str, str]], level: Mapping[str, int]
 ) -> tuple[list[list[Node]], dict[Node, list[Node]], dict[Node, list[Node]]]:
-    """Give the layers in the order of the text, and each node's neighbours above and below."""
+    """Return the layers in the order of the text, and each node's neighbours above and below."""
     rows: list[list[Node]] = [[] for _ in range(max((level[name] for name in names), default=-1) + 1)]
     number = {name: i for i, name in enumerate(names)}
     for name in names:
@@ -279,7 +279,7 @@ def _crossings(rows: Sequence[Sequence[Node]], below: Mapping[Node, list[Node]])
 def _coordinates(
     rows: Sequence[Sequence[str]], sizes: Mapping[str, Size], links: Sequence[Link]
 ) -> dict[str, Point]:
-    """Put each node above the middle of its neighbours, in the given order and with room between."""
+    """Place each node above the middle of its neighbours, in the given order and with room between."""
     near: dict[str, list[str]] = {name: [] for row in rows for name in row}
     for a, b in dict.fromkeys((min(link), max(link)) for link in links):
         if a != b and a in near and b in near:
@@ -341,7 +341,7 @@ def _improved(
 
 
 def _badness(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Sequence[Link]) -> float:
-    """Length of the edges, how often they cross, and how often they run into a node."""
+    """Return the length of the edges, plus penalties for crossings and for edges through nodes."""
     ends = dict(places)
     if ANY in sizes:
         ends[ANY] = left_of(places, sizes, links)

@@ -1,4 +1,4 @@
-"""Rectangles, and a grid that finds those near a place without asking all of them."""
+"""Rectangles, and a grid that finds those near a point without testing all of them."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ Point = tuple[float, float]
 Size = tuple[float, float]
 
 CELL = 96.0
-"""Cells about as large as a state, in px."""
+"""Width of a cell, about that of a state, in px."""
 
 
 class Rect(NamedTuple):
-    """A rectangle by its middle, in px; y grows downwards."""
+    """A rectangle by its centre, in px; y grows downwards."""
 
     x: float
     y: float

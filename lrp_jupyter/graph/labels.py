@@ -1,4 +1,4 @@
-"""Labels: how wide their texts are without a font at hand, and where they stand beside the arrows.
+"""Labels: the widths of their texts, estimated without a font, and their positions beside the arrows.
 
 The widths are those of DejaVu Sans, wider than the fonts that most systems choose: a text never needs more
 room than estimated here. Labels are placed in one greedy pass, in the order of the text.
@@ -28,7 +28,7 @@ POINTS = 40_000
 
 
 class _Obstacles(Cells):
-    """What a label had better not cover: rectangles, and points of arrows."""
+    """Obstacles that labels avoid: rectangles, and points of arrows."""
 
     def __init__(self) -> None:
         super().__init__(48.0)
@@ -39,7 +39,7 @@ class _Obstacles(Cells):
         self._points[floor(point[0] / self.size), floor(point[1] / self.size)].append((owner, point))
 
     def cost(self, box: Rect, owner: int) -> float:
-        """Return how badly a label would stand here: other boxes count most, then others' lines."""
+        """Return the cost of a label at this position: other boxes count most, then others' lines."""
         total = 1000.0 * sum(box.overlaps(other, 2.0, 1.0) for other in self.near(box))
         return total + 40.0 * self._lines(box, owner, 1.0)
 
@@ -110,7 +110,7 @@ def place_labels(
 
 @lru_cache(maxsize=32)
 def _seats(middle: float) -> list[tuple[float, int, float, int]]:
-    """Where a label may stand, cheapest first: price, at which point of the way, how far off, which side.
+    """Return the possible positions of a label, cheapest first: price, point of the path, distance, side.
 
     Side 1 is the route's own, -1 the other, 0 on the line itself, which the label's halo hides.
     """

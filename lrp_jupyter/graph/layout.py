@@ -1,15 +1,15 @@
-"""The drawing of one machine as plain data: what the notebook and the still picture both draw.
+"""The layout of one machine as plain data, drawn by the notebook's live graph and by the static picture.
 
-Everything is decided here: places, sizes, ways of arrows, places of labels. A view only draws it
-and marks what is active, so that the live graph and the still picture look the same.
+The layout holds all positions, sizes, paths of arrows and positions of labels. A view only draws it and
+marks what is active, so the live graph and the static picture look the same.
 
-The result goes into the next call as `previous`; that is how states keep their places:
+The result is passed to the next call as `previous`, so that states keep their positions:
 
-- a state keeps its place exactly, whatever else is edited; only `moved` moves it;
-- a new state takes the free place nearest to its neighbours;
-- the missing end of a dangling transition already has the place of the state to come;
-- a removed state's place stays reserved for :data:`RESERVED` seconds (time is a parameter here);
-- a renamed state keeps its place: one named in `renamed`, and one that is the only difference.
+- a state keeps its exact position, whatever else is edited; only `moved` moves it;
+- a new state is placed at the free position nearest to its neighbours;
+- the missing end of a dangling transition already has the position of the state to come;
+- the position of a removed state stays reserved for :data:`RESERVED` seconds (time is a parameter here);
+- a renamed state keeps its position: one named in `renamed`, or one that is the only difference.
 
 Paper: §3.1, figure 2 (kinds of transitions and the fictional state ``*``).
 """
@@ -110,7 +110,7 @@ class _Edge:
 
 
 class _Drawing:
-    """The work on one layout: nodes first, then places, arrows, labels."""
+    """Builder of one layout: nodes first, then positions, arrows, labels."""
 
     def __init__(self, machine: Machine, path: Path, program: Program | None) -> None:
         self.machine = machine
@@ -144,7 +144,7 @@ class _Drawing:
         )
 
     def _sizes(self) -> dict[str, tuple[float, float]]:
-        """Width and height of every node: ``*``, the states, then the missing ones."""
+        """Return the width and height of every node: ``*``, the states, then the missing ones."""
         sizes: dict[str, tuple[float, float]] = {}
         if any(edge.source == ANY for edge in self.edges):
             sizes[ANY] = (HEIGHT, HEIGHT)
@@ -245,7 +245,7 @@ class _Drawing:
         frame: Sequence[float],
         solid: Sequence[Rect],
     ) -> tuple[list[Port], list[Route], list[Rect]]:
-        """Lead each ``exit`` to a port on the frame, by the shortest clear way."""
+        """Route each ``exit`` to a port on the frame, by the shortest free path."""
         if not edges:
             return [], [], []
         ports: list[Port] = []
@@ -329,7 +329,7 @@ def _state_size(name: str, state: State | None) -> tuple[float, float]:
 
 
 def _source_text(transition: Transition) -> str:
-    """Write the transition as the program does, in one line."""
+    """Return the source text of a transition in one line."""
     words: list[str] = [transition.kind]
     if transition.trigger.text:
         words.append(transition.trigger.text)
@@ -376,7 +376,7 @@ def _around(boxes: Iterable[Rect], routes: Iterable[Route], right: float, title:
 def _port(
     source: Rect, frame: Sequence[float], cells: Cells, near_ports: Cells
 ) -> tuple[float, float, Point]:
-    """Find the free place on the frame that a state reaches by the shortest clear way."""
+    """Return the free point on the frame that a state reaches by the shortest free path."""
     left, top, width, height = frame
     best: tuple[float, float, float, Point] | None = None
     for step in (0.0, 34.0, -34.0, 68.0, -68.0, 110.0, -110.0):

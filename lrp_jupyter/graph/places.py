@@ -1,9 +1,9 @@
-"""Where states stand from one edit to the next, and free places for new ones.
+"""Positions of states from one edit to the next, and free positions for new states.
 
-No layered algorithm is stable under edits (one edge more, and every node moves), so an arrangement is
-computed once; afterwards a state keeps its position, and a new one takes the free place nearest to its
-neighbours. A position belongs to a name, whatever has that name: a state, the missing end of a dangling
-transition, or for a while nothing.
+No layered algorithm is stable under edits (one more edge, and every node moves), so an arrangement is
+computed once; afterwards a state keeps its position, and a new one is placed at the free position nearest
+to its neighbours. A position belongs to a name, whatever has that name: a state, the missing end of a
+dangling transition, or for a while nothing.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ from lrp_jupyter.graph.state_graph import ANY
 __all__ = ["RESERVED", "free_place", "keep_positions"]
 
 RESERVED = 30.0
-"""How long the place of a removed state stays free, in seconds."""
+"""Time for which the position of a removed state stays free, in seconds."""
 USUAL: Size = (80.0, 36.0)
-"""Room kept for a removed state, in px."""
+"""Size reserved for a removed state, in px."""
 GRID = 20.0
-"""Distance between the places that are tried for a new state, in px."""
+"""Distance between the positions that are tried for a new state, in px."""
 
 Line = tuple[Point, Point]
 
@@ -99,7 +99,7 @@ def _kept(
 
 
 def _retyped(previous: Layout, states: Sequence[str]) -> dict[str, str]:
-    """Find the state whose name is being typed: the only one that differs, in the same order."""
+    """Return the state whose name is being edited, the only one that differs, as {old: new}."""
     old = [shape["name"] for shape in previous["states"] if shape["kind"] == "state"]
     if len(old) != len(states):
         return {}
@@ -112,7 +112,7 @@ def _retyped(previous: Layout, states: Sequence[str]) -> dict[str, str]:
 def _add_new(
     positions: dict[str, Position], sizes: Mapping[str, Size], links: Sequence[Link], taken: Cells
 ) -> None:
-    """Put each node that has no position yet into the free place nearest to its neighbours."""
+    """Place each node that has no position yet at the free position nearest to its neighbours."""
     names = list(sizes)
     if all(name in positions for name in names):
         return
@@ -148,18 +148,18 @@ def _add_new(
 
 
 def free_place(size: Size, towards: Sequence[Point], taken: Cells, lines: Sequence[Line] = ()) -> Point:
-    """Find the free place nearest to some points.
+    """Return the free position nearest to some points.
 
     Parameters
     ----------
     size : (float, float)
-        Width and height of what wants a place, in px.
+        Width and height of the node to place, in px.
     towards : sequence of (float, float)
-        Places of its neighbours.
+        Positions of its neighbours.
     taken : Cells
-        What it must keep away from.
+        Rectangles to keep away from.
     lines : sequence of (point, point)
-        Edges that it should not stand on.
+        Edges that it should not cover.
     """
     if not towards:
         towards = [(0.0, 0.0)]

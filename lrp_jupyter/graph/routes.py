@@ -1,4 +1,4 @@
-"""The ways of arrows: quadratic arcs from border to border, loops on top.
+"""The paths of arrows: quadratic arcs from border to border, and loops on top.
 
 Edges are routed anew each time; only states have places that must stay.
 """
@@ -30,7 +30,7 @@ SAMPLES = 16
 
 @dataclass
 class Route:
-    """The way of one arrow.
+    """The path of one arrow.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ class Route:
 
 
 def bends(forward: int, backward: int) -> tuple[list[float], list[float]]:
-    """Say how far the middles of the arrows between two states leave the straight line.
+    """Return the distances of the middles of the arrows between two states from the straight line.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def bends(forward: int, backward: int) -> tuple[list[float], list[float]]:
 
 
 def number(value: float) -> str:
-    """Write a coordinate: one decimal at most."""
+    """Return a coordinate as text, with one decimal at most."""
     text = f"{value:.1f}"
     return text[:-2] if text.endswith(".0") else text
 
@@ -97,7 +97,7 @@ def _quadratic(p: Point, c: Point, q: Point, t: float) -> Point:
 
 
 def _part(p: Point, c: Point, q: Point, start: float, end: float) -> tuple[Point, Point, Point]:
-    """Cut a quadratic arc: the piece between two parameters, by its three points."""
+    """Return the piece of a quadratic arc between two parameters, as three points."""
     first, last = _quadratic(p, c, q, start), _quadratic(p, c, q, end)
     along = (p[0] + (c[0] - p[0]) * start, p[1] + (c[1] - p[1]) * start)
     beyond = (c[0] + (q[0] - c[0]) * start, c[1] + (q[1] - c[1]) * start)
@@ -131,7 +131,7 @@ def _head(base: Point, tip: Point) -> str:
 
 
 def obstacles(boxes: Iterable[Rect]) -> Cells:
-    """Register what arrows are led around, for :func:`chords` and :func:`detour`."""
+    """Register the obstacles of arrows, for :func:`chords` and :func:`detour`."""
     cells = Cells(CELL, CLEAR)
     for box in boxes:
         cells.add(box)
@@ -234,7 +234,7 @@ def detour(
 def _bent(
     source: Rect, target: Rect, offset: float, around: float, chord: Chord | None
 ) -> tuple[Point, Point, Point]:
-    """Lay an arc from inside one box to inside the other, parallel ones side by side."""
+    """Return an arc from inside one box to inside another; parallel arcs run side by side."""
     p, q = chord or ((source.x, source.y), (target.x, target.y))
     length = math.dist(p, q) or 1.0
     x, y = (p[1] - q[1]) / length, (q[0] - p[0]) / length  # to the right hand
@@ -258,7 +258,7 @@ def arc(
     chord: Chord | None = None,
     broken: bool = False,
 ) -> Route:
-    """Lead an arrow from border to border.
+    """Route an arrow from border to border.
 
     Parameters
     ----------
@@ -294,7 +294,7 @@ def _drawn(p: Point, c: Point, q: Point, side: int, broken: bool) -> Route:
 
 
 def straight(source: Rect, target: Point, *, broken: bool = False) -> Route:
-    """Lead an arrow straight from a state to a point."""
+    """Route an arrow straight from a state to a point."""
     p = (source.x, source.y)
     c = ((p[0] + target[0]) / 2, (p[1] + target[1]) / 2)
     stop = 1.0 - PORT / (math.dist(p, target) or 1.0)
@@ -302,7 +302,7 @@ def straight(source: Rect, target: Point, *, broken: bool = False) -> Route:
 
 
 def loop(box: Rect, index: int = 0, count: int = 1, *, broken: bool = False) -> Route:
-    """Lead an arrow from a state to itself, on top; several stand side by side.
+    """Route an arrow from a state to itself, on top; several are placed side by side.
 
     Parameters
     ----------
@@ -310,7 +310,7 @@ def loop(box: Rect, index: int = 0, count: int = 1, *, broken: bool = False) -> 
     index, count : int
         Which of how many loops of this state.
     broken : bool
-        Whether it can never be taken: it has a cross and no head.
+        Whether it can never fire: it has a cross and no head.
     """
     step = min(34.0, 0.9 * box.width / count)
     x = box.x + step * (index - (count - 1) / 2)

@@ -1,4 +1,4 @@
-"""What a layout is made of: plain dicts that become JSON as they are."""
+"""The parts of a layout: plain dicts, serialized as JSON without conversion."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ __all__ = ["Label", "Layout", "Port", "Position", "Start", "StateShape", "Transi
 
 
 class Position(TypedDict):
-    """The middle of a node, in px; ``gone``: since when its state is not in the program, in seconds."""
+    """The centre of a node, in px; ``gone``: the time at which its state was removed, in seconds."""
 
     x: float
     y: float
@@ -16,7 +16,7 @@ class Position(TypedDict):
 
 
 class Label(TypedDict):
-    """A text and the box around it; `x`, `y` is the middle."""
+    """A text and the box around it; `x`, `y` is its centre."""
 
     text: str
     x: float
@@ -36,10 +36,10 @@ class Start(TypedDict):
 
 
 class StateShape(TypedDict):
-    """One state; `x`, `y` is the middle, in px.
+    """One state; `x`, `y` is its centre, in px.
 
-    `kind` is ``state``, ``any`` (the ``*``) or ``missing``. `id` is the path as text. `machines` are
-    the names of the nested ones, `nested` the same as shown under the state's name.
+    `kind` is ``state``, ``any`` (the ``*``) or ``missing``. `id` is the path as text. `machines` holds
+    the names of the nested machines, `nested` the text shown for them below the state's name.
     """
 
     id: str
@@ -57,14 +57,14 @@ class StateShape(TypedDict):
 
 
 class TransitionShape(TypedDict):
-    """One arrow. A transition with several sources has several, with the same `id`.
+    """One arrow. A transition with several sources has an arrow for each, with the same `id`.
 
-    `id` is the machine's path and the transition's id, which survives an edit of its condition or delay;
-    `name` is its label, which does not.
+    `id` is the machine's path and the transition's id, which survives an edit of its condition or delay,
+    unlike its label `name`.
 
-    `kind` is the kind of transition; `style` says how it is drawn: as its kind, or ``wildcard``.
-    `d`, `head`, `mark` are SVG path data of shaft, head and of the cross of a broken one; `broken`
-    says why it can never be taken.
+    `kind` is the kind of transition; `style` selects how it is drawn: as its kind, or ``wildcard``.
+    `d`, `head`, `mark` are SVG path data of the shaft, the head and the cross on a broken arrow; `broken`
+    is the reason why it can never fire, or None.
     """
 
     id: str
@@ -82,7 +82,7 @@ class TransitionShape(TypedDict):
 
 
 class Port(TypedDict):
-    """Where an ``exit`` leaves the frame; `label` is the state of the enclosing machine."""
+    """The point where an ``exit`` leaves the frame; `label` names the state it leads to."""
 
     x: float
     y: float

@@ -1,12 +1,12 @@
 """The program as a graph: states are nodes, transitions and spawns are edges.
 
 A node is the path of a state as *defined*, ``("follower", "looking", "lookalgo", "lookleft")``.
-A wildcard is expanded into one edge for every state that it leaves, because reachability must
-follow them; with ``expand=False`` it is a single edge from a node ``*``, as pictures show it.
+A wildcard is expanded into one edge for every state that it leaves, because reachability follows
+edges; with ``expand=False`` it is a single edge from a node ``*``, as in pictures.
 
-What refers to nothing is kept: its edge says why in ``dangling``, and a state that does not
-exist is a node of kind ``missing``. The node ``()`` stands for the program itself: its edges
-are the spawns at top level.
+Unresolved references are kept: the ``dangling`` attribute of an edge holds the reason, and a state
+that does not exist is a node of kind ``missing``. The node ``()`` is the program itself: its edges are
+the spawns at top level.
 
 Paper: §3.1 (kinds of transitions, the fictional state ``*``).
 """
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 __all__ = [
     "ANY",
     "PROGRAM",
+    "DefinedPaths",
     "distinct_states",
     "events_in_scope",
     "find_machine",
@@ -40,7 +41,7 @@ __all__ = [
 ]
 
 ANY = "*"
-"""Name of the fictional state that wildcards leave; no state can be called so."""
+"""Name of the fictional state that wildcards leave; not a valid name of a real state."""
 PROGRAM: Path = ()
 """The node of the program itself."""
 
@@ -63,11 +64,11 @@ def find_machine(program: Program, path: Sequence[str]) -> Machine:
     for found, machine in program.walk():
         if found == wanted:
             return machine
-    raise UnknownElementError(f"there is no machine `{path_text(wanted)}`")
+    raise UnknownElementError(f"There is no machine `{path_text(wanted)}`.")
 
 
 def distinct_states(machine: Machine) -> dict[str, State]:
-    """States of a machine by name, in the order of the text; of equal names the first counts."""
+    """Return the states of a machine by name, in the order of the text; of equal names the first counts."""
     states: dict[str, State] = {}
     for state in machine.states:
         states.setdefault(str(state.name), state)
@@ -90,8 +91,8 @@ def state_graph(program: Program, *, expand: bool = True) -> StateGraph:
         Nodes have ``kind`` (``program``, ``state``, ``any``, ``missing``), ``name``, ``machine``
         (path) and ``machines`` (paths of the nested ones). Edges have the transition's label as
         key (``spawn MACHINE`` for a spawn) and ``kind`` (``on``, ``ontime``, ``eps``, ``exit``,
-        ``spawn``), ``label``, ``condition`` (as written), ``text`` and ``style`` (as pictures show
-        it), ``wildcard``, ``order`` (place in the machine) and ``dangling`` (why it cannot be taken, or
+        ``spawn``), ``label``, ``condition`` (as written), ``text`` and ``style`` (as in pictures),
+        ``wildcard``, ``order`` (index in the machine) and ``dangling`` (why it can never fire, or
         None).
     """
     names = resolve(program)
@@ -126,7 +127,7 @@ def state_graph(program: Program, *, expand: bool = True) -> StateGraph:
 
 def _states_and_spawns(names: Resolution) -> StateGraph:
     """Return every state as a node and every spawn as an edge; no transitions yet."""
-    import networkx as nx  # slow to import, and only needed to compute with graphs
+    import networkx as nx  # slow to import, and needed only here
 
     graph: StateGraph = nx.MultiDiGraph()
     graph.add_node(PROGRAM, kind="program", name="", machine=(), machines=())
@@ -198,7 +199,7 @@ def events_in_scope(program: Program, path: Path) -> frozenset[str]:
 def why_dangling(
     transition: Transition, *, source_exists: bool, target_exists: bool, events: frozenset[str] | None
 ) -> str | None:
-    """Say why a transition can never be taken, or None.
+    """Return why a transition can never fire, or None.
 
     Parameters
     ----------
@@ -232,10 +233,10 @@ def outer_states(program: Program, path: Path) -> frozenset[str]:
 def unreachable(program: Program) -> tuple[Path, ...]:
     """Return the states that no run can ever make active, in the order of the text.
 
-    Conditions are taken to be possible: what cannot be reached in this graph cannot be reached
-    at all, except by forcing. A transition or spawn that dangles leads nowhere.
+    Every condition is assumed to be satisfiable: what cannot be reached in this graph cannot be reached
+    at all, except by forcing. Dangling transitions and spawns are ignored.
     """
-    import networkx as nx  # slow to import, and only needed to compute with graphs
+    import networkx as nx  # slow to import, and needed only here
 
     graph = state_graph(program)
     usable = nx.subgraph_view(graph, filter_edge=lambda a, b, key: graph.edges[a, b, key]["dangling"] is None)
@@ -249,3 +250,23 @@ def unspawned(program: Program) -> tuple[Path, ...]:
     """Return the machines that nothing spawns, in the order of the text."""
     names = resolve(program)
     return tuple(scope.path for scope in names.scopes if scope.noun and scope not in names.starts)
+
+
+class DefinedPaths:
+    """Maps paths of running elements to the paths of their definitions.
+
+    A running element is named by the way it was spawned, a node of the graph by where it is defined; they
+    differ where a machine is spawned from elsewhere than the state that contains it.
+    """
+
+    def __init__(self, program: Program) -> None:
+        self.machine = resolve(program).defined
+
+    def member(self, spawned: Path) -> Path:
+        """Return the path of a state or variable: its own name after the path of its machine."""
+        return (*self.machine(spawned[:-1]), spawned[-1]) if len(spawned) > 1 else spawned
+
+    def active_states(self, innermost: tuple[Path, ...]) -> list[str]:
+        """Return the paths of all active states, outer ones included, as text, each once, in order."""
+        every = (path[:end] for path in innermost for end in range(2, len(path) + 1, 2))
+        return list(dict.fromkeys(path_text(self.member(path)) for path in every))

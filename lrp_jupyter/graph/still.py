@@ -1,6 +1,6 @@
-"""Still pictures: one machine, or all machines of a program, as SVG that stands on its own.
+"""Static pictures: one machine, or all machines of a program, as a self-contained SVG document.
 
-What is drawn where is decided by :mod:`lrp_jupyter.graph.layout`; here it only becomes SVG, with
+:mod:`lrp_jupyter.graph.layout` computes the positions; this module only writes them as SVG, with
 the same class names and ``data-lrp-…`` attributes as in the notebook's live graph.
 
 Paper: §3.1, figure 2: blue events, green epsilons, orange timeouts, purple wildcards.
@@ -13,18 +13,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import escape
 from typing import Literal
 
-from lrp_jupyter.graph.dot import dot
+from lrp_jupyter.graph.exports import tree
 from lrp_jupyter.graph.labels import text_width
 from lrp_jupyter.graph.layout import LABEL_FONT, SMALL_FONT, STATE_FONT, layout
-from lrp_jupyter.graph.mermaid import mermaid
-from lrp_jupyter.graph.paths import Paths
 from lrp_jupyter.graph.routes import number
 from lrp_jupyter.graph.shapes import Label, Layout, Port, StateShape, TransitionShape
-from lrp_jupyter.graph.state_graph import find_machine
-from lrp_jupyter.graph.tree import tree
+from lrp_jupyter.graph.state_graph import DefinedPaths, find_machine
 from lrp_jupyter.language.program import Machine, Path, Program, path_text
 
-__all__ = ["dot", "draw", "mermaid", "mimebundle", "svg", "tree"]
+__all__ = ["draw", "mimebundle", "svg"]
 
 Theme = Literal["auto", "light", "dark"]
 
@@ -37,7 +34,7 @@ _WORDS = {"on": "event", "eps": "epsilon", "ontime": "timeout", "wildcard": "any
 _FONT = "system-ui,-apple-system,'Segoe UI',Roboto,'Helvetica Neue','DejaVu Sans',sans-serif"
 SPACE = 12.0
 WIDE = 900.0
-"""Panels stand side by side up to this width, in px."""
+"""Panels are placed side by side up to this width, in px."""
 
 
 def svg(
@@ -50,30 +47,29 @@ def svg(
     theme: Theme = "auto",
     legend: bool = True,
 ) -> str:
-    """Draw a program or a machine.
+    """Return a picture of a program or a machine.
 
     Parameters
     ----------
     subject : Program or Machine
     active : iterable of path
-        Paths of the innermost active states, as :attr:`Interpreter.active` gives them; a machine by
-        itself takes paths that begin with its name.
+        Paths of the innermost active states, as in :attr:`Interpreter.active`; for a machine by
+        itself, paths that begin with its name.
     fired : str or iterable of str, optional
         Ids of the transitions fired last (``follower:tlooking``).
     machine_path : sequence of str, optional
         The one machine of the program to draw; by default all of them, the outer ones first.
     previous : Layout, optional
-        An earlier layout of the one machine: its states keep their places.
+        An earlier layout of the one machine, whose states keep their positions.
     theme : {"auto", "light", "dark"}
         ``auto`` follows the reader's preference.
     legend : bool
-        Whether to say what colours and dashes mean.
+        Whether to explain the colours and dashes.
 
     Returns
     -------
     str
-        An SVG document that needs nothing else, with a title and a description for readers that
-        cannot see it.
+        A self-contained SVG document, with a title and a description for screen readers.
 
     Raises
     ------
@@ -87,8 +83,11 @@ def svg(
         drawings = [layout(find_machine(subject, path), previous, program=subject, path=path)]
     else:
         drawings = [layout(machine, program=subject, path=path) for path, machine in _machines(subject)]
-    if isinstance(subject, Program):  # what runs is named as spawned, what is drawn as defined
-        active = [path.split("/") for path in Paths(subject).lit(tuple(tuple(path) for path in active))]
+    if isinstance(subject, Program):  # active paths are as spawned, drawn paths as defined
+        active = [
+            path.split("/")
+            for path in DefinedPaths(subject).active_states(tuple(tuple(path) for path in active))
+        ]
     marks = {fired} if isinstance(fired, str) else set(fired or ())
     return draw(drawings, active, marks, theme=theme, legend=legend)
 
@@ -101,7 +100,7 @@ def _machines(program: Program) -> list[tuple[Path, Machine]]:
 
 
 def mimebundle(subject: Program | Machine) -> dict[str, str]:
-    """Show a program or a machine in a notebook: its picture, and its tree where there are none."""
+    """Return a program or a machine for a notebook: its picture, and its tree as plain text."""
     return {"image/svg+xml": svg(subject), "text/plain": tree(subject)}
 
 
@@ -113,12 +112,12 @@ def draw(
     theme: Theme = "auto",
     legend: bool = True,
 ) -> str:
-    """Draw layouts below each other: a function of its arguments and nothing else."""
+    """Return a picture of layouts, side by side and below each other; the same input gives the same text."""
     on = {path_text(tuple(path[:end])) for path in active for end in range(2, len(path) + 1, 2)}
     marks = set(fired)
     panels: list[str] = []
     width, bottom = 120.0, SPACE
-    across, row = SPACE, SPACE  # where the next panel begins: beside the last one where it fits
+    across, row = SPACE, SPACE  # where the next panel begins: beside the last one if it fits
     widest = max([WIDE, *(drawing["view"][2] for drawing in drawings)])
     for drawing in drawings:
         left, top, panel_width, panel_height = drawing["view"]
@@ -217,7 +216,7 @@ def _state(shape: StateShape, active: bool) -> str:
 
 
 def _icon(x: float, y: float) -> str:
-    """Draw two small states and an arrow, for a nested machine, around a point."""
+    """Return the path of the icon of a nested machine: two small states and an arrow, around a point."""
     return (
         f"M{number(x - 6)} {number(y - 4)}h5v4h-5zM{number(x + 1)} {number(y + 1)}h5v4h-5z"
         f"M{number(x - 3.5)} {number(y)}v3h4.5"
@@ -249,7 +248,7 @@ def _styles(drawings: Iterable[Layout]) -> list[str]:
 
 
 def _legend(styles: Iterable[str], top: float) -> tuple[str, float]:
-    """One line of samples; also how wide it is."""
+    """Return one line of samples, and its width."""
     x, y = SPACE + 2.0, top + 8.0
     parts = []
     for style in styles:
@@ -263,7 +262,7 @@ def _legend(styles: Iterable[str], top: float) -> tuple[str, float]:
 
 
 def _description(drawing: Layout, active: set[str]) -> str:
-    """Say in words what the picture shows."""
+    """Return a description of the picture in words."""
     words = [f"{drawing['name']}:"]
     states = [shape for shape in drawing["states"] if shape["kind"] == "state"]
     words.append(f"{len(states)} state" + ("" if len(states) == 1 else "s") + ".")

@@ -14,8 +14,8 @@ from typing import Any, cast
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.errors import Severity
-from lrp_jupyter.graph.paths import Paths
 from lrp_jupyter.graph.shapes import Layout
+from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.interpreter.frame import Frame, render
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Finding, Program, path_text
@@ -62,7 +62,7 @@ class ViewStates:
         self._session = session
         self._texts = texts
         self._program = Program()
-        self._paths = Paths(self._program)
+        self._paths = DefinedPaths(self._program)
         self._shown = Program()
         self._program_view = program_view(self._shown)
         self._restarts = 0
@@ -76,7 +76,7 @@ class ViewStates:
         session, texts = self._session, self._texts
         frame = session.frame
         if frame.program is not self._program:
-            self._program, self._paths = frame.program, Paths(frame.program)
+            self._program, self._paths = frame.program, DefinedPaths(frame.program)
         if program is not self._shown:
             view = program_view(program)
             self._shown = program
@@ -98,7 +98,7 @@ class ViewStates:
             "program": self._program_view,
             "layouts": dict(layouts),
             "active": [path_text(path) for path in frame.active],
-            "lit": paths.lit(frame.active),
+            "lit": paths.active_states(frame.active),
             "entered": {
                 path_text(path): {"count": count, "tick": frame.visited_at[path]}
                 for path, count in frame.visits.items()

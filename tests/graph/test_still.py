@@ -6,7 +6,8 @@ import xml.etree.ElementTree as ET
 import pytest
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.graph.still import dot, mermaid, svg, tree
+from lrp_jupyter.graph.exports import dot, mermaid, tree
+from lrp_jupyter.graph.still import svg
 from lrp_jupyter.language.parser import parse
 
 NS = "{http://www.w3.org/2000/svg}"
