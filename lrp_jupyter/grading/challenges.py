@@ -270,10 +270,10 @@ _AROUND = visits("right", "left", "start")
 
 
 def _once_around(run: RunRecord) -> bool:
-    """At the start again, after the rest of the way."""
-    last = run.samples[-1]
-    home = run.world.zones["start"].contains(last.x, last.y)
-    return home and last.time > 10 and _AROUND(run).passed
+    """At the start again, after the rest of the way; the way is only checked on arrival."""
+    start = run.world.zones["start"]
+    at_home = [start.contains(sample.x, sample.y) for sample in run.samples[-2:]]
+    return at_home == [False, True] and _AROUND(run).passed
 
 
 _THERE_AND_BACK = (touches("far wall", "near wall"), ends_still(2), no_faults())
