@@ -1,1 +1,1 @@
-"""Judging a program: challenges, what they ask for, and graded runs of them."""
+"""Grading of programs: challenges, their criteria, and graded runs."""

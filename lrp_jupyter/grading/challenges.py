@@ -1,7 +1,7 @@
-"""Challenges: what a robot has to master, and how that is judged.
+"""Challenges: tasks for a robot, and how a program for them is graded.
 
-The bundled ones are here, from easy to hard, each with hints for its typical mistakes; a teacher adds
-more of them by :func:`register`.
+The bundled challenges are defined here, from easy to hard, each with hints for its typical mistakes; a
+teacher adds more with :func:`register`.
 """
 
 from __future__ import annotations
@@ -44,12 +44,12 @@ from lrp_jupyter.sim.world import (
 __all__ = ["BUNDLED", "Challenge", "Hint", "challenge", "challenges", "register"]
 
 Hint = Callable[[RunRecord], str | None]
-"""Looks at a run that failed; gives the hint if the mistake that it knows was made."""
+"""A function that inspects a failed run and returns a hint if it finds its mistake, else None."""
 
 
 @dataclass(frozen=True)
 class Challenge:
-    """Something to be programmed, and how it is judged.
+    """A task to be programmed, with its worlds and criteria.
 
     Parameters
     ----------
@@ -57,18 +57,18 @@ class Challenge:
     task : str
         What the robot has to do, in a sentence or two.
     worlds : tuple of str or World
-        Every one has to be mastered.
+        The program has to pass in every one.
     criteria : tuple of Criterion
     seconds : float
         Length of a run, in its own time.
     hints : tuple of Hint
-        The first that knows the mistake speaks.
+        The first one that finds its mistake is shown.
     rate : float
         Ticks per second.
     noise : dict or None
         Imperfections of the robot: ``{"motor": 0.1, "light": 10}``.
     until : callable or None
-        Ends a run early, when a recording can only stay as good as it is.
+        Returns whether to end a run early, because more time cannot improve the result.
     """
 
     name: str
@@ -89,23 +89,23 @@ _challenges: dict[str, Challenge] = {}
 
 
 def register(new: Challenge) -> Challenge:
-    """Make a challenge known by its name; one of the same name is replaced."""
+    """Register a challenge under its name, replacing one of the same name."""
     _challenges[new.name] = new
     return new
 
 
 def challenges() -> tuple[Challenge, ...]:
-    """List the challenges, from easy to hard."""
+    """Return the challenges, from easy to hard."""
     return tuple(_challenges.values())
 
 
 def challenge(name: str) -> Challenge:
-    """Find a challenge by name.
+    """Return the challenge of a name, in any case, with spaces, hyphens or underscores.
 
     Raises
     ------
     LRPError
-        There is none of that name; the message names the nearest.
+        There is no challenge of that name; the message suggests the closest one.
     """
     known = {each.name: each for each in challenges()}
     wanted = name.replace("-", " ").replace("_", " ").casefold().strip()
@@ -113,14 +113,14 @@ def challenge(name: str) -> Challenge:
         return known[wanted]
     close = difflib.get_close_matches(wanted, known, n=1)
     hint = f" Did you mean `{close[0]}`?" if close else ""
-    raise LRPError(f"there is no challenge `{name}`.{hint} There are: {', '.join(known)}")
+    raise LRPError(f"There is no challenge `{name}`.{hint} Choose one of: {', '.join(known)}.")
 
 
 _QUARTER = math.pi / 2
 
 
 def _line_across() -> World:
-    """Draw a line across the way."""
+    """Return a world with a line across the robot's path."""
     return World(
         name="line across",
         size=(3, 2),
@@ -131,7 +131,7 @@ def _line_across() -> World:
 
 
 def _square() -> World:
-    """Mark the corners of a square to the left of the robot."""
+    """Return a world with zones at the corners of a square to the left of the robot."""
     corners = {
         "home": (1.0, 0.6),
         "first corner": (1.6, 0.6),
@@ -143,13 +143,13 @@ def _square() -> World:
 
 
 def _wall_ahead() -> World:
-    """Put a wall in the way."""
+    """Return a world with a wall ahead of the robot."""
     wall = BoxSolid((2.2, 1, 0.08, 1.2), name="wall")
     return World(name="wall ahead", size=(3, 2), solids=(wall,), robots=(RobotSpec((0.5, 1, 0)),))
 
 
 def _oval(radius: float) -> World:
-    """Draw an oval with half circles of a radius."""
+    """Return a world with an oval line whose half circles have a radius, in metres."""
     left, right, middle = radius + 0.4, radius + 1.4, radius + 0.4
     strokes = (
         PathStroke(((left, middle - radius), (right, middle - radius))),
@@ -171,7 +171,7 @@ def _oval(radius: float) -> World:
 
 
 def _block() -> World:
-    """Put a block into the middle, the robot beside it, one ray to its left."""
+    """Return a world with a block, and the robot beside it with a distance sensor to its left."""
     around = {"south": (1.5, 0.45), "east": (2.55, 1), "north": (1.5, 1.55), "west": (0.45, 1)}
     return World(
         name="block",
@@ -187,21 +187,22 @@ def _drove_over(run: RunRecord) -> str | None:
     if seen is None or next(run.inside("beyond"), None) is None:
         return None
     return (
-        f"it crossed the line after {seen.time:.1f} s and drove on: `(on online driving -> stopped)`,"
-        " with `(event online [robot.light.data < 128])` and a state that does nothing"
+        f"The robot crossed the line after {seen.time:.1f} s and drove on. Add"
+        " `(on online driving -> stopped)`, with `(event online [robot.light.data < 128])` and a state"
+        " `stopped` that does nothing."
     )
 
 
 def _never_turned(run: RunRecord) -> str | None:
     if not run.samples or abs(_angle(run.samples[-1].heading - run.samples[0].heading)) > 0.3:
         return None
-    return "it only went straight on: `robot.move(angular=1)` turns by 1 rad/s, for (pi / 2) s is a quarter"
+    return "The robot only drove straight on. `robot.move(angular=1)` for pi / 2 s is a quarter turn."
 
 
 def _never_saw_the_line(run: RunRecord) -> str | None:
     if any(map(sees_line, run.samples)):
         return None
-    return "its light sensor never saw the line; white is 255, black 0, the line lies below 128"
+    return "The light sensor never saw the line. White reads 255, black reads 0; the line is below 128."
 
 
 def _lost_the_line(run: RunRecord) -> str | None:
@@ -209,8 +210,8 @@ def _lost_the_line(run: RunRecord) -> str | None:
     if last is None or run.seconds - last < 5:
         return None
     return (
-        f"it lost the line after {last:.1f} s and did not find it again:"
-        " look to the left, then to the right, and each time a bit further"
+        f"The robot lost the line after {last:.1f} s and did not find it again."
+        " Look to the left, then to the right, and each time a bit further."
     )
 
 
@@ -219,8 +220,8 @@ def _ended_at_the_first_bump(run: RunRecord) -> str | None:
     if walls != ["far wall"] or run.seconds - run.still_since() < 2:
         return None
     return (
-        "it ended at the far wall: while the bumper is still pressed, a flag that is cleared in"
-        " `bumpback` ends the program one tick later; clear it on entering the turn"
+        "The robot ended at the far wall. While the bumper is still pressed, a flag that is cleared in"
+        " `bumpback` ends the program one tick later; clear it on entering the turn."
     )
 
 
@@ -228,26 +229,28 @@ def _did_not_turn_back(run: RunRecord) -> str | None:
     touched = sum("far wall" in sample.touched for sample in run.samples)
     if touched < 30:
         return None
-    return "it keeps pushing against the far wall: after the bump, drive back a second, then turn by pi"
+    return "The robot keeps pushing against the far wall. Drive back for a second, then turn by pi."
 
 
 def _kept_pushing(run: RunRecord) -> str | None:
     if sum("wall" in sample.touched for sample in run.samples) < 50:
         return None
-    return "it keeps pushing: `(event bump [robot.bumper.data == 1])` leads to a state that does nothing"
+    return (
+        "The robot keeps pushing. At the event `[robot.bumper.data == 1]`, enter a state that does nothing."
+    )
 
 
 def _crossed_the_border(run: RunRecord) -> str | None:
     if next((sample for sample in run.samples if sees_line(sample)), None) is None:
         return None
-    return "on the border, drive back first and turn then: a turn on the spot carries the robot across"
+    return "The robot turned on the border, which carries it across. Drive back first, then turn."
 
 
 def _too_close(run: RunRecord) -> str | None:
     found = next((sample for sample in run.samples if "wall" in sample.touched), None)
     if found is None:
         return None
-    return "it came too close to the wall: steer away from it below the distance to keep"
+    return "The robot came too close to the wall. Steer away when it is nearer than the distance to keep."
 
 
 def _restarted(run: RunRecord) -> str | None:
@@ -255,13 +258,13 @@ def _restarted(run: RunRecord) -> str | None:
     if reason is None:
         return None
     return (
-        f"{reason}: change a state while it is not active, or a variable, an event, a transition;"
-        " these never restart the program"
+        f"The program restarted: {reason}. Change a state only while it is not active; changes of"
+        " variables, events and transitions never restart the program."
     )
 
 
 def _back_again(run: RunRecord) -> bool:
-    """There and back, and still for two seconds since."""
+    """Return whether the robot was there and back, and has stood still since."""
     near = next(run.touches("near wall"), None)
     return near is not None and run.seconds - run.still_since() >= 2.5
 
@@ -270,7 +273,7 @@ _AROUND = visits("right", "left", "start")
 
 
 def _once_around(run: RunRecord) -> bool:
-    """At the start again, after the rest of the way; the way is only checked on arrival."""
+    """Return whether the robot has just arrived at the start again, after going around."""
     start = run.world.zones["start"]
     at_home = [start.contains(sample.x, sample.y) for sample in run.samples[-2:]]
     return at_home == [False, True] and _AROUND(run).passed
@@ -312,7 +315,7 @@ BUNDLED = tuple(
         ),
         Challenge(
             "bump and stay",
-            "Drive until something is in the way, and stand still then.",
+            "Drive until something is in the way, then stand still.",
             (_wall_ahead(),),
             (touches("wall"), ends_still(3), no_faults()),
             25,

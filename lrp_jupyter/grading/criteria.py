@@ -1,7 +1,7 @@
-"""What a run can be judged by: regions and times, never exact poses.
+"""Criteria for a run: regions and times, never exact poses.
 
-A criterion looks at a recording and says, in a sentence, whether and why. These functions make
-criteria; a teacher writes more of them as ``Criterion(sentence, judge)``.
+A criterion inspects the record of a run and returns whether it is met, with a reason. These functions
+make criteria; a teacher writes more of them as ``Criterion(sentence, judge)``.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ __all__ = [
     "visits",
 ]
 
-_BLACK = 128  # a light reading below is line, above is floor
+_BLACK = 128  # a light reading below is the line, above is the floor
 
 
 class Verdict(NamedTuple):
-    """What one criterion says about one run."""
+    """The result of one criterion for one run."""
 
     sentence: str
     passed: bool
@@ -45,28 +45,28 @@ class Verdict(NamedTuple):
 
 
 class Criterion(NamedTuple):
-    """A sentence ("reaches `far`") and what judges it: gives whether, and why."""
+    """A sentence ("reaches `far`") and a function that returns whether a run meets it, and why."""
 
     sentence: str
     judge: Callable[[RunRecord], tuple[bool, str]]
 
-    def __call__(self, recording: RunRecord) -> Verdict:
-        """Judge a run."""
-        passed, reason = self.judge(recording)
+    def __call__(self, run: RunRecord) -> Verdict:
+        """Return the verdict on a run."""
+        passed, reason = self.judge(run)
         return Verdict(self.sentence, passed, reason)
 
 
 def drives(metres: float) -> Criterion:
-    """Ask that it goes at least so far, somewhere."""
+    """Require that the robot drives at least this far, anywhere."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
-        return run.way >= metres, f"it drove {run.way:.2f} m"
+        return run.driven >= metres, f"it drove {run.driven:.2f} m"
 
     return Criterion(f"drives at least {metres:g} m", judge)
 
 
 def turns(degrees: float) -> Criterion:
-    """Ask that it turns by so much, to the left and to the right counted together."""
+    """Require that the robot turns by at least this much, left and right turns added up."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         steps = zip(run.samples, run.samples[1:], strict=False)
@@ -77,7 +77,7 @@ def turns(degrees: float) -> Criterion:
 
 
 def visits(*zones: str) -> Criterion:
-    """Ask that it comes to these zones, in this order."""
+    """Require that the robot comes to these zones, in this order."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         missing, when = _one_after_another(zones, run.inside)
@@ -89,7 +89,7 @@ def visits(*zones: str) -> Criterion:
 
 
 def stays_in(zone: str) -> Criterion:
-    """Ask that it never leaves a zone."""
+    """Require that the robot never leaves a zone."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         inside = {sample.time for sample in run.inside(zone)}
@@ -100,7 +100,7 @@ def stays_in(zone: str) -> Criterion:
 
 
 def ends_in(zone: str) -> Criterion:
-    """Ask that it is in a zone at the end."""
+    """Require that the robot is in a zone at the end."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         last = run.samples[-1]
@@ -111,7 +111,7 @@ def ends_in(zone: str) -> Criterion:
 
 
 def ends_still(seconds: float) -> Criterion:
-    """Ask that it stands still for so long at the end, without trying to move."""
+    """Require that the robot stands still at the end for this time, without trying to move."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         stood = run.seconds - run.still_since()
@@ -121,7 +121,7 @@ def ends_still(seconds: float) -> Criterion:
 
 
 def touches(*solids: str) -> Criterion:
-    """Ask that it touches these solids, in this order."""
+    """Require that the robot touches these solids, in this order."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         missing, when = _one_after_another(solids, run.touches)
@@ -133,7 +133,7 @@ def touches(*solids: str) -> Criterion:
 
 
 def touches_nothing() -> Criterion:
-    """Ask that it touches no solid, and not the edge of the world."""
+    """Require that the robot touches no solid and not the edge of the world."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         found = next((sample for sample in run.samples if sample.touched), None)
@@ -145,7 +145,7 @@ def touches_nothing() -> Criterion:
 
 
 def pushes(solid: str, zone: str) -> Criterion:
-    """Ask that a solid is in a zone at the end."""
+    """Require that a solid is in a zone at the end."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         names = [getattr(each, "name", "") for each in run.world.solids]
@@ -156,7 +156,7 @@ def pushes(solid: str, zone: str) -> Criterion:
 
 
 def on_line(share: float, sensor: int = 0) -> Criterion:
-    """Ask that its light sensor sees the line for this share of the time (0 … 1)."""
+    """Require that a light sensor sees the line for at least this share of the time (0 … 1)."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         seen = [sample for sample in run.samples if sees_line(sample, sensor)]
@@ -167,12 +167,12 @@ def on_line(share: float, sensor: int = 0) -> Criterion:
 
 
 def sees_line(sample: Sample, sensor: int = 0) -> bool:
-    """Whether a light sensor sees black."""
+    """Return whether a light sensor sees black."""
     return sensor < len(sample.lights) and sample.lights[sensor] < _BLACK
 
 
 def enters(state: str) -> Criterion:
-    """Ask that a state of the program is entered, by name or path."""
+    """Require that a state of the program, given by name or path, is entered."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         entries = run.entries(state)
@@ -182,7 +182,7 @@ def enters(state: str) -> Criterion:
 
 
 def never_restarts() -> Criterion:
-    """Ask that no edit restarts the program."""
+    """Require that no edit restarts the program."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         found = next((event for event in run.events if event.kind == "restarted"), None)
@@ -192,7 +192,7 @@ def never_restarts() -> Criterion:
 
 
 def no_faults() -> Criterion:
-    """Ask that the program runs without issues."""
+    """Require that the program runs without issues."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
         if not run.issues:
@@ -206,7 +206,7 @@ def no_faults() -> Criterion:
 def _one_after_another(
     names: Sequence[str], samples_of: Callable[[str], Iterable[Sample]]
 ) -> tuple[str | None, str]:
-    """Find a sample of each, in this order; give the first that has none, and when the last was found."""
+    """Return the first name without a sample, in this order, and when the last sample was found."""
     after, when = -1.0, ""
     for name in names:
         found = next((sample for sample in samples_of(name) if sample.time > after), None)

@@ -1,7 +1,7 @@
-"""Grade a program: run it headless, in virtual time, and judge the run.
+"""Grade a program: run it headless, in virtual time, and apply the criteria.
 
-``grade(program, "there and back", seeds=10)`` takes a second or two and gives, for every seed and
-every criterion, whether it passed and why, and a hint where a typical mistake was made.
+``grade(program, "there and back", seeds=10)`` takes a second or two and returns, for every seed
+and every criterion, whether it passed and why, and a hint where a typical mistake was made.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ __all__ = ["Attempt", "Grade", "grade"]
 
 
 class Attempt(NamedTuple):
-    """One run: world, seed, what the criteria say, and a hint (empty when there is none)."""
+    """One run: world, seed, the verdicts of the criteria, and a hint (empty when there is none)."""
 
     world: str
     seed: int
@@ -40,7 +40,7 @@ class Attempt(NamedTuple):
 
 @dataclass(frozen=True)
 class Grade:
-    """The result of :func:`grade`; true if everything passed. ``print(grade)`` shows why.
+    """The result of :func:`grade`; true if everything passed. ``print(grade)`` explains it.
 
     Parameters
     ----------
@@ -100,28 +100,28 @@ def grade(
     seconds: float = 60,
     namespace: dict[str, Any] | None = None,
 ) -> Grade:
-    """Run a program and judge it; without a screen, in virtual time.
+    """Run a program headless, in virtual time, and return how it did.
 
     Parameters
     ----------
     program : str, Program, Session, or several texts
         Several are applied one after the other to the running program, at equal intervals.
     what : str, Challenge or World
-        A challenge or its name; with a world, `criteria` and `seconds` say the rest.
+        A challenge or its name; a world is graded by `criteria`, for `seconds`.
     seeds : int or iterable of int
-        How many runs in each world, or which seeds they have.
+        Number of runs in each world, or their seeds.
     namespace : dict, optional
-        Names that the blocks see.
+        Names available to the blocks.
 
     Returns
     -------
     Grade
-        A text that is not a program does not pass; the reason is its first error.
+        A text that is not a valid program does not pass; the reason is its first error.
 
     Raises
     ------
     LRPError
-        There is no such challenge.
+        The challenge does not exist, or the interpreter itself failed.
     """
     if isinstance(what, str):
         task = challenge(what)
@@ -140,7 +140,7 @@ def _text(program: Any) -> str:
         return program
     text = getattr(program, "text", None)  # a program, a session, a lab
     if not isinstance(text, str):
-        raise TypeError(f"a program is a text, a Program or a Session, not {type(program).__name__}")
+        raise TypeError(f"A program must be a text, a Program or a Session, not {type(program).__name__}.")
     return text
 
 
@@ -151,12 +151,12 @@ def _attempt(
     try:
         record = _record(texts, task, world, seed, namespace)
     except LRPSyntaxError as error:
-        reason = Verdict("is a program", False, str(error.findings[0]))
-        return Attempt(name, seed, 0.0, (reason,), "correct the text first: the editor marks the place")
+        reason = Verdict("is a valid program", False, str(error.findings[0]))
+        return Attempt(name, seed, 0.0, (reason,), "Correct the text first; the editor marks the error.")
     verdicts = tuple(criterion(record) for criterion in task.criteria)
     hint = ""
     if not all(verdict.passed for verdict in verdicts):
-        hint = next((text for look in (*_FIRST, *task.hints, _watchdog) if (text := look(record))), "")
+        hint = next((text for find in (*_FIRST, *task.hints, _watchdog) if (text := find(record))), "")
     return Attempt(name, seed, record.seconds, verdicts, hint)
 
 
@@ -180,7 +180,7 @@ def _record(
                 session.edit(program.text)
             session.run(task.seconds / len(programs), after_tick=over)
         if session.fault:
-            raise LRPError(f"the run broke off, and not by the program's fault:\n{session.fault}")
+            raise LRPError(f"The interpreter itself failed, not the program:\n{session.fault}")
         record.issues = tuple(issue for issue in session.issues if not issue.resolved)
         record.notices = bridge.safety.notices
         record.commands = bridge.safety.command_count
@@ -190,17 +190,17 @@ def _record(
 def _nothing_active(run: RunRecord) -> str | None:
     if run.count("entered"):
         return None
-    return "nothing was active: `(spawn machine state)` outside all machines says where to start"
+    return "Nothing was active. Write `(spawn machine state)` outside all machines to start one."
 
 
 def _has_issues(run: RunRecord) -> str | None:
-    return f"line {run.issues[0].line}: {run.issues[0].message}" if run.issues else None
+    return f"Line {run.issues[0].line}: {run.issues[0].message}" if run.issues else None
 
 
 def _no_command(run: RunRecord) -> str | None:
     if run.commands:
         return None
-    return "the robot was never told to move: put `robot.move(linear=0.2)` into the `running` of a state"
+    return "The robot never received a command. Put `robot.move(linear=0.2)` into the `running` of a state."
 
 
 def _watchdog(run: RunRecord) -> str | None:

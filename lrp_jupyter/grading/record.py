@@ -1,4 +1,4 @@
-"""What a graded run leaves behind: a sample for each tick, the events, the faults."""
+"""The record of a graded run: a sample for each tick, the events, the faults."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from lrp_jupyter.sim.world import World
 
 __all__ = ["RunRecord", "Sample"]
 
-_STILL = 0.002  # m; what a robot that stands may drift in one period
+_STILL = 0.002  # m; a robot at rest may drift this far in one period
 
 
 class Sample(NamedTuple):
@@ -38,7 +38,7 @@ class Sample(NamedTuple):
     solids : tuple of (x, y, angle)
     active : tuple of paths
     command : tuple of float
-        The speeds asked of it: m/s, rad/s.
+        The commanded speeds: m/s, rad/s.
     """
 
     time: float
@@ -53,13 +53,13 @@ class Sample(NamedTuple):
     command: tuple[float, float]
 
     def distance(self, other: Sample) -> float:
-        """Metres between the robot here and there."""
+        """Return the distance between the robot in two samples, in metres."""
         return math.hypot(self.x - other.x, self.y - other.y)
 
 
 @dataclass
 class RunRecord:
-    """One run of a program in a world, for the criteria to look at."""
+    """One run of a program in a world, the input of the criteria."""
 
     world: World
     samples: list[Sample] = field(default_factory=list)
@@ -69,7 +69,7 @@ class RunRecord:
     commands: int = 0
 
     def sample(self, bridge: SimBridge, interpreter: Interpreter) -> None:
-        """Record the tick that is just over; on the thread that turns the loop."""
+        """Record the tick that has just ended; must be called on the loop's thread."""
         robot = bridge.simulation.robot
         x, y, heading = robot.pose
         names = {-1: "edge"} | {
@@ -93,16 +93,16 @@ class RunRecord:
 
     @property
     def seconds(self) -> float:
-        """How long the run took, in its own time."""
+        """Length of the run, in seconds of its own time."""
         return self.samples[-1].time if self.samples else 0.0
 
     @property
-    def way(self) -> float:
-        """Metres driven."""
+    def driven(self) -> float:
+        """Length of the path driven, in metres."""
         return sum(a.distance(b) for a, b in zip(self.samples, self.samples[1:], strict=False))
 
     def still_since(self) -> float:
-        """Return the time from which on the robot stood still, and did not try to move."""
+        """Return the time since which the robot has stood still without trying to move."""
         since = self.seconds
         for before, after in zip(reversed(self.samples[:-1]), reversed(self.samples), strict=False):
             moved = before.distance(after) > _STILL or abs(before.heading - after.heading) > 0.02
@@ -121,9 +121,9 @@ class RunRecord:
         return (sample for sample in self.samples if solid in sample.touched)
 
     def entries(self, state: str | Path) -> list[TraceEvent]:
-        """List the events in which a state was entered."""
+        """Return the events in which a state was entered."""
         return [event for event in self.events if event.kind == "entered" and matches(state, event.path)]
 
     def count(self, kind: str) -> int:
-        """How many events of a kind there were."""
+        """Return the number of events of a kind."""
         return sum(event.kind == kind for event in self.events)

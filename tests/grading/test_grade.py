@@ -159,7 +159,7 @@ def test_doing_nothing_masters_nothing_and_gets_a_hint(each):
         ("first move", "(machine m (state a (running [robot.move(linear=0.2)])))", "(spawn machine state)"),
         ("first move", DRIVE.replace("linear=0.2", "linear=sped"), "`sped`"),
         ("first move", "(machine m (state a (onentry [robot.move(linear=0.2)]))) (spawn m a)", "put `move`"),
-        ("first move", "(machine m", "correct the text"),
+        ("first move", "(machine m", "Correct the text"),
         ("stop at the line", DRIVE, "drove on"),
         ("square", DRIVE.replace("linear=0.2", "linear=0.1"), "quarter"),
         ("bump and stay", DRIVE, "keeps pushing"),
@@ -169,7 +169,7 @@ def test_doing_nothing_masters_nothing_and_gets_a_hint(each):
         ("stop at the line", DRIVE.replace("0.2", "-0.1"), "never saw the line"),
         ("there and back", FOLLOWER.replace("(on bumping *-> bumpback)", ""), "pushing against the far wall"),
         ("wall follower", DRIVE.replace("linear=0.2", "linear=0.2, angular=0.3"), "too close to the wall"),
-        ("edge guard", DRIVE, "drive back first"),
+        ("edge guard", DRIVE, "Drive back first"),
         ("edit it live", [DRIVE, DRIVE.replace("0.2", "0.3")], "never restart"),
     ],
 )  # fmt: skip
@@ -222,7 +222,7 @@ def test_a_challenge_is_found_by_name_and_a_wrong_name_is_answered_with_the_near
 
 
 def test_a_run_ends_early_when_it_cannot_get_better():
-    long = Challenge("way", "", ("empty",), (drives(0.1),), 1000, until=lambda run: run.way > 0.1)
+    long = Challenge("way", "", ("empty",), (drives(0.1),), 1000, until=lambda run: run.driven > 0.1)
     (attempt,) = grade(DRIVE, long).attempts
     assert attempt.seconds < 2
 
