@@ -550,6 +550,13 @@ export interface Layout {
   places: Record<string, Position>;
 }
 
+/** An element that an edit or a rename kept under another path. */
+export interface MovedElement {
+  kind: ElementKind;
+  old: string;
+  new: string;
+}
+
 /** How often something happened since the session began, and the tick of the last time. */
 export interface CountView {
   count: number;
@@ -691,6 +698,7 @@ export interface ViewState {
   revision: number;
   program: ProgramView;
   layouts: Record<string, Layout>;
+  moved: Record<string, MovedElement[]>;
   active: string[];
   lit: string[];
   entered: Record<string, CountView>;
@@ -953,6 +961,7 @@ export const EMPTY_VIEW_STATE: ViewState = {
   revision: 0,
   program: { variables: [], events: [], machines: [] },
   layouts: {},
+  moved: {},
   active: [],
   lit: [],
   entered: {},

@@ -79,6 +79,17 @@ describe("a drawing", () => {
     expect(node("m/a")).toBeNull();
   });
 
+  it("keeps the element of a transition whose delay is edited", () => {
+    const after = (delay: string) =>
+      arrow("a", { id: "m:ontime:a->b", label: { text: delay, x: 0, y: 0, width: 9, height: 9 } });
+    draw(layers, layout([shape("a"), shape("b")], [after("100 ms")]));
+    const before = [layers.arrows.firstElementChild, layers.labels.firstElementChild];
+    draw(layers, layout([shape("a"), shape("b")], [after("300 ms")]));
+    expect([layers.arrows.firstElementChild, layers.labels.firstElementChild]).toEqual(before);
+    expect(layers.arrows.firstElementChild).toBe(before[0]);
+    expect(before[1]?.textContent).toBe("300 ms");
+  });
+
   it("leaves a state alone while it is dragged", () => {
     draw(layers, layout([shape("a", { x: 5 })]));
     node("m/a")?.setAttribute("data-dragged", "");
@@ -132,6 +143,22 @@ describe("marks", () => {
     expect(node("m/a")?.hasAttribute("data-glow")).toBe(true);
     vi.advanceTimersByTime(AFTERGLOW);
     expect(node("m/a")?.hasAttribute("data-glow")).toBe(false);
+    vi.useRealTimers();
+  });
+
+  it("do not glow when what happened long ago gets another name", () => {
+    vi.useFakeTimers();
+    const marks = new Marks();
+    state.tick = 9;
+    state.entered = { "m/a": { count: 1, tick: 1 } };
+    draw(layers, layout([shape("a"), shape("b")]));
+    marks.update(layers, state);
+    vi.advanceTimersByTime(AFTERGLOW);
+    state.entered = { "m/z": { count: 1, tick: 1 }, "m/b": { count: 1, tick: 10 } };
+    draw(layers, layout([shape("z"), shape("b")]));
+    marks.update(layers, state);
+    expect(node("m/z")?.hasAttribute("data-glow")).toBe(false);
+    expect(node("m/b")?.hasAttribute("data-glow")).toBe(true);
     vi.useRealTimers();
   });
 

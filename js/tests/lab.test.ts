@@ -211,6 +211,55 @@ describe("the page", () => {
     expect(notice.textContent).toContain("Restarted at tick 5: moving changed");
   });
 
+  it("keeps what is selected and shown when a state is renamed", async () => {
+    const inner = "follower/looking/lookalgo";
+    const rename = (text: string) => text.replaceAll("looking", "searching");
+    const { program, layouts } = recording.snapshot.frame;
+    page
+      .find('[data-lrp-transition="follower:tlooking"]')
+      .dispatchEvent(new MouseEvent("click", { bubbles: true }));
+    page.find(`[data-lrp-machine="${inner}"]`).click();
+    await page.drawn();
+    page.deliver({
+      type: "frame",
+      frame: 9,
+      program: JSON.parse(rename(JSON.stringify(program))),
+      layouts: {
+        ...Object.fromEntries(Object.keys(layouts).map((path) => [path, null])),
+        ...JSON.parse(rename(JSON.stringify(layouts))),
+      },
+      moved: {
+        3: [
+          { kind: "machine", old: inner, new: rename(inner) },
+          { kind: "transition", old: "follower:tlooking", new: "follower:tsearching" },
+        ],
+      },
+    });
+    await page.drawn();
+    expect(page.find('[data-lrp-machine][aria-selected="true"]').dataset.lrpMachine).toBe(rename(inner));
+    expect(page.find(".lrp-graph").getAttribute("aria-label")).toBe("State graph of lookalgo");
+    page.find('[data-lrp-machine="follower"]').click();
+    await page.drawn();
+    expect(page.find("g[data-chosen]").dataset.lrpTransition).toBe("follower:tsearching");
+  });
+
+  it("inspects the same element when it is renamed meanwhile", async () => {
+    page.find('[data-lrp-variable="lightlim"] [data-lrp-action="inspect"]').click();
+    await page.drawn();
+    const asked = page.of("inspect");
+    expect(asked.at(-1)).toMatchObject({ kind: "variable", path: "lightlim" });
+    page.deliver({ type: "reply", id: asked.at(-1)!.id, error: null });
+    await page.drawn();
+    page.deliver({
+      type: "frame",
+      frame: 9,
+      moved: { 1: [{ kind: "variable", old: "lightlim", new: "limit" }] },
+    });
+    await page.drawn();
+    expect(page.of("inspect")).toHaveLength(2);
+    expect(page.of("inspect").at(-1)).toMatchObject({ kind: "variable", path: "limit" });
+  });
+
   it("says goodbye when it is closed", () => {
     page.close();
     expect(page.sent.at(-1)).toMatchObject({ type: "bye" });

@@ -1,5 +1,5 @@
 import { expect, it } from "vitest";
-import type { FrameMessage, IssueView, MachineItem, SnapshotMessage } from "../src/protocol";
+import type { ElementKind, FrameMessage, IssueView, MachineItem, SnapshotMessage } from "../src/protocol";
 import { apply, initialState } from "../src/session/state";
 
 const frame = (fields: Partial<FrameMessage>): FrameMessage => ({
@@ -69,7 +69,51 @@ it("a snapshot forgets what was before, but not what the person looks at", () =>
   expect(state.members).toEqual({});
 });
 
-it("looks at the machine around when the one looked at goes", () => {
+const moved = (kind: ElementKind, old: string, now: string) => ({ kind, old, new: now });
+
+it("keeps the machine shown, the selection and the inspected element when their paths change", () => {
+  const state = initialState();
+  apply(state, snapshot(["m", "m/a/inner"]));
+  state.machine = "m/a/inner";
+  state.chosen = "m:on:a->b";
+  state.inspected = { kind: "state", path: "m/a" };
+  const renamed = [
+    moved("machine", "m/a/inner", "m/z/inner"),
+    moved("transition", "m:on:a->b", "m:on:z->b"),
+    moved("state", "m/a", "m/z"),
+  ];
+  const changed = apply(state, frame({ program: program(["m", "m/z/inner"]), moved: { 4: renamed } }));
+  expect(state.machine).toBe("m/z/inner");
+  expect(state.chosen).toBe("m:on:z->b");
+  expect(state.inspected).toEqual({ kind: "state", path: "m/z" });
+  expect([...changed]).toEqual(expect.arrayContaining(["machine", "chosen", "inspected"]));
+});
+
+it("applies several renames in their order, and each once", () => {
+  const state = initialState();
+  apply(state, snapshot(["m"]));
+  state.chosen = "m/a";
+  const first = { 2: [moved("state", "m/a", "m/b")] };
+  const both = { ...first, 10: [moved("state", "m/b", "m/a")] };
+  apply(state, frame({ moved: first }));
+  expect(state.chosen).toBe("m/b");
+  apply(state, frame({ moved: { 10: both[10] } }));
+  expect(state.chosen).toBe("m/a");
+  apply(state, snapshot(["m"], { moved: both })); // the connection was lost for a while
+  expect(state.chosen).toBe("m/a");
+  state.moved = {};
+  apply(state, snapshot(["m"], { moved: both })); // it was lost before both
+  expect(state.chosen).toBe("m/a");
+});
+
+it("does not take a variable for the machine of the same path", () => {
+  const state = initialState();
+  apply(state, snapshot(["m", "other"]));
+  apply(state, frame({ moved: { 1: [moved("variable", "m", "other")] } }));
+  expect(state.machine).toBe("m");
+});
+
+it("shows the machine around when the one shown is removed", () => {
   const state = initialState();
   apply(state, snapshot(["a", "m", "m/s/n"]));
   state.machine = "m/s/n";

@@ -9,7 +9,7 @@ The result is passed to the next call as `previous`, so that states keep their p
 - a new state is placed at the free position nearest to its neighbours;
 - the missing end of a dangling transition already has the position of the state to come;
 - the position of a removed state stays reserved for :data:`RESERVED` seconds (time is a parameter here);
-- a renamed state keeps its position: one named in `renamed`, or one that is the only difference.
+- a state whose name is being typed keeps its position: the only one that differs, in the same order.
 
 Paper: §3.1, figure 2 (kinds of transitions and the fictional state ``*``).
 """
@@ -62,7 +62,6 @@ def layout(
     program: Program | None = None,
     path: Path | None = None,
     moved: Mapping[str, Sequence[float]] | None = None,
-    renamed: Mapping[str, str] | None = None,
     now: float = 0.0,
 ) -> Layout:
     """Lay out one machine.
@@ -79,8 +78,6 @@ def layout(
         The machine's path, by default its name alone.
     moved : mapping of str to (x, y), optional
         States moved by hand and where to, in px; they stay moved in later layouts.
-    renamed : mapping of str to str, optional
-        Old names of states and their new ones.
     now : float
         Time in seconds, on any clock; for the places of removed states.
 
@@ -91,7 +88,7 @@ def layout(
         always give the same result.
     """
     where = path or (str(machine.name),)
-    return _Drawing(machine, where, program).draw(previous, moved or {}, renamed or {}, now)
+    return _Drawing(machine, where, program).draw(previous, moved or {}, now)
 
 
 class _Edge:
@@ -160,14 +157,11 @@ class _Drawing:
         self,
         previous: Layout | None,
         moved: Mapping[str, Sequence[float]],
-        renamed: Mapping[str, str],
         now: float,
     ) -> Layout:
         inner = [edge for edge in self.edges if not edge.outward]
         links = [(edge.source, edge.target) for edge in inner]
-        places = keep_positions(
-            self.sizes, list(self.states), links, self.starts, previous, moved, renamed, now
-        )
+        places = keep_positions(self.sizes, list(self.states), links, self.starts, previous, moved, now)
         boxes = {name: Rect(places[name]["x"], places[name]["y"], *size) for name, size in self.sizes.items()}
         starts = {name: _start(boxes[name]) for name in self.starts if name in boxes}
         solid = [*boxes.values(), *(Rect(start["x"], start["y"], 18.0, 18.0) for start in starts.values())]

@@ -37,7 +37,6 @@ def keep_positions(
     starts: Sequence[str],
     previous: Layout | None,
     moved: Mapping[str, Sequence[float]],
-    renamed: Mapping[str, str],
     now: float,
 ) -> dict[str, Position]:
     """Compute a position for every node: its old one, the one it was dragged to, or a free one.
@@ -50,7 +49,7 @@ def keep_positions(
         Those of them that are states of the program.
     links : sequence of (str, str)
         One for each arrow between two of them.
-    starts, previous, moved, renamed, now
+    starts, previous, moved, now
         As for :func:`~lrp_jupyter.graph.layout.layout`.
 
     Returns
@@ -60,7 +59,7 @@ def keep_positions(
     """
     positions: dict[str, Position] = {}
     if previous is not None:
-        positions = _kept(previous, sizes, renamed or _retyped(previous, states), now)
+        positions = _kept(previous, sizes, _retyped(previous, states), now)
     first = not any(name in positions for name in sizes)
     for name, (x, y) in moved.items():
         if name in sizes:

@@ -18,6 +18,7 @@ from typing import Literal
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import Broken, MachinePlan, SpawnPlan, link
+from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Path, Program
 
 __all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "make_frame", "matches", "render"]
@@ -75,6 +76,9 @@ class Frame:
         How often the program was restarted; `restart_reason` says why the last time.
     revision : int
         How many edits, renames and rewinds have taken effect.
+    moved : tuple of (int, Successors)
+        What the last edits and renames made of the elements that have another path now: the revision
+        that each led to, and its map.
     patch_reason : str
         What the last edit has to say, for example why it is not applied yet.
     program : Program
@@ -109,6 +113,7 @@ class Frame:
     restarts: int = 0
     restart_reason: str = ""
     revision: int = 0
+    moved: tuple[tuple[int, Successors], ...] = ()
     patch_reason: str = ""
     program: Program = field(default_factory=Program)
     rate: float = 0.0
@@ -187,6 +192,7 @@ def make_frame(interpreter: Interpreter, time: float, **more: object) -> Frame:
         restarts=interpreter.restarts,
         restart_reason=interpreter.restart_reason,
         revision=interpreter.revision,
+        moved=interpreter.moved,
         patch_reason=interpreter.patch_reason,
         program=interpreter.program,
         **more,  # type: ignore[arg-type]

@@ -42,12 +42,14 @@ from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Count, bind_block
 from lrp_jupyter.interpreter.variables import VariableMapping, as_path, assign
 from lrp_jupyter.language.diff import diff
-from lrp_jupyter.language.identity import after_rename
+from lrp_jupyter.language.identity import Successors, after_rename
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.language.rename import rename as renamed_text
 
 __all__ = ["Interpreter", "VariableMapping"]
+
+_KEPT = 20  # edits of which is known what they made of each element
 
 
 class Interpreter:
@@ -76,6 +78,9 @@ class Interpreter:
         How often the program was restarted; `restart_reason` says why the last time.
     revision : int
         How many edits, renames and rewinds have taken effect.
+    moved : tuple of (int, Successors)
+        What the last edits and renames made of the elements that have another path now: the revision
+        that each led to, and its map.
     patch_reason : str
         What the last edit has to say, for example why it is not applied yet.
 
@@ -99,6 +104,7 @@ class Interpreter:
         self.restarts = 0
         self.restart_reason = ""
         self.revision = 0
+        self.moved: tuple[tuple[int, Successors], ...] = ()
         self.patch_reason = ""
         self._run = Run(link(program), robot, {} if namespace is None else namespace, output, journal)
         show_in_tracebacks(program)
@@ -271,7 +277,7 @@ class Interpreter:
             else:
                 adopt(run, plan, changes.successors)
             self._report_duplicates()
-            self.revision += 1
+            self._count_revision(changes.successors)
         self.patch_reason = decision.reason or ""
         patch = Patch(changes, decision.apply, decision.restart, decision.reason)
         run.emit("patched", (), patch)
@@ -311,7 +317,7 @@ class Interpreter:
         carry_issues(run.issues, run.plan, plan, successors)
         show_in_tracebacks(program)
         adopt(run, plan, successors, renamed=True)
-        self.revision += 1
+        self._count_revision(successors)
         self.patch_reason = ""
         run.emit("patched", (), Patch(changes, True))
         self._done()
@@ -408,6 +414,11 @@ class Interpreter:
         show_in_tracebacks(self.program)
 
     # ---- inside -----------------------------------------------------------------------------
+
+    def _count_revision(self, successors: Successors) -> None:
+        self.revision += 1
+        if any(old != new for old, new in successors.moved.items()):  # not only labels
+            self.moved = (*self.moved, (self.revision, successors))[-_KEPT:]
 
     def _restart(self, reason: str) -> None:
         """Paper: §6.1: no transition is triggered, so no onexit runs; issues stay."""

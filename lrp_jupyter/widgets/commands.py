@@ -255,12 +255,8 @@ class RenameCommand(PageCommand, do="rename"):
     name: str
 
     def apply(self, opened: OpenProgram) -> Applied:
-        return opened.work(partial(self._rename, opened))
-
-    def _rename(self, opened: OpenProgram) -> None:
         path = path_of(self.kind, self.path)
-        with opened.layouts.renaming(self.kind, path, self.name):
-            opened.texts.rename(self.kind, path, self.name)
+        return opened.work(partial(opened.texts.rename, self.kind, path, self.name))
 
 
 # -- forcing -----------------------------------------------------------------------------------------

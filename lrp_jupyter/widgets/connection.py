@@ -197,7 +197,7 @@ class PageConnection:
         SessionClosedError
             It is too late: the other session is closed, too.
         """
-        self.layouts.update(session.program)  # before the lock, which a command may need
+        self.layouts.update(session.frame)  # before the lock, which a command may need
         with self._lock:
             if not self.closed:
                 self._publisher.attach(session)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Hashable, Mapping
 from threading import Lock
 from time import monotonic
 from typing import Any
@@ -11,6 +10,8 @@ from typing import Any
 from lrp_jupyter.graph.layout import layout
 from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.graph.state_graph import events_in_scope, outer_states, start_states
+from lrp_jupyter.interpreter.frame import Frame
+from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Machine, Path, Program, path_text
 
 __all__ = ["Layouts"]
@@ -25,14 +26,13 @@ class Layouts:
     """
 
     def __init__(self, clock: Callable[[], float] = monotonic) -> None:
-        self.current: tuple[Program, Mapping[str, Layout]] = Program(), {}
-        """The program laid out last, and its layouts by machine path; replaced as a whole."""
+        self.current: tuple[Frame, Mapping[str, Layout]] = Frame(), {}
+        """The first frame of the program laid out last, and the layouts by machine path; one value."""
         self._clock = clock
         self._computing = Lock()
         self._lock = Lock()  # of what is to be computed next
         self._arranged: set[str] = set()
         self._pinned: dict[str, dict[str, tuple[float, float]]] = {}
-        self._renamed: tuple[Path, str] | None = None
         self._appearances: dict[str, Hashable] = {}
         self._gone: dict[str, Layout] = {}  # of machines that are not in the text at the moment
 
@@ -47,38 +47,26 @@ class Layouts:
             self._arranged.add(machine)
             self._pinned.pop(machine, None)
 
-    @contextmanager
-    def renaming(self, kind: str, path: Path, name: str) -> Iterator[None]:
-        """Keep the place of a state or machine that is renamed while this is open."""
-        with self._lock:
-            self._renamed = (path, name) if kind in ("state", "machine") else None
-        try:
-            yield
-        except BaseException:
-            with self._lock:
-                self._renamed = None
-            raise
-
-    def update(self, program: Program) -> None:
-        """Compute the layouts of a program, and what was pinned or arranged since the last update."""
+    def update(self, frame: Frame) -> None:
+        """Compute the layouts of a frame's program, and what was pinned or arranged since the last update."""
         with self._computing:
-            before, _ = self.current
             with self._lock:
                 arranged, self._arranged = self._arranged, set()
                 pinned, self._pinned = self._pinned, {}
-                renamed = None
-                if program is not before:
-                    renamed, self._renamed = self._renamed, None
-            if program is not before:
-                self._follow(program, renamed)
+            if frame.program is not self.current[0].program:
+                self._replace(frame)
             for name in arranged:
                 self._again(name, fresh=True)
             for name, places in pinned.items():
                 self._again(name, moved=places)
 
-    def _follow(self, program: Program, renamed: tuple[Path, str] | None) -> None:
-        _, last = self.current
-        before = {**self._gone, **last}
+    def _replace(self, frame: Frame) -> None:
+        """Compute the layouts of another program."""
+        shown, last = self.current
+        program, previous = frame.program, {**self._gone, **last}
+        for revision, successors in frame.moved:
+            if revision > shown.revision:
+                previous |= _carried(previous, successors)
         appearances, layouts = {}, {}
         starts = start_states(program)
         for path, machine in program.walk():
@@ -86,22 +74,21 @@ class Layouts:
             if name in layouts:
                 continue
             appearance = appearances[name] = _appearance(program, path, machine, starts.get(path, ()))
-            old_name, states = _before(path, renamed)
             if appearance == self._appearances.get(name) and name in last:
                 layouts[name] = last[name]
             else:
-                layouts[name] = self._lay_out(program, path, machine, before.get(old_name), renamed=states)
-        self._gone = {name: old for name, old in before.items() if name not in layouts}
+                layouts[name] = self._lay_out(program, path, machine, previous.get(name))
+        self._gone = {name: old for name, old in previous.items() if name not in layouts}
         self._appearances = appearances
-        self.current = program, layouts
+        self.current = frame, layouts
 
     def _again(self, name: str, fresh: bool = False, **options: Any) -> None:
-        program, layouts = self.current
+        shown, layouts = self.current
         path = tuple(name.split("/"))
-        machine = next((machine for where, machine in program.walk() if where == path), None)
+        machine = next((machine for where, machine in shown.program.walk() if where == path), None)
         if machine is not None:
-            new = self._lay_out(program, path, machine, None if fresh else layouts[name], **options)
-            self.current = program, {**layouts, name: new}
+            new = self._lay_out(shown.program, path, machine, None if fresh else layouts[name], **options)
+            self.current = shown, {**layouts, name: new}
 
     def _lay_out(
         self, program: Program, path: Path, machine: Machine, previous: Layout | None, **options: Any
@@ -109,16 +96,19 @@ class Layouts:
         return layout(machine, previous, program=program, path=path, now=self._clock(), **options)
 
 
-def _before(path: Path, renamed: tuple[Path, str] | None) -> tuple[str, dict[str, str]]:
-    """Return what a machine was called before a rename, and the new names of its states by the old ones."""
-    if renamed is None:
-        return path_text(path), {}
-    old, new = renamed
-    if path == old[:-1]:  # a state of this machine
-        return path_text(path), {old[-1]: new}
-    if path[: len(old)] == (*old[:-1], new):  # the machine itself, or what is inside
-        return path_text((*old, *path[len(old) :])), {}
-    return path_text(path), {}
+def _carried(layouts: Mapping[str, Layout], successors: Successors) -> dict[str, Layout]:
+    """Return layouts by the paths that their machines have now, with the names that their states have now."""
+    carried = {}
+    for name, known in layouts.items():
+        path = tuple(name.split("/"))
+        machine = successors.path("machine", path) or path
+        states = known["places"]
+        names = {state: (successors.path("state", (*path, state)) or (state,))[-1] for state in states}
+        # a renamed state goes before the place that is reserved for a removed one of its new name
+        in_order = sorted(names.items(), key=lambda pair: pair[0] != pair[1])
+        places = {now: states[before] for before, now in in_order}
+        carried[path_text(machine)] = Layout(**{**known, "places": places})
+    return carried
 
 
 def _appearance(program: Program, path: Path, machine: Machine, starts: tuple[str, ...]) -> Hashable:

@@ -182,6 +182,14 @@ class CountView(TypedDict):
     tick: int
 
 
+class MovedElement(TypedDict):
+    """An element that an edit or a rename kept under another path."""
+
+    kind: ElementKind
+    old: str
+    new: str
+
+
 class RestartView(TypedDict):
     """Restarts by an edit since the session began, tick and reason of the last one."""
 
@@ -377,6 +385,7 @@ class ViewState(TypedDict):
     ``printed``   number of the line since the session began -> line; the last ones
     ``hung``      None unless a block does not return
     ``layouts``   machine path -> layout
+    ``moved``     revision of the run -> elements that have another path since; the last ones
     ============= =======================================================================================
     """
 
@@ -389,6 +398,7 @@ class ViewState(TypedDict):
     revision: int
     program: ProgramView
     layouts: dict[str, Layout]
+    moved: dict[str, list[MovedElement]]
     active: list[str]
     lit: list[str]
     entered: dict[str, CountView]

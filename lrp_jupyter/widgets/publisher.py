@@ -187,7 +187,7 @@ class Publisher:
 
     def attach(self, session: Session) -> None:
         """Publish this session from now on; views get a snapshot of it."""
-        self._layouts.update(session.program)
+        self._layouts.update(session.frame)
         with self._lock:
             self._unlisten()
             self.session = session
@@ -292,7 +292,7 @@ class Publisher:
                 self._answer(written)
             self._answer_commands(now)
             session = self.session
-        self._layouts.update(session.program)
+        self._layouts.update(session.frame)
         with self._lock:
             self._drop_the_gone(now)
             self._send_worlds(now)

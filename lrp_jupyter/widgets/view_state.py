@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, cast
+from typing import Any, cast, get_args
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
@@ -18,14 +18,17 @@ from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.interpreter.frame import Frame, render
 from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.protocol import (
     BridgeView,
+    ElementKind,
     HungView,
     IssueView,
     MachineItem,
     MemberView,
+    MovedElement,
     PanelView,
     ProgramView,
     RestartView,
@@ -63,23 +66,25 @@ class ViewStates:
         self._texts = texts
         self._program = Program()
         self._paths = DefinedPaths(self._program)
-        self._shown = Program()
-        self._program_view = program_view(self._shown)
+        self._shown = Frame()
+        self._program_view = program_view(self._shown.program)
+        self._moved: dict[str, list[MovedElement]] = {}
         self._restarts = 0
         self._restart: RestartView = {"count": 0, "tick": 0, "reason": ""}
         self._numbers: dict[tuple[int, str, object, int], int] = {}  # of issues, from 1
         self._issue_views: dict[int, tuple[object, IssueView]] = {}
         self._printed: tuple[int, dict[str, str]] = 0, {}
 
-    def current(self, program: Program, layouts: Mapping[str, Layout]) -> ViewState:
-        """Return what a view may show now; `layouts` are those of `program`, which runs or ran just now."""
+    def current(self, shown: Frame, layouts: Mapping[str, Layout]) -> ViewState:
+        """Return what a view may show now; `layouts` are those of the program of `shown`, the newest one."""
         session, texts = self._session, self._texts
         frame = session.frame
         if frame.program is not self._program:
             self._program, self._paths = frame.program, DefinedPaths(frame.program)
-        if program is not self._shown:
-            view = program_view(program)
-            self._shown = program
+        if shown is not self._shown:
+            view = program_view(shown.program)
+            self._shown = shown
+            self._moved = {str(revision): _moved_elements(each) for revision, each in shown.moved}
             if view != self._program_view:  # white space makes another program, and the same view
                 self._program_view = view
         paths, revision = self._paths, texts.running_revision
@@ -97,6 +102,7 @@ class ViewStates:
             "revision": revision,
             "program": self._program_view,
             "layouts": dict(layouts),
+            "moved": self._moved,
             "active": [path_text(path) for path in frame.active],
             "lit": paths.active_states(frame.active),
             "entered": {
@@ -229,6 +235,16 @@ def program_view(program: Program) -> ProgramView:
         "events": _names("", program.events),
         "machines": list(machines.values()),
     }
+
+
+def _moved_elements(successors: Successors) -> list[MovedElement]:
+    """Return the elements that a page may have remembered by another path."""
+    return [
+        {"kind": kind, "old": id_of(kind, old.path), "new": id_of(kind, new.path)}
+        for kind in get_args(ElementKind)
+        for old, new in successors.moved.items()
+        if old.kind == kind and old != new
+    ]
 
 
 def _names(prefix: str, nouns: tuple[Any, ...]) -> list[str]:

@@ -24,6 +24,13 @@ VISITS = """\
   (on [steps < 0] here -> there tgo))
 (spawn m here)
 """
+INNER = """\
+(machine m
+  (state a (onentry (spawn inner x)) (machine inner (state x) (state y) (on [False] x -> y)))
+  (state b)
+  (ontime 90000 a -> b))
+(spawn m a)
+"""
 EYE = """\
 (machine m
   (event dark [robot.light.data < 100])

@@ -1,6 +1,6 @@
 """What is typed becomes what runs."""
 
-from e2e.programs import COUNTER, FOLLOWER
+from e2e.programs import COUNTER, FOLLOWER, INNER
 
 
 def test_a_lab_shows_a_robot_that_moves(open_lab):
@@ -87,6 +87,33 @@ def test_a_dangling_reference_is_marked_drawn_broken_and_mended_by_its_fix(open_
     lab.misses('[data-lrp-issue="LRP303"]')
     lab.misses('[data-lrp-transition="m:tfull"][data-broken]')
     assert "-> rest tfull" in lab.text
+
+
+def test_a_selected_transition_stays_selected_when_it_is_edited_and_when_its_state_is_renamed(open_lab):
+    lab = open_lab(INNER)
+    lab.sees('[data-lrp-transition$="a->b"] .lrp-hit').dispatch_event("click")
+    arrow = lab.sees(".lrp-transition[data-chosen]").element_handle()
+    lab.replace("90000", "70000")
+    lab.reads(".lrp-layer-labels", "70000")
+    assert arrow.evaluate("arrow => arrow.isConnected && arrow.hasAttribute('data-chosen')")
+    lab.state("m/a").click(button="right")
+    lab.choose("rename")
+    lab.sees(".lrp-rename input").fill("z")
+    lab.page.keyboard.press("Enter")
+    lab.sees('[data-lrp-transition$="z->b"][data-chosen]')
+
+
+def test_the_machine_shown_stays_shown_when_the_state_around_it_is_renamed(open_lab):
+    lab = open_lab(INNER)
+    lab.sees('[data-lrp-machine="m/a/inner"]').click()
+    lab.sees('[data-lrp-state="m/a/inner/x"]')
+    lab.select("(state a")
+    lab.page.keyboard.press("ArrowRight")
+    lab.page.keyboard.press("F2")
+    lab.sees(".lrp-rename input").fill("z")
+    lab.page.keyboard.press("Enter")
+    lab.sees('[data-lrp-machine="m/z/inner"][aria-selected="true"]')
+    lab.sees('[data-lrp-state="m/z/inner/x"][data-active]')
 
 
 def test_a_state_is_renamed_everywhere_and_stays_active(open_lab):

@@ -321,16 +321,6 @@ def test_typing_a_name_letter_by_letter_moves_nothing():
     assert positions(drawing) == positions(first)
 
 
-def test_a_renamed_state_keeps_its_place():
-    before = lay(THREE.format(more="(on e a -> b)"))
-    text = (
-        THREE.format(more="(on e a -> b)")
-        .replace("(state c)", "")
-        .replace("(state a)", "(state a) (state z)")
-    )
-    assert positions(lay(text, before, renamed={"c": "z"}))["z"] == positions(before)["c"]
-
-
 def test_a_state_stays_where_it_was_dragged():
     text = THREE.format(more="(on e a -> b) (on e b -> c)")
     before = lay(text)

@@ -112,6 +112,87 @@ def test_a_rename_reaches_all_views_and_what_is_drawn_keeps_its_place(bench):
     assert "taken" in page.do("rename", kind="state", path="m/far", name="a")
 
 
+NESTED = """(machine m
+  (state a (onentry (spawn inner x)) (machine inner (state x) (state y) (on [False] x -> y)))
+  (state b)
+  (ontime 100 a -> b)
+  (ontime 500 b -> a back))
+(spawn m a)"""
+
+
+def moved(page):
+    """All that the page was told to have another path, as (kind, old path, new path)."""
+    every = [element for each in page.knows("moved").values() for element in each]
+    return [(element["kind"], element["old"], element["new"]) for element in every]
+
+
+def test_an_edited_delay_leaves_the_transition_what_it_was(bench):
+    lab = bench(NESTED)
+    page = lab.page()
+    before = [shape["id"] for shape in page.told("layouts")["m"]["transitions"]]
+    lab.session.run(seconds=1)
+    page.type(NESTED.replace("100", "300"))
+    after = page.told("layouts")["m"]["transitions"]
+    assert [shape["id"] for shape in after] == before
+    assert "300" in after[0]["label"]["text"]
+    assert page.knows("fired")[before[0]]["count"] == 2
+    assert moved(page) == []
+
+
+def test_a_page_learns_which_paths_a_rename_has_changed(bench):
+    lab = bench(NESTED)
+    page = lab.page()
+    assert page.do("rename", kind="state", path="m/a", name="z") is None
+    assert {
+        ("machine", "m/a/inner", "m/z/inner"),
+        ("state", "m/a", "m/z"),
+        ("state", "m/a/inner/x", "m/z/inner/x"),
+        ("transition", "m:ontime:a->b", "m:ontime:z->b"),
+        ("transition", "m/a/inner:on:x->y", "m/z/inner:on:x->y"),
+    } <= set(moved(page))
+    assert not any(old in ("m:back", "m", "m/b") for _, old, _ in moved(page))
+    late = lab.page("late")
+    assert moved(late) == moved(page)
+
+
+def test_what_moved_comes_with_the_layouts_that_it_belongs_to(bench):
+    lab = bench(NESTED)
+    page = lab.page()
+    lab.session.rename("state", "m/a", "z")
+    lab.publish()
+    frame = next(frame for frame in page.frames() if frame.get("moved"))
+    assert "m/z/inner" in frame["layouts"]
+
+
+def test_a_dragged_state_stays_in_its_place_when_the_state_around_its_machine_is_renamed(bench):
+    lab = bench(NESTED)
+    page = lab.page()
+    page.do("pin", path="m/a/inner", name="y", x=321, y=123)
+    lab.session.rename("state", "m/a", "z")  # by a cell, not by the page
+    lab.publish()
+    assert page.knows("layouts")["m/z/inner"]["places"]["y"] == {"x": 321.0, "y": 123.0}
+
+
+def test_places_are_kept_over_several_edits_that_come_at_once(bench):
+    lab = bench(NESTED)
+    page = lab.page()
+    page.do("pin", path="m", name="a", x=321, y=123)
+    lab.session.rename("state", "m/a", "y")
+    lab.session.edit(lab.session.text.replace("(state b)", "(state c) (state b)"))
+    lab.session.rename("state", "m/y", "z")
+    lab.publish()
+    assert page.knows("layouts")["m"]["places"]["z"] == {"x": 321.0, "y": 123.0}
+
+
+def test_a_renamed_state_keeps_its_place_though_one_is_reserved_for_its_new_name(bench):
+    lab = bench(NESTED.replace("(state b)", "(state b) (state far)"))
+    page = lab.page()
+    places = page.told("layouts")["m"]["places"]
+    page.type(NESTED)
+    assert page.do("rename", kind="state", path="m/b", name="far") is None
+    assert page.knows("layouts")["m"]["places"]["far"] == places["b"] != places["far"]
+
+
 def test_nothing_is_renamed_while_the_text_is_not_what_runs(bench):
     lab = bench(A)
     page = lab.page()

@@ -12,6 +12,7 @@ export class Marks {
   private entered: Record<string, CountView> = {};
   private fired: Record<string, CountView> = {};
   private machine = "";
+  private tick = 0;
   private readonly timers = new Map<Element, ReturnType<typeof setTimeout>>();
 
   update(layers: Layers, state: LabState): void {
@@ -23,14 +24,14 @@ export class Marks {
       const active = state.lit.includes(path);
       setAttribute(node, "data-active", active);
       setAttribute(node, "aria-current", active ? "true" : null);
-      if (!fresh && !active && grown(state.entered[path], this.entered[path])) this.glow(node);
+      if (!fresh && !active && this.grown(state.entered[path], this.entered[path])) this.glow(node);
       setAttribute(node, "data-chosen", path === state.chosen);
     }
     const last = lastFired(state.fired, state.machine);
     for (const arrow of layers.arrows.children) {
       const id = arrow.getAttribute("data-of") ?? "";
       setAttribute(arrow, "data-fired", id === last);
-      if (!fresh && grown(state.fired[id], this.fired[id])) this.glow(arrow);
+      if (!fresh && this.grown(state.fired[id], this.fired[id])) this.glow(arrow);
       setAttribute(arrow, "data-chosen", id === state.chosen);
     }
     for (const label of layers.labels.children) {
@@ -38,6 +39,12 @@ export class Marks {
     }
     this.entered = state.entered;
     this.fired = state.fired;
+    this.tick = state.tick;
+  }
+
+  /** Whether something happened since the last update; what has a new name only brings its count along. */
+  private grown(now: CountView | undefined, before: CountView | undefined): boolean {
+    return before ? (now?.count ?? 0) > before.count : (now?.tick ?? 0) > this.tick;
   }
 
   private glow(element: Element): void {
@@ -53,10 +60,6 @@ export class Marks {
   close(): void {
     for (const timer of this.timers.values()) clearTimeout(timer);
   }
-}
-
-function grown(now: CountView | undefined, before: CountView | undefined): boolean {
-  return (now?.count ?? 0) > (before?.count ?? 0);
 }
 
 /** The transition of a machine that fired last. */

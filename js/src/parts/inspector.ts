@@ -5,7 +5,7 @@ import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { h, setText } from "../ui/dom";
 
-const ANEW = 500; // ms between two looks while the program runs
+const INTERVAL = 500; // ms between two requests while the program runs
 
 export interface Inspector {
   element: HTMLElement;
@@ -13,15 +13,16 @@ export interface Inspector {
 }
 
 export function inspector(lab: Lab): Inspector {
-  let subject: { kind: ElementKind; path: string; into: string[] } | null = null;
-  let looked = 0;
+  const { store } = lab;
+  let into: string[] = [];
+  let asked = 0;
   let asking = false;
   let before: HTMLElement | null = null;
   const title = h("div", { class: "lrp-title" });
   const way = h("nav", { class: "lrp-way", "aria-label": "Way into the value" });
   const body = h("div", { class: "lrp-inspect-body" });
   const close = () => {
-    subject = null;
+    store.set("inspected", null);
     element.hidden = true;
     before?.focus({ preventScroll: true });
   };
@@ -52,35 +53,36 @@ export function inspector(lab: Lab): Inspector {
     way,
     body,
   );
-  const enter = (into: string[]) => {
-    if (!subject) return;
-    subject = { ...subject, into };
-    void look();
+  const enter = (steps: string[]) => {
+    into = steps;
+    void ask();
   };
-  const look = async () => {
+  const ask = async () => {
+    const subject = store.state.inspected;
+    const steps = into;
     if (!subject || asking) return;
-    const asked = subject;
     asking = true;
-    looked = performance.now();
-    const reply = await lab.ask({ type: "inspect", ...asked });
+    asked = performance.now();
+    const reply = await lab.ask({ type: "inspect", ...subject, into: steps });
     asking = false;
-    if (subject !== asked) return void (subject && look());
-    setText(title, asked.path ? `${asked.kind} ${asked.path}` : asked.kind);
-    showWay(way, asked.into, enter);
-    if (reply.inspect) show(body, reply.inspect, (step) => enter([...asked.into, step]));
+    if (subject !== store.state.inspected || steps !== into) return void ask();
+    setText(title, subject.path ? `${subject.kind} ${subject.path}` : subject.kind);
+    showWay(way, steps, enter);
+    if (reply.inspect) show(body, reply.inspect, (step) => enter([...steps, step]));
     else body.replaceChildren(h("p", { class: "lrp-error" }, reply.error ?? "Nothing is known about it."));
   };
-  lab.store.watch(["tick", "program"], () => {
-    if (subject && performance.now() - looked > ANEW) void look();
+  store.watch(["tick", "program"], () => {
+    if (performance.now() - asked > INTERVAL) void ask();
   });
+  store.watch(["inspected"], () => void ask());
   return {
     element,
     open(kind, path) {
       before = document.activeElement as HTMLElement | null;
-      subject = { kind, path, into: [] };
+      into = [];
+      store.set("inspected", { kind, path });
       element.hidden = false;
       element.focus({ preventScroll: true });
-      void look();
     },
   };
 }

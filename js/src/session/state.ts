@@ -4,6 +4,7 @@ import {
   type Changes,
   type ChoicesView,
   type Difference,
+  type ElementKind,
   EMPTY_VIEW_STATE,
   type FindingView,
   type FromKernel,
@@ -24,9 +25,10 @@ export interface LabState extends ViewState {
   pending: Difference | null;
   choices: ChoicesView;
   world: WorldView | null;
-  /** The machine that this view looks at, and the element chosen in it. */
+  /** The machine that this view shows, the element selected in it, and the one in the inspector. */
   machine: string;
   chosen: string;
+  inspected: { kind: ElementKind; path: string } | null;
   follow: boolean;
 }
 
@@ -46,6 +48,7 @@ export function initialState(): LabState {
     world: null,
     machine: "",
     chosen: "",
+    inspected: null,
     follow: false,
   };
 }
@@ -57,15 +60,18 @@ export function apply(state: LabState, message: FromKernel): Set<Topic> {
     Object.assign(state, fields);
     for (const key of Object.keys(fields) as Topic[]) changed.add(key);
   };
+  if (message.type === "frame") put(carriedOver(state, message.moved));
+  if (message.type === "snapshot") put(carriedOver(state, message.frame.moved));
   switch (message.type) {
     case "snapshot": {
       const { type, view, text, revision, frame, ...fields } = message;
-      const { link, machine, chosen, follow } = state;
+      const { link, machine, chosen, inspected, follow } = state;
       put({
         ...initialState(),
         link,
         machine,
         chosen,
+        inspected,
         follow,
         ...fields,
         ...merged(EMPTY_VIEW_STATE, frame),
@@ -85,9 +91,30 @@ export function apply(state: LabState, message: FromKernel): Set<Topic> {
       put({ world: message.world });
       break;
   }
-  if (changed.has("program") && lookSomewhere(state)) changed.add("machine");
+  if (changed.has("program") && showAnother(state)) changed.add("machine");
   if (state.follow && changed.has("lit") && followActive(state)) changed.add("machine");
   return changed;
+}
+
+/**
+ * What this view remembers of elements, under the paths that an edit or a rename gave them. Edits that the
+ * state already knows were applied before; the others are applied in their order.
+ */
+function carriedOver(state: LabState, moved: Changes<ViewState>["moved"]): Partial<LabState> {
+  let { machine, chosen, inspected } = state;
+  for (const [revision, elements] of Object.entries(moved ?? {})) {
+    if (!elements || revision in state.moved) continue;
+    const now = (kind: ElementKind, path: string) =>
+      elements.find((element) => element.kind === kind && element.old === path)?.new ?? path;
+    machine = now("machine", machine);
+    chosen = now(chosen.includes(":") ? "transition" : "state", chosen);
+    if (inspected) inspected = { ...inspected, path: now(inspected.kind, inspected.path) };
+  }
+  const fields: Partial<LabState> = {};
+  if (machine !== state.machine) fields.machine = machine;
+  if (chosen !== state.chosen) fields.chosen = chosen;
+  if (inspected?.path !== state.inspected?.path) fields.inspected = inspected;
+  return fields;
 }
 
 /** The fields that a frame changes, with their new values: objects entry by entry, null takes one away. */
@@ -109,8 +136,8 @@ function withoutNull(entries: object): object {
   return Object.fromEntries(Object.entries(entries).filter(([, value]) => value !== null));
 }
 
-/** Look at the first machine that there is, when the one looked at is gone. */
-function lookSomewhere(state: LabState): boolean {
+/** Show the first machine that there is, when the one shown is gone. */
+function showAnother(state: LabState): boolean {
   const machines = state.program.machines;
   if (machines.some((machine) => machine.path === state.machine)) return false;
   const around = machines.findLast((machine) => `${state.machine}/`.startsWith(`${machine.path}/`));
@@ -118,7 +145,7 @@ function lookSomewhere(state: LabState): boolean {
   return true;
 }
 
-/** Look at the machine of the innermost active state. */
+/** Show the machine of the innermost active state. */
 function followActive(state: LabState): boolean {
   let deepest = "";
   for (const path of state.lit) if (path.split("/").length > deepest.split("/").length) deepest = path;
