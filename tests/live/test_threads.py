@@ -285,7 +285,7 @@ def test_a_program_that_was_stopped_starts_from_the_beginning(session):
     tick = counting.frame.tick
     counting.start()
     frame = counting.wait_for(lambda frame: frame.tick > tick and frame.active, LONG)
-    assert frame.numbers[("n",)] < 5
+    assert frame.numbers[("n",)] <= frame.tick - tick
 
 
 def test_starting_twice_makes_one_thread(session):

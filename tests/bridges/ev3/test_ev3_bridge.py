@@ -451,7 +451,7 @@ def test_unplugged_while_a_motor_runs_and_plugged_in_again_the_motor_is_stopped_
     assert brick.motors[0].turning == 70
     del brick.commands[:]
     brick.plug_in()
-    until(lambda: bridge.status.state == "connected", 3.0)
+    until(lambda: bridge.status.state == "connected")
     assert sent(brick) == [STOP_ALL]
     assert [motor.turning for motor in brick.motors] == [0, 0, 0, 0]
     assert "its motors were stopped" in bridge.status.sentence
@@ -552,7 +552,7 @@ def test_a_search_that_finds_nothing_says_so_and_goes_on(
     until(lambda: bridge.status.state == "disconnected")
     assert "No beacon" in bridge.status.sentence
     make_brick(free_udp_port)
-    until(lambda: bridge.status.state == "connected", 3.0)
+    until(lambda: bridge.status.state == "connected")
     assert bridge.robot.battery == 87
 
 
@@ -572,7 +572,7 @@ def test_a_lost_brick_is_not_replaced_by_another_one(
     other.fault = "refuse"
     until(lambda: bridge.status.state == "lost")
     first.plug_in()
-    until(lambda: first.connections == 2, 3.0)
+    until(lambda: first.connections == 2)
     until(lambda: bridge.status.state == "connected")
 
 

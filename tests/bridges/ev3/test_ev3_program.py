@@ -41,7 +41,7 @@ def turning(brick: Any) -> list[float]:
 def test_a_bump_sends_the_rover_back(session: Session, brick: Any, until: Callable[..., None]) -> None:
     until(lambda: turning(brick) == [0, 40, 40, 0])
     brick.sensors[0].values[0] = 1.0
-    session.wait_for("rover/back", 1)
+    session.wait_for("rover/back", 60)
     until(lambda: turning(brick) == [0, -40, 0, 0])
     assert not session.issues
 
@@ -83,7 +83,7 @@ def test_a_brick_that_is_back_is_used_by_the_program_as_before(
     until(lambda: session.issues[0].resolved)
     assert turning(brick) == [0, 0, 0, 0]
     brick.sensors[0].values[0] = 1.0
-    session.wait_for("rover/back", 1)
+    session.wait_for("rover/back", 60)
     until(lambda: turning(brick) == [0, -40, 0, 0])
 
 

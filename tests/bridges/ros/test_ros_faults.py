@@ -8,7 +8,6 @@ import socket
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -214,8 +213,10 @@ def test_a_server_that_hangs_gets_no_pile_of_commands(
     driver.robot.move(linear=0.1)
     until(lambda: commands(graph) == [0.1])
     wire.hold()
-    sent, end, tick = 0, time.monotonic() + 2.0, threading.Event()
-    while time.monotonic() < end and driver.status.state is not ConnectionState.LOST:
+    sent, tick = 0, threading.Event()
+    for _ in range(60):  # tries rather than seconds: a loaded machine makes fewer of them
+        if driver.status.state is ConnectionState.LOST:
+            break
         sent += not fails(driver, "move", linear=0.9)
         tick.wait(0.05)
     assert sent < 22  # those of the first moment, before anybody could know
@@ -233,9 +234,9 @@ def test_half_a_frame_is_a_loss_and_the_bridge_comes_back(
 ) -> None:
     wire.hold_after(20)
     graph.say("/odom", **ODOM)
-    until(lambda: driver.status.state is ConnectionState.LOST, 6)
+    until(lambda: driver.status.state is ConnectionState.LOST)
     wire.cut()
-    until(lambda: driver.status.state is ConnectionState.WAITING, 6)
+    until(lambda: driver.status.state is ConnectionState.WAITING)
     graph.say("/odom", **ODOM)
     until(lambda: not fails(driver, "odom") and driver.describe("odom").age is not None)
 
@@ -426,7 +427,7 @@ def test_the_stop_button_works_while_the_program_hangs(driver: RosBridge, graph:
     try:
         until(lambda: commands(graph) == [0.2])
         driver.press("stop")
-        until(lambda: commands(graph)[-1:] == [0.0], 0.4)
+        until(lambda: commands(graph)[-1:] == [0.0])
     finally:
         let_go.set()
         session.close()

@@ -37,7 +37,7 @@ def chatter(real: Any, text: str, topic: str = "/chatter") -> Any:
 def echo(real: Any, until: Any, topic: str) -> list[str]:
     """The lines that `rostopic echo` prints."""
     lines = real.lines(real.start("/usr/bin/rostopic", "echo", "-p", topic))
-    until(lambda: any("rostopic" in node for node in real.subscribers(topic)), 15)
+    until(lambda: any("rostopic" in node for node in real.subscribers(topic)))
     return lines  # type: ignore[no-any-return]
 
 
@@ -53,7 +53,7 @@ def test_what_rostopic_publishes_arrives(real: Any, connect: Connect, until: Any
     with pytest.raises(NoDataYet, match=r"`robot\.text` has no data yet"):
         _ = ros.robot.text
     chatter(real, "hello")
-    until(lambda: reading(ros, "text"), 10)
+    until(lambda: reading(ros, "text"))
     assert ros.robot.text.data == "hello"
     age = ros.describe("text").age
     assert age is not None
@@ -64,7 +64,7 @@ def test_rostopic_hears_all_four_forms_of_publishing(real: Any, connect: Connect
     ros = connect()
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     lines = echo(real, until, "/cmd_vel")
-    until(lambda: ros.robot.move() or velocities(lines), 10)  # in ROS the first ones may be lost
+    until(lambda: ros.robot.move() or velocities(lines))  # in ROS the first ones may be lost
 
     def fill(msg: Any) -> None:
         msg.linear.x = 0.4
@@ -74,7 +74,7 @@ def test_rostopic_hears_all_four_forms_of_publishing(real: Any, connect: Connect
     ros.robot.move(fill)
     with ros.robot.move as msg:
         msg.angular.z = 0.5
-    until(lambda: (0.0, 0.5) in velocities(lines), 10)
+    until(lambda: (0.0, 0.5) in velocities(lines))
     assert velocities(lines)[-4:] == [(0.2, 0.1), (0.3, 0.0), (0.4, 0.0), (0.0, 0.5)]
 
 
@@ -90,7 +90,7 @@ def test_the_relay_of_c_plus_plus_sends_back_what_was_published(
         ros.robot.say(data="über")
         return reading(ros, "heard")
 
-    until(returned, 15)
+    until(returned)
     assert ros.robot.heard.data == "über"
     assert ros.setup["subscriptions"]["heard"] == {"topic": "/back"}
 
@@ -111,7 +111,7 @@ def test_arrays_times_octets_and_messages_in_messages_arrive_as_they_were_sent(
         ros.robot.octets(data=bytes([0, 255]), layout_dim=[{"label": "x", "size": 2}])
         return reading(ros, "joints_heard") and reading(ros, "octets_heard")
 
-    until(returned, 10)
+    until(returned)
     joints, octets = ros.robot.joints_heard, ros.robot.octets_heard
     assert (joints.name, joints.position, joints.velocity) == (("ä", "b"), (1.0, 2.5), ())
     assert (joints.header.stamp.secs, joints.header.stamp.nsecs) == (12, 5)
@@ -137,14 +137,14 @@ def test_an_odometry_tells_x_y_and_theta(real: Any, connect: Connect, until: Any
     ros = connect()
     ros.subscribe("odom", "/odom")
     ros.publish("move", "/cmd_vel")
-    until(lambda: reading(ros, "odom"), 10)
+    until(lambda: reading(ros, "odom"))
     start = ros.robot.odom
 
     def turned() -> bool:
         ros.robot.move(angular=1.0)
         return bool(ros.robot.odom.theta > start.theta + 0.2)
 
-    until(turned, 10)
+    until(turned)
     assert ros.robot.odom.x == pytest.approx(ros.robot.odom.pose.pose.position.x)
 
 
@@ -165,9 +165,9 @@ def test_a_type_that_nobody_uses_any_more_is_in_nobodys_way(
     ros = connect()
     ros.subscribe("text", "/new", "std_msgs/String")
     ros.subscribe("text", "/other", "std_msgs/String")
-    until(lambda: real.subscribers("/new") == [], 5)
+    until(lambda: real.subscribers("/new") == [])
     ros.subscribe("number", "/new", "std_msgs/Int32")  # the master still thinks of texts
-    until(lambda: len(real.subscribers("/new")) == 1, 5)
+    until(lambda: len(real.subscribers("/new")) == 1)
 
 
 def test_an_unknown_type_is_refused(real: Any, connect: Connect) -> None:
@@ -183,11 +183,11 @@ def test_a_topic_changed_under_a_variable_starts_without_data(
     chatter(real, "old")
     ros = connect()
     ros.subscribe("text", "/chatter", "std_msgs/String")
-    until(lambda: reading(ros, "text"), 10)
+    until(lambda: reading(ros, "text"))
     ros.subscribe("text", "/silence", "std_msgs/String")
     with pytest.raises(NoDataYet):
         _ = ros.robot.text
-    until(lambda: real.subscribers("/chatter") == [], 5)
+    until(lambda: real.subscribers("/chatter") == [])
 
 
 def test_pause_and_stop_send_a_velocity_of_zero(real: Any, connect: Connect, until: Any) -> None:
@@ -197,13 +197,13 @@ def test_pause_and_stop_send_a_velocity_of_zero(real: Any, connect: Connect, unt
     session = Session("(machine m (state s (running [robot.move(linear=0.2)])))(spawn m s)", bridge=ros)
     try:
         session.start()
-        until(lambda: velocities(lines)[-1:] == [(0.2, 0.0)], 10)
+        until(lambda: velocities(lines)[-1:] == [(0.2, 0.0)])
         session.pause()
-        until(lambda: velocities(lines)[-1:] == [(0.0, 0.0)], 10)
+        until(lambda: velocities(lines)[-1:] == [(0.0, 0.0)])
         session.resume()
-        until(lambda: velocities(lines)[-1:] == [(0.2, 0.0)], 10)
+        until(lambda: velocities(lines)[-1:] == [(0.2, 0.0)])
         session.stop_robot()
-        until(lambda: velocities(lines)[-1:] == [(0.0, 0.0)], 10)
+        until(lambda: velocities(lines)[-1:] == [(0.0, 0.0)])
     finally:
         session.close()
 
@@ -215,7 +215,7 @@ def test_two_hundred_edits_leave_one_subscriber_and_no_threads_or_descriptors(
     ros = connect(setup={"subscriptions": {"text": {"topic": "/chatter", "type": "std_msgs/String"}}})
     program = "(machine m (state s (running [seen = robot.text.data; {n}])))(spawn m s)"
     session = Session(program.format(n=0), bridge=ros, rate=100)
-    until(lambda: reading(ros, "text"), 10)
+    until(lambda: reading(ros, "text"))
     session.start()
     try:
         subscribers, threads, files = real.subscribers("/chatter"), threading.active_count(), descriptors()
@@ -225,15 +225,15 @@ def test_two_hundred_edits_leave_one_subscriber_and_no_threads_or_descriptors(
                 session.stop()
                 session.start()
             ros.subscribe("text", "/chatter", "std_msgs/String")
-        until(lambda: session.frame.tick > 0 and reading(ros, "text"), 5)
+        until(lambda: session.frame.tick > 0 and reading(ros, "text"))
         assert real.subscribers("/chatter") == subscribers
         assert len(subscribers) == 1
-        until(lambda: threading.active_count() <= threads, 5)
-        until(lambda: descriptors() <= files, 5)
+        until(lambda: threading.active_count() <= threads)
+        until(lambda: descriptors() <= files)
         assert not session.issues
     finally:
         session.close()
-    until(lambda: real.subscribers("/chatter") == [], 5)
+    until(lambda: real.subscribers("/chatter") == [])
 
 
 def descriptors() -> int:
@@ -247,18 +247,18 @@ def test_a_master_that_dies_stops_the_robot_and_does_not_slow_the_loop(
     ros.subscribe("text", "/chatter", "std_msgs/String")
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     talker = chatter(real, "before")
-    until(lambda: reading(ros, "text"), 10)
+    until(lambda: reading(ros, "text"))
     session = Session(
         "(machine m (state s (running [robot.move(linear=0.2)])))(spawn m s)", bridge=ros, rate=50
     )
     session.start()
     try:
-        until(lambda: ros.safety.command_count > 10, 10)
+        until(lambda: ros.safety.command_count > 10)
         real.kill_master()
-        until(lambda: ros.status.state is ConnectionState.LOST, 10)
+        until(lambda: ros.status.state is ConnectionState.LOST)
         with pytest.raises(BridgeError, match="master"):
             _ = ros.robot.text
-        until(lambda: any("was not sent" in issue.message for issue in session.issues), 5)
+        until(lambda: any("was not sent" in issue.message for issue in session.issues))
         first = session.frame.tick
         with bounded(3):
             until(lambda: session.frame.tick >= first + 50)
@@ -266,10 +266,10 @@ def test_a_master_that_dies_stops_the_robot_and_does_not_slow_the_loop(
         real.end(talker)
         real.start_master()
         chatter(real, "after")
-        until(lambda: getattr(reading(ros, "text"), "data", "") == "after", 20)
-        until(lambda: ros.status.state is ConnectionState.CONNECTED, 5)
+        until(lambda: getattr(reading(ros, "text"), "data", "") == "after")
+        until(lambda: ros.status.state is ConnectionState.CONNECTED)
         lines = echo(real, until, "/cmd_vel")
-        until(lambda: (0.2, 0.0) in velocities(lines), 10)
+        until(lambda: (0.2, 0.0) in velocities(lines))
         assert len(real.subscribers("/chatter")) == 1
     finally:
         session.close()
@@ -284,20 +284,20 @@ def test_a_rosbridge_server_that_dies_and_comes_back_gets_no_old_commands(
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     chatter(real, "hello")
     lines = echo(real, until, "/cmd_vel")
-    until(lambda: reading(ros, "text"), 10)
+    until(lambda: reading(ros, "text"))
     ros.robot.move(linear=0.1)
-    until(lambda: velocities(lines), 10)
+    until(lambda: velocities(lines))
     real.kill_rosbridge()
-    until(lambda: ros.status.state is ConnectionState.LOST, 10)
+    until(lambda: ros.status.state is ConnectionState.LOST)
     for _ in range(5):
         with pytest.raises(BridgeError):
             ros.robot.move(linear=0.9)
     assert reading(ros, "text") is None
     real.start_rosbridge()
-    until(lambda: reading(ros, "text"), 15)
-    until(lambda: velocities(lines)[-1:] == [(0.0, 0.0)], 10)  # it may have driven on all the time
+    until(lambda: reading(ros, "text"))
+    until(lambda: velocities(lines)[-1:] == [(0.0, 0.0)])  # it may have driven on all the time
     ros.robot.move(linear=0.3)
-    until(lambda: velocities(lines)[-1:] == [(0.3, 0.0)], 10)
+    until(lambda: velocities(lines)[-1:] == [(0.3, 0.0)])
     assert velocities(lines) == [(0.1, 0.0), (0.0, 0.0), (0.3, 0.0)]
 
 
@@ -306,13 +306,13 @@ def test_a_master_that_hangs_is_lost_too(real: Any, connect: Connect, until: Any
     ros.subscribe("text", "/chatter", "std_msgs/String")
     real.signal_master(signal.SIGSTOP)
     try:
-        until(lambda: ros.status.state is ConnectionState.LOST, 12)
+        until(lambda: ros.status.state is ConnectionState.LOST)
         with pytest.raises(BridgeError, match=r"master|answer"):
             _ = ros.robot.text
     finally:
         real.signal_master(signal.SIGCONT)
     chatter(real, "again")
-    until(lambda: reading(ros, "text"), 20)
+    until(lambda: reading(ros, "text"))
 
 
 def test_without_a_master_rospy_does_not_open_and_says_so(real: Any) -> None:
