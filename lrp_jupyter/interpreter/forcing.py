@@ -98,15 +98,15 @@ def _enter(run: Run, act: Activation, state: StatePlan, target: StatePlan, block
 
 def _enter_partly(run: Run, act: Activation, row: Row, *, blocks: bool, spawns: bool) -> None:
     """Enter a state with only its blocks, or only its spawns (and so on inside), or neither."""
-    bare = Row(row.state, row.path, row.count, (), (), (), ())
-    run.enter(act, bare)
+    run.enter(act, row.bare())
     act.row = row
-    for call, plan in zip(row.onentry, row.state.onentry, strict=True):
+    actions = row.onentry.chain() if row.onentry is not None else ()
+    for action, plan in zip(actions, row.state.onentry, strict=True):
         if isinstance(plan, SpawnPlan):
             if spawns:
                 run.spawn(act, plan, partial(_enter_partly, run, blocks=blocks, spawns=True))
         elif blocks:
-            run.attempt(call, plan.site)
+            run.attempt(action.call, plan.site)
 
 
 def _leave(run: Run, act: Activation) -> None:

@@ -33,9 +33,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, Literal
 
-from lrp_jupyter.interpreter.events import Observer
+from lrp_jupyter.interpreter.events import UNSET, Observer
 from lrp_jupyter.interpreter.forcing import How, find_state, force
 from lrp_jupyter.interpreter.issues import IssueLog
+from lrp_jupyter.interpreter.journal import undo_write
 from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run
@@ -201,22 +202,48 @@ class Interpreter:
         so that a robot has no gap between onexit and onentry.
         """
         run = self._run
-        if now != run.now:
+        if not now >= run.now:
             self._advance(now)
+        run.now = now
         run.ticks += 1
-        if run.roots:
-            for root in run.roots:
-                run.tick(root)
-        else:
+        log = run.log
+        act = run.first
+        if act is None:
             run.start()
+        while act is not None:
+            edge = act.row.edge
+            while edge is not None:
+                try:
+                    holds = edge.test()
+                except BaseException as error:
+                    run.fault(edge.tested, error)
+                    holds = False
+                if holds is not False and (holds is True or run.judge(edge, holds)) and run.fire(edge):
+                    break
+                edge = edge.next
+            else:
+                action = act.row.running
+                while action is not None:
+                    cell = action.cell
+                    if cell is not None and log is not None:
+                        try:
+                            log += (cell.cell_contents, cell, undo_write)
+                        except ValueError:
+                            log += (UNSET, cell, undo_write)
+                    try:
+                        action.call()
+                    except BaseException as error:
+                        run.fault(action.site, error)
+                    action = action.next
+            act = act.next
         if run.attention:
             if run.pending:
                 run.spawn_top(run.pending)
             self._done(ticked=True)
-        elif run.journal is not None:
-            run.journal.log.append(now)
-            if run.ticks >= run.journal.full:
-                run.journal.trim(run.ticks)
+        elif log is not None:
+            log.append(now)
+            if run.ticks >= run.full:
+                run.trim()
 
     def _advance(self, now: float | None) -> None:
         if now is None:
@@ -230,12 +257,11 @@ class Interpreter:
         run = self._run
         if run.watched:
             run.settle(run.live.values())
-        if ticked and run.journal is not None:
-            run.journal.log.append(run.now)
-            if run.ticks >= run.journal.full:
-                run.journal.trim(run.ticks)
-        if run.stale:
-            run.rebind()
+        if ticked and run.log is not None:
+            run.log.append(run.now)
+            if run.ticks >= run.full:
+                run.trim()
+        run.refresh()
         run.attention = run.watched or bool(run.pending)
         if run.new_issue:
             run.new_issue = False

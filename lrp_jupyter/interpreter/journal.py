@@ -1,10 +1,13 @@
 """Stepping back: a log of what undoes every change of a run.
 
-Whatever changes a run appends to the log, before it does so, a record that undoes that: a function
-and its arguments. The end of a tick is logged as its time, so a tick in which nothing changed costs
-one number. What happens between two ticks (an edit, a forced state) is rare and saves everything in
-one saved state. Objects changed in place are not recorded: exact replay is a new run from recorded
-inputs.
+Whatever changes a run pushes on the log, before it does so, what undoes that: values, then a function
+that pops them and sets them back. The end of a tick is logged as its time, so a tick in which nothing
+changed costs one number. What happens between two ticks (an edit, a forced state) is rare and saves
+everything in one saved state. Objects changed in place are not recorded: exact replay is a new run from
+recorded inputs.
+
+The log is one flat list. A tuple per record would cost four times as much: Python's garbage collector
+visits every one that stays.
 """
 
 from __future__ import annotations
@@ -16,11 +19,31 @@ from typing import Any
 
 from lrp_jupyter.interpreter.cells import content, put
 
-__all__ = ["Journal", "Record", "SavedState"]
+__all__ = ["Journal", "Log", "SavedState", "undo_write", "undoes"]
 
 
-Record = tuple[Any, ...] | float
-"""``(function, *arguments)``: what undoes a change; or the time at which a tick ended, seconds."""
+Log = list[Any]
+"""A stack of records: values and the function that pops them; or the time at which a tick ended, seconds."""
+
+Undo = Callable[[Log], None]
+_VALUES: dict[Undo, int] = {}
+
+
+def undoes(values: int) -> Callable[[Undo], Undo]:
+    """Declare how many `values` a function pops from a log to undo a change."""
+
+    def declare(undo: Undo) -> Undo:
+        _VALUES[undo] = values
+        return undo
+
+    return declare
+
+
+@undoes(2)
+def undo_write(log: Log) -> None:
+    """Put a value back into a cell."""
+    cell = log.pop()
+    put(cell, log.pop())
 
 
 EDITS = 300
@@ -34,15 +57,14 @@ class Journal:
     the first tick that can be undone began.
     """
 
-    __slots__ = ("_bound", "_first", "_saved", "full", "log")
+    __slots__ = ("_bound", "_first", "_mark", "_saved", "log")
 
     def __init__(self, bound: int) -> None:
         self._bound = bound
         self._first = 0  # ticks that can no longer be undone
+        self._mark = 0, 0  # a tick, and where in the log it ends
         self._saved: deque[int] = deque()  # the ticks after which they were made
-        self.log: list[Record] = [0.0]
-        self.full = 2 * bound
-        """The tick at which to :meth:`trim`."""
+        self.log: Log = [0.0]
 
     def reach(self, tick: int) -> int:
         """Return how many ticks can be undone after `tick` ticks."""
@@ -53,25 +75,37 @@ class Journal:
         if self._saved and self._saved[-1] == ended:
             return
         self._saved.append(ended)
-        self.log.append((make().restore,))
+        self.log += (make(), _undo_everything)
         if len(self._saved) > EDITS:
             self._drop(self._saved[0] + 1)
 
-    def trim(self, tick: int) -> None:
-        """Drop what lies further back than `bound` ticks; now and then, as it moves the whole log."""
+    def trim(self, tick: int) -> int:
+        """Drop what lies further back than `bound` ticks; return how many ticks later to do so again."""
         self._drop(tick - self._bound)
-        self.full = tick + self._bound
+        self._mark = tick, len(self.log) - 1  # the next time this is where to cut
+        return self._bound
 
     def _drop(self, first: int) -> None:
         """Let `first` be the number of ticks that can no longer be undone, if it is not higher already."""
         first = max(first, self._first)
-        ends = (place for place, record in enumerate(self.log) if not isinstance(record, tuple))
-        for _ in range(first - self._first):
-            next(ends)
-        del self.log[: next(ends)]
+        marked, place = self._mark
+        cut = place if marked == first else self.ends()[self._first - first - 1]
+        del self.log[:cut]
+        self._mark = marked, place - cut
         self._first = first
         while self._saved and self._saved[0] < first:
             self._saved.popleft()
+
+    def ends(self) -> list[int]:
+        """Return where in the log ticks end, the last one first."""
+        ends = []
+        place = len(self.log) - 1
+        while place >= 0:
+            values = _VALUES.get(self.log[place])
+            if values is None:
+                ends.append(place)
+            place -= 1 + (values or 0)
+        return ends
 
     def undo(self, tick: int, ticks: int) -> float:
         """Undo what came after the last tick, then `ticks` ticks, then what came before those.
@@ -95,19 +129,22 @@ class Journal:
         if not 0 <= ticks <= self.reach(tick):
             raise ValueError(f"the journal holds {self.reach(tick)} ticks: cannot go back {ticks}")
         self._drop(tick - self._bound)
-        ends = 0
+        if tick - ticks < self._mark[0]:
+            self._mark = -1, 0
+        log, ends = self.log, 0
         while True:
-            record = self.log.pop()
-            if isinstance(record, tuple):
-                record[0](*record[1:])
+            item = log.pop()
+            if item in _VALUES:
+                item(log)
             elif ends == ticks:
-                self.log.append(record)
+                log.append(item)
                 break
             else:
                 ends += 1
         while self._saved and self._saved[-1] >= tick - ticks:
             self._saved.pop()
-        return record
+        time: float = item
+        return time
 
 
 class SavedState:
@@ -133,6 +170,11 @@ class SavedState:
                 setattr(part, name, value)
         for cell, value in self._values:
             put(cell, value)
+
+
+@undoes(1)
+def _undo_everything(log: Log) -> None:
+    log.pop().restore()
 
 
 def _copy(value: object) -> object:

@@ -7,16 +7,16 @@ inside one command between two ticks) and nothing in it knows of edits. Paper: ย
 from __future__ import annotations
 
 import builtins
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from types import CellType
 from typing import Any
 
 from lrp_jupyter.errors import NoDataYet
-from lrp_jupyter.interpreter.cells import Slot, content, put
+from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, make_issue
 from lrp_jupyter.interpreter.issues import IssueKind, IssueLog
-from lrp_jupyter.interpreter.journal import Journal, Record, SavedState
+from lrp_jupyter.interpreter.journal import Journal, Log, SavedState, undo_write, undoes
 from lrp_jupyter.interpreter.linker import (
     Broken,
     MachinePlan,
@@ -27,6 +27,7 @@ from lrp_jupyter.interpreter.linker import (
     VariablePlan,
 )
 from lrp_jupyter.interpreter.tree import (
+    Action,
     Activation,
     Count,
     Edge,
@@ -67,7 +68,9 @@ class Run:
             "print": Slot(CellType(output or builtins.print)),
         }
         self.journal = Journal(journal) if journal > 0 else None
-        self.log: list[Record] | None = self.journal.log if self.journal is not None else None
+        self.log: Log | None = self.journal.log if self.journal is not None else None
+        self.full = journal
+        """The tick after which the journal is trimmed; now and then, as that moves the whole log."""
         self.counts: dict[Element, Count] = {}
         self.observers: list[Observer] = []
         self.events: list[TraceEvent] = []
@@ -85,6 +88,9 @@ class Run:
     def clear(self) -> None:
         """Let nothing run and no variable live."""
         self.roots: tuple[Activation, ...] = ()
+        self.first: Activation | None = None
+        """Of what runs, in the order of a tick; the others follow as their `next`."""
+        self.unordered = False
         self.pending: frozenset[tuple[str, str]] = frozenset()
         self.started = False
         self.globals = Environment((), dict(self.base))
@@ -122,76 +128,62 @@ class Run:
             if only is None or spawn.identity in only:
                 self.spawn(None, spawn)
 
-    def tick(self, act: Activation) -> bool:
-        """Tick one machine; True if it went up by `exit`, which ends the tick of its parent.
+    def fire(self, edge: Edge) -> bool:
+        """Leave the active state and enter the destination; return False if there is none.
 
         What :meth:`leave` and :meth:`enter` do is written out here: a call costs as much as a block.
         """
-        row = act.row
-        for edge in row.edges:
-            test = edge.test
-            try:
-                holds = test()
-            except BaseException as error:
-                self.fault(edge.tested, error)
-                continue
-            if holds is False:
-                continue
-            if holds is True or self._judge(edge, holds):
-                if edge.target is not None:
-                    break
-                self.report(edge.site, "unknown state", edge.missing)
-        else:
-            if row.running:
-                for call in row.running:
-                    try:
-                        call()
-                    except BaseException as error:
-                        self.fault(row.site_of(call), error)
-            if act.children:
-                for child in act.children:
-                    if self.tick(child):
-                        break
-            return False
-        home = edge.home
-        assert home is not None  # else it would lead nowhere
         new = edge.row
         if new is None:
-            new = self._destination(home, edge)
-        if self.log is not None:
-            self.log.append((_restore, home, home.state, home.entered, home.children))
+            new = self._destination(edge)
+            if new is None:
+                return False
+        home, log = edge.home, self.log
+        if log is not None:
+            log += (home.children, home.entered, home.state, home, _restore)
         if home.children:
             self.discard(home, self.leave)
         old = home.row
-        if old.onexit:
-            for call in old.onexit:
+        action = old.onexit
+        while action is not None:
+            cell = action.cell
+            if cell is not None and log is not None:
                 try:
-                    call()
-                except BaseException as error:
-                    self.fault(old.site_of(call), error)
+                    log += (cell.cell_contents, cell, undo_write)
+                except ValueError:
+                    log += (UNSET, cell, undo_write)
+            try:
+                action.call()
+            except BaseException as error:
+                self.fault(action.site, error)
+            action = action.next
         home.row = new
         home.state = new.state
         home.entered = self.now
-        tick = self.ticks
-        count = edge.count
+        count, visits = edge.count, new.count
         count.times += 1
-        count.tick = tick
-        count = new.count
-        count.times += 1
-        count.tick = tick
+        visits.times += 1
+        count.tick = visits.tick = self.ticks
         if self.observers:
             self.emit("left", old.path)
             self.emit("fired", edge.path, edge.data)
             self.emit("entered", new.path)
-        if new.onentry:
-            for call in new.onentry:
+        action = new.onentry
+        while action is not None:
+            cell = action.cell
+            if cell is not None and log is not None:
                 try:
-                    call()
-                except BaseException as error:
-                    self.fault(new.site_of(call), error)
-        return edge.up
+                    log += (cell.cell_contents, cell, undo_write)
+                except ValueError:
+                    log += (UNSET, cell, undo_write)
+            try:
+                action.call()
+            except BaseException as error:
+                self.fault(action.site, error)
+            action = action.next
+        return True
 
-    def _judge(self, edge: Edge, value: object) -> bool:
+    def judge(self, edge: Edge, value: object) -> bool:
         """Whether a condition that is neither True nor False holds: only numpy's True does."""
         if is_boolean(value):
             return bool(value)
@@ -202,12 +194,14 @@ class Run:
         )
         return False
 
-    def _destination(self, home: Activation, edge: Edge) -> Row:
-        """Look up where an edge leads, the first time that it fires: an issue of its is over."""
+    def _destination(self, edge: Edge) -> Row | None:
+        """Look up where an edge leads, the first time that it fires, or report that it leads nowhere."""
+        if edge.target is None:
+            self.report(edge.site, "unknown state", edge.missing)
+            return None
         if edge.site[:2] in self.issues.open_blocks:
             self.recovered(edge.site, True)
-        assert edge.target is not None
-        edge.row = self.row(home, edge.target)
+        edge.row = self.row(edge.home, edge.target)
         return edge.row
 
     def row(self, act: Activation, state: StatePlan) -> Row:
@@ -225,36 +219,42 @@ class Run:
         row.count.times += 1
         row.count.tick = self.ticks
         self.emit("entered", row.path)
-        for call in row.onentry:
-            try:
-                call()
-            except BaseException as error:
-                self.fault(row.site_of(call), error)
+        self._do(row.onentry)
 
     def leave(self, act: Activation) -> None:
         """Leave the active state, what it contains first, innermost first. Paper: ยง5.1, step 6."""
         if self.log is not None:
-            self.log.append((_restore, act, act.state, act.entered, act.children))
+            self.log += (act.children, act.entered, act.state, act, _restore)
         if act.children:
             self.discard(act, self.leave)
-        for call in act.row.onexit:
-            try:
-                call()
-            except BaseException as error:
-                self.fault(act.row.site_of(call), error)
+        self._do(act.row.onexit)
         self.emit("left", act.row.path)
+
+    def _do(self, action: Action | None) -> None:
+        while action is not None:
+            if action.cell is not None:
+                self.log_cell(action.cell)
+            try:
+                action.call()
+            except BaseException as error:
+                self.fault(action.site, error)
+            action = action.next
 
     def discard(self, act: Activation, leave: Callable[[Activation], None]) -> None:
         """Leave and discard the machines inside, the last one spawned first."""
         for child in reversed(act.children):
             leave(child)
+            child.row = child.row.bare()
             if self.watched:
                 if self.log is not None:  # a function may write them when they are no longer compared
-                    self.log += [(put, slot.cell, slot.last) for slot in child.own.values() if slot.leaked]
+                    for slot in child.own.values():
+                        if slot.leaked:
+                            self.log += (slot.last, slot.cell, undo_write)
                 self.settle((child,))
             del self.live[child.machine.path]
             self.emit("discarded", child.path)
         act.children = ()
+        self.unordered = self.attention = True
 
     # ---- spawning ---------------------------------------------------------------------------
 
@@ -295,8 +295,9 @@ class Run:
             self.roots += (act,)
         else:
             if self.log is not None:
-                self.log.append((_restore, parent, parent.state, parent.entered, parent.children))
+                self.log += (parent.children, parent.entered, parent.state, parent, _restore)
             parent.children += (act,)
+        self.unordered = self.attention = True
         self.emit("spawned", act.path)
         self.initialise(act, machine.variables, outer.visible)
         return act
@@ -362,11 +363,27 @@ class Run:
 
     def rebind(self) -> None:
         """Throw all rows away: what they were bound to has changed."""
-        for root in self.roots:
-            for act in root.walk():
-                act.rows.clear()
-                act.row = act.rows[act.state.name] = bind_row(self, act, act.state)
         self.stale = False
+        for act in self._walk():
+            act.rows.clear()
+            act.row = act.rows[act.state.name] = bind_row(self, act, act.state)
+
+    def _walk(self) -> Iterator[Activation]:
+        """Visit all that runs, outer machines before inner ones, in the order of spawning."""
+        for root in self.roots:
+            yield from root.walk()
+
+    def refresh(self) -> None:
+        """Bring up to date what is computed from the tree of activations; between two ticks."""
+        while self.stale:  # binding may find that a variable leaks, after others were bound to it
+            self.rebind()
+        if self.unordered:
+            self.unordered = False
+            following = None
+            for act in reversed([*self._walk()]):
+                act.next = following
+                following = act
+            self.first = following
 
     # ---- what others can know ---------------------------------------------------------------
 
@@ -427,7 +444,7 @@ class Run:
             self.journal.save(self.ticks if ended is None else ended, self._saved_state)
 
     def _saved_state(self) -> SavedState:
-        acts = [act for root in self.roots for act in root.walk()]
+        acts = [*self._walk()]
         return SavedState(
             [
                 (self, ("plan", "roots", "pending", "started", "globals", "counts")),
@@ -436,6 +453,11 @@ class Run:
             ],
             [slot.cell for environment in (self.globals, *acts) for slot in environment.own.values()],
         )
+
+    def trim(self) -> None:
+        """Drop the records that lie further back than the journal is bound to reach."""
+        if self.journal is not None:
+            self.full = self.ticks + self.journal.trim(self.ticks)
 
     def undo(self, ticks: int) -> None:
         """Go back to the end of the tick that lies `ticks` before the last one."""
@@ -446,18 +468,25 @@ class Run:
         self.ticks -= ticks
         self.live = {
             (): self.globals,
-            **{act.machine.path: act for root in self.roots for act in root.walk()},
+            **{act.machine.path: act for act in self._walk()},
         }
         for environment in self.live.values():
             environment.sync()
-        self.rebind()
+        self.unordered = self.stale = True
+        self.refresh()
 
     def leak(self, slot: Slot) -> None:
         """Compare a variable after every tick from now on: a function inside a block writes it."""
         if not slot.leaked:
-            slot.leaked = self.leaking = self.watched = self.attention = True
+            slot.leaked = self.leaking = self.watched = self.attention = self.stale = True
+            self.log_cell(slot.cell)  # what is bound already logs it as before, until the end of the tick
             if not self.observers:
                 slot.last = content(slot.cell)
+
+    def log_cell(self, cell: CellType) -> None:
+        """Log what a cell contains, before it is written."""
+        if self.log is not None:
+            self.log += (content(cell), cell, undo_write)
 
     def settle(self, environments: Iterable[Environment]) -> None:
         """Compare the variables that may have changed unseen, for the journal and the observers."""
@@ -473,7 +502,7 @@ class Run:
                 if value is not old:
                     slot.last = value
                     if slot.leaked and self.log is not None:
-                        self.log.append((put, slot.cell, old))
+                        self.log += (old, slot.cell, undo_write)
                     if self.observers and not _same(old, value):
                         self.emit("changed", (*environment.path, name), value)
 
@@ -481,9 +510,11 @@ class Run:
 _CARRIED = ("machine", "path", "outer", "spawn", "own", "visible", "state", "entered", "children")
 
 
-def _restore(act: Activation, state: StatePlan, entered: float, children: tuple[Activation, ...]) -> None:
+@undoes(4)
+def _restore(log: Log) -> None:
     """Undo a change of state; the rows are bound again when all is undone."""
-    act.state, act.entered, act.children = state, entered, children
+    act: Activation = log.pop()
+    act.state, act.entered, act.children = log.pop(), log.pop(), log.pop()
 
 
 def _same(old: object, new: object) -> bool:

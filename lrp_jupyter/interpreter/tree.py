@@ -2,8 +2,8 @@
 
 An activation is one running machine: its active state, when that state was entered, one cell
 per variable, and the machines that the state spawned. A row is what one state of one activation
-does, its blocks bound to the cells once, when the state is first entered: so a tick walks flat
-tuples of callables and looks nothing up. Rows are thrown away whenever something about them
+does, its blocks bound to the cells once, when the state is first entered: so a tick follows chains of
+bound callables and looks nothing up. Rows are thrown away whenever something about them
 changes (a patch, a fault that begins or ends); they are cheap to make again.
 """
 
@@ -15,11 +15,11 @@ from numbers import Real
 from types import CellType, CodeType
 from typing import Any, Protocol
 
-from lrp_jupyter.interpreter.cells import Slot, content, put, writes_of
+from lrp_jupyter.interpreter.cells import Slot, content, writes_of
 from lrp_jupyter.interpreter.events import UNSET, Firing
 from lrp_jupyter.interpreter.faults import Fault
 from lrp_jupyter.interpreter.issues import IssueLog
-from lrp_jupyter.interpreter.journal import Record
+from lrp_jupyter.interpreter.journal import Log
 from lrp_jupyter.interpreter.linker import (
     BlockPlan,
     Broken,
@@ -35,6 +35,7 @@ from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence, Trigger
 
 __all__ = [
+    "Action",
     "Activation",
     "Count",
     "Edge",
@@ -81,7 +82,7 @@ class Environment:
 class Activation(Environment):
     """One running machine."""
 
-    __slots__ = ("children", "entered", "machine", "outer", "parent", "row", "rows", "spawn", "state")
+    __slots__ = ("children", "entered", "machine", "next", "outer", "parent", "row", "rows", "spawn", "state")
 
     def __init__(
         self,
@@ -100,6 +101,8 @@ class Activation(Environment):
         self.row: Row
         self.rows: dict[str, Row] = {}
         self.entered = 0.0
+        self.next: Activation | None = None
+        """What is ticked after it."""
         self.children: tuple[Activation, ...] = ()
 
     @property
@@ -124,15 +127,36 @@ class Activation(Environment):
 class Edge:
     """A transition as one state of one activation sees it."""
 
-    __slots__ = ("count", "data", "home", "missing", "path", "row", "site", "target", "test", "tested", "up")
+    __slots__ = (
+        "count",
+        "data",
+        "home",
+        "missing",
+        "next",
+        "path",
+        "row",
+        "site",
+        "target",
+        "test",
+        "tested",
+    )
 
-    def __init__(self, act: Activation, state: StatePlan, plan: EdgePlan, test: Call, count: Count) -> None:
+    def __init__(
+        self,
+        act: Activation,
+        state: StatePlan,
+        plan: EdgePlan,
+        test: Call,
+        count: Count,
+        following: Edge | None,
+    ) -> None:
         noun = plan.noun
         self.test = test
         self.count = count
-        self.up = noun.outward
+        self.next = following
         self.row: Row | None = None  # of the destination, once it has been there
-        self.home = home = act if not self.up else act.parent  # whose state it changes
+        home = act.parent if noun.outward else act
+        self.home = home or act  # whose state it changes
         destination = str(noun.destination)
         self.target = home.machine.states.get(destination) if home else None
         self.missing = (
@@ -146,42 +170,56 @@ class Edge:
         self.tested = plan.test.block.site if isinstance(plan.test, EventPlan) else plan.site
 
 
-Calls = tuple[Call, ...]
+class Action:
+    """A bound block or a spawn, what its faults are charged to, and the action after it.
+
+    A chain of actions is run by following `next`: for one or two of them, which is what most states
+    have, to begin a `for` loop costs as much as a block.
+    """
+
+    __slots__ = ("call", "cell", "next", "site")
+
+    def __init__(self, call: Call, site: Site, cell: CellType | None, following: Action | None) -> None:
+        self.call = call
+        self.site = site
+        self.cell = cell
+        """A cell that `call` writes without logging it."""
+        self.next = following
+
+    def chain(self) -> Iterator[Action]:
+        """Itself, then the actions after it."""
+        action: Action | None = self
+        while action is not None:
+            yield action
+            action = action.next
 
 
 class Row:
-    """What one state of one activation does; every spawn of its onentry is a call like a block."""
+    """What one state of one activation does: its first transition, and the first of each kind of actions."""
 
-    __slots__ = ("count", "edges", "onentry", "onexit", "path", "running", "state")
+    __slots__ = ("count", "edge", "onentry", "onexit", "path", "running", "state")
 
     def __init__(
         self,
         state: StatePlan,
         path: Path,
         count: Count,
-        edges: tuple[Edge, ...],
-        onentry: Calls,
-        running: Calls,
-        onexit: Calls,
+        edge: Edge | None = None,
+        onentry: Action | None = None,
+        running: Action | None = None,
+        onexit: Action | None = None,
     ) -> None:
         self.state = state
         self.path = path
         self.count = count
-        self.edges = edges
+        self.edge = edge
         self.onentry = onentry
         self.running = running
         self.onexit = onexit
 
-    def site_of(self, call: Call) -> Site:
-        """Return what a fault of an action is charged to."""
-        state = self.state
-        actions = ((self.onentry, state.onentry), (self.running, state.running), (self.onexit, state.onexit))
-        return next(
-            plan.site
-            for calls, plans in actions
-            for known, plan in zip(calls, plans, strict=True)
-            if known is call
-        )
+    def bare(self) -> Row:
+        """Return a row of the same state that does nothing."""
+        return Row(self.state, self.path, self.count)
 
 
 def is_boolean(value: object) -> bool:
@@ -205,7 +243,7 @@ class Host(Protocol):
     namespace: dict[str, Any]
     now: float
     issues: IssueLog
-    log: list[Record] | None
+    log: Log | None
     event_values: dict[Path, bool | None] | None
 
     def environment(self, machine: Path) -> Environment:
@@ -223,6 +261,9 @@ class Host(Protocol):
     def leak(self, slot: Slot) -> None:
         """Compare a variable after every tick."""
 
+    def log_cell(self, cell: CellType) -> None:
+        """Log what a cell contains, before it is written."""
+
 
 def broken(reason: Broken) -> Call:
     """Make a callable that fails with `reason`."""
@@ -235,39 +276,58 @@ def broken(reason: Broken) -> Call:
 
 def bind_code(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> Call:
     """Bind a compiled block to variables; what it writes is logged before it runs."""
+    call, cell = _bind(run, code, visible)
+    return call if cell is None else _logged(run, cell, call)
+
+
+def _bind(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
+    """Bind a compiled block to variables; return it, and a cell that it writes without logging it."""
     call = bind(code, run.namespace, {name: visible[name].cell for name in code.co_freevars})
-    log = run.log
-    if log is None:
-        return call
+    if run.log is None:
+        return call, None
     own, inner = writes_of(code)
     for name in inner:
         run.leak(visible[name])
+    cell = None
     for name in own:
-        call = _logged(log, visible[name], call)
-    return call
+        if not visible[name].leaked:
+            if cell is not None:
+                call = _logged(run, cell, call)
+            cell = visible[name].cell
+    return call, cell
 
 
-def _logged(log: list[Record], slot: Slot, call: Call) -> Call:
-    """Wrap a block that writes a variable: log what the variable held."""
-    cell, append = slot.cell, log.append
-
+def _logged(run: Host, cell: CellType, call: Call) -> Call:
     def block() -> object:
-        if not slot.leaked:
-            try:
-                append((put, cell, cell.cell_contents))
-            except ValueError:
-                append((put, cell, UNSET))
+        run.log_cell(cell)
         return call()
 
     return block
 
 
 def bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> Call:
+    """Bind a block that is no action of a state; what it writes is logged before it runs."""
+    call, cell = _bind_block(run, plan, visible)
+    return call if cell is None else _logged(run, cell, call)
+
+
+def _bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
     """Bind a block to variables; while it has an open issue, a run without fault resolves that."""
     if isinstance(plan.code, Broken):
-        return broken(plan.code)
-    call = bind_code(run, plan.code, visible)
-    return watched(run, plan.site, call) if plan.site[:2] in run.issues.open_blocks else call
+        return broken(plan.code), None
+    call, cell = _bind(run, plan.code, visible)
+    return (watched(run, plan.site, call) if plan.site[:2] in run.issues.open_blocks else call), cell
+
+
+def _bind_actions(run: Host, act: Activation, plans: tuple[BlockPlan | SpawnPlan, ...]) -> Action | None:
+    first = None
+    for plan in reversed(plans):
+        if isinstance(plan, SpawnPlan):
+            first = Action(partial(run.spawn, act, plan), plan.site, None, first)
+        else:
+            call, cell = _bind_block(run, plan, act.visible)
+            first = Action(call, plan.site, cell, first)
+    return first
 
 
 def watched(run: Host, site: Site, call: Call) -> Call:
@@ -283,30 +343,17 @@ def watched(run: Host, site: Site, call: Call) -> Call:
 
 def bind_row(run: Host, act: Activation, state: StatePlan) -> Row:
     """Bind everything that `state` does in `act`."""
-
-    def calls(plans: tuple[BlockPlan | SpawnPlan, ...]) -> Calls:
-        return tuple(
-            [
-                partial(run.spawn, act, plan)
-                if isinstance(plan, SpawnPlan)
-                else bind_block(run, plan, act.visible)
-                for plan in plans
-            ]
-        )
-
+    edge = None
+    for plan in reversed(state.edges):
+        edge = Edge(act, state, plan, _test(run, act, plan), run.count(plan.site.element), edge)
     return Row(
         state,
         (*act.path, state.name),
         run.count(Element("state", state.path)),
-        tuple(
-            [
-                Edge(act, state, plan, _test(run, act, plan), run.count(plan.site.element))
-                for plan in state.edges
-            ]
-        ),
-        calls(state.onentry),
-        calls(state.running),
-        calls(state.onexit),
+        edge,
+        _bind_actions(run, act, state.onentry),
+        _bind_actions(run, act, state.running),
+        _bind_actions(run, act, state.onexit),
     )
 
 

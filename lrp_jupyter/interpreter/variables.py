@@ -6,8 +6,9 @@ import ast
 from collections.abc import Iterator, Mapping
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.interpreter.cells import content, put
+from lrp_jupyter.interpreter.cells import content
 from lrp_jupyter.interpreter.events import UNSET
+from lrp_jupyter.interpreter.journal import undo_write
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Environment, bind_code
 from lrp_jupyter.language.blocks import compile_block, facts_of
@@ -86,5 +87,5 @@ def assign(run: Run, path: Path | str, expression: str) -> None:
     value = bind_code(run, code, environment.visible)()
     cell = environment.own[name].cell
     if run.log is not None:
-        run.log.append((put, cell, content(cell)))
+        run.log += (content(cell), cell, undo_write)
     cell.cell_contents = value

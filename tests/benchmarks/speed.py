@@ -2,7 +2,9 @@
 
 Machines differ and are shared, so nothing here is a test of time, and time is that of the processor.
 Every row of a table is measured in turns with the others, many times, and the best time of each
-counts. Peers that are not installed are left out (``pip install ".[bench]"`` brings them).
+counts. What is written by hand has the structure of the program: a function for every state, condition
+and action, and variables in a closure. Peers that are not installed are left out
+(``pip install ".[bench]"`` brings them).
 """
 
 from __future__ import annotations
