@@ -100,6 +100,21 @@ def test_a_typed_name_takes_all_that_was_inside_with_it() -> None:
     assert successors.of(transition("on:a->b")) == transition("on:a->b")
 
 
+def test_a_variable_that_is_gone_takes_no_state_of_the_same_name_with_it() -> None:
+    old = parse("(machine m (var a := [1]) (state a (running [1])))")
+    successors = diff(old, parse("(machine m (state a (running [1])))")).successors
+    assert successors.path("variable", ("m", "a")) is None
+    assert successors.path("state", ("m", "a")) == ("m", "a")
+    assert successors.path("running", ("m", "a")) == ("m", "a")
+
+
+def test_a_renamed_variable_is_shown_by_its_new_name_in_the_label_of_a_delay() -> None:
+    old = parse(BLINK.format(transitions="(ontime d on -> off)"))
+    successors = after_rename(old, parse(rename(old, "variable", ("m", "d"), "pause")))
+    (kept,) = successors.carry({old.machines[0].elements(("m",))[0]: 5})
+    assert str(kept) == "transition `m/pause:on->off`"
+
+
 @pytest.mark.parametrize("id_", ["t", "t#2"])
 def test_one_of_two_transitions_with_the_same_name_is_not_renamed(id_: str) -> None:
     program = parse("(machine m (eps on -> off t) (eps off -> on t))")
