@@ -176,6 +176,25 @@ def test_discarded_variables_are_told_without_a_journal_too():
     ]  # fmt: skip
 
 
+def test_what_an_onexit_writes_is_an_event_before_its_machine_is_discarded():
+    i, seen = (
+        started(
+            """(machine m
+          (state a (onentry (spawn n x)) (machine n (var k := [1]) (state x (onexit [k = 7]))))
+          (state b)
+          (ontime 100 a -> b))
+        (spawn m a)"""
+        ),
+        [],
+    )
+    i.observe(lambda event: seen.append((event.kind, event.path, event.data)))
+    i.step(0.1)
+    inner = ("m", "a", "n")
+    assert seen[:3] == [
+        ("left", (*inner, "x"), None), ("changed", (*inner, "k"), 7), ("discarded", inner, None),
+    ]  # fmt: skip
+
+
 def test_a_spawn_that_waits_and_is_removed_does_not_begin():
     i = started(ticks=0)
     i.transition_to("m/c")

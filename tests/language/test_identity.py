@@ -92,6 +92,12 @@ def test_what_is_inside_a_renamed_state_moves_along() -> None:
     }
 
 
+def test_what_is_inside_a_machine_that_is_gone_is_gone() -> None:
+    successors = diff(parse(NESTED), parse("(machine other (state a))")).successors
+    assert successors.path("state", ("m", "b")) is None
+    assert successors.path("state", ("m", "a", "n", "x")) is None
+
+
 def test_a_typed_name_takes_all_that_was_inside_with_it() -> None:
     old, new = parse(NESTED), parse(NESTED.replace("(state a", "(state first"))
     successors = diff(old, new).successors

@@ -111,6 +111,14 @@ def test_the_rate_can_change_while_a_program_runs(session):
     assert counting.frame.rate == 100
 
 
+def test_a_higher_rate_does_not_wait_for_the_tick_of_the_lower_one(session):
+    counting = session(COUNT, rate=0.1)
+    counting.run(1)
+    counting.rate = 10
+    counting.run(1)
+    assert counting.frame.tick == 10
+
+
 @pytest.mark.parametrize("rate", [-1, math.nan, math.inf])
 def test_a_rate_that_is_none_is_refused_and_breaks_nothing(session, rate):
     counting = session(COUNT)
