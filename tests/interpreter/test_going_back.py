@@ -260,6 +260,33 @@ def test_what_a_function_writes_is_undone_in_whatever_order_blocks_write_it_too(
         assert i.variables["n"] == left
 
 
+def test_what_a_function_writes_is_undone_when_an_observer_has_come_and_gone():
+    i = started(
+        """(var n := [0])(var hook := [None])
+        (machine m (state a (onentry [
+            def hook():
+              nonlocal n
+              n += 10]) (running [hook()])))
+        (spawn m a)"""
+    )
+    i.step(0.1)
+    i.observe(lambda event: None)()
+    for tick in range(2, 4):
+        i.step(tick / 10)
+    i.rewind(2)
+    assert i.variables["n"] == 10
+
+
+def test_a_change_that_is_repeated_after_going_back_is_an_event_again():
+    i = started("(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)")
+    seen = []
+    i.observe(lambda event: seen.append(event.data))
+    i.step(0.1)
+    i.rewind(1)
+    i.step(0.1)
+    assert seen == [1, 1]
+
+
 def test_what_an_expression_from_outside_writes_is_undone():
     i = started("(var n := [1])(var k := [2])(machine m (state a))(spawn m a)")
     i.set_variable("n", "[k := value for value in (5, 6)][-1] + (n := 9)")

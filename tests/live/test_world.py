@@ -177,6 +177,16 @@ def test_after_a_stall_of_the_host_one_tick_follows_and_not_all_that_were_missed
     assert loop.interpreter.tick == before + 1
 
 
+def test_a_turn_that_comes_late_moves_the_world_no_further_than_to_its_tick(session, wall):
+    late = session(BOUNCE, "sim", world="empty")
+    loop = late._loop
+    late.resume()
+    loop.turn()
+    wall[0] += 0.13
+    loop.turn()
+    assert (loop.now, loop.interpreter.tick, loop.interpreter.now) == (0.1, 2, 0.1)
+
+
 def test_a_stall_of_the_host_makes_a_simulated_run_slower_and_skips_nothing(session, wall):
     stalled = session(BOUNCE, "sim", world="empty")
     loop = stalled._loop
