@@ -52,8 +52,7 @@ def test_a_cell_that_is_run_again_changes_the_program_that_runs(cell):
     first.session.wait_for("a", 60)
     second = cell(B)
     assert second is first
-    assert second.session.program.text == B
-    assert second.session.frame.restarts == 0
+    assert second.session.wait_for(lambda frame: frame.program.text == B, 60).restarts == 0
 
 
 def test_an_unchanged_cell_keeps_the_labs_text(cell):
