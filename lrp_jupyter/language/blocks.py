@@ -238,7 +238,7 @@ def _outlaw(tree: ast.Module, suite: Suite, source: str) -> BlockFault | None:
     for node in nodes:  # grows while it is walked
         if isinstance(node, ast.Yield | ast.YieldFrom | ast.Await):
             word = "await" if isinstance(node, ast.Await) else "yield"
-            message = f"`{word}` has no meaning in a block; use it inside a `def` only."
+            message = f"`{word}` is not allowed in a block. Use it only inside a `def`."
             start = Offsets(source).start_of(node) + suite.shift
             return BlockFault(message, start, start + len(word))
         nodes += _outside(node) if isinstance(node, _FUNCTIONS) else children([node])
@@ -265,7 +265,7 @@ def _fault(text: str, error: SyntaxError) -> BlockFault:
     start = offset(error.lineno or 1, error.offset or 1)
     end = max(offset(error.end_lineno or 1, error.end_offset or 1), min(start + 1, len(text)))
     message = _QUOTED.sub(r"`\1`", error.msg)
-    return BlockFault(f"Python cannot read this block: {message}.", start, end)
+    return BlockFault(f"This block is not valid Python: {message}.", start, end)
 
 
 def compile_block(block: Block, names: Collection[str], filename: str, name: str = "block") -> CodeType:

@@ -51,7 +51,7 @@ def match(text: str, starts: list[int], tokens: list[Token]) -> Matching:
         if token[0] == "OPEN":
             keyword = keyword_of(text, token)
             if len(around) > DEEPEST:
-                message = f"Forms are nested too deeply here; at most {DEEPEST} may stand in one another."
+                message = f"Forms are nested too deeply here. Nest at most {DEEPEST}."
                 return Matching([(token[1], token[2], "LRP111", message)], too_deep=True)
             if keyword not in _LEGAL.get(around[-1], KEYWORDS) and keyword in KEYWORDS:
                 sound = False
@@ -88,7 +88,7 @@ def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
         findings.append((start, end, "LRP102", "Unmatched `)`: there is no open form here. Remove it."))
     for position in found.lost:
         _, start, end = tokens[indices[position]]
-        findings.append((start, end, "LRP101", f"A `(` is missing before `{text[start:end]}`; put it there."))
+        findings.append((start, end, "LRP101", f"A `(` is missing before `{text[start:end]}`. Insert it."))
     closing: dict[int, int] = {}
     indices.append(len(tokens))
     for position, before_position in found.unclosed:
@@ -101,7 +101,7 @@ def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
         keyword = sequence[position].keyword.strip("?")
         what = f"`({keyword}`" if keyword else "`(`"
         line = bisect_right(starts, last_end)
-        message = f"This {what} is not closed; put its `)` at the end of line {line}."
+        message = f"This {what} is not closed. Put its `)` at the end of line {line}."
         findings.append((start, end, "LRP101", message))
     extra, lost = (frozenset(indices[position] for position in part) for part in found[:2])
     return Matching(findings, extra, lost, closing)

@@ -143,10 +143,10 @@ class _Reader:
 
     def _broken(self, kind: str, word: str, start: int, end: int) -> None:
         if kind == "UNCLOSED":
-            message = "This `[` is not closed; put its `]` behind the Python that it opens."
+            message = "This `[` is not closed. Put its `]` after the Python that it opens."
             self.report(start, start + 1, "LRP103", message)
         elif kind == "UNOPENED":
-            message = "A `[` is missing here, before the Python that ends with `]`; put it there."
+            message = "A `[` is missing here, before the Python that ends with `]`. Insert it."
             self.report(start, start + 1, "LRP103", message)
         else:
             what = (
@@ -217,17 +217,17 @@ class _Reader:
         keyword = form.keyword
         if keyword == "var" and isinstance(part, Variable):
             if iskeyword(part.name) or part.name == "__debug__":
-                message = f"`{part.name}` is a word of Python; give the variable another name."
+                message = f"`{part.name}` is a keyword of Python. Give the variable another name."
                 self.report(*form.tokens[1][1:], "LRP110", message)
         elif shape is not None and shape.source == "every" and keyword == Epsilon.keyword:
             message = (
-                "`eps` cannot leave every state, or it would fire at every tick; "
-                "name its sources, as in `(eps {a b} -> c)`."
+                "An `eps` that leaves every state would fire at every tick. "
+                "Name its sources, as in `(eps {a b} -> c)`."
             )
             self.report(*form.tokens[form.types.index("STAR")][1:], "LRP112", message)
         if form.empty and keyword in _FILLED:
             _, start, end = form.tokens[form.types.index("BLOCK")]
-            self.report(start, end, "LRP109", f"This block is empty; write {_FILLED[keyword]} into it.")
+            self.report(start, end, "LRP109", f"This block is empty. Write {_FILLED[keyword]} into it.")
         if form.declared and isinstance(part, Machine):
             self._declared(form, part.variables)
 
@@ -236,7 +236,9 @@ class _Reader:
         names = {variable.name for variable in variables if variable}
         for name, span in form.declared:
             if name in names:
-                message = f"`{name}` is a variable of the program, no global of Python; remove this `global`."
+                message = (
+                    f"`{name}` is a variable of the program, not a global of Python. Remove this `global`."
+                )
                 self.report(*span, "LRP501", message)
 
     # Mistakes
@@ -245,7 +247,9 @@ class _Reader:
         legal = sorted(LEGAL.get(around, KEYWORDS))
         _, start, end = form.tokens[0]
         if not form.keyword:
-            self.report(start, start + 1, "LRP106", f"A keyword must follow this `(`: {_either(legal)}.")
+            self.report(
+                start, start + 1, "LRP106", f"This `(` has no keyword. Write {_either(legal)} after it."
+            )
             return
         close = get_close_matches(form.keyword, legal, 1) or get_close_matches(form.keyword, KEYWORDS, 1)
         hint = f"Did you mean `{close[0]}`?" if close else f"Write {_either(legal)}."
@@ -280,7 +284,7 @@ class _Reader:
         form.types, form.parts, form.tokens = (list(column) for column in zip(*kept, strict=True))
 
     def _outside(self, start: int, end: int) -> None:
-        message = "This stands outside every form; put it into one, or behind `;` as a comment."
+        message = "This is outside every form. Put it into a form, or after `;` as a comment."
         self.report(start, end, "LRP105", message)
 
     def _misplaced(self, keyword: str, start: int, around: str) -> None:
@@ -288,21 +292,21 @@ class _Reader:
         where = "at the top level" if around == "program" else f"in `{around}`"
         right = " or ".join("at the top level" if home == "program" else f"in a `{home}`" for home in homes)
         start = self.text.index(keyword, start)
-        message = f"`{keyword}` cannot stand {where}; it belongs {right}."
+        message = f"`{keyword}` is not allowed {where}. Put it {right}."
         self.report(start, start + len(keyword), "LRP107", message)
 
     def _mistaken(self, form: _Form, mistake: Mistake, end: int) -> None:
         index, expected = mistake
         what = expected_text(form.keyword, tuple(form.types[:index]), expected)
-        usage = f"write `{USAGE[form.keyword]}`"
+        usage = f"Write `{USAGE[form.keyword]}`."
         if index == len(form.types):
-            message = f"`{form.keyword}` lacks {what} here; {usage}."
+            message = f"`{form.keyword}` lacks {what} here. {usage}"
             self.report(end - 1, end, "LRP108", message)
             return
         _, start, stop = form.tokens[index]
         found = " ".join(self.text[start : min(stop, start + 40)].split())
         found = found if len(found) < 30 else found[:27] + "…"
-        self.report(start, stop, "LRP108", f"Expected {what} instead of `{found}`; {usage}.")
+        self.report(start, stop, "LRP108", f"Expected {what} instead of `{found}`. {usage}")
 
 
 _BROKEN = frozenset({"STRAY", "UNCLOSED", "UNOPENED"})

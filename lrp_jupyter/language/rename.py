@@ -156,16 +156,18 @@ def rename(program: Program, kind: str, path: Path, new_name: str) -> str:
     try:
         _check_meaning(program, found, uses, text, symbol, name)
     except LRPSyntaxError as error:
-        raise ValueError(f"`{name}` does not fit everywhere: {error.findings[0].message}") from None
+        raise ValueError(f"`{name}` is not valid everywhere: {error.findings[0].message}") from None
     return text
 
 
 def _unknown(program: Program, element: Element) -> Exception:
     if element.kind not in _KINDS:
-        return UnknownElementError(f"A {element.kind} has no name of its own; rename {', '.join(_KINDS)}.")
+        return UnknownElementError(
+            f"A {element.kind} has no name of its own. Only these have: {', '.join(_KINDS)}."
+        )
     machine = dict(program.walk()).get(element.path[:-1])
     if element.kind == "transition" and machine and element.path[-1] in machine.labels:
-        return ValueError(f"{element} has no name of its own; write one behind its destination.")
+        return ValueError(f"{element} has no name of its own. Write one after its destination.")
     return UnknownElementError(f"There is no {element}.")
 
 
@@ -173,7 +175,7 @@ def _check_name(kind: str, name: str) -> None:
     if not name.isidentifier():
         raise ValueError(f"`{name}` is not a valid name. Use letters, digits and `_`.")
     if kind == "variable" and (iskeyword(normal(name)) or name == "__debug__"):
-        raise ValueError(f"`{name}` is a word of Python; give the variable another name.")
+        raise ValueError(f"`{name}` is a keyword of Python. Give the variable another name.")
 
 
 def _changed(text: str, symbol: Symbol, uses: list[Mention], name: str) -> str:
@@ -181,7 +183,7 @@ def _changed(text: str, symbol: Symbol, uses: list[Mention], name: str) -> str:
     for use in uses:
         if use.symbol is symbol and use.imported:
             if "." in use.imported:
-                raise ValueError(f"`import {use.imported}` assigns `{use.name}`; give that an `as` first.")
+                raise ValueError(f"`import {use.imported}` assigns `{use.name}`. Add an `as` first.")
             edits[use.span] = f"{use.imported} as {name}"
     for (start, end), new in sorted(edits.items(), reverse=True):
         text = text[:start] + new + text[end:]
@@ -194,21 +196,23 @@ def _check_meaning(
     """Refuse a text in which any name means something else than before."""
     counts = Counter(use.span for use in uses if use.symbol)
     if any(counts[span] > 1 for span in symbol.references):
-        raise ValueError(f"{symbol.element} is not the only one that its `exit` can lead to; rename by hand.")
+        raise ValueError(
+            f"{symbol.element} is not the only one that its `exit` can lead to. Rename it by hand."
+        )
     if symbol.element.kind == "transition" and _shared(found, symbol, program):
         raise ValueError(f"{symbol.element} is not the only one of this name. Rename it by hand.")
     if any(other.element == (symbol.element.kind, (*symbol.element.path[:-1], name)) for other in found):
-        raise ValueError(f"`{name}` is taken: there is another {symbol.element.kind} of this name.")
+        raise ValueError(f"`{name}` is taken by another {symbol.element.kind}. Choose another name.")
     new_found, new_uses = symbols(parse(text, program.filename))
     if len(new_found) != len(found):
-        raise ValueError(f"{symbol.element} is defined twice; remove the second definition first.")
+        raise ValueError(f"{symbol.element} is defined twice. Remove the second definition first.")
     before, after = _meanings(found, uses), _meanings(new_found, new_uses)
     for use, old, new in zip(uses, before, after, strict=False):
         if old != new:
             line, _ = program.place(use.span.start)
-            raise ValueError(f"`{name}` is taken: it means something else in line {line}.")
+            raise ValueError(f"`{name}` already means something else in line {line}. Choose another name.")
     if len(before) != len(after):
-        raise ValueError(f"`{name}` is taken: an inner function uses it for something else.")
+        raise ValueError(f"`{name}` already means something else in an inner function. Choose another name.")
 
 
 def _shared(found: list[Symbol], symbol: Symbol, program: Program) -> bool:

@@ -51,7 +51,7 @@ _UNKNOWN: dict[str, _Unknown] = {"event": "unknown event", "variable": "unknown 
 
 
 class Unresolved(NamedTuple):
-    """Why a reference means nothing: the kind of fault, and a sentence without its full stop."""
+    """Why a reference cannot be resolved: the kind of fault, and a sentence."""
 
     kind: _Unknown
     message: str
@@ -209,10 +209,10 @@ class Spawning(NamedTuple):
         """Why nothing can be spawned, if so."""
         name, machine = self.noun.machine, self.machine
         if machine is None:
-            message = f"there is no machine `{name}` that could be spawned here"
+            message = f"There is no machine `{name}` that could be spawned here."
             return Unresolved("unknown machine", message)
         if self.noun.state not in machine.states:
-            message = f"machine `{machine.path[-1]}` has no state `{self.noun.state}`"
+            message = f"The machine `{machine.path[-1]}` has no state `{self.noun.state}`."
             return Unresolved("unknown state", message)
         return None
 
@@ -250,7 +250,7 @@ class Arrow(NamedTuple):
         if reference is None or self.owner is not None:
             return None
         kind, name = reference
-        return Unresolved(_UNKNOWN[kind], f"there is no {kind} `{name}`")
+        return Unresolved(_UNKNOWN[kind], f"There is no {kind} `{name}`.")
 
 
 class Resolution:

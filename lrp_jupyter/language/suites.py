@@ -85,7 +85,7 @@ def parse_suite(text: str) -> tuple[ast.Module, Suite]:
     if match:
         lines = re.split(r"\r\n|\r|\n", text[: match.start()])
         line, column = len(lines), len(lines[-1]) + 1
-        raise SyntaxError("a character that no Python can hold", ("", line, column, "", line, column + 1))
+        raise SyntaxError("invalid character", ("", line, column, "", line, column + 1))
     worst: tuple[tuple[int, int], SyntaxError] | None = None
     for suite in _suites(text):
         try:

@@ -96,7 +96,7 @@ def test_a_second_definition_says_where_the_first_one_is() -> None:
     )
     assert message(text) == (
         "`e` is already an event of `m`, in line 2, "
-        "and only the first counts; give this one another name, or remove it."
+        "and only the first definition counts. Rename or remove this one."
     )
 
 
@@ -169,12 +169,15 @@ def test_events_are_found_outwards_and_never_inwards() -> None:
   (on middle b -> a))
 (spawn m a)"""
     assert found(text) == [("LRP301", "inner")]
-    assert message(text) == "There is no event `inner` here; that of `m/a/n` cannot be seen from here."
+    assert (
+        message(text) == "There is no event `inner` here. The one of `m/a/n` is out of scope. "
+        "Move its definition outward."
+    )
 
 
 def test_a_dangling_event_without_a_likeness_asks_for_a_definition() -> None:
     text = "(machine m (state a) (state b) (on bump a -> b))(spawn m a)"
-    assert message(text) == "There is no event `bump` here; define `(event bump […])`."
+    assert message(text) == "There is no event `bump` here. Define `(event bump […])`."
 
 
 def test_a_misspelt_name_has_a_fix_and_everything_else_is_checked_as_if_it_were_repaired() -> None:
@@ -238,7 +241,7 @@ def test_an_exit_to_nowhere_names_the_machine_around() -> None:
     (finding, _) = check(EXITS.format("(exit [robot.b] a -> xyz)"))
     assert (
         finding.message
-        == "`exit` leads to a state of `m`, where there is no `xyz`; define `(state xyz)` there."
+        == "`exit` leads to a state of `m`, where there is no `xyz`. Define `(state xyz)` there."
     )
 
 
@@ -268,12 +271,12 @@ def test_a_delay_is_a_variable_of_the_program() -> None:
         )
 
     assert (
-        message(text("inner"))
-        == "There is no variable `inner` here; that of `m/a/n` cannot be seen from here."
+        message(text("inner")) == "There is no variable `inner` here. The one of `m/a/n` is out of scope. "
+        "Move its definition outward."
     )
     assert (
         message(text("pause"))
-        == "There is no variable `pause` here; define `(var pause := [1000])`, in milliseconds."
+        == "There is no variable `pause` here. Define `(var pause := [1000])`, in milliseconds."
     )
     assert "(ontime [pause] a -> b)" in fixed(text("pause"), names=["pause"])
 
@@ -281,7 +284,7 @@ def test_a_delay_is_a_variable_of_the_program() -> None:
 def test_a_machine_cannot_be_spawned_from_inside_itself() -> None:
     text = "(machine m (state a (onentry (spawn m a))))(spawn m a)"
     assert found(text) == [("LRP304", "m")]
-    assert "cannot spawn itself" in message(text)
+    assert "can spawn neither itself" in message(text)
 
 
 def test_a_machine_inside_another_state_cannot_be_spawned() -> None:
@@ -292,7 +295,7 @@ def test_a_machine_inside_another_state_cannot_be_spawned() -> None:
   (ontime 9 a -> b))
 (spawn m a)"""
     assert found(text) == [("LRP304", "n")]
-    assert message(text).endswith("that of `m/a/n` cannot be seen from here.")
+    assert message(text).endswith("The one of `m/a/n` is out of scope. Move its definition outward.")
 
 
 def test_the_innermost_machine_of_a_name_is_spawned() -> None:

@@ -88,7 +88,7 @@ def test_a_name_without_meaning_is_an_error_at_its_place(block: str, name: str) 
 
 def test_a_name_without_any_likeness_asks_for_a_variable() -> None:
     assert message(action("qqqqq")) == (
-        "`qqqqq` is defined nowhere that this block can see; declare `(var qqqqq := [value])`."
+        "`qqqqq` is not defined where this block can see it. Declare `(var qqqqq := [value])`."
     )
 
 
@@ -120,8 +120,8 @@ def test_certain_remedies_are_fixes(block: str, repaired: str) -> None:
 def test_a_local_name_of_another_block_is_explained() -> None:
     text = "(machine m (state a\n(onentry [count = 1])\n(running [print(count)])))(spawn m a)"
     assert message(text) == (
-        "`count` is defined nowhere that this block can see: line 2 sets it for its own block only; "
-        "declare `(var count := [value])` to keep it."
+        "`count` is not defined where this block can see it. Line 2 sets it for its own block only. "
+        "Declare `(var count := [value])` to keep it."
     )
 
 
@@ -131,19 +131,19 @@ def test_a_variable_of_an_inner_machine_is_explained() -> None:
   (state a (onentry (spawn n b)) (running [print(time)])
     (machine n (var time := [1]) (state b))))
 (spawn m a)"""
-    assert message(text).endswith("the variable belongs to `m/a/n`; declare it further out.")
+    assert message(text).endswith("The variable belongs to `m/a/n`. Declare it further out.")
 
 
 def test_an_event_read_by_a_block_is_explained() -> None:
     bumping = "(machine m (state a (running [print(bump)])) (state b) (on bump a -> b))"
     text = f"(event bump [robot.b]){bumping}(spawn m a)"
-    assert message(text).endswith("it is an event; only transitions use events.")
+    assert message(text).endswith("It is an event, and only transitions can use events.")
 
 
 def test_an_initialiser_sees_only_the_variables_before_it() -> None:
     assert check(initialiser("first + 1")) == ()
     assert found(initialiser("later + 1")) == [("LRP502", "later")]
-    assert message(initialiser("later + 1")).endswith("the variable is initialised later; declare it first.")
+    assert message(initialiser("later + 1")).endswith("The variable is initialised later. Declare it first.")
     assert found(initialiser("x + 1")) == [("LRP502", "x")]
 
 
@@ -175,7 +175,7 @@ def test_a_local_name_cannot_be_changed_before_it_has_a_value(block: str, name: 
 
 
 def test_in_a_function_a_variable_is_changed_with_nonlocal() -> None:
-    assert "write `nonlocal time` first" in message(action("def f():\n  time += 1\nf()"))
+    assert "Write `nonlocal time` first" in message(action("def f():\n  time += 1\nf()"))
 
 
 def test_a_name_of_the_notebook_cannot_be_changed() -> None:
@@ -186,7 +186,7 @@ def test_a_name_of_the_notebook_cannot_be_changed() -> None:
 def test_a_nonlocal_without_a_variable_is_an_error() -> None:
     text = action("def f():\n  nonlocal gone\n  gone = 1\n  return gone\nf()")
     assert found(text) == [("LRP502", "gone")]
-    assert "declare `(var gone := [value])`" in message(text)
+    assert "Declare `(var gone := [value])`" in message(text)
 
 
 # Statements without an effect
@@ -320,7 +320,8 @@ def test_what_may_be_a_truth_value_is_left_alone(block: str) -> None:
 
 def test_a_delay_is_a_number() -> None:
     assert (
-        message(delay("'5'")) == "A delay must be a number, not a string; write an expression that gives one."
+        message(delay("'5'"))
+        == "A delay must be a number, not a string. Write an expression that returns one."
     )
     assert found(delay("True")) == [("LRP508", "True")]
     for block in ("5", "-5", "2.5", "1000 * 2"):

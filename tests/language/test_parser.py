@@ -178,7 +178,7 @@ def test_only_layout_and_comments_differ_between_equal_programs() -> None:
 @pytest.mark.parametrize(
     ("text", "code", "at", "words"),
     [
-        ("(var x [1])", "LRP108", "[1]", "Expected `:=` instead of `[1]`; write `(var name := [value])`."),
+        ("(var x [1])", "LRP108", "[1]", "Expected `:=` instead of `[1]`. Write `(var name := [value])`."),
         ("(var x := 1)", "LRP108", "1", "a block"),
         ("(var := [1])", "LRP108", ":=", "its name"),
         ("(var)", "LRP108", ")", "lacks its name"),
@@ -204,7 +204,7 @@ def test_only_layout_and_comments_differ_between_equal_programs() -> None:
         ("(machine m (ontime 10ms a -> b))", "LRP108", "10ms", "not a whole number"),
         ("(machine m (ontime 12345678901234567890 a -> b))", "LRP108", "1234", "not a whole number"),
         ("(machine m (exit e * -> b))", "LRP108", "*", "the source state"),
-        ("(machine m (eps * -> b))", "LRP112", "*", "name its sources"),
+        ("(machine m (eps * -> b))", "LRP112", "*", "Name its sources"),
         ("(machine m (event e [x]) oops)", "LRP108", "oops", "instead of `oops`"),
         ("hello (var x := [1])", "LRP105", "hello", "outside every form"),
         ("(var x := [1]) a [b] -> c (var y := [1])", "LRP105", "a [b]", "outside every form"),
@@ -217,19 +217,19 @@ def test_only_layout_and_comments_differ_between_equal_programs() -> None:
             "xyz",
             "Write `machine`, `onentry`, `onexit` or",
         ),
-        ("()", "LRP106", "(", "A keyword must follow this `(`"),
-        ("([1])", "LRP106", "(", "A keyword must follow"),
-        ("(machine m (state a (event e [x])))", "LRP107", "event", "`event` cannot stand in `state`"),
-        ("(state a)", "LRP107", "state", "cannot stand at the top level; it belongs in a `machine`."),
-        ("(machine m (onentry [a]))", "LRP107", "onentry", "it belongs in a `state`"),
+        ("()", "LRP106", "(", "This `(` has no keyword"),
+        ("([1])", "LRP106", "(", "This `(` has no keyword"),
+        ("(machine m (state a (event e [x])))", "LRP107", "event", "`event` is not allowed in `state`"),
+        ("(state a)", "LRP107", "state", "is not allowed at the top level. Put it in a `machine`."),
+        ("(machine m (onentry [a]))", "LRP107", "onentry", "Put it in a `state`"),
         ("(machine m (spawn m a))", "LRP107", "spawn", "at the top level or in a `onentry`"),
-        ("(var x := [ ])", "LRP109", "[ ]", "This block is empty; write the variable's value into it."),
+        ("(var x := [ ])", "LRP109", "[ ]", "This block is empty. Write the variable's value into it."),
         ("(event x [ # ]\n])", "LRP109", "[ # ]", "the event's condition"),
         ("(machine m (ontime [] a -> b))", "LRP109", "[]", "the delay in milliseconds"),
         ("(machine m (on [] a -> b))", "LRP109", "[]", "the condition"),
         ("(machine m (exit [] a -> b))", "LRP109", "[]", "the condition"),
-        ("(var class := [1])", "LRP110", "class", "a word of Python"),
-        ("(var __debug__ := [1])", "LRP110", "__debug__", "a word of Python"),
+        ("(var class := [1])", "LRP110", "class", "a keyword of Python"),
+        ("(var __debug__ := [1])", "LRP110", "__debug__", "a keyword of Python"),
         ("(var a² := [1])", "LRP110", "a²", "is not a valid name"),
         ("(var x := [1]) ]", "LRP104", "]", "Unmatched `]`"),
         ("(machine m\n])", "LRP104", "]", "Unmatched `]`"),
@@ -239,7 +239,7 @@ def test_only_layout_and_comments_differ_between_equal_programs() -> None:
         ("(event e f()[0]])", "LRP103", "f()[0]]", "A `[` is missing here"),
         ("(var x := [1]) %", "LRP104", "%", "`%` is not part of the language"),
         ("(var x : [1])", "LRP104", ":", "`:` is not part of the language"),
-        ("(var x := [1 +])", "LRP501", "", "Python cannot read this block: invalid syntax."),
+        ("(var x := [1 +])", "LRP501", "", "This block is not valid Python: invalid syntax."),
         ("(var x := [global x])", "LRP501", "x])", "`x` is a variable of the program"),
     ],
 )
@@ -336,7 +336,7 @@ def test_one_extra_bracket_is_told_in_its_line(offset: int) -> None:
 def test_an_unclosed_form_is_told_where_it_opens() -> None:
     finding = only(FOLLOWER.replace("robot.move(limit)]))", "robot.move(limit)])"))
     assert (finding.code, finding.line, finding.column, finding.end_column) == ("LRP101", 4, 3, 9)
-    assert finding.message == "This `(state` is not closed; put its `)` at the end of line 6."
+    assert finding.message == "This `(state` is not closed. Put its `)` at the end of line 6."
 
 
 def test_an_unclosed_bracket_without_a_keyword_is_told() -> None:
@@ -351,7 +351,7 @@ def test_a_bracket_at_the_margin_of_a_deep_text_is_not_searched_for_long() -> No
 def test_a_keyword_that_lost_its_bracket_is_told() -> None:
     finding = only(FOLLOWER.replace("(event", "event"))
     assert (finding.code, finding.line, finding.column) == ("LRP101", 15, 3)
-    assert finding.message == "A `(` is missing before `event`; put it there."
+    assert finding.message == "A `(` is missing before `event`. Insert it."
 
 
 def test_several_wrong_brackets_are_told_each_at_its_place() -> None:

@@ -140,7 +140,7 @@ def test_a_program_without_a_text_is_printed_first() -> None:
         ("(var a := [1])", "variable", "a", "1b", "is not a valid name"),
         ("(var a := [1])", "variable", "a", "class", "word of Python"),
         ("(var a := [1])", "variable", "a", "__debug__", "word of Python"),
-        ("(var a := [1])(var b := [1])", "variable", "a", "b", "there is another variable of this name"),
+        ("(var a := [1])(var b := [1])", "variable", "a", "b", "is taken by another variable"),
         ("(machine m (state a)(state b))", "state", "m/a", "b", "another state"),
         ("(machine m (eps a -> b t)(eps b -> a u))", "transition", "m/t", "u", "another transition"),
         ("(event a [1])(event a [2])", "event", "a", "b", "is defined twice"),
@@ -148,13 +148,25 @@ def test_a_program_without_a_text_is_printed_first() -> None:
         ("(machine m (eps a -> gone)\n(state a)(state b))", "state", "m/b", "gone", "else in line 1"),
         ("(var a := [1])(event e [a > max])", "variable", "a", "max", "something else in line 1"),
         ("(var a := [1])(event e [b = a])", "variable", "a", "b", "something else"),
-        ("(var a := [1])(event e [(lambda b: a)(1)])", "variable", "a", "b", "an inner function uses it"),
-        ("(var a := [1])(event e [[a for b in c]])", "variable", "a", "b", "is taken"),
+        ("(var a := [1])(event e [(lambda b: a)(1)])", "variable", "a", "b", "in an inner function"),
+        (
+            "(var a := [1])(event e [[a for b in c]])",
+            "variable",
+            "a",
+            "b",
+            "already means something else in line",
+        ),
         ("(var a := [1])(machine m (var b := [1])(event e [a]))", "variable", "a", "b", "something else"),
         ("(var a := [1])(machine m (var b := [1])(event e [a]))", "variable", "m/b", "a", "something else"),
         ("(event a [1])(machine m (event b [1])(on a s -> t))", "event", "a", "b", "something else"),
         ("(var a := [1])(event e [import a.b])", "variable", "a", "c", "`import a.b` assigns `a`"),
-        ("(var a := [1])(event e [def f(b):\n nonlocal a; a = b])", "variable", "a", "b", "does not fit"),
+        (
+            "(var a := [1])(event e [def f(b):\n nonlocal a; a = b])",
+            "variable",
+            "a",
+            "b",
+            "is not valid everywhere",
+        ),
         (
             "(machine n (exit e s -> a)) (machine m (state a)(state s (onentry (spawn n s))))"
             "(machine o (state a)(state s (onentry (spawn n s))))",
@@ -211,7 +223,7 @@ def test_a_renamed_program_differs_in_that_name_only_and_can_be_renamed_back(
     assert new.replace("fresh", "") != new
     old = str(text[slice(*symbol.definition)])
     if [each.element for each in found].count(symbol.element) > 1:  # transitions may share a name
-        with pytest.raises(ValueError, match="is taken"):
+        with pytest.raises(ValueError, match="already means something else in line"):
             rename(parse(new), kind, (*path[:-1], "fresh"), old)
     else:
         assert rename(parse(new), kind, (*path[:-1], "fresh"), old) == text

@@ -40,7 +40,7 @@ def test_an_event_and_the_variable_of_a_delay_are_found_in_the_nearest_scope() -
     assert [arrow.unresolved_trigger for arrow in names.arrows[machine]] == [
         None,
         None,
-        ("unknown event", "there is no event `gone`"),
+        ("unknown event", "There is no event `gone`."),
     ]
 
 
@@ -55,8 +55,8 @@ def test_a_spawn_says_why_it_means_nothing() -> None:
     names = resolve(parse(NESTED))
     assert [spawning.unresolved for spawning in names.spawns] == [
         None,
-        ("unknown machine", "there is no machine `gone` that could be spawned here"),
-        ("unknown state", "machine `tool` has no state `gone`"),
+        ("unknown machine", "There is no machine `gone` that could be spawned here."),
+        ("unknown state", "The machine `tool` has no state `gone`."),
         None,
         None,
     ]

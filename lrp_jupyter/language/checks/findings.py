@@ -1,7 +1,7 @@
-"""The table of all codes: what each means, with a program that has it and the same program repaired.
+"""The table of all codes: the meaning of each, with a program that has it and the same program repaired.
 
-It is the documentation of the findings, and their test: each example has its own code and no other, and its
-repair has none.
+It documents the findings and tests them: each example has its own code and no other, and its repaired
+program has none.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ class Code:
     Parameters
     ----------
     code : str
-        Stable for ever: ``LRP301``.
+        Never changes: ``LRP301``.
     severity : {"error", "warning", "hint"}
-        An error certainly cannot work; a warning works, but hardly as meant; a hint is worth a look.
+        An error cannot work; a warning works, but probably not as intended; a hint is worth a check.
     title, explanation : str
-        A few words, and a few sentences.
+        A heading, and a few sentences.
     example, repaired : str
-        Two programs. Empty for what only a running program can show (6xx).
+        Two programs. Empty for faults that only a running program can show (6xx).
     """
 
     code: str
@@ -39,8 +39,8 @@ class Code:
 
 
 _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
-    ("LRP101", "error", "`(` not closed", "Indentation decides which bracket it is that lacks its `)`."),
-    ("LRP102", "error", "`)` too many", "A closing bracket closes nothing that is open."),
+    ("LRP101", "error", "`(` not closed", "Indentation decides which bracket lacks its `)`."),
+    ("LRP102", "error", "Unmatched `)`", "There is no open form that this bracket could close."),
     (
         "LRP103",
         "error",
@@ -57,20 +57,25 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "LRP105",
         "error",
         "Outside every form",
-        "A program consists of forms in brackets; remarks stand behind `;` or `#`.",
+        "A program consists of forms in brackets; comments begin with `;` or `#`.",
     ),
-    ("LRP106", "error", "No keyword", "Behind a `(` stands one of the keywords of the language."),
+    (
+        "LRP106",
+        "error",
+        "Unknown or missing keyword",
+        "A `(` is followed by one of the keywords of the language.",
+    ),
     (
         "LRP107",
         "error",
-        "Form at the wrong place",
+        "Form in the wrong place",
         "Each form has its place: states and transitions in machines, actions and nested machines in states.",
     ),
     (
         "LRP108",
         "error",
-        "Incomplete or disordered form",
-        "The form does not have the parts of its kind, in their order.",
+        "Incomplete or wrongly ordered form",
+        "The form does not have the parts of its kind in the right order.",
     ),
     (
         "LRP109",
@@ -81,21 +86,21 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
     (
         "LRP110",
         "error",
-        "No name",
-        "A name is an identifier of Python; that of a variable must not be one of Python's keywords.",
+        "Not a valid name",
+        "A name is a Python identifier; the name of a variable must not be a Python keyword.",
     ),
-    ("LRP111", "error", "Nested too deeply", "There is a limit to the depth of brackets."),
+    ("LRP111", "error", "Nested too deeply", "The depth of brackets is limited."),
     (
         "LRP112",
         "error",
         "`eps` from every state",
-        "It would leave and enter its destination at every tick. Name the states that it leaves.",
+        "It would fire at every tick. Name the states that it leaves.",
     ),
     (
         "LRP201",
         "error",
         "Defined twice",
-        "The first definition of a name counts; the second one is never used.",
+        "The first definition of a name counts; the second is never used.",
     ),
     (
         "LRP202",
@@ -108,28 +113,28 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "LRP203",
         "warning",
         "Variable hides `robot` or `print`",
-        "Blocks reach the robot by the name `robot` and the lab's output by `print`, unless a variable "
-        "has that name.",
+        "Blocks use the robot as `robot` and the lab's output through `print`, unless a variable has "
+        "that name.",
     ),
     (
         "LRP204",
         "warning",
         "Variable hides a builtin of Python",
-        "Blocks cannot call Python's own function any more where a variable has its name.",
+        "Where a variable has its name, blocks can no longer call Python's own function.",
     ),
     (
         "LRP205",
         "hint",
-        "Transitions told apart by order only",
-        "Transitions are known by kind, sources, destination and name; the condition is their content. "
-        "Two that share all four are told apart by their order, so that removing the first looks like "
-        "changing both.",
+        "Transitions distinguished only by order",
+        "Transitions are identified by kind, sources, destination and name; the condition is their "
+        "content. Two that share all four are distinguished by their order, so removing the first looks "
+        "like changing both.",
     ),
     (
         "LRP206",
         "warning",
         "Nothing is spawned",
-        "A program begins with the machines that it spawns at top level; there is no implicit start.",
+        "A program starts with the machines that it spawns at the top level; there is no implicit start.",
     ),
     (
         "LRP301",
@@ -141,20 +146,20 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "LRP302",
         "error",
         "Unknown source",
-        "The transition leaves no such state. Only states of its own machine can be its sources.",
+        "The state does not exist. Only states of its own machine can be sources of a transition.",
     ),
     (
         "LRP303",
         "error",
         "Unknown destination",
-        "The transition cannot be taken, and the next one is tried. Only `exit` leads out of a machine.",
+        "The transition cannot fire, and the next one is tried. Only `exit` leads out of a machine.",
     ),
     (
         "LRP304",
         "error",
         "Unknown machine",
-        "A machine can be spawned by the state that contains it and all that is inside that state, and "
-        "from everywhere if it stands at top level; never by itself or from inside itself.",
+        "A machine can be spawned by the state that contains it and from inside that state, or from "
+        "anywhere if it is at the top level; never by itself or from inside itself.",
     ),
     (
         "LRP305",
@@ -166,13 +171,13 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "LRP306",
         "error",
         "Unknown state to exit to",
-        "`exit` leads to a state of the machine around: that of the state which spawned this machine.",
+        "`exit` leads to a state of the outer machine: that of the state which spawned this machine.",
     ),
     (
         "LRP307",
         "error",
         "`exit` in a root machine",
-        "A machine that is spawned at top level has no machine around it to which `exit` could lead.",
+        "A machine that is spawned at the top level has no outer machine to which `exit` could lead.",
     ),
     (
         "LRP308",
@@ -183,88 +188,88 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
     (
         "LRP401",
         "warning",
-        "State out of reach",
-        "No transition and no spawn leads to this state, whatever the robot sees.",
+        "Unreachable state",
+        "No transition and no spawn leads to this state, whatever the robot senses.",
     ),
     (
         "LRP402",
         "warning",
         "Machine never spawned",
-        "A nested machine does not start by itself: an `onentry` spawns it, and names its start state.",
+        "A nested machine does not start by itself: an `onentry` spawns it and names its start state.",
     ),
-    ("LRP403", "hint", "Event never used", "An event occurs only where a transition names it."),
+    ("LRP403", "hint", "Event never used", "An event is tested only where a transition names it."),
     (
         "LRP404",
         "warning",
         "Transition never tested",
-        "Transitions are tested in the order of the text, and the first enabled one is taken. This one "
-        "stands behind another which is enabled whenever it is: an `eps`, the same condition, or a delay "
-        "that is no longer.",
+        "Transitions are tested in the order of the text, and the first enabled one fires. This one comes "
+        "after another that is enabled whenever it is: an `eps`, the same condition, or the same or a "
+        "shorter delay.",
     ),
     (
         "LRP405",
         "warning",
         "State entered again at every tick",
-        "An `eps` (or a delay of 0) from a state to itself leaves no tick in which that state runs.",
+        "An `eps` (or a delay of 0) from a state to itself leaves no tick in which that state could run.",
     ),
     (
         "LRP406",
         "warning",
         "Transition from no state",
-        "A wildcard stands for all states but its destination and those named behind `*-`; here none is "
-        "left.",
+        "A wildcard stands for all states except its destination and those named after `*-`; here none "
+        "remains.",
     ),
     (
         "LRP407",
         "warning",
         "Spawned twice",
-        "A machine that runs is not spawned a second time. One that is spawned at top level runs for ever.",
+        "A running machine is not spawned again. One that is spawned at the top level never ends.",
     ),
-    ("LRP501", "error", "No Python", "Python cannot read the block."),
+    ("LRP501", "error", "Not valid Python", "Python cannot parse or compile the block."),
     (
         "LRP502",
         "error",
-        "Name defined nowhere",
-        "A block sees the variables of its machine and of those around it, its own local names, Python's "
-        "builtins, `robot`, `print`, and the names of the notebook.",
+        "Undefined name",
+        "A block sees the variables of its machine and of the machines around it, its local names, "
+        "Python's builtins, `robot`, `print`, and the names of the notebook.",
     ),
     (
         "LRP503",
         "error",
-        "Changing what has no value",
-        "`x += 1` needs an `x` to begin with. A name that is not a variable is local to one run of the "
-        "block, even if the notebook has one like it.",
+        "Update of a name without a value",
+        "`x += 1` needs an existing value of `x`. A name that is not a variable is local to one run of the "
+        "block, even if the notebook has the same name.",
     ),
     (
         "LRP504",
         "warning",
         "Comparison as a statement",
-        "`==` compares and `=` assigns; the result of a comparison that stands alone is lost.",
+        "`==` compares and `=` assigns; the result of a comparison by itself is lost.",
     ),
     (
         "LRP505",
         "error",
         "Condition or delay without a value",
         "The value of a block is that of its last statement, if that is an expression. This one is "
-        "another statement, so that the value is always `None`.",
+        "another statement, so the value is always `None`.",
     ),
     (
         "LRP506",
         "warning",
         "Variable without a value",
-        "The initialiser ends in a statement, so that the variable is `None`.",
+        "The initialiser ends in a statement, so the variable is `None`.",
     ),
     (
         "LRP507",
         "warning",
         "Named but not called",
-        "A member of the robot that stands alone does nothing; brackets behind it call it.",
+        "A member of the robot by itself does nothing; parentheses after it call it.",
     ),
     (
         "LRP508",
         "error",
         "Value of the wrong kind",
-        "A condition is `True` or `False`, nothing else counts as true; a delay is a number of milliseconds.",
+        "A condition is `True` or `False`, and nothing else counts as true; a delay is in milliseconds.",
     ),
     (
         "LRP509",
@@ -276,7 +281,7 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "LRP601",
         "error",
         "Exception in a block",
-        "What the block did before it stays done; the traceback shows the line.",
+        "What the block did before it is kept; the traceback shows the line.",
     ),
     (
         "LRP602",
@@ -289,7 +294,7 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
     ("LRP605", "error", "Unknown machine", "The spawn is ignored until the machine exists."),
     ("LRP606", "error", "Unknown variable", "The block or the delay names a variable that does not exist."),
     ("LRP607", "error", "Delay not a number", "The timeout never fires."),
-    ("LRP608", "error", "Machine runs already", "A machine that runs is not spawned a second time."),
+    ("LRP608", "error", "Machine already running", "A running machine is not spawned again."),
     ("LRP609", "error", "Defined twice", "The first definition counts."),
     (
         "LRP610",

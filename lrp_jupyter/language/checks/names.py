@@ -1,4 +1,4 @@
-"""2xx: names that are defined twice, hide others, or are missing altogether."""
+"""2xx: names that are defined twice or hide others, and programs that spawn nothing."""
 
 from __future__ import annotations
 
@@ -24,8 +24,8 @@ def check_names(report: Reporter, names: Resolution) -> None:
             "LRP201",
             again.name.span,
             f"`{again.name}` is already {_article(element.kind)}{place}, in line "
-            f"{report.line(first.name.span)}, and only the first counts; "
-            "give this one another name, or remove it.",
+            f"{report.line(first.name.span)}, and only the first definition counts. "
+            "Rename or remove this one.",
         )
     for scope in names.scopes:
         for variable in scope.variables.values():
@@ -43,21 +43,21 @@ def _hiding(report: Reporter, scope: Scope, variable: Variable) -> None:
     name = variable.name
     outer = scope.outer.visible.get(name) if scope.outer else None
     if name in _PROVIDED:
-        message = f"The variable `{name}` hides {_PROVIDED[name]} from all blocks here; give it another name."
+        message = f"The variable `{name}` hides {_PROVIDED[name]} from all blocks here. Give it another name."
         report.add("LRP203", name.span, message)
     elif outer:
         line = report.line(outer.variables[name].name.span)
-        message = f"The variable `{name}` hides the `{name}` of line {line}; give one of them another name."
+        message = f"The variable `{name}` hides the `{name}` of line {line}. Give one of them another name."
         report.add("LRP202", name.span, message)
     elif name in BUILTINS:
         message = (
-            f"The variable `{name}` hides Python's own `{name}` from all blocks here; give it another name."
+            f"The variable `{name}` hides Python's own `{name}` from all blocks here. Give it another name."
         )
         report.add("LRP204", name.span, message)
 
 
 def _colliding(report: Reporter, scope: Scope) -> None:
-    """Report transitions that edits can only tell apart by their order. Paper: §6.1, footnote 5."""
+    """Report transitions that edits can distinguish only by their order. Paper: §6.1, footnote 5."""
     seen: dict[object, Transition] = {}
     for transition in scope.transitions:
         first = seen.setdefault(transition.identity, transition)
@@ -66,13 +66,13 @@ def _colliding(report: Reporter, scope: Scope) -> None:
             report.add(
                 "LRP205",
                 transition.span,
-                f"Only the condition tells this transition from that of line {report.line(first.span)}, so "
-                f"an edit may take one for the other; give it {remedy}.",
+                f"Only the condition distinguishes this transition from that of line "
+                f"{report.line(first.span)}, so an edit may confuse the two. Give it {remedy}.",
             )
 
 
 def _no_spawn(report: Reporter) -> None:
-    """Report, at the first line, that nothing is ever spawned; with one state there is no doubt which."""
+    """Report, at the first line, that nothing is spawned; with a single state, there is a fix."""
     program = report.program
     machine: Machine = program.machines[0]
     start = machine.states[0].name if machine.states else Name("state")
@@ -84,6 +84,6 @@ def _no_spawn(report: Reporter) -> None:
     report.add(
         "LRP206",
         Span(0, len(_LINE_END.split(program.text, maxsplit=1)[0])),
-        f"Nothing is spawned, so nothing runs; end the program with `{text}`.",
+        f"Nothing is spawned, so nothing runs. End the program with `{text}`.",
         Fix(f"Add `{text}`", (edit,)) if certain else None,
     )

@@ -1,4 +1,4 @@
-"""5xx: Python in blocks that cannot do what it seems to be for.
+"""5xx: Python in blocks that cannot do what it is probably meant to do.
 
 Paper: §3.2 (line 32 of the listing compares where it should assign), §9.
 """
@@ -19,7 +19,7 @@ __all__ = ["check_python"]
 
 _PROVIDED = frozenset({"robot", "print"})
 _SPELT = {"nil": "None", "null": "None", "undefined": "None", "self": "robot"}
-"""What people write who come from other languages, in which `difflib` would see no likeness."""
+"""Names from other languages, for which `difflib` would find no similar name."""
 
 
 def check_python(report: Reporter, names: Resolution) -> None:
@@ -46,7 +46,7 @@ class _Python:
         visible = place.visible
         for name, span, _ in facts.reads:
             if name not in visible and name not in self.known and not name.startswith("__"):
-                problem = f"`{name}` is defined nowhere that this block can see"
+                problem = f"`{name}` is not defined where this block can see it"
                 self._unknown("LRP502", place, name, span, problem, [*visible, *facts.binds], self.known)
         for name, span, _ in facts.nonlocals:
             if name not in visible:
@@ -55,7 +55,7 @@ class _Python:
         for name, span, nested in facts.augmented:
             if nested and (name in visible or name in facts.binds):
                 message = (
-                    f"`{name}` is local to this function, without a value; write `nonlocal {name}` first."
+                    f"`{name}` is local to this function and has no value. Write `nonlocal {name}` first."
                 )
                 self._add("LRP503", place, span, message)
             elif name not in visible:
@@ -65,28 +65,28 @@ class _Python:
     def _unknown(
         self, code: str, place: PlacedBlock, name: str, span: Span, problem: str, *known: Iterable[str]
     ) -> None:
-        """Report a name without a meaning, with what was probably meant."""
+        """Report an unknown name, with a remedy."""
         elsewhere = self._elsewhere(place, name)
         meant = _SPELT.get(name) or next(filter(None, (nearest(name, names) for names in known)), None)
         if elsewhere:
-            self._add(code, place, span, f"{problem}: {elsewhere}.")
+            self._add(code, place, span, f"{problem}. {elsewhere}.")
         elif meant:
-            self._add(code, place, span, f"{problem}; did you mean `{meant}`?", meant)
+            self._add(code, place, span, f"{problem}. Did you mean `{meant}`?", meant)
         else:
-            self._add(code, place, span, f"{problem}; declare `(var {name} := [value])`.")
+            self._add(code, place, span, f"{problem}. Declare `(var {name} := [value])`.")
 
     def _elsewhere(self, place: PlacedBlock, name: str) -> str | None:
-        """Say what the name is that this block does not see."""
+        """Return what the name is that is out of scope in this block, and what to do; else None."""
         if place.scope.event(name):
-            return "it is an event; only transitions use events"
+            return "It is an event, and only transitions can use events"
         if name in self._variables:
             scope = self._variables[name]
             if scope.path == place.scope.path[: len(scope.path)]:
-                return "the variable is initialised later; declare it first"
-            return f"the variable belongs to `{path_text(scope.path)}`; declare it further out"
+                return "The variable is initialised later. Declare it first"
+            return f"The variable belongs to `{path_text(scope.path)}`. Declare it further out"
         if name in self._assigned:
             line = self.report.line(self._assigned[name])
-            return f"line {line} sets it for its own block only; declare `(var {name} := [value])` to keep it"
+            return f"Line {line} sets it for its own block only. Declare `(var {name} := [value])` to keep it"
         return None
 
     @cached_property
@@ -113,33 +113,33 @@ class _Python:
                     if remark.edit and (remark.name in place.visible or remark.name in facts.binds)
                     else None
                 )
-                remedy = "write `=` to assign" if remark.edit else "use its result, or remove it"
-                message = f"This only compares, and the result is not used; {remedy}."
+                remedy = "Write `=` to assign" if remark.edit else "Use its result, or remove it"
+                message = f"This only compares, and the result is not used. {remedy}."
                 self._add("LRP504", place, remark.span, message, fix, remark.edit)
         for remark in facts.uncalled:
             if not (used and remark.last):
                 text = place.block.text[slice(*remark.span)]
                 message = (
-                    f"This only names `{text}` and does nothing; write `{text}()` to call it, or remove it."
+                    f"This only names `{text}` and does nothing. Write `{text}()` to call it, or remove it."
                 )
                 self._add("LRP507", place, remark.span, message)
         for remark in facts.bitwise:
             word = "and" if remark.name == "&" else "or"
-            message = f"`{remark.name}` binds more tightly than the comparison; write `{word}`."
+            message = f"`{remark.name}` binds more tightly than the comparison. Write `{word}`."
             self._add("LRP509", place, remark.span, message, word, remark.edit)
         if facts.valueless and place.purpose == "initialiser":
-            message = "This ends in a statement, so the variable is `None`; end with its value on a new line."
+            message = "This ends in a statement, so the variable is `None`. End with its value on a new line."
             self._add("LRP506", place, facts.valueless.span, message)
         elif facts.valueless and used:
-            remedy = "write `==` to compare" if facts.valueless.edit else "end with an expression"
-            message = f"This {place.purpose} ends in a statement and has no value; {remedy}."
+            remedy = "Write `==` to compare" if facts.valueless.edit else "End with an expression"
+            message = f"This {place.purpose} ends in a statement and has no value. {remedy}."
             fix = "==" if place.purpose == "condition" and facts.valueless.edit else None
             self._add("LRP505", place, facts.valueless.span, message, fix, facts.valueless.edit)
         if facts.literal and place.purpose in _WANTED:
             kind, wanted = facts.literal[0], _WANTED[place.purpose]
             if kind != wanted:
                 message = (
-                    f"A {place.purpose} must be {wanted}, not {kind}; write an expression that gives one."
+                    f"A {place.purpose} must be {wanted}, not {kind}. Write an expression that returns one."
                 )
                 self._add("LRP508", place, facts.literal[1], message)
 

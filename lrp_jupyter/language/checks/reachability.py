@@ -1,7 +1,7 @@
 """4xx: what never happens, and what never stops happening, by the graph of states alone.
 
-Conditions are taken to be possible, and misspelt references to be repaired: a state is out of reach
-only if no transition and no spawn leads there, whatever the robot sees.
+Every condition is assumed to be satisfiable and every misspelt reference to be repaired: a state is
+unreachable only if no transition and no spawn leads there, whatever the robot senses.
 
 Paper: §9.
 """
@@ -20,7 +20,7 @@ __all__ = ["check_reachability"]
 
 
 def check_reachability(report: Reporter, names: Resolution, links: Links) -> None:
-    """Report states, machines, events and transitions that the program never comes to."""
+    """Report states, machines, events and transitions that the program never reaches."""
     _unspawned(report, names, links)
     _spawned_again(report, names, links)
     _unreached(report, names, links)
@@ -34,7 +34,7 @@ def check_reachability(report: Reporter, names: Resolution, links: Links) -> Non
 def _unspawned(report: Reporter, names: Resolution, links: Links) -> None:
     spawned = {spawned.machine for spawned in links.spawned}
     for scope in names.scopes:
-        # One finding says that the program spawns nothing; a spawn of who knows what may mean any.
+        # That the program spawns nothing is one finding; a spawn of an unknown machine may mean any.
         if (
             scope.name is None
             or scope in spawned
@@ -44,7 +44,7 @@ def _unspawned(report: Reporter, names: Resolution, links: Links) -> None:
             continue
         start = next(iter(scope.states), "state")
         place = f"the `onentry` of `{scope.state}`" if scope.state else "the top level"
-        message = f"`{scope.name}` is never spawned; put `(spawn {scope.name} {start})` into {place}."
+        message = f"`{scope.name}` is never spawned. Put `(spawn {scope.name} {start})` into {place}."
         report.add("LRP402", scope.name.span, message)
 
 
@@ -57,7 +57,8 @@ def _spawned_again(report: Reporter, names: Resolution, links: Links) -> None:
         if before:
             line = report.line(before.noun.span)
             message = (
-                f"Line {line} spawns `{machine.name}` already, and it runs once only; remove one of them."
+                f"`{machine.name}` is already spawned in line {line}, and it can run only once. "
+                "Remove one of the spawns."
             )
             report.add("LRP407", spawned.noun.span, message)
         elif spawned.start:
@@ -69,12 +70,12 @@ def _unreached(report: Reporter, names: Resolution, links: Links) -> None:
     for scope, states in reached.items():
         for name, state in scope.states.items():
             if name not in states:
-                message = f"`{scope.name}` never comes to `{name}`; add a transition that leads there."
+                message = f"`{scope.name}` never enters `{name}`. Add a transition that leads there."
                 report.add("LRP401", state.name.span, message)
 
 
 def _reach(names: Resolution, links: Links) -> dict[Scope, set[str]]:
-    """Find the states that can become active, by machine, beginning with the top-level spawns."""
+    """Return the states that can become active, by machine, starting from the top-level spawns."""
     spawned: dict[tuple[Scope, str], list[MeantSpawn]] = defaultdict(list)
     for spawn in links.spawned:
         spawned[spawn.scope, spawn.state].append(spawn)
@@ -82,7 +83,7 @@ def _reach(names: Resolution, links: Links) -> dict[Scope, set[str]]:
 
     def following(scope: Scope, state: str) -> Iterator[tuple[Scope, str]]:
         for spawn in spawned[scope, state]:
-            # An unknown start state may mean any: it is a finding, and those of its machine would be none.
+            # An unknown start state, which is a finding itself, may mean any state.
             for start in [spawn.start] if spawn.start else spawn.machine.states:
                 yield spawn.machine, start
         for arrow in outgoing[scope].of(state):
@@ -120,8 +121,8 @@ def _unused_events(report: Reporter, names: Resolution, links: Links) -> None:
     for scope in names.scopes:
         for name, event in scope.events.items():
             if id(event) not in used:
-                remedy = f"write `(on {name} source -> destination)`, or remove it"
-                message = f"No transition uses the event `{name}`; {remedy}."
+                remedy = f"Write `(on {name} source -> destination)`, or remove it"
+                message = f"No transition uses the event `{name}`. {remedy}."
                 report.add("LRP403", event.name.span, message)
 
 
@@ -137,14 +138,14 @@ def _untested(report: Reporter, scope: Scope, arrows: list[MeantArrow]) -> None:
         found = [earlier[state].found(key) for state in sources]
         if transition.wildcard and not sources and transition.destination in scope.states:
             message = (
-                f"`{transition.source_text}` stands for no state here, so this transition is never tested; "
+                f"`{transition.source_text}` matches no state here, so this transition is never tested. "
             )
-            report.add("LRP406", transition.span, message + "add a state that it can leave, or remove it.")
+            report.add("LRP406", transition.span, message + "Add a state that it can leave, or remove it.")
         elif found and all(found) and found[0]:
             reason, first = found[0]
             message = (
-                f"This transition is never tested, since that of line {report.line(first.span)} leaves "
-                f"`{sources[0]}` before it {reason}; move it up, or remove one of them."
+                f"This transition is never tested, because that of line {report.line(first.span)} leaves "
+                f"`{sources[0]}` first {reason}. Move this one up, or remove one of them."
             )
             report.add("LRP404", transition.span, message)
         elif arrow.sound:
@@ -153,7 +154,7 @@ def _untested(report: Reporter, scope: Scope, arrows: list[MeantArrow]) -> None:
 
 
 def _key(arrow: MeantArrow) -> Hashable:
-    """Return what transitions share that are enabled together: milliseconds, if they are known."""
+    """Return a key shared by transitions that are enabled together: milliseconds, if they are known."""
     trigger = arrow.noun.trigger
     if trigger.due is not None:
         return trigger.due
@@ -161,27 +162,27 @@ def _key(arrow: MeantArrow) -> Hashable:
 
 
 class _Earlier:
-    """The transitions from one state that stand before another, by what enables them."""
+    """The transitions from one state that precede another, by what enables them."""
 
     def __init__(self) -> None:
         self._same: dict[Hashable, Transition] = {}
         self._soonest: tuple[int, Transition] | None = None
 
     def note(self, key: Hashable, transition: Transition) -> None:
-        """Remember a transition."""
+        """Register a transition."""
         if not isinstance(key, int):
             self._same.setdefault(key, transition)
         elif self._soonest is None or key < self._soonest[0]:
             self._soonest = key, transition
 
     def found(self, key: Hashable) -> tuple[str, Transition] | None:
-        """Return a transition that is enabled whenever one with this key is, and how that comes."""
+        """Return a transition that is enabled whenever one with this key is, and why."""
         if key is not None and self._soonest:
             delay, transition = self._soonest
             if delay == 0:
                 return "in any case", transition
             if isinstance(key, int) and delay <= key:
-                return "after no longer time", transition
+                return "after the same or a shorter time", transition
         return ("on the same condition", self._same[key]) if key in self._same else None
 
 
@@ -189,7 +190,7 @@ def _livelock(report: Reporter, transition: Transition) -> None:
     destination = transition.destination
     if transition.trigger.due == 0 and not transition.wildcard and destination in transition.sources:
         message = (
-            f"`{destination}` is left and entered again at every tick, so that nothing in it ever runs; "
-            f"give this transition a condition or a time, or another destination."
+            f"`{destination}` is left and entered again at every tick, so nothing in it ever runs. "
+            "Give this transition a condition, a delay or another destination."
         )
         report.add("LRP405", transition.span, message)

@@ -1,7 +1,7 @@
-"""3xx: references to what does not exist, each with the name that was meant if one is near.
+"""3xx: references to what does not exist, each with the most similar name, if there is one.
 
-What comes back are the references as they were meant, so that one misspelt name is one finding, and
-not a state out of reach as well.
+The references are returned as they were probably meant, so that one misspelt name is one finding, and
+not also an unreachable state.
 
 Paper: §6.2, §9.
 """
@@ -20,7 +20,7 @@ from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, Spawning
 __all__ = ["Links", "MeantArrow", "MeantSpawn", "check_references"]
 
 _OPENING = re.compile(r"\(\s*(?:[;#][^\r\n]*\s+)*(\w+)")
-"""From the bracket of a form to its keyword, across comments."""
+"""Matches a form from its bracket to its keyword, across comments."""
 
 
 class MeantSpawn(NamedTuple):
@@ -43,14 +43,14 @@ class MeantArrow(NamedTuple):
     ----------
     noun : Transition
     sources : list of str
-        Those that it names, or that a wildcard leaves out. Here and among the targets may be states that are
-        still to be written: what only they lead to is not out of reach for that.
+        The states that it names, or that a wildcard leaves out. Here and among the targets may be states that
+        do not exist yet: what only they lead to does not count as unreachable.
     event : Event or None
     targets : list of tuple of Scope and str
         The machines and states to which it leads: several for an `exit` of a machine that is spawned
         from several.
     sound : bool
-        All its references resolve as they stand.
+        Whether all its references resolve as written.
     """
 
     noun: Transition
@@ -68,7 +68,7 @@ class Links:
     ----------
     spawned : list of MeantSpawn
     guess : bool
-        Some spawn names a machine that cannot even be guessed: it may mean any.
+        Whether a spawn names a machine that cannot even be guessed: it may mean any.
     arrows : dict of Scope to list of MeantArrow
         In the order of the text.
     """
@@ -79,7 +79,7 @@ class Links:
 
 
 def check_references(report: Reporter, names: Resolution) -> Links:
-    """Report every reference that dangles, and return what all of them probably mean."""
+    """Report every dangling reference, and return what all references probably mean."""
     return _References(report, names).links
 
 
@@ -103,9 +103,9 @@ class _References:
         if machine is None:
             problem = f"There is no machine `{name}` that could be spawned here"
             if name in scope.path[::2]:
-                remedy = "a machine cannot spawn itself, nor one that it is part of"
+                remedy = "A machine can spawn neither itself nor a machine that contains it"
             else:
-                remedy = self._elsewhere(lambda other: other.name == name) or f"define `(machine {name} …)`"
+                remedy = self._elsewhere(lambda other: other.name == name) or f"Define `(machine {name} …)`"
             meant = self.report.unknown("LRP304", name, problem, scope.spawnable(state), remedy)
             self.links.guess |= meant is None
             machine = scope.machine(state, meant) if meant else None
@@ -132,7 +132,7 @@ class _References:
         if name in machine.states:
             return name
         problem = f"`{machine.name}` has no state `{name}`"
-        remedy = f"define `(state {name})` in it"
+        remedy = f"Define `(state {name})` in it"
         return self.report.unknown(code, name, problem, machine.states, remedy) or name
 
     def _event(self, arrow: Arrow, name: Name) -> Event | None:
@@ -143,7 +143,7 @@ class _References:
             message = f"`{name}` is a variable, not an event. Write `[{name}]` to test it."
             self.report.add("LRP301", name.span, message, replace(name.span, f"[{name}]"))
             return None
-        remedy = self._elsewhere(lambda other: name in other.events) or f"define `(event {name} […])`"
+        remedy = self._elsewhere(lambda other: name in other.events) or f"Define `(event {name} […])`"
         problem = f"There is no event `{name}` here"
         meant = self.report.unknown("LRP301", name, problem, scope.visible_events, remedy)
         return scope.event(meant) if meant else None
@@ -151,13 +151,13 @@ class _References:
     def _delay(self, scope: Scope, name: Name) -> None:
         if name in self.report.names:
             message = (
-                f"`{name}` is not a variable of the program. Write `[{name}]` to use the one of the notebook."
+                f"`{name}` is not a variable of the program. Write `[{name}]` to use the notebook's variable."
             )
             self.report.add("LRP308", name.span, message, replace(name.span, f"[{name}]"))
             return
         remedy = (
             self._elsewhere(lambda other: name in other.variables)
-            or f"define `(var {name} := [1000])`, in milliseconds"
+            or f"Define `(var {name} := [1000])`, in milliseconds"
         )
         self.report.unknown("LRP308", name, f"There is no variable `{name}` here", scope.visible, remedy)
 
@@ -169,8 +169,8 @@ class _References:
         if name in scope.states or not outside:
             return [(scope, self._state("LRP303", name, scope))]
         message = (
-            f"`{name}` is a state of `{outside[0][0].name}`, outside of `{scope.name}`; "
-            f"only `(exit condition source -> {name})` leads there."
+            f"`{name}` is a state of `{outside[0][0].name}`, outside `{scope.name}`. "
+            f"Write `(exit condition source -> {name})` to leave for it."
         )
         certain = transition.trigger.can_exit and len(transition.sources) == 1 and not transition.wildcard
         self.report.add("LRP303", name.span, message, self._keyword(transition, "exit") if certain else None)
@@ -181,14 +181,14 @@ class _References:
         inside = [(scope, str(name))] if name in scope.states else []
         fix = self._keyword(transition, transition.trigger.keyword) if inside else None
         if not around:
-            message = f"No state is around `{scope.name}` that `exit` could leave; write `(on …)`."
+            message = f"No state spawns `{scope.name}`, so `exit` leads nowhere. Write `(on …)`."
             self.report.add("LRP307", transition.span, message, fix)
             return inside
         targets = [(outer, str(name)) for outer in around if name in outer.states]
         machines = " or ".join(f"`{outer.name}`" for outer in around)
         if inside and not targets:
             message = (
-                f"`{name}` is in `{scope.name}`, but `exit` leads to a state of {machines}; write `(on …)`."
+                f"`{name}` is in `{scope.name}`, but `exit` leads to a state of {machines}. Write `(on …)`."
             )
             self.report.add("LRP306", name.span, message, fix)
             return inside
@@ -196,15 +196,17 @@ class _References:
             return targets
         problem = f"`exit` leads to a state of {machines}, where there is no `{name}`"
         known = [state for outer in around for state in outer.states]
-        meant = self.report.unknown("LRP306", name, problem, known, f"define `(state {name})` there")
+        meant = self.report.unknown("LRP306", name, problem, known, f"Define `(state {name})` there")
         return [(outer, meant or name) for outer in around]
 
     def _keyword(self, transition: Transition, keyword: str) -> Fix | None:
-        """Return the fix that makes another kind of transition of this one."""
+        """Return the fix that changes the keyword of a transition."""
         found = _OPENING.match(self.report.program.text, transition.span.start)
         return replace(Span(*found.span(1)), keyword) if found else None
 
     def _elsewhere(self, defines: Callable[[Scope], bool]) -> str | None:
-        """Say where a name is defined that cannot be seen here."""
+        """Return a remedy for a name that is defined, but out of scope here; else None."""
         path = next((scope.path for scope in self.scopes if defines(scope)), None)
-        return f"that of `{path_text(path)}` cannot be seen from here" if path else None
+        return (
+            f"The one of `{path_text(path)}` is out of scope. Move its definition outward" if path else None
+        )

@@ -1,4 +1,4 @@
-"""How a check says what it found."""
+"""The reporter, which collects the findings of a check."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ __all__ = ["Reporter", "nearest", "replace"]
 
 
 class Reporter:
-    """The findings of one check, gathered.
+    """Collects the findings of one check.
 
     Parameters
     ----------
     program : Program
     names : collection of str
-        Those that the session's namespace provides.
+        Names available in the session's namespace.
     """
 
     def __init__(self, program: Program, names: Collection[str]) -> None:
@@ -33,12 +33,12 @@ class Reporter:
         self.findings.append(Finding(code, CODES[code].severity, message, *start, *end, fix))
 
     def unknown(self, code: str, name: Name, problem: str, known: Iterable[str], remedy: str) -> str | None:
-        """Report a name that means nothing, with the known one that was meant, if one is near.
+        """Report an unknown name, with the most similar known name, if there is one.
 
-        Returns that name, so that what depends on it is checked as if it were repaired.
+        Returns that name, so that dependent elements are checked as if it were repaired.
         """
         meant = nearest(name, known)
-        message = f"{problem}; did you mean `{meant}`?" if meant else f"{problem}; {remedy}."
+        message = f"{problem}. Did you mean `{meant}`?" if meant else f"{problem}. {remedy}."
         self.add(code, name.span, message, replace(name.span, meant) if meant else None)
         return meant
 
@@ -48,12 +48,12 @@ class Reporter:
 
 
 def replace(span: Span, text: str) -> Fix:
-    """Return the fix that puts `text` in the place of a range."""
+    """Return the fix that replaces a range by `text`."""
     return Fix(f"Change to `{text}`", (Edit(span.start, span.end, text),))
 
 
 def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that is most like `name`, if one is like it."""
+    """Return the known name most similar to `name`, if one is similar."""
     return _nearest(str(name), frozenset(map(str, known)))
 
 
