@@ -1,4 +1,4 @@
-"""The grammar of one form: lark says whether its tokens are right, this module what was expected instead."""
+"""The grammar of one form: lark checks its tokens; this module describes what was expected instead."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ USAGE = {
 
 
 class Shape(NamedTuple):
-    """Which token of a transition plays which part; indices count from the keyword, which is 0."""
+    """The roles of the tokens of a transition; indices count from the keyword, which is 0."""
 
     trigger: int | None
     source: str
@@ -41,14 +41,14 @@ class Shape(NamedTuple):
 
 
 class Mistake(NamedTuple):
-    """The token (by its position) at which a form breaks off, and the tokens that could stand there."""
+    """The position of the first wrong token of a form, and the tokens allowed there."""
 
     position: int
     expected: frozenset[str]
 
 
 class _Tokens(Lexer):
-    """Hand lark the tokens of a form; each one's value is its index."""
+    """A lexer that passes the tokens of a form to lark; the value of each is its index."""
 
     def __init__(self, lexer_conf: Any) -> None:
         pass
@@ -70,24 +70,24 @@ _REPEATABLE = frozenset(["BLOCK", *(f"{keyword.upper()}_FORM" for keyword in USA
 
 @lru_cache(maxsize=4096)
 def shape_of(types: tuple[str, ...]) -> Shape | Mistake | None:
-    """Read the tokens of one form, given by their types.
+    """Parse one form, given by the types of its tokens.
 
     Parameters
     ----------
     types : tuple of str
-        The keyword's first; for what stands outside every form, ``PROGRAM``.
+        The first is the keyword's; ``PROGRAM`` for the top level.
 
     Returns
     -------
     Shape or Mistake or None
-        None for a form that is right and no transition.
+        None for a valid form that is not a transition.
     """
     shape = _shape(_short(types))
     return _shape(types) if isinstance(shape, Mistake) else shape
 
 
 def _short(types: tuple[str, ...]) -> tuple[str, ...]:
-    """Leave out repetitions of blocks and forms, so that few different sequences reach lark."""
+    """Return the types without repeated blocks and forms, so that few distinct sequences reach lark."""
     head = next((index for index, kind in enumerate(types) if kind in _REPEATABLE), None)
     if head is None or len(types) - head < 2:
         return types
@@ -133,7 +133,7 @@ _WORDS = {
 
 
 def expected_text(keyword: str, before: tuple[str, ...], expected: frozenset[str]) -> str:
-    """Say in words what could stand behind the tokens `before` of a form."""
+    """Return in words what could follow the tokens `before` of a form."""
     words = [] if "NAME" not in expected else [_name_word(keyword, before)]
     words += [word for kind, word in _WORDS.items() if kind in expected]
     words += [f"a `{form}`" for form in sorted(LEGAL.get(keyword, ())) if f"{form.upper()}_FORM" in expected]

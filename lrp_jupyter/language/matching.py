@@ -1,4 +1,4 @@
-"""Which brackets of forms belong together, and what is said of those that do not."""
+"""Matching of the brackets of forms, with findings for those that do not match."""
 
 from __future__ import annotations
 
@@ -11,29 +11,29 @@ from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of
 __all__ = ["DEEPEST", "Matching", "match"]
 
 DEEPEST = 100
-"""So many forms may stand in one another."""
+"""Maximum depth of nested forms."""
 
 _BRACKETS = frozenset({"OPEN", "CLOSE"})
 _LEGAL = {keyword: LEGAL.get(keyword, frozenset()) for keyword in KEYWORDS} | LEGAL
 
 Remark = tuple[int, int, str, str]
-"""A finding whose place is not looked up yet: start, end, code, message."""
+"""A finding with offsets instead of lines: start, end, code, message."""
 
 
 class Matching(NamedTuple):
-    """How to read the brackets of forms; they are named by the index of their token.
+    """How to interpret the brackets of forms; each is identified by the index of its token.
 
     Parameters
     ----------
     findings : list of Remark
     extra : frozenset of int
-        Closing ones to be left out.
+        Closing brackets to ignore.
     lost : frozenset of int
-        Keywords to be read as if a ``(`` stood before them.
+        Keywords to parse as if a ``(`` preceded them.
     closing : dict of int to int
-        How many ``)`` to put in before a token.
+        Number of ``)`` to insert before a token.
     too_deep : bool
-        Nothing is to be read.
+        Whether forms are nested too deeply to parse the text.
     """
 
     findings: list[Remark]
@@ -96,7 +96,7 @@ def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
         closing[index] = closing.get(index, 0) + 1
         last, _, last_end = tokens[index - 1]
         if last == "UNCLOSED":
-            continue  # the bracket was lost together with the block's
+            continue  # this `)` is missing together with the block's `]`
         _, start, end = tokens[indices[position]]
         keyword = sequence[position].keyword.strip("?")
         what = f"`({keyword}`" if keyword else "`(`"

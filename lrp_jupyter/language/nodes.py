@@ -1,4 +1,4 @@
-"""From the parts of a form, already held against the grammar, to the noun that it means."""
+"""Conversion of a form that matches the grammar to the element of a program that it describes."""
 
 from __future__ import annotations
 
@@ -25,28 +25,28 @@ __all__ = ["Actions", "Node", "Part", "node", "program"]
 
 
 class Actions(NamedTuple):
-    """What an action form holds; the forms of a state with the same keyword add up."""
+    """The items of an action form; a state concatenates forms with the same keyword."""
 
     items: tuple[Block | Spawn, ...]
 
 
 Node = Variable | Machine | Event | Spawn | State | Transition | Actions
 Part = Node | Block | Name | int | None
-"""What one token of a form means; None for signs and for what was wrong."""
+"""The value of one token of a form; None for signs and for wrong tokens."""
 
 _TRANSITIONS = frozenset(f"{keyword.upper()}_FORM" for keyword in FORMS)
 
 
 def node(keyword: str, types: Sequence[str], parts: Sequence[Any], shape: Shape | None, span: Span) -> Node:
-    """Make the noun of a form.
+    """Return the element that a form describes.
 
     Parameters
     ----------
     keyword : str
     types : sequence of str
-        The types of its tokens, the keyword's first.
+        The types of its tokens, first that of the keyword.
     parts : sequence of Part
-        What they mean.
+        The values of its tokens.
     shape : Shape or None
         Of a transition.
     span : Span
@@ -97,7 +97,7 @@ def _machine(types: Sequence[str], parts: Sequence[Any], span: Span) -> Machine:
 
 
 def program(types: Sequence[str], parts: Sequence[Any], text: str, filename: str) -> Program:
-    """Make a program of what stands outside every form."""
+    """Return the program made of the top-level forms."""
     sorted_parts = _sorted(types, parts)
     variables, events, machines, spawns = (
         tuple(sorted_parts[kind]) for kind in ("VAR_FORM", "EVENT_FORM", "MACHINE_FORM", "SPAWN_FORM")

@@ -1,7 +1,7 @@
-"""From text to program: every error of a text at once, each at its own place.
+"""Parser: from text to program, with every error of the text at its own location.
 
-The text is cut into tokens, brackets are matched, and then every form is read alone, innermost first. A form
-that is wrong is reported and left out; those around it are read as if it were right.
+The text is split into tokens, brackets are matched, and then every form is parsed by itself, innermost
+first. A wrong form is reported and left out; the forms around it are parsed as if it were right.
 
 Paper: §3.1, §3.2.
 """
@@ -27,7 +27,7 @@ __all__ = ["parse", "scan"]
 
 
 def parse(text: str, filename: str = "<lrp>") -> Program:
-    """Read a program.
+    """Return the program that a text describes.
 
     Parameters
     ----------
@@ -38,7 +38,7 @@ def parse(text: str, filename: str = "<lrp>") -> Program:
     Raises
     ------
     LRPSyntaxError
-        The text is not a program; its ``findings`` are all the errors, in order of place.
+        The text is not a valid program; its ``findings`` are all the errors, in order of location.
     """
     program, findings = scan(text, filename)
     if program is None:
@@ -47,14 +47,14 @@ def parse(text: str, filename: str = "<lrp>") -> Program:
 
 
 def scan(text: str, filename: str = "<lrp>") -> tuple[Program | None, tuple[Finding, ...]]:
-    """Read a program and never raise: None, and all errors in order of place, if the text is none."""
+    """Return a program, or None and all errors in order of location; never raise."""
     return _Reader(text, filename).read()
 
 
 class _Form:
-    """A form that is being read: the types of its tokens, what they mean, and where they stand.
+    """A form being parsed: the types of its tokens, their values and their locations.
 
-    The first token is the keyword; a form inside is one token, too.
+    The first token is the keyword; a nested form is one token, too.
     """
 
     __slots__ = ("declared", "empty", "keyword", "parts", "tokens", "types")
@@ -64,18 +64,18 @@ class _Form:
         self.types = [keyword.upper()]
         self.parts: list[nodes.Part] = [None]
         self.tokens = [token]
-        self.empty = False  # whether a block in it is
-        self.declared: list[tuple[str, Span]] = []  # what blocks inside declare `global`
+        self.empty = False  # whether it has an empty block
+        self.declared: list[tuple[str, Span]] = []  # names that blocks inside declare `global`
 
 
 class _Reader:
-    """Reads one text. Findings are kept as offsets, and places looked up only when there are any."""
+    """Parses one text; findings are kept as offsets and located only at the end."""
 
     def __init__(self, text: str, filename: str) -> None:
         self.text = text
         self.filename = filename
         self.starts = line_starts(text)
-        self.line = 1  # of the block read last
+        self.line = 1  # of the last block parsed
         self.findings: list[tuple[int, int, str, str]] = []
 
     def read(self) -> tuple[Program | None, tuple[Finding, ...]]:
@@ -93,7 +93,7 @@ class _Reader:
         )
 
     def report(self, start: int, end: int, code: str, message: str) -> None:
-        """Note an error at a range of the text."""
+        """Register an error at a range of the text."""
         self.findings.append((start, end, code, message))
 
     def _build(self, tokens: list[Token], matching: Matching) -> Program:
@@ -176,22 +176,22 @@ class _Reader:
         while line < len(starts) and starts[line] <= start:
             line += 1
         self.line = line
-        behind = start + 1
+        content = start + 1
         line_start = starts[line - 1]
         block = Block(
-            word[1:-1], Span(start, end), line, behind - line_start + 1, self.text[line_start:behind]
+            word[1:-1], Span(start, end), line, content - line_start + 1, self.text[line_start:content]
         )
         empty, fault, declared = facts_of(block.text)
         if empty:
             form.empty = True
         if fault:
-            self.report(behind + fault.start, behind + fault.end, "LRP501", fault.message)
+            self.report(content + fault.start, content + fault.end, "LRP501", fault.message)
         for name, first, last in declared:
-            form.declared.append((name, Span(behind + first, behind + last)))
+            form.declared.append((name, Span(content + first, content + last)))
         return block
 
     def _finish(self, form: _Form, forms: list[_Form], end: int) -> _Form:
-        """Close a form, hand what it means to the one around it, and go on with that."""
+        """Close a form, append its value to the enclosing form, and return that form."""
         outer = forms.pop()
         keyword = form.keyword
         if keyword in KEYWORDS:
@@ -200,8 +200,8 @@ class _Reader:
             start = form.tokens[0][1]
             if not isinstance(shape, Mistake):
                 part = nodes.node(keyword, form.types, form.parts, shape, Span(start, end))
-                if form.empty or form.declared or keyword in _JUDGED:
-                    self._judge(form, shape, part)
+                if form.empty or form.declared or keyword in _VALIDATED:
+                    self._validate(form, shape, part)
             kind = _FORM_TYPES[keyword]
             outer.types.append(kind)
             outer.parts.append(part)
@@ -212,8 +212,8 @@ class _Reader:
             outer.declared += form.declared
         return outer
 
-    def _judge(self, form: _Form, shape: Shape | None, part: nodes.Node) -> None:
-        """Report what the grammar does not forbid."""
+    def _validate(self, form: _Form, shape: Shape | None, part: nodes.Node) -> None:
+        """Report errors that the grammar does not exclude."""
         keyword = form.keyword
         if keyword == "var" and isinstance(part, Variable):
             if iskeyword(part.name) or part.name == "__debug__":
@@ -256,17 +256,17 @@ class _Reader:
         self.report(end - len(form.keyword), end, "LRP106", f"`{form.keyword}` is not a keyword. {hint}")
 
     def _shape(self, form: _Form, end: int) -> Shape | Mistake | None:
-        """Hold a form against the grammar."""
+        """Return the shape of a form, after reporting what violates the grammar."""
         shape = shape_of(tuple(form.types))
         if isinstance(shape, Mistake):
-            self._leave_out(form)
+            self._drop_misplaced(form)
             shape = shape_of(tuple(form.types))
         if isinstance(shape, Mistake):
             self._mistaken(form, shape, end)
         return shape
 
-    def _leave_out(self, form: _Form) -> None:
-        """Report and leave out what may not stand in a form at all, so that the rest can be judged."""
+    def _drop_misplaced(self, form: _Form) -> None:
+        """Report and drop what is not allowed in a form at all, so that the rest can be checked."""
         legal = LEGAL.get(form.keyword, frozenset())
         kept = []
         for row in zip(form.types, form.parts, form.tokens, strict=True):
@@ -311,13 +311,13 @@ class _Reader:
 
 _BROKEN = frozenset({"STRAY", "UNCLOSED", "UNOPENED"})
 _FORM_TYPES = {keyword: f"{keyword.upper()}_FORM" for keyword in KEYWORDS}
-_JUDGED = frozenset({"var", Epsilon.keyword})
+_VALIDATED = frozenset({"var", Epsilon.keyword})
 _FILLED = {
     "var": "the variable's value",
     "event": "the event's condition",
     **{keyword: form.block for keyword, form in FORMS.items() if form.block},
 }
-"""What the block of a form must say: an empty one would be `None`."""
+"""What the block of a form must contain: the value of an empty block would be `None`."""
 
 
 def _either(words: Iterable[str]) -> str:

@@ -1,10 +1,10 @@
-"""Which brackets of a text are wrong.
+"""Search for the wrong brackets of a text.
 
-When brackets do not match, or a form stands where it cannot, some bracket is missing or too much, and
-everything behind it seems misplaced. This search finds the cheapest explanation: it reads the brackets from
-left to right and keeps, for every nesting that is still plausible, the least cost of getting there. Leaving
-out a bracket, or putting one in, costs most; a form that stands in the wrong kind of form costs more than one
-bracket; indentation that does not fit costs a little, and so decides between equals.
+When brackets do not match, or a form is where it is not allowed, a bracket is missing or superfluous, and
+everything after it seems misplaced. This search finds the cheapest explanation: it reads the brackets from
+left to right and keeps, for every nesting that is still plausible, the least cost of reaching it. Removing
+or inserting a bracket costs most; a form in the wrong kind of form costs more than one bracket; indentation
+that does not fit costs a little, and so decides between equals.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from lrp_jupyter.language.tokens import LEGAL
 
 __all__ = ["Bracket", "Repair", "repair"]
 
-_BRACKET = 2.0  # one bracket left out or put in
+_BRACKET = 2.0  # one bracket removed or inserted
 _MISPLACED = 3.0
-_OUTDENTED = 0.4  # a form that begins no further right than the one it stands in
+_OUTDENTED = 0.4  # a form that begins no further right than the enclosing one
 _UNEVEN = 0.2  # a form that does not begin below its sibling
 _CLOSING = 0.3  # a `)` that begins a line, but not below the form it closes
-_LATER = 1e-6  # of several `)` in a row leave out the last
-_LOST = 1.9  # a `(` put in before a keyword that begins a line
+_LATER = 1e-6  # of several `)` in a row, remove the last
+_LOST = 1.9  # a `(` inserted before a keyword that begins a line
 _CLOSED_AT_ONCE = 6
 _WIDTH = 12  # nestings kept
-_MARGIN = 4.0  # those that cost this much more than the best are given up
+_MARGIN = 4.0  # those that cost this much more than the best are dropped
 
 
 class Bracket(NamedTuple):
@@ -35,13 +35,13 @@ class Bracket(NamedTuple):
     Parameters
     ----------
     keyword : str
-        Empty for a closing one, ``?`` for an unknown keyword.
+        Empty for a closing bracket, ``?`` for an unknown keyword.
     column : int
-        Where it stands if it is the first in its line, else -1.
+        Its column if it is the first in its line, else -1.
     indent : int
-        That of its line.
+        Indentation of its line.
     lost : bool
-        There is no ``(``, but a keyword begins the line, so that one may be missing.
+        Whether there is no ``(``, but a keyword begins the line, so that a ``(`` may be missing.
     """
 
     keyword: str
@@ -51,16 +51,17 @@ class Bracket(NamedTuple):
 
 
 class Repair(NamedTuple):
-    """What to do with the brackets, which are named by their position in the sequence.
+    """The repair of the brackets, which are identified by their position in the sequence.
 
     Parameters
     ----------
     extra : tuple of int
-        Closing ones that are too much.
+        Closing brackets that are superfluous.
     lost : tuple of int
         Keywords that need a ``(``.
     unclosed : tuple of (int, int)
-        An opening one, and the one before which its ``)`` is missing (the length of the sequence at the end).
+        An opening bracket, and the one before which its ``)`` is missing (the length of the sequence at
+        the end).
     """
 
     extra: tuple[int, ...]
@@ -85,9 +86,9 @@ _ROOT = _Open("program", -1, -1, -1)
 
 
 def repair(sequence: Sequence[Bracket]) -> Repair:
-    """Find the cheapest way to make brackets match and forms stand where they may.
+    """Return the cheapest way to make brackets match and forms be where they are allowed.
 
-    What stands between two top-level forms at the left margin and is right by itself is left alone.
+    Text between two top-level forms at the left margin that is right by itself is not changed.
     """
     margins = [
         index
@@ -161,7 +162,7 @@ _Step = list[tuple[_Key, _Candidate]]
 def _around(
     key: _Key, cost: float, stack: _Stack, edits: _Edits, index: int
 ) -> Iterator[tuple[_Key, float, _Stack, _Edits]]:
-    """Give the nesting as it is, then with ever more of its innermost forms taken as closed here."""
+    """Yield the nesting as it is, then with more and more of its innermost forms closed here."""
     for _ in range(_CLOSED_AT_ONCE):
         yield key, cost, stack, edits
         if len(stack) == 1:
@@ -173,7 +174,7 @@ def _around(
 
 
 def _open(key: _Key, cost: float, stack: _Stack, edits: _Edits, index: int, bracket: Bracket) -> _Step:
-    """Let a form begin here, or after closing some of those around it."""
+    """Return the nestings if a form begins here, possibly after closing some of those around it."""
     keyword, column, indent, lost = bracket
     if lost:
         cost += _LOST
@@ -195,7 +196,7 @@ def _open(key: _Key, cost: float, stack: _Stack, edits: _Edits, index: int, brac
 
 
 def _close(key: _Key, cost: float, stack: _Stack, edits: _Edits, index: int, bracket: Bracket) -> _Step:
-    """Let a ``)`` be too much, close the innermost form, or one around it if indentation speaks for that."""
+    """Return the nestings if a ``)`` is superfluous or closes the innermost form or one around it."""
     column = bracket.column
     steps: _Step = [(key, (cost + _BRACKET - index * _LATER, stack, ("extra", index, 0, edits)))]
     for inside, total, forms, done in _around(key, cost, stack, edits, index):

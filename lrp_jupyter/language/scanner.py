@@ -1,8 +1,8 @@
-"""Where Python ends inside a text that is not Python.
+"""Scanner for the ends of Python blocks inside a text that is not Python.
 
-A block is Python between square brackets, and only its closing bracket says where it ends, so
-strings, f-strings and comments have to be told from code. ``tokenize`` cannot do it: it refuses
-half a program, and before Python 3.12 it took an f-string for one token. This scanner jumps from
+A block is Python between square brackets, and only its closing bracket marks its end, so strings,
+f-strings and comments have to be distinguished from code. ``tokenize`` cannot do that: it rejects
+incomplete programs, and before Python 3.12 it treats an f-string as one token. This scanner jumps from
 one interesting character to the next and knows nothing else of Python. It reads f-strings by the
 rules of PEP 701 on every Python.
 """
@@ -36,7 +36,7 @@ def line_end(text: str, start: int) -> int:
 
 
 def block_end(text: str, start: int) -> int:
-    """Find the bracket that closes a block.
+    """Return the offset of the bracket that closes a block.
 
     Only square brackets are counted, so an unclosed ``(`` inside a block does not hide its end.
     A string that is not closed ends with its line.
@@ -89,7 +89,7 @@ def brackets(text: str, start: int, stop: int | None = None) -> Iterator[tuple[i
 
 
 def strings(text: str) -> list[tuple[int, int]]:
-    """Find the strings of code, from the opening quotes to behind the closing ones."""
+    """Return the ranges of the strings of code, quotes included."""
     found = []
     position = 0
     while match := _QUOTE.search(text, position):
@@ -103,7 +103,7 @@ def strings(text: str) -> list[tuple[int, int]]:
 
 
 def logical_lines(text: str) -> list[int]:
-    """Offsets of the lines after the first on which a statement begins.
+    """Return the offsets of the lines after the first on which a statement begins.
 
     Lines inside brackets and strings, continued by a backslash, blank or only a comment are left out.
     """
@@ -144,7 +144,7 @@ _STATEMENT_LINE = re.compile(r"(?:\r\n|\r|\n)([ \t\f]*+)(?=[^\s#])")
 
 
 def string_end(text: str, quote_at: int, floor: int) -> tuple[int, bool]:
-    """Find the end of the string whose opening quote stands at an offset.
+    """Return the end of the string whose opening quote is at an offset.
 
     Parameters
     ----------
@@ -179,9 +179,9 @@ def _prefix(text: str, quote_at: int, floor: int) -> str:
 
 
 def fields(text: str, start: int, stop: int) -> list[tuple[int, int]]:
-    """Find the expressions in the f-strings of a range, with what follows up to their format or ``}``.
+    """Return the expressions in the f-strings of a range, with what follows up to their format or ``}``.
 
-    Those in formats are found too; not those of f-strings inside an expression.
+    Those in formats are included; not those of f-strings inside an expression.
     """
     found: list[tuple[int, int]] = []
     position = start
@@ -210,7 +210,7 @@ def _string_end(text: str, quote_at: int, floor: int, depth: int, found: _Found 
 
 
 def _formatted_end(text: str, position: int, quotes: str, raw: bool, depth: int, found: _Found) -> int:
-    """Return the offset behind an f-string whose text begins at `position`; -1 if it is not closed."""
+    """Return the offset after an f-string whose text begins at `position`; -1 if it is not closed."""
     if depth > _DEEPEST:
         return -1
     literal = _LITERAL[quotes, raw]
@@ -226,7 +226,7 @@ def _formatted_end(text: str, position: int, quotes: str, raw: bool, depth: int,
 
 
 def _field_end(text: str, position: int, quotes: str, depth: int, found: _Found) -> int:
-    """Return the offset behind the ``}`` of a replacement field whose expression begins at `position`."""
+    """Return the offset after the ``}`` of a replacement field whose expression begins at `position`."""
     floor = position
     level = 0
     while match := _FIELD.search(text, position):
@@ -250,7 +250,7 @@ def _field_end(text: str, position: int, quotes: str, depth: int, found: _Found)
 
 
 def _format_end(text: str, position: int, quotes: str, depth: int, found: _Found) -> int:
-    """Return the offset behind the ``}`` of a field whose format begins at `position`."""
+    """Return the offset after the ``}`` of a field whose format begins at `position`."""
     if depth > _DEEPEST:
         return -1
     plain = _FORMAT[quotes]
@@ -266,7 +266,7 @@ def _format_end(text: str, position: int, quotes: str, depth: int, found: _Found
 
 
 def _literal(quotes: str, raw: bool) -> re.Pattern[str]:
-    r"""Match the text of an f-string up to a field, its closing quotes, or where it breaks off.
+    r"""Match the text of an f-string up to a field, its closing quotes, or its broken end.
 
     A backslash does not escape a brace; ``\N{…}`` is a name, not a field.
     """

@@ -1,4 +1,4 @@
-"""Pieces of a program's text that know where they stand: spans, names and blocks of Python."""
+"""Pieces of a program's text with their positions: spans, names and blocks of Python."""
 
 from __future__ import annotations
 
@@ -23,13 +23,13 @@ NOWHERE = Span(0, 0)
 
 
 class Name(str):
-    """A name of the program that knows where it stands; otherwise a plain string."""
+    """A string with its position in the program's text."""
 
     __slots__ = ("span",)
     span: Span
 
     def __new__(cls, text: str, span: Span = NOWHERE) -> Name:
-        """Make a name."""
+        """Return a name with its span."""
         self = super().__new__(cls, text)
         self.span = span
         return self
@@ -42,7 +42,7 @@ class Name(str):
 def _meaning(text: str) -> str:
     try:
         return ast.dump(parse_block(text))
-    except SyntaxError:  # only in a program put together by hand; the parser refuses such a block
+    except SyntaxError:  # only in a program built by hand; the parser rejects such a block
         return text
 
 
@@ -53,13 +53,13 @@ class Block:
     Parameters
     ----------
     text : str
-        What stands between the brackets, to the letter.
+        The text between the brackets, unchanged.
     span : Span
-        From the opening bracket to behind the closing one.
+        Both brackets included.
     line, column : int
-        Place of the first character behind the opening bracket, from 1; columns in characters.
+        Position of the first character after the opening bracket, from 1; columns in characters.
     prefix : str
-        What stands before that character in its line (positions inside a block depend on it).
+        The text before that character in its line (positions inside a block depend on it).
     """
 
     text: str

@@ -1,4 +1,4 @@
-"""A block's text as a suite of Python: parsed in any layout, with its places kept."""
+"""A block's text as a Python suite: parsed in any layout, with positions that can be mapped back."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from lrp_jupyter.language.scanner import logical_lines
 __all__ = ["DEEPEST", "Suite", "children", "no_warnings", "parse_block", "parse_suite"]
 
 DEEPEST = 100
-"""So many nodes of a block's tree may stand in one another."""
+"""Maximum depth of a block's syntax tree."""
 
 _BLANK = re.compile(r"[ \t\f]*+")
 _TOO_DEEP = ("too deeply nested", ("", 1, 1, "", 1, 1))
@@ -22,7 +22,7 @@ _UNHEARD = re.compile(r"[\0\ud800-\udfff]")
 
 
 class Suite(NamedTuple):
-    """A block's text made a suite: what stands above and before it, and what its first line lost."""
+    """How a block's text becomes a suite: the lines above, the indentation, the characters skipped."""
 
     header: str
     indent: str
@@ -30,18 +30,18 @@ class Suite(NamedTuple):
 
     @property
     def shift(self) -> int:
-        """What to add to an offset in the source to get that in the block's text."""
+        """The difference of an offset in the block's text and the same one in the source."""
         return self.skipped - len(self.indent) - len(self.header)
 
     def source(self, text: str) -> str:
-        """Return the suite."""
+        """Return the source of the suite."""
         return f"{self.header}{self.indent}{text[self.skipped :]}\n"
 
 
 def parse_block(text: str) -> ast.Module:
-    """Parse what stands between the brackets of a block.
+    """Parse the text between the brackets of a block.
 
-    Any layout of the same code gives the same ``ast.dump``. Positions are those of the made-up source, not of
+    Any layout of the same code has the same ``ast.dump``. Positions refer to the generated source, not to
     the text.
 
     Raises
@@ -67,7 +67,7 @@ def _suites(text: str) -> list[Suite]:
 
 
 def _body(tree: ast.Module) -> list[ast.stmt]:
-    """Take a suite from under its header, which all of it must stand under."""
+    """Return the statements of a suite below its header, or raise if some are outside."""
     header, *rest = tree.body
     assert isinstance(header, ast.If)
     outside = rest + header.orelse
@@ -80,7 +80,7 @@ def _body(tree: ast.Module) -> list[ast.stmt]:
 
 
 def parse_suite(text: str) -> tuple[ast.Module, Suite]:
-    """Parse a block's text, and say how it was made a suite."""
+    """Return the syntax tree of a block's text, and how the text was turned into a suite."""
     match = _UNHEARD.search(text)
     if match:
         lines = re.split(r"\r\n|\r|\n", text[: match.start()])
@@ -105,7 +105,7 @@ def parse_suite(text: str) -> tuple[ast.Module, Suite]:
 
 @contextmanager
 def no_warnings() -> Iterator[None]:
-    """Keep Python from warning of a user's code in the name of ours; the checks tell what matters."""
+    """Suppress Python's warnings about a user's code; the checks report what matters."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         yield
@@ -123,7 +123,7 @@ def _python(source: str) -> ast.Module:
 
 
 def _is_too_deep(tree: ast.Module) -> bool:
-    """Return whether those who walk the tree, function by function, would exhaust Python's stack."""
+    """Return whether walking the tree recursively could exhaust Python's stack."""
     level: list[ast.AST] = [tree]
     for _ in range(DEEPEST):
         level = children(level)
@@ -131,7 +131,7 @@ def _is_too_deep(tree: ast.Module) -> bool:
 
 
 def children(nodes: Iterable[ast.AST]) -> list[ast.AST]:
-    """Return the direct children of nodes: several times as fast as :func:`ast.iter_child_nodes`."""
+    """Return the direct children of nodes, several times as fast as :func:`ast.iter_child_nodes`."""
     found = []
     for node in nodes:
         for value in node.__dict__.values():
@@ -143,7 +143,7 @@ def children(nodes: Iterable[ast.AST]) -> list[ast.AST]:
 
 
 def _in_text(error: SyntaxError, text: str, suite: Suite) -> SyntaxError:
-    """Move the place of an error from the made-up source to the text."""
+    """Return an error of the generated source with its position in the text."""
     above = suite.header.count("\n")
     shift = suite.skipped - len(suite.indent)
 

@@ -15,7 +15,7 @@ LEGAL: dict[str, frozenset[str]] = {
     "state": frozenset({"onentry", "running", "onexit", "machine"}),
     "onentry": frozenset({"spawn"}),
 }
-"""Which forms may stand directly in which; a test holds it equal to ``grammar.lark``."""
+"""The forms allowed directly in each form; a test keeps it equal to ``grammar.lark``."""
 
 KEYWORDS = frozenset().union(*LEGAL.values())
 
@@ -30,7 +30,7 @@ _TOKEN = re.compile(
 )
 _FORM_LINE = re.compile(rf"[\r\n][ \t]*\((?={_SKIP}({'|'.join(sorted(KEYWORDS))})\b)")
 _SPECIAL = frozenset({"OTHER", "STRAY"})
-_HEADS = {"var": 3, "event": 2}  # so many tokens stand before the block; one in other forms
+_HEADS = {"var": 3, "event": 2}  # number of tokens before the block; 1 in other forms
 _BLOCKS = KEYWORDS - {"machine", "state", "spawn", "eps"}
 _NEWLINE = re.compile(r"[\r\n]")
 _TAIL = re.compile(r"\](?=[\s)]*+(?:[;#].*)?(?:[\r\n]|\Z))")
@@ -39,13 +39,13 @@ _TAIL = re.compile(r"\](?=[\s)]*+(?:[;#].*)?(?:[\r\n]|\Z))")
 Token = tuple[str, int, int]
 """A token: its type and ``text[start:end]``.
 
-The type is a terminal of ``grammar.lark``, ``OPEN`` (a ``(`` with the keyword behind it), ``CLOSE``,
+The type is a terminal of ``grammar.lark``, ``OPEN`` (a ``(`` with its keyword), ``CLOSE``,
 ``STRAY``, ``UNCLOSED`` or ``UNOPENED``: a block whose ``]`` or ``[`` is missing; its end or start is a guess.
 """
 
 
 def tokenize(text: str) -> list[Token]:
-    """Cut a text into tokens; white space and comments are left out."""
+    """Return the tokens of a text, without white space and comments."""
     tokens: list[Token] = []
     append = tokens.append
     end = 0
@@ -73,7 +73,7 @@ def tokenize(text: str) -> list[Token]:
 
 
 def keyword_of(text: str, token: Token) -> str:
-    """Return what follows the ``(`` of a token; empty if it is no name."""
+    """Return the keyword after the ``(`` of a token; empty if there is none."""
     if token[0] == "NAME":  # a form whose `(` is missing
         return text[token[1] : token[2]]
     word = text[token[1] + 1 : token[2]]
@@ -84,7 +84,7 @@ def keyword_of(text: str, token: Token) -> str:
 
 
 def _guess_start(text: str, tokens: list[Token], end: int) -> int | None:
-    """Guess with which token the block begins whose ``[`` is missing; None if nothing speaks for one."""
+    """Return the token that probably begins a block whose ``[`` is missing, or None."""
     closed = 0
     for index in range(len(tokens) - 1, -1, -1):
         token = tokens[index]
@@ -102,7 +102,7 @@ def _guess_start(text: str, tokens: list[Token], end: int) -> int | None:
 
 
 def _guess_end(text: str, start: int) -> int:
-    """Guess where a block without its ``]`` was meant to end, so that what follows is read as usual.
+    """Return the probable end of a block without its ``]``, so that the rest is parsed as usual.
 
     That is before a ``)`` that closes nothing of its Python, in the line of a string or comment that
     has swallowed the bracket, or before the next line that looks like a form; whichever comes first.
