@@ -1,4 +1,4 @@
-"""The exceptions of the API: misuse raises, faults of a user's program do not.
+"""The exceptions of the API, raised for misuse of it, and the findings of the static checks.
 
 A fault of a program (an exception in a block, an unknown state) is recorded as an
 :class:`~lrp_jupyter.interpreter.issues.Issue` and never raises.
@@ -27,7 +27,7 @@ Severity = Literal["error", "warning", "hint"]
 
 
 class Edit(NamedTuple):
-    """Replace ``text[start:end]`` (characters) by `text`."""
+    """A replacement of ``text[start:end]`` (in characters) by `text`."""
 
     start: int
     end: int
@@ -35,7 +35,7 @@ class Edit(NamedTuple):
 
 
 class Fix(NamedTuple):
-    """A certain remedy: what it does, in words, and the edits that do it."""
+    """A safe remedy: its title, and the edits that apply it."""
 
     title: str
     edits: tuple[Edit, ...]
@@ -43,19 +43,19 @@ class Fix(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """One thing that the checks have to say about a text.
+    """One error, warning or hint about a text.
 
     Parameters
     ----------
     code : str
-        Stable: ``LRP301``.
+        Never changes: ``LRP301``.
     severity : {"error", "warning", "hint"}
     message : str
-        One sentence: what is wrong, and what to do. Names in backticks.
+        What is wrong, then what to do; names in backticks.
     line, column, end_line, end_column : int
-        From 1; columns in characters; the end is behind the last character.
+        From 1; columns in characters; the end is after the last character.
     fix : Fix or None
-        Given where the remedy is certain.
+        None unless the remedy is certain.
     """
 
     code: str

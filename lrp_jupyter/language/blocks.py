@@ -1,15 +1,15 @@
 """Blocks: Python between square brackets, from text to a function bound to the program's variables.
 
-A block is any Python, in any layout: it may begin in the middle of a line and go on in others. It is
-never dedented as text, which would change its strings. Instead its lines are kept as they are, something
-is put before the first one (an indentation, and a header above it if the others are indented too) that
-makes the whole a suite of Python, and afterwards the positions in the tree are moved to where the code
-really stands, so that a traceback shows the line and the column of the program's text.
+A block is any Python, in any layout: it may begin in the middle of a line and continue on others. It is
+never dedented as text, which would change its strings. Instead its lines are kept as they are, and a prefix
+(an indentation, and a header above it if the other lines are indented too) makes the whole a Python suite.
+Then the positions in the tree are mapped back to those of the code, so a traceback shows the line and the
+column of the program's text.
 
-To reach the program's variables the block becomes the inner one of two functions. The outer one, never
-called, has the variables for its parameters; so the compiler makes them free variables of the inner one,
-and :func:`bind` gives it one cell for each. That is as fast as local variables, and nothing is written
-into any namespace. Paper: §5.2, where classes are generated instead.
+To access the program's variables, the block becomes the inner one of two functions. The outer one, never
+called, has the variables as parameters, so the compiler makes them free variables of the inner one, and
+:func:`bind` passes it a cell for each. That is as fast as local variables, and nothing is written into any
+namespace. Paper: §5.2, where classes are generated instead.
 """
 
 from __future__ import annotations
@@ -49,15 +49,15 @@ _SIMPLE = frozenset(
     | {*ast.operator.__subclasses__(), *ast.unaryop.__subclasses__()}
     | {*ast.boolop.__subclasses__(), *ast.cmpop.__subclasses__()}
 )
-"""Nodes about which the compiler has no complaints of its own."""
+"""Nodes that the compiler never rejects if the parser accepts them."""
 SHORT = 400
-"""Characters of a block whose tree is kept."""
+"""Maximum length in characters of a block whose tree is cached."""
 _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 _DEFINITIONS = (*_FUNCTIONS, ast.ClassDef)
 
 
 class BlockFault(NamedTuple):
-    """An error of a block: a sentence, and the range of the block's text where it is."""
+    """An error in a block: a sentence and a range of the block's text."""
 
     message: str
     start: int
@@ -65,7 +65,7 @@ class BlockFault(NamedTuple):
 
 
 class Declared(NamedTuple):
-    """A name in a `global` statement, and where it stands in the block's text."""
+    """A name in a `global` statement, and its range in the block's text."""
 
     name: str
     start: int
@@ -73,7 +73,7 @@ class Declared(NamedTuple):
 
 
 class BlockFacts(NamedTuple):
-    """What the parser wants to know of a block, found from its text alone."""
+    """Facts about a block that the parser needs, derived from its text alone."""
 
     empty: bool
     fault: BlockFault | None
@@ -81,7 +81,7 @@ class BlockFacts(NamedTuple):
 
 
 class ParsedBlock(NamedTuple):
-    """A parsed block, shared by all that look at it; nobody may change the tree."""
+    """A parsed block, shared by all users; the tree must not be modified."""
 
     tree: ast.Module
     suite: Suite
@@ -90,7 +90,7 @@ class ParsedBlock(NamedTuple):
 
 
 def read(text: str) -> ParsedBlock:
-    """Parse a block and find its names; the last short ones are kept, trees being large.
+    """Return the tree and the names of a block; only short blocks are cached, because trees are large.
 
     Raises
     ------
@@ -111,12 +111,12 @@ _read_short = lru_cache(maxsize=1024)(_read)
 
 @lru_cache(maxsize=20_000)
 def facts_of(text: str) -> BlockFacts:
-    """Judge a block by its text: whether it is empty, or not valid Python."""
+    """Return whether a block is empty or not valid Python, and what it declares `global`."""
     try:
         tree, suite, source, found = read(text)
         fault = None
         if not _is_simple(tree, source):
-            fault = _outlaw(tree, suite, source)
+            fault = _generator_fault(tree, suite, source)
             if fault is None:
                 _check(text, frozenset().union(*(use.scope.outer_names for use in found.found)))
     except SyntaxError as error:
@@ -127,7 +127,7 @@ def facts_of(text: str) -> BlockFacts:
 
 
 def _is_simple(tree: ast.Module, source: str) -> bool:
-    """Return whether what the parser accepts is right for certain, so that no compiler need judge it."""
+    """Return whether the block is certainly valid once parsed, so that it need not be compiled."""
     if "__debug__" in source or not source.isascii():
         return False
     level: list[ast.AST] = [*tree.body]
@@ -153,11 +153,11 @@ class Place(NamedTuple):
     start, end : int
         Its characters in the program's text.
     writes : bool
-        It is assigned (or deleted) here.
+        Whether it is assigned (or deleted) here.
     imported : str
         The module's whole name where it is bound by ``import x.y``, else empty.
     hidden : frozenset of str
-        Names that mean something else at this place, because an inner function binds them.
+        Names that have another meaning at this place, because an inner function binds them.
     """
 
     name: str
@@ -176,7 +176,7 @@ class BlockNames(NamedTuple):
     reads, assigns : frozenset of str
         Names that the block reads, and those that it assigns on its own level or by `nonlocal`.
     places : tuple of Place
-        Every such name, in order of place.
+        Every such name, in order of position.
     inner : frozenset of str
         Names that functions, lambdas, classes and comprehensions in the block bind for themselves.
     """
@@ -188,7 +188,7 @@ class BlockNames(NamedTuple):
 
 
 def block_names(block: Block) -> BlockNames:
-    """Find the names of a block, with their places in the program's text."""
+    """Return the names of a block, with their positions in the program's text."""
     names = _names(block.text)
     behind = block.span.start + 1
     places = tuple(
@@ -232,8 +232,8 @@ def _check(text: str, names: frozenset[str]) -> None:
         raise
 
 
-def _outlaw(tree: ast.Module, suite: Suite, source: str) -> BlockFault | None:
-    """Find a `yield` or `await` that would make a generator or coroutine of the block itself."""
+def _generator_fault(tree: ast.Module, suite: Suite, source: str) -> BlockFault | None:
+    """Return the fault of a `yield` or `await` that would make the block a generator or coroutine."""
     nodes: list[ast.AST] = [*tree.body]
     for node in nodes:  # grows while it is walked
         if isinstance(node, ast.Yield | ast.YieldFrom | ast.Await):
@@ -246,7 +246,7 @@ def _outlaw(tree: ast.Module, suite: Suite, source: str) -> BlockFault | None:
 
 
 def _outside(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> Iterator[ast.AST]:
-    """Yield the parts of a function that run where it is defined."""
+    """Yield the parts of a function that are evaluated where it is defined."""
     yield node.args
     if not isinstance(node, ast.Lambda):
         yield from node.decorator_list
@@ -275,11 +275,11 @@ def compile_block(block: Block, names: Collection[str], filename: str, name: str
     ----------
     block : Block
     names : collection of str
-        The variables of the program that the block sees. `robot` and `print` are always provided besides.
+        The variables of the program in the block's scope; `robot` and `print` are always available.
     filename : str
-        Of the program, for tracebacks.
+        Name of the program's file, for tracebacks.
     name : str
-        What tracebacks call the block.
+        Name of the block in tracebacks.
 
     Returns
     -------
@@ -289,7 +289,7 @@ def compile_block(block: Block, names: Collection[str], filename: str, name: str
     Raises
     ------
     SyntaxError
-        Only for what the parser cannot know: a `nonlocal` whose variable is gone. `lineno` is the program's.
+        For what the parser cannot know: a `nonlocal` whose variable was removed. `lineno` is the program's.
     """
     prefix = len(block.prefix.encode("utf-8", "replace"))
     seen = frozenset(_words(block.text).intersection(names))
@@ -303,13 +303,13 @@ def compile_block(block: Block, names: Collection[str], filename: str, name: str
 
 
 def bind(code: CodeType, namespace: dict[str, Any], cells: Mapping[str, CellType]) -> Callable[[], object]:
-    """Make a compiled block a function.
+    """Return a compiled block as a function.
 
     Parameters
     ----------
     code : types.CodeType
     namespace : dict
-        Becomes the function's globals itself; nothing is written into it.
+        The function's globals, not copied; nothing is written into it.
     cells : mapping of str to types.CellType
         One for every free variable of the code.
     """
@@ -330,7 +330,7 @@ def _placed(text: str, prefix: int, names: frozenset[str], line: int, filename: 
 
 
 def _moved(code: CodeType, lines: int, filename: str) -> CodeType:
-    """Shift the lines of a code object and of those inside it."""
+    """Return a code object with its lines, and those of nested ones, shifted."""
     constants: list[object] = [
         _moved(constant, lines, filename) if isinstance(constant, CodeType) else constant
         for constant in code.co_consts
@@ -349,7 +349,7 @@ def _moved(code: CodeType, lines: int, filename: str) -> CodeType:
 @lru_cache(maxsize=20_000)
 def _function(text: str, prefix: int, names: frozenset[str]) -> CodeType:
     """Compile a block whose first line has `prefix` bytes before it; its lines count from 1."""
-    tree, suite = parse_suite(text)  # of its own: it is changed
+    tree, suite = parse_suite(text)  # not the cached one, because it is modified
     assigned = sorted(read(text).uses.scope.bound & names)
     body: list[ast.stmt] = (
         [_Plain(names).visit(statement) for statement in tree.body] if assigned else tree.body
@@ -383,7 +383,7 @@ def _inner(code: CodeType) -> CodeType:
 
 
 def _move(statement: ast.stmt, above: int, columns: int) -> None:
-    """Move a statement's nodes to where they stand: their lines up, those of the first line to the side."""
+    """Map the positions of a statement's nodes back: lines up, columns of the first line sideways."""
     level: list[Any] = [statement]
     while level:
         for node in level:
@@ -399,7 +399,7 @@ def _move(statement: ast.stmt, above: int, columns: int) -> None:
 
 
 class _Plain(ast.NodeTransformer):
-    """Make `x: int = 4` a plain assignment where `x` is a variable of the program: Python would refuse it."""
+    """Replaces `x: int = 4` by a plain assignment where `x` is a variable, because Python would reject it."""
 
     def __init__(self, names: frozenset[str]) -> None:
         self.names = names

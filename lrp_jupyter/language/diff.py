@@ -1,12 +1,12 @@
-"""What an edit changes: the difference of two programs, by meaning.
+"""The difference of two programs, by meaning: what an edit changes.
 
 A program is a group of named elements. An edit adds some, removes some, and changes the content of
-others; white space, comments and moved lines are no change. A name defined twice counts once: the
-first definition is the one that runs, so the others are no elements.
+others; white space, comments and moved lines do not count. A name defined twice counts once: the
+first definition is the one that runs, so the others are not elements.
 
-Only the outermost element of an addition or a removal is named: with a machine go its states, its
-variables and all that is in them. What is left is what a person would say of the edit, and what the
-interpreter has to look at.
+Only the outermost element of an addition or a removal is listed: with a machine go its states, its
+variables and everything inside them. The rest is what a person would call the edit, and what the
+interpreter has to process.
 
 Paper: §6.1.
 """
@@ -52,18 +52,17 @@ class ChangeSet:
     Parameters
     ----------
     added, removed : tuple of Element
-        The outermost ones only. An added element is named by its path in the new program, a removed
-        one by its path in the old.
+        Only the outermost elements: an added one by its path in the new program, a removed one by its
+        path in the old program.
     changed : tuple of Element
         Variables (the initialiser), events (the condition), transitions (condition or delay), and
         the actions ``onentry``, ``running``, ``onexit``, ``onpause``, ``onresume``, of which every
-        state (every program) has one of each, if only an empty one: they are never added or removed.
-        Named as in the new program.
+        state (every program) has one of each, possibly empty: they are never added or removed.
+        By their paths in the new program.
     moved : tuple of Element
-        Transitions and variables that stand at another place among those that stayed; as few as
-        explain the new order.
+        Transitions and variables in another order than before: the fewest that explain the new order.
     successors : Successors
-        What became of each element of the old program.
+        The new element for each element of the old program.
     """
 
     added: tuple[Element, ...] = ()
@@ -82,7 +81,7 @@ class ChangeSet:
 
 
 def diff(old: Program, new: Program) -> ChangeSet:
-    """Compare two programs by meaning.
+    """Return the difference of two programs, by meaning.
 
     Transitions are the same if their :attr:`~lrp_jupyter.language.program.Transition.identity` is, and
     their number among those with equal identity; the condition or delay is their content. All other
@@ -181,7 +180,7 @@ def _named(
     new: Sequence[_Named],
     inside: Callable[[Path, _Named, _Named], Iterable[_Change]],
 ) -> Iterator[_Change]:
-    """Compare elements that are told apart by name; `inside` compares two of the same name."""
+    """Yield the changes of elements identified by name; `inside` compares two of the same name."""
     if old is new:
         return
     before, after = _by_name(old), _by_name(new)
@@ -199,7 +198,7 @@ def _content(kind: str) -> Callable[[Path, object, object], Iterable[_Change]]:
 
 
 def _by_name(elements: Iterable[_Named]) -> dict[str, _Named]:
-    """Elements by name, in the order of the text; of two with the same name the first."""
+    """Return elements by name, in the order of the text; of two with the same name the first."""
     named: dict[str, _Named] = {}
     for element in elements:
         named.setdefault(str(element.name), element)
@@ -210,7 +209,7 @@ _Keyed = dict[tuple[Hashable, int], tuple[Element, Transition]]
 
 
 def _by_identity(path: Path, machine: Machine) -> _Keyed:
-    """Transitions and their elements by kind, sources, destination, name and number among equals."""
+    """Return transitions by kind, sources, destination, name and number among equals."""
     seen: Counter[Hashable] = Counter()
     keyed: _Keyed = {}
     for element, transition in zip(machine.elements(path), machine.transitions, strict=True):
@@ -221,7 +220,7 @@ def _by_identity(path: Path, machine: Machine) -> _Keyed:
 
 
 def _moved(old: Iterable[_Key], new: Iterable[_Key]) -> list[_Key]:
-    """Keys of both that are not on a longest run of keys that kept their order."""
+    """Return the common keys that are not in a longest subsequence that kept its order."""
     place = {key: index for index, key in enumerate(old)}
     kept = [key for key in new if key in place]
     tails: list[int] = []  # tails[n]: the least place at which a rising run of n + 1 keys can end

@@ -1,4 +1,4 @@
-"""The names of a block: what it reads and assigns, and where each stands, to the character.
+"""The names of a block: what it reads and assigns, with exact positions.
 
 Python's own scoping decides which of them can be variables of the program: a name that an inner function,
 lambda, class or comprehension binds is its own.
@@ -28,14 +28,14 @@ _CONVERSION = re.compile(r"(?:=\s*)?(?:![A-Za-z]\s*)?\Z")
 
 
 class Use(NamedTuple):
-    """One place where a name stands; `start` is an offset in the source, in characters."""
+    """One occurrence of a name; `start` is an offset in the source, in characters."""
 
     name: str
     start: int
     length: int
     writes: bool
     scope: PythonScope
-    imported: str = ""  # the module's whole name where `import x.y` stands
+    imported: str = ""  # the module's whole name in `import x.y`
 
     @property
     def owner(self) -> PythonScope | None:
@@ -44,7 +44,7 @@ class Use(NamedTuple):
 
     @property
     def hidden(self) -> frozenset[str]:
-        """The names that scopes around the use, the block itself left out, bind for themselves."""
+        """The names bound by the scopes around the use, except by the block itself."""
         names: set[str] = set()
         scope = self.scope
         while scope.outer is not None:
@@ -65,14 +65,16 @@ class PythonScope:
     global_names: set[str] = field(default_factory=set)
 
     def owner(self, name: str) -> PythonScope | None:
-        """Find the scope that a name used here belongs to; the block itself if no other binds it."""
+        """Return the scope that a name used here belongs to; the block itself if no other binds it."""
         scope = self
         while True:
             if name in scope.global_names:
                 return None
             if scope.outer is None:
                 return scope
-            hidden = scope.is_class and scope is not self  # what a class binds, its methods do not see
+            hidden = (
+                scope.is_class and scope is not self
+            )  # methods do not see the names that their class binds
             if name in scope.bound and name not in scope.outer_names and not hidden:
                 return scope
             scope = scope.outer
@@ -91,7 +93,7 @@ class Uses(NamedTuple):
 
 
 def uses(tree: ast.Module, source: str) -> Uses:
-    """Find every name of a source, whose tree is given."""
+    """Return every name of a source, whose tree is given."""
     visitor = _Visitor(source, 0)
     scope = PythonScope()
     visitor.visit_all(tree.body, scope)
@@ -99,7 +101,7 @@ def uses(tree: ast.Module, source: str) -> Uses:
 
 
 class Offsets:
-    """Where the nodes of a tree stand in its source, in characters."""
+    """Positions of the nodes of a tree in its source, in characters."""
 
     def __init__(self, source: str) -> None:
         self.source = source
@@ -116,7 +118,7 @@ class Offsets:
         return self.offset(node.end_lineno, node.end_col_offset)  # type: ignore[attr-defined]
 
     def offset(self, line: int, column: int) -> int:
-        """Return the offset of a place of the tree, whose columns are bytes of UTF-8."""
+        """Return the offset of a position of the tree, whose columns are bytes of UTF-8."""
         start = self.starts[line - 1]
         if self._is_ascii:
             return start + column
@@ -138,8 +140,8 @@ class _Visitor(Offsets):
         self.found: list[Use] = [] if found is None else found
         self.global_places: list[tuple[str, int]] = []
 
-    def note(self, name: str, start: int, writes: bool, scope: PythonScope, imported: str = "") -> None:
-        """Keep a name's place."""
+    def register(self, name: str, start: int, writes: bool, scope: PythonScope, imported: str = "") -> None:
+        """Register an occurrence of a name."""
         if writes:
             scope.bound.add(name)
         match = _WORD.match(self.source, start)
@@ -147,7 +149,7 @@ class _Visitor(Offsets):
         self.found.append(Use(name, start + self.shift, length, writes, scope, imported))
 
     def word(self, name: str, start: int) -> int:
-        """Return the offset of the first word `name` of code at or behind `start`."""
+        """Return the offset of the first word `name` of code at or after `start`."""
         return next((offset for offset, word in words(self.source, start) if word == name), start)
 
     def visit_all(self, nodes: Iterable[ast.AST | None], scope: PythonScope) -> None:
@@ -156,7 +158,7 @@ class _Visitor(Offsets):
                 self.visit(node, scope)
 
     def visit(self, node: ast.AST, scope: PythonScope) -> None:
-        """Note the names of a node and of everything in it."""
+        """Register the names of a node and of everything in it."""
         method = _METHODS.get(type(node).__name__)
         if method is not None:
             method(self, node, scope)
@@ -166,7 +168,7 @@ class _Visitor(Offsets):
     # Names
 
     def on_name(self, node: ast.Name, scope: PythonScope) -> None:
-        self.note(node.id, self.start_of(node), not isinstance(node.ctx, ast.Load), scope)
+        self.register(node.id, self.start_of(node), not isinstance(node.ctx, ast.Load), scope)
 
     def on_global(self, node: ast.Global, scope: PythonScope) -> None:
         scope.global_names.update(node.names)
@@ -180,24 +182,24 @@ class _Visitor(Offsets):
         start = self.start_of(node)
         for name in node.names:
             start = self.word(name, start + 1)
-            self.note(name, start, False, scope)
+            self.register(name, start, False, scope)
 
     def on_alias(self, node: ast.alias, scope: PythonScope) -> None:
         start = self.start_of(node)
         if node.asname:
-            self.note(node.asname, self.word_after("as", node.asname, start), True, scope)
+            self.register(node.asname, self.word_after("as", node.asname, start), True, scope)
         elif node.name != "*":
-            self.note(node.name.partition(".")[0], start, True, scope, imported=node.name)
+            self.register(node.name.partition(".")[0], start, True, scope, imported=node.name)
 
     def word_after(self, keyword: str, name: str, start: int) -> int:
-        """Return the offset of `name` behind the word `keyword`."""
+        """Return the offset of `name` after the word `keyword`."""
         return self.word(name, self.word(keyword, start) + len(keyword))
 
     def on_handler(self, node: ast.ExceptHandler, scope: PythonScope) -> None:
         self.visit_all([node.type], scope)
         if node.name:
             start = self.end_of(node.type) if node.type else self.start_of(node)
-            self.note(node.name, self.word_after("as", node.name, start), True, scope)
+            self.register(node.name, self.word_after("as", node.name, start), True, scope)
         self.visit_all(node.body, scope)
 
     def on_capture(self, node: ast.MatchAs, scope: PythonScope) -> None:
@@ -206,23 +208,23 @@ class _Visitor(Offsets):
             start = self.start_of(node)
             if node.pattern:
                 start = self.word("as", self.end_of(node.pattern)) + 2
-            self.note(node.name, self.word(node.name, start), True, scope)
+            self.register(node.name, self.word(node.name, start), True, scope)
 
     def on_star(self, node: ast.MatchStar, scope: PythonScope) -> None:
         if node.name:
-            self.note(node.name, self.word(node.name, self.start_of(node)), True, scope)
+            self.register(node.name, self.word(node.name, self.start_of(node)), True, scope)
 
     def on_mapping(self, node: ast.MatchMapping, scope: PythonScope) -> None:
         self.visit_all([*node.keys, *node.patterns], scope)
         if node.rest:
             start = self.end_of(node.patterns[-1]) if node.patterns else self.start_of(node)
-            self.note(node.rest, self.word(node.rest, start), True, scope)
+            self.register(node.rest, self.word(node.rest, start), True, scope)
 
     # Scopes
 
     def on_function(self, node: ast.FunctionDef | ast.AsyncFunctionDef, scope: PythonScope) -> None:
         self.visit_all(node.decorator_list, scope)
-        self.note(node.name, self.word_after("def", node.name, self.start_of(node)), True, scope)
+        self.register(node.name, self.word_after("def", node.name, self.start_of(node)), True, scope)
         self.function(node, scope, node.body, [node.returns])
 
     def on_lambda(self, node: ast.Lambda, scope: PythonScope) -> None:
@@ -237,7 +239,7 @@ class _Visitor(Offsets):
         parameters = [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
         parameters += [extra for extra in (arguments.vararg, arguments.kwarg) if extra]
         for parameter in parameters:
-            self.note(parameter.arg, self.start_of(parameter), True, inner)
+            self.register(parameter.arg, self.start_of(parameter), True, inner)
             self.visit_all([parameter.annotation], around)
         self.visit_all([*outside, *getattr(node, "type_params", ())], around)
         self.visit_all([*arguments.defaults, *arguments.kw_defaults], scope)
@@ -245,7 +247,7 @@ class _Visitor(Offsets):
 
     def on_class(self, node: ast.ClassDef, scope: PythonScope) -> None:
         self.visit_all(node.decorator_list, scope)
-        self.note(node.name, self.word_after("class", node.name, self.start_of(node)), True, scope)
+        self.register(node.name, self.word_after("class", node.name, self.start_of(node)), True, scope)
         around = _type_scope(node, scope)
         self.visit_all([*node.bases, *node.keywords, *getattr(node, "type_params", ())], around)
         self.visit_all(node.body, PythonScope(around, is_class=True))
@@ -266,7 +268,7 @@ class _Visitor(Offsets):
         self.visit(node.target, scope)
 
     def on_formatted(self, node: ast.JoinedStr, scope: PythonScope) -> None:
-        """Read the expressions of an f-string anew: before Python 3.12 the tree has no places for them."""
+        """Parse the expressions of an f-string separately: before Python 3.12 their positions are wrong."""
         for start, end in fields(self.source, self.start_of(node), self.end_of(node)):
             expression = _CONVERSION.sub("", self.source[start:end])
             source = f"({expression}\n)"
@@ -318,5 +320,5 @@ def words(source: str, start: int) -> Iterator[tuple[int, str]]:
 
 
 def normal(name: str) -> str:
-    """Return a name in the form in which Python knows it (NFKC)."""
+    """Return a name as Python normalizes it (NFKC)."""
     return name if name.isascii() else unicodedata.normalize("NFKC", name)

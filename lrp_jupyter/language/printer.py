@@ -1,8 +1,8 @@
-"""From program to text: ``parse(to_source(p)) == p``.
+"""Printer: from program to text, so that ``parse(to_source(p)) == p``.
 
-The layout is canonical, whatever the text was like: variables, events, states, transitions, each in their
-order. Comments outside blocks are no part of a program and are not printed; to change a text and keep them,
-edit the text (see :mod:`~lrp_jupyter.language.rename`).
+The layout is canonical, whatever the original text: variables, events, states, transitions, each in their
+order. Comments outside blocks are not part of a program and are not printed; to change a text and keep
+them, edit the text (see :mod:`~lrp_jupyter.language.rename`).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _LINE = re.compile(r"(\r\n|\r|\n)([ \t]*+)(?=\S)")
 
 
 def to_source(program: Program) -> str:
-    """Write a program as text, in a canonical and readable layout."""
+    """Return a program as text, in a canonical and readable layout."""
     sections = [
         [_variable(variable, "") for variable in program.variables],
         [_event(event, "") for event in program.events],
@@ -84,7 +84,7 @@ def _transition(transition: Transition, indent: str) -> str:
 
 
 def _actions(keyword: str, actions: Iterable[Action], indent: str) -> list[str]:
-    """Print an action form, several items in a line where they fit; nothing if there is none."""
+    """Return an action form, with several items per line where they fit; nothing if there is none."""
     text = f"{indent}({keyword}"
     found = False
     for action in actions:
@@ -107,7 +107,7 @@ def _closed(head: str, parts: list[str]) -> str:
 
 
 def _with_block(head: str, block: Block, tail: str) -> str:
-    """Print a block behind `head`, its lines under its first one."""
+    """Return a block after `head`, its lines aligned with its first one."""
     column = len(head) - head.rfind("\n")
     whole = f"[{_aligned(block.text, column)}]"
     if block_end(whole, 0) != len(whole) - 1:  # a comment would swallow the bracket
@@ -116,7 +116,7 @@ def _with_block(head: str, block: Block, tail: str) -> str:
 
 
 def _aligned(text: str, column: int) -> str:
-    """Move the lines of a block so that they stand below `column`, unless that would change its meaning."""
+    """Return a block with its lines aligned to `column`, unless that would change its meaning."""
     better = text.strip(" \t").rstrip()
     lines = [_MARGIN.match(text, start)[0] for start in logical_lines(text)]  # type: ignore[index]
     if lines:
@@ -130,7 +130,7 @@ def _aligned(text: str, column: int) -> str:
 
 
 def _moved(text: str, by: int) -> str:
-    """Change the indentation of every line but the first, except for lines that begin inside a string."""
+    """Return a text with all lines but the first indented further, except those inside strings."""
     inside = strings(text)
 
     def line(match: re.Match[str]) -> str:

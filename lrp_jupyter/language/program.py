@@ -1,7 +1,7 @@
-"""The nouns of LRP: a program is a frozen value.
+"""The elements of an LRP program, as frozen values.
 
-Every noun compares by *meaning*: places in the text do not count, and neither do white
-space and comments, inside or outside blocks. So ``parse(to_source(p)) == p``, and an edit
+Every element compares by *meaning*: positions in the text, white space and comments do not count,
+inside or outside blocks. So ``parse(to_source(p)) == p``, and an edit
 that only moves lines makes an equal program.
 
 Paper: §3.1, §3.2.
@@ -60,11 +60,11 @@ class Element(_Identity):
     """
 
     label: str = ""
-    """What is shown in the place of the path's last name; no part of the identity."""
+    """Text shown instead of the path's last name; not part of the identity."""
 
     @property
     def shown(self) -> Path:
-        """The path as it is shown: a transition's label in the place of its id."""
+        """The path to display: with a transition's label instead of its id."""
         return (*self.path[:-1], self.label) if self.label else self.path
 
     def __str__(self) -> str:
@@ -72,7 +72,7 @@ class Element(_Identity):
 
 
 def path_text(path: Path) -> str:
-    """Write a path as text: ``follower/looking/lookalgo``."""
+    """Return a path as text: ``follower/looking/lookalgo``."""
     return "/".join(path)
 
 
@@ -109,21 +109,21 @@ Action = Block | Spawn
 
 @dataclass(frozen=True, slots=True)
 class Transition:
-    """A transition: what it waits for, where it leads from and to.
+    """A transition: its trigger, its sources and its destination.
 
     Parameters
     ----------
     trigger : Trigger
         An event, a condition, a delay, or nothing.
     sources : tuple of Name
-        The states it leaves; for a wildcard those that it does *not* leave.
+        The states it leaves; for a wildcard, those that it does *not* leave.
     wildcard : bool
-        ``*`` or ``*-{…}``.
+        Whether its source is ``*`` or ``*-{…}``.
     destination : Name
     name : Name or None
         The transition's own name.
     outward : bool
-        ``exit``: it leads out of its machine, to a state of the machine around it.
+        Whether it is an ``exit``, which leads to a state of the outer machine.
     """
 
     trigger: Trigger
@@ -141,7 +141,7 @@ class Transition:
 
     @property
     def style(self) -> str:
-        """Which kind of arrow a picture draws."""
+        """The style of its arrow in a picture."""
         return "wildcard" if self.wildcard else "exit" if self.outward else self.trigger.style
 
     @property
@@ -159,7 +159,7 @@ class Transition:
 
     @property
     def arrow_text(self) -> str:
-        """When it is taken, as its arrow in a picture says."""
+        """When it fires, as the text of its arrow in a picture."""
         text = self.trigger.arrow
         if self.wildcard and self.sources:
             text += " (not " + ", ".join(self.sources) + ")"
@@ -169,13 +169,13 @@ class Transition:
     def id(self) -> str:
         """What identifies it within its machine: its name, else ``kind:from->to``.
 
-        It is the same whatever the transition waits for, so an edit of its condition or delay keeps it.
+        It does not depend on the trigger, so an edit of the condition or delay keeps it.
         """
         return str(self.name or f"{self.kind}:{self.source_text}->{self.destination}")
 
     @property
     def label(self) -> str:
-        """What it is called where it is shown: its name, else ``condition:from->to``."""
+        """The name under which it is displayed: its name, else ``condition:from->to``."""
         return str(self.name or f"{self.trigger_text}:{self.source_text}->{self.destination}")
 
     @property
@@ -184,7 +184,7 @@ class Transition:
         return (self.kind, frozenset(self.sources), self.wildcard, self.destination, self.name)
 
     def leaves(self, state: str) -> bool:
-        """Whether `state` is among its sources.
+        """Return whether `state` is among its sources.
 
         A wildcard does not leave its own destination.
         Deviation: §3.1 counts every state; §3.2 lists all but the destination.
@@ -230,14 +230,16 @@ class Machine:
     def elements(self, path: Path) -> tuple[Element, ...]:
         """Return the elements of the transitions of this machine, whose path is given."""
         found = tuple([Element("transition", (*path, id_)) for id_ in self.ids])
-        if not all(transition.name for transition in self.transitions):  # of a named one both are its name
+        if not all(
+            transition.name for transition in self.transitions
+        ):  # id and label of a named one are both its name
             for element, label in zip(found, self.labels, strict=True):
                 if label != element.path[-1]:
                     element.label = label
         return found
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
-        """Show itself in a notebook: a picture, and a tree as plain text."""
+        """Return the representations for a notebook: a picture, and a tree as plain text."""
         return _picture_of(self)
 
 
@@ -262,14 +264,14 @@ class Program:
         return line_starts(self.text)
 
     def place(self, offset: int) -> tuple[int, int]:
-        """Line and column of a character offset, both from 1."""
+        """Return the line and column of a character offset, both from 1."""
         line = bisect_right(self._line_starts, offset)
         return line, offset - self._line_starts[line - 1] + 1
 
     def place_of_bytes(self, line: int, offset: int) -> tuple[int, int] | None:
-        """Line and column, both from 1, of what stands `offset` bytes of UTF-8 behind a line's start.
+        """Return the line and column, both from 1, of an offset in bytes of UTF-8 from the start of a line.
 
-        Compiled code counts so. None if the text has no such line.
+        Compiled code counts in bytes. None if the text has no such line.
         """
         if line > len(self._line_starts):
             return None
@@ -290,15 +292,15 @@ class Program:
         yield from inside((), self.machines)
 
     def _repr_mimebundle_(self, include: object = None, exclude: object = None) -> dict[str, str]:
-        """Show itself in a notebook: a picture, and a tree as plain text."""
+        """Return the representations for a notebook: a picture, and a tree as plain text."""
         return _picture_of(self)
 
 
 def _picture_of(noun: Machine | Program) -> dict[str, str]:
-    """Return what a notebook shows of a noun.
+    """Return the representations of an element for a notebook.
 
-    Pictures stand far above the nouns, so their module is looked up by name when one is shown: the one
-    place where something below calls something above.
+    The module of the pictures is in a higher layer, so it is imported by name when one is shown: the only
+    place where a lower layer calls a higher one.
     """
     bundle: dict[str, str] = import_module("lrp_jupyter.graph.still").mimebundle(noun)
     return bundle
@@ -317,7 +319,7 @@ _LINE_END = re.compile(r"\r\n|\r|\n")
 
 
 def line_starts(text: str) -> list[int]:
-    """Offsets at which the lines of a text begin; LF, CRLF and CR end a line."""
+    """Return the offsets at which the lines of a text begin; LF, CRLF and CR end a line."""
     if "\r" in text:
         return [0, *(match.end() for match in _LINE_END.finditer(text))]
     lines = text.split("\n")

@@ -1,6 +1,6 @@
-"""Renaming and going to a definition: which places of a text name the same thing.
+"""Rename and go to definition: finds all positions of a text that name the same element.
 
-A rename changes a definition and every reference to it, and not a character else.
+A rename changes a definition and every reference to it, and not a single other character.
 
 Paper: §3.1 (scope), §9 ("refactorings that allow renaming … allowing some interpreter restarts to be
 avoided").
@@ -28,10 +28,10 @@ _KINDS = ("state", "machine", "event", "variable", "transition")
 
 
 class Mention(NamedTuple):
-    """One place of the text where a name refers to something.
+    """One position of the text where a name refers to something.
 
-    ``symbol`` is None where that is no part of the program: a local name of a block, a builtin, or nothing at
-    all. ``imported`` is the module's name where the name is bound by ``import``, else empty.
+    ``symbol`` is None where that is not an element of the program: a local name of a block, a builtin, or an
+    undefined name. ``imported`` is the module's name where the name is bound by ``import``, else empty.
     """
 
     name: str
@@ -42,7 +42,7 @@ class Mention(NamedTuple):
 
 @dataclass(eq=False)
 class Symbol:
-    """Something that has a name: where it is defined, and where it is referred to."""
+    """A named element: where it is defined, and where it is referred to."""
 
     element: Element
     definition: Span
@@ -50,14 +50,14 @@ class Symbol:
 
 
 def symbols(program: Program) -> tuple[list[Symbol], list[Mention]]:
-    """List what the names of a program define and mention.
+    """Return what the names of a program define and mention.
 
     Returns
     -------
     symbols : list of Symbol
-        What is defined, in the order of the text. Second definitions of a name are left out.
+        The definitions, in the order of the text, without second definitions of a name.
     mentions : list of Mention
-        Every name that refers to something, or to nothing, in the order of the text.
+        Every reference, resolved or not, in the order of the text.
     """
     names = resolve(program)
     found = {element: Symbol(element, name.span) for element, name in _definitions(names)}
@@ -84,7 +84,7 @@ def _definitions(names: Resolution) -> Iterator[tuple[Element, Name]]:
 
 
 def _mentions(names: Resolution) -> Iterator[tuple[str, str, Span, Scope | None, str]]:
-    """Yield the kind, name and place of every reference, the scope that defines it, and what it imports."""
+    """Yield the kind, name and span of every reference, the scope that defines it, and what it imports."""
     for spawning in names.spawns:
         machine = spawning.noun.machine
         yield "machine", str(machine), machine.span, spawning.machine, ""
@@ -110,12 +110,12 @@ def _named_by(arrow: Arrow) -> Iterator[tuple[str, Name, Scope | None]]:
 
 
 def references(program: Program, offset: int) -> Symbol | None:
-    """Find what the name at an offset of the program's text means.
+    """Return the element that the name at an offset of the program's text refers to.
 
     Returns
     -------
     Symbol or None
-        None if no name stands there, or one that means no part of the program.
+        None if there is no name, or one that does not refer to an element of the program.
     """
     for symbol in symbols(program)[0]:
         for start, end in (symbol.definition, *symbol.references):
@@ -125,7 +125,7 @@ def references(program: Program, offset: int) -> Symbol | None:
 
 
 def rename(program: Program, kind: str, path: Path, new_name: str) -> str:
-    """Return the program's text with one element renamed, everything else kept to the letter.
+    """Return the program's text with one element renamed, everything else unchanged.
 
     Parameters
     ----------
@@ -137,9 +137,9 @@ def rename(program: Program, kind: str, path: Path, new_name: str) -> str:
     Raises
     ------
     UnknownElementError
-        There is no such element.
+        The element does not exist.
     ValueError
-        The name is illegal or taken, or something would mean something else than before.
+        The name is not valid or is taken, or the rename would change the meaning of another name.
     """
     if not program.text:
         program = parse(to_source(program), program.filename)
@@ -193,7 +193,7 @@ def _changed(text: str, symbol: Symbol, uses: list[Mention], name: str) -> str:
 def _check_meaning(
     program: Program, found: list[Symbol], uses: list[Mention], text: str, symbol: Symbol, name: str
 ) -> None:
-    """Refuse a text in which any name means something else than before."""
+    """Raise if any name has another meaning in the new text than before."""
     counts = Counter(use.span for use in uses if use.symbol)
     if any(counts[span] > 1 for span in symbol.references):
         raise ValueError(
@@ -216,7 +216,7 @@ def _check_meaning(
 
 
 def _shared(found: list[Symbol], symbol: Symbol, program: Program) -> bool:
-    """Whether another transition of the machine has the same name: no rename could be undone."""
+    """Return whether another transition of the machine has the same name: a rename could not be undone."""
     names = [
         program.text[slice(*other.definition)]
         for other in found

@@ -1,9 +1,9 @@
-"""What the names of a program mean, resolved once by lexical scope.
+"""Resolution of the names of a program by lexical scope, once per program.
 
-:func:`resolve` makes one :class:`Resolution` per program and keeps it with the program: the tree of
-scopes, every spawn and transition with what its names refer to, and every block with the variables that
-it sees. The linker, the checks, renaming, completion and the graphs all read it; none of them resolves a
-name by itself.
+:func:`resolve` builds one :class:`Resolution` per program and caches it with the program: the tree of
+scopes, every spawn and transition with what its names refer to, and every block with the variables in its
+scope. The linker, the checks, renaming, completion and the graphs all use it; none of them resolves names
+itself.
 
 Paper: §3.1 (scope of actions, events and spawns), §6.2 (references that dangle).
 """
@@ -77,15 +77,15 @@ class Scope:
     outer : Scope or None
         The machine around it, or the top level; None for the top level.
     state : str
-        The state of `outer` in which it stands; empty for a root machine.
+        The state of `outer` that contains it; empty for a root machine.
     noun : Machine or None
         None for the top level.
     variables, events, states : dict
-        Its own ones by name, the first definitions only.
+        Its own definitions by name, only the first of each name.
     machines : dict of str to dict of str to Scope
         By state, then by name; at the top level under the empty state.
     visible, visible_events : dict of str to Scope
-        Which scope defines each variable that its blocks see, and each event that its transitions can use.
+        The scope that defines each variable visible to its blocks, and each event usable by its transitions.
     """
 
     path: Path
@@ -113,7 +113,7 @@ class Scope:
         return self.noun.transitions if self.noun else ()
 
     def path_of(self, kind: str, name: str) -> Path:
-        """Return the path of what is defined in it under a name; the scope's own path for a machine."""
+        """Return the path of the definition of a name in this scope; the scope's own path for a machine."""
         return self.path if kind == "machine" else (*self.path, name)
 
     def walk(self) -> Iterator[Scope]:
@@ -131,19 +131,19 @@ class Scope:
             scope = scope.outer
 
     def owner(self, kind: Literal["event", "variable"], name: str) -> Scope | None:
-        """Return the scope that defines the event or variable that a name means here."""
+        """Return the scope that defines the event or variable that a name refers to here."""
         return (self.visible_events if kind == "event" else self.visible).get(name)
 
     def event(self, name: str) -> Event | None:
-        """Return the event that a transition of this machine means. Paper: §3.1."""
+        """Return the event that a name in a transition of this machine refers to. Paper: §3.1."""
         owner = self.visible_events.get(name)
         return owner.events[name] if owner else None
 
     def machine(self, state: str, name: str) -> Scope | None:
-        """Return the machine that a spawn by `state` means. Paper: §3.1.
+        """Return the machine that a spawn by `state` refers to. Paper: §3.1.
 
-        Its own machines come first, then those around it, up to the top level; never the machine of the
-        state itself, nor one that encloses it.
+        The machines in the state come first, then those around it, up to the top level; never the machine
+        of the state itself, nor one that encloses it.
         """
         return next((here[name] for here in self._around(state) if self._can_spawn(here.get(name))), None)
 
@@ -162,20 +162,20 @@ class Scope:
 
 
 class PlacedBlock(NamedTuple):
-    """A block in its place.
+    """A block with the element that it belongs to and its scope.
 
     Parameters
     ----------
     element : Element
-        What it belongs to.
+        The element that contains it.
     ordinal : int
-        Which of the element's items it is, from 0.
+        Its index among the element's items, from 0.
     block : Block
     purpose : str
-        What its value is for; an action has none.
+        What its value is used for; that of an action is not used.
     scope : Scope
     visible : mapping of str to Scope
-        Which scope defines each variable that it sees.
+        The scope that defines each variable visible to it.
     """
 
     element: Element
@@ -187,9 +187,9 @@ class PlacedBlock(NamedTuple):
 
 
 class Spawning(NamedTuple):
-    """A spawn by a state of `scope`, or at the top level, and the machine that it means.
+    """A spawn by a state of `scope`, or at the top level, and the machine that it refers to.
 
-    ``ordinal`` is its place among the items of the state's ``onentry``, or among the top-level spawns.
+    ``ordinal`` is its index among the items of the state's ``onentry``, or among the top-level spawns.
     """
 
     element: Element
@@ -206,7 +206,7 @@ class Spawning(NamedTuple):
 
     @property
     def unresolved(self) -> Unresolved | None:
-        """Why nothing can be spawned, if so."""
+        """Why nothing can be spawned, or None."""
         name, machine = self.noun.machine, self.machine
         if machine is None:
             message = f"There is no machine `{name}` that could be spawned here."
@@ -218,7 +218,7 @@ class Spawning(NamedTuple):
 
 
 class Arrow(NamedTuple):
-    """A transition and what the names in it mean.
+    """A transition and what its names refer to.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ class Arrow(NamedTuple):
     noun : Transition
     scope : Scope
     owner : Scope or None
-        Which scope defines the event or variable that it names.
+        The scope that defines the event or variable that it names.
     homes : tuple of Scope
         The machines among whose states its destination is looked up: its own; for `exit` those whose states
         spawn its own machine.
@@ -245,7 +245,7 @@ class Arrow(NamedTuple):
 
     @property
     def unresolved_trigger(self) -> Unresolved | None:
-        """Why its event or the variable of its delay means nothing, if so."""
+        """Why its event or the variable of its delay cannot be resolved, or None."""
         reference = self.noun.trigger.reference
         if reference is None or self.owner is not None:
             return None
@@ -337,12 +337,15 @@ class Resolution:
 
     @cached_property
     def blocks(self) -> dict[Element, tuple[PlacedBlock, ...]]:
-        """The blocks of every element that has some, with the variables that they see."""
+        """The blocks of every element that has any, with the variables visible to them."""
         found: dict[Element, tuple[PlacedBlock, ...]] = {}
         for scope in self.scopes:
             path, visible = scope.path, scope.visible
             before = scope.outer.visible if scope.outer else {}
-            for name, variable in scope.variables.items():  # sees the scope before its own variable
+            for (
+                name,
+                variable,
+            ) in scope.variables.items():  # only earlier variables are visible to an initialiser
                 element = Element("variable", (*path, name))
                 found[element] = (PlacedBlock(element, 0, variable.initial, "initialiser", scope, before),)
                 before = {**before, name: scope}
@@ -366,7 +369,7 @@ class Resolution:
         return found
 
     def elements(self) -> Iterator[Element]:
-        """Yield every element of the program, in an order that depends on its form alone."""
+        """Yield every element of the program, in an order that depends only on its structure."""
         for scope in self.scopes:
             if scope.noun:
                 yield Element("machine", scope.path)
@@ -380,7 +383,7 @@ class Resolution:
         yield from (Element("onpause", ()), Element("onresume", ()))
 
     def defined(self, spawned: Path) -> Path:
-        """Return where the machine with a path *as spawned* is defined; its own path if it is not."""
+        """Return where the machine with a path *as spawned* is defined; its own path if it is not defined."""
         found = self._defined.get(spawned)
         if found is None:
             scope: Scope | None = self.top.machines.get("", {}).get(spawned[0]) if spawned else None
@@ -391,7 +394,7 @@ class Resolution:
 
 
 def resolve(program: Program) -> Resolution:
-    """Resolve the names of a program, once: the result is kept with the program."""
+    """Return the resolved names of a program; the result is cached with the program."""
     kept: dict[str, Resolution] = program.__dict__
     found = kept.get("_resolution")
     if found is None:

@@ -1,8 +1,8 @@
-"""What a transition waits for: an event, a condition, a delay, or nothing.
+"""The triggers of transitions: an event, a condition, a delay, or nothing.
 
-Each kind of trigger is a small frozen class that says how the language writes it, how a picture shows it,
-which names it refers to and which blocks it holds. How it is tested is the interpreter's matter. That a
-transition leads outward (``exit``) has nothing to do with its trigger.
+Each kind of trigger is a small frozen class with its source text, its text in a picture, the names it
+refers to and the blocks it contains. The interpreter tests it. Whether a transition leads outward
+(``exit``) is independent of its trigger.
 
 Paper: §3.1 (events, epsilon transitions, timeouts).
 """
@@ -29,43 +29,43 @@ __all__ = [
 
 TransitionKind = Literal["on", "ontime", "eps", "exit"]
 Purpose = Literal["action", "initialiser", "condition", "delay"]
-"""What the value of a block is for; that of an action has no use."""
+"""What the value of a block is used for; that of an action is not used."""
 
 
 @dataclass(frozen=True, slots=True)
 class Trigger:
-    """The common part of all triggers; nothing is made of this class itself."""
+    """Abstract base class of the triggers."""
 
     keyword: ClassVar[TransitionKind]
-    """Of the form that a transition with this trigger has, unless it leads outward."""
+    """Keyword of a transition with this trigger, unless it leads outward."""
     style: ClassVar[str]
-    """Which kind of arrow a picture draws."""
+    """The style of the arrow in a picture."""
     can_exit: ClassVar[bool] = False
-    """Whether an ``exit`` can wait for it."""
+    """Whether an ``exit`` can have this trigger."""
 
     @property
     def text(self) -> str:
-        """The trigger as the language writes it."""
+        """The trigger's source text."""
         raise NotImplementedError
 
     @property
     def arrow(self) -> str:
-        """The trigger as the arrow in a picture shows it."""
+        """The trigger's text at the arrow in a picture."""
         return self.text
 
     @property
     def reference(self) -> tuple[Literal["event", "variable"], Name] | None:
-        """What it refers to by name."""
+        """The event or variable that it refers to by name, or None."""
         return None
 
     @property
     def block(self) -> tuple[Purpose, Block] | None:
-        """The block in it, and what its value is for."""
+        """Its block and what the value is used for, or None."""
         return None
 
     @property
     def due(self) -> int | None:
-        """After how many milliseconds it is enabled in any case; None if that depends on the run."""
+        """Milliseconds after which it is certainly enabled; None if that depends on the run."""
         return None
 
 
@@ -157,35 +157,35 @@ class Epsilon(Trigger):
 
     @property
     def text(self) -> str:
-        """Nothing is written."""
+        """The empty text."""
         return ""
 
     @property
     def arrow(self) -> str:
-        """The Greek letter."""
+        """The Greek letter epsilon."""
         return "ε"
 
     @property
     def due(self) -> int:
-        """At once."""
+        """Zero: it is enabled at once."""
         return 0
 
 
 class TriggerForm(NamedTuple):
-    """How the form with one keyword is written.
+    """The syntax of the form with one keyword.
 
     Parameters
     ----------
     usage : str
         An example of it.
     make : callable
-        Returns the trigger, given the name, block or number behind the keyword, or None.
+        Returns the trigger for the name, block or number after the keyword, or for None.
     name : str
-        What a name in the place of the trigger is; empty where there is no trigger.
+        What a name as trigger refers to; empty where there is no trigger.
     block : str
-        What a block in that place must hold.
+        What a block as trigger must contain.
     outward : bool
-        It leads out of its machine.
+        Whether it leads out of its machine.
     """
 
     usage: str
@@ -209,4 +209,4 @@ FORMS: dict[str, TriggerForm] = {
         "(exit event source -> destination)", _event, "an event's name", "the condition", outward=True
     ),
 }
-"""The forms of transitions by keyword; ``grammar.lark`` says which tokens they hold."""
+"""The forms of transitions by keyword; ``grammar.lark`` defines their tokens."""

@@ -1,4 +1,4 @@
-"""Static checks: what is wrong, or looks wrong, with a program that has not run.
+"""Static checks: errors and suspicious places of a program, found without running it.
 
 Paper: §9 ("We plan to statically detect more kinds of errors").
 """
@@ -21,20 +21,20 @@ __all__ = ["CODES", "Code", "check"]
 
 
 def check(text_or_program: str | Program, names: Collection[str] = ()) -> tuple[Finding, ...]:
-    """Find what is wrong with a program, without running it.
+    """Return the findings about a program, without running it.
 
     Parameters
     ----------
     text_or_program : str or Program
-        A text that is not a program has the findings of the parser only.
+        A text that is not a valid program has only the parser's findings.
     names : collection of str
-        Those of the session's namespace, such as a notebook's functions and imports.
+        Names in the session's namespace, such as a notebook's functions and imports.
 
     Returns
     -------
     tuple of Finding
-        In order of place; what their codes mean stands in :data:`CODES`. Errors are what certainly
-        cannot work; a correct program has no findings.
+        In order of position; :data:`CODES` explains their codes. An error certainly cannot work; a
+        correct program has no findings.
     """
     if isinstance(text_or_program, Program):
         program = text_or_program

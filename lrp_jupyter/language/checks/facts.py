@@ -1,6 +1,6 @@
-"""What can be told of a block by its text alone; computed once per text.
+"""Facts about a block that depend on its text alone; computed once per text.
 
-Which of its names are variables depends on where a block stands, and what its value is for; both are
+Which of its names are variables, and what its value is used for, depends on where the block is; both are
 left to :mod:`~lrp_jupyter.language.checks.python`.
 """
 
@@ -41,7 +41,7 @@ _DISPLAYS: dict[type[ast.expr], str] = {
 
 
 class Word(NamedTuple):
-    """A name and its place; `nested`: in a function inside the block."""
+    """A name and its span; `nested`: whether it is in a function inside the block."""
 
     name: str
     span: Span
@@ -55,11 +55,11 @@ class Remark(NamedTuple):
     ----------
     span : Span
     edit : Span or None
-        What a fix would replace.
+        The range that a fix would replace.
     name : str
         The variable that a fix would assign or compare; for a bitwise operator, the operator.
     last : bool
-        It is the last statement of the block, and so its value.
+        Whether it is the last statement of the block, and so its value.
     """
 
     span: Span
@@ -75,16 +75,16 @@ class Facts:
     Parameters
     ----------
     reads : tuple of Word
-        Names that it reads and binds nowhere: variables, or names from outside the program.
+        Names that it reads and does not bind: variables, or names from outside the program.
     nonlocals : tuple of Word
         Names that a function inside declares `nonlocal` and that the block does not bind.
     binds : dict of str to Span
-        Names that it binds (a variable, if there is one in scope; else local to it), with a place.
+        Names that it binds (a variable, if there is one in scope; else local to it), with a position.
     augmented : tuple of Word
-        Names that it changes (``x += 1``) in a scope which does not otherwise bind them.
+        Names that it updates (``x += 1``) in a scope that does not otherwise bind them.
     comparisons, uncalled, bitwise : tuple of Remark
-        Statements that only compare, statements that only name something of the robot, and comparisons
-        with a bitwise operator inside where a logical one was meant.
+        Statements that only compare, statements that only name a member of the robot, and comparisons
+        with a bitwise operator where a logical one was probably meant.
     valueless : Remark or None
         Its last statement, if its value is None for certain.
     literal : tuple of str and Span, or None
@@ -104,10 +104,10 @@ class Facts:
 
 @lru_cache(maxsize=20_000)
 def facts_of(text: str) -> Facts:
-    """Read a block; one that is no Python has no facts."""
+    """Return the facts about a block; empty for one that is not valid Python."""
     try:
         tree, suite, source, found = read(text)
-    except SyntaxError:  # only in a program put together by hand; the parser refuses such a block
+    except SyntaxError:  # only in a program built by hand; the parser rejects such a block
         return Facts()
     places = _Places(source, suite.shift)
     values = _Values(tree.body, places)
@@ -143,18 +143,18 @@ class _Places(Offsets):
         return Span(self.start_of(node) + self.shift, self.end_of(node) + self.shift)
 
     def word(self, use: Use) -> Word:
-        """Return the place of a name."""
+        """Return a name with its position."""
         start = use.start + self.shift
         return Word(use.name, Span(start, start + use.length), use.scope.outer is not None)
 
     def between(self, first: ast.expr, sign: str, second: ast.expr) -> Span | None:
-        """Return where a sign stands between two expressions."""
+        """Return the span of an operator between two expressions."""
         start = self.source.find(sign, self.end_of(first), self.start_of(second)) + self.shift
         return Span(start, start + len(sign)) if start >= self.shift else None
 
 
 def _augmented(found: Uses, changed: set[Span], places: _Places) -> tuple[Word, ...]:
-    """Find the names that are changed in a scope which never gives them a first value."""
+    """Return the names that are updated in a scope that never binds them first."""
     writes = defaultdict(list)
     for use in found.found:
         scope = use.scope
@@ -166,7 +166,7 @@ def _augmented(found: Uses, changed: set[Span], places: _Places) -> tuple[Word, 
 
 
 class _Values:
-    """What the statements of a block are good for."""
+    """Finds statements of a block without an effect or a value."""
 
     def __init__(self, body: list[ast.stmt], places: _Places) -> None:
         self.places = places
@@ -179,12 +179,12 @@ class _Values:
         waiting: list[tuple[ast.AST, bool]] = [(statement, False) for statement in reversed(body)]
         while waiting:
             node, nested = waiting.pop()
-            self._look(node, nested)
+            self._inspect(node, nested)
             nested = nested or isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda)
-            if not isinstance(node, ast.JoinedStr):  # places inside one are wrong before Python 3.12
+            if not isinstance(node, ast.JoinedStr):  # positions inside one are wrong before Python 3.12
                 waiting += [(child, nested) for child in children([node])]
 
-    def _look(self, node: ast.AST, nested: bool) -> None:
+    def _inspect(self, node: ast.AST, nested: bool) -> None:
         if isinstance(node, ast.Expr):
             self._statement(node)
         elif isinstance(node, ast.Compare):
@@ -206,7 +206,7 @@ class _Values:
             self.uncalled.append(Remark(span, last=last))
 
     def _comparison(self, node: ast.Compare) -> None:
-        """Look for `a == 1 & b`: nobody takes the bits of a literal in order to compare them."""
+        """Register comparisons such as `a == 1 & b`, where a bitwise operation of a literal is unlikely."""
         before = node.left
         for operand in node.comparators:
             if isinstance(operand, ast.BinOp) and isinstance(operand.left, ast.Constant):
@@ -236,7 +236,7 @@ class _Values:
 
 
 def _root(node: ast.expr) -> str:
-    """Return the name with which something assignable begins, ``msg`` of ``msg.linear.x``; else nothing."""
+    """Return the first name of an assignable expression, ``msg`` of ``msg.linear.x``; else an empty text."""
     while isinstance(node, ast.Attribute | ast.Subscript):
         node = node.value
     return node.id if isinstance(node, ast.Name) else ""
