@@ -71,7 +71,7 @@ def layout(
     machine : Machine
     previous : Layout, optional
         The last layout of the same machine: its states keep their places. Without it everything is
-        arranged anew, except for what is moved.
+        arranged again, except for what is moved.
     program : Program, optional
         The program around it; it tells start states, events in scope and where an ``exit`` leads.
     path : tuple of str, optional

@@ -1,6 +1,6 @@
 """The paths of arrows: quadratic arcs from border to border, and loops on top.
 
-Edges are routed anew each time; only states have places that must stay.
+Edges are routed again each time; only states keep their positions.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ Pair = tuple[str, str]
 Chord = tuple[Point, Point]
 
 OPPOSITE, PARALLEL = 22.0, 26.0
-"""How far apart the middles of opposite and of parallel arrows are, in px."""
+"""Distance between the middles of opposite and of parallel arrows, in px."""
 TIP = 9.0
 """Length of an arrow's head, in px."""
 CLEAR = 7.0
-"""How far an arrow stays away from states that it passes, in px."""
+"""Distance of an arrow from states that it passes, in px."""
 DETOURS = (0.0, 28.0, -28.0, 52.0, -52.0, 84.0, -84.0, 124.0, -124.0, 176.0, -176.0, 240.0, -240.0)
 PORT = 5.5
-"""How far from the middle of a port an arrow ends, in px."""
+"""Distance of an arrow's end from the middle of a port, in px."""
 SAMPLES = 16
 
 

@@ -190,9 +190,9 @@ class BlockNames(NamedTuple):
 def block_names(block: Block) -> BlockNames:
     """Return the names of a block, with their positions in the program's text."""
     names = _names(block.text)
-    behind = block.span.start + 1
+    content = block.span.start + 1
     places = tuple(
-        [place._replace(start=place.start + behind, end=place.end + behind) for place in names.places]
+        [place._replace(start=place.start + content, end=place.end + content) for place in names.places]
     )
     return names._replace(places=places)
 

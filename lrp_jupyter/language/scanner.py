@@ -156,7 +156,7 @@ def string_end(text: str, quote_at: int, floor: int) -> tuple[int, bool]:
     Returns
     -------
     end : int
-        Offset behind the closing quotes, or the end of the line if there are none.
+        Offset after the closing quotes, or the end of the line if there are none.
     closed : bool
     """
     end = _string_end(text, quote_at, floor, 0)

@@ -1,4 +1,4 @@
-"""What the blocks print: kept in the session, shown by the lab, never on the notebook's stdout."""
+"""The printed output of blocks: buffered in the session and shown by the lab, not on stdout."""
 
 from __future__ import annotations
 
@@ -11,22 +11,22 @@ __all__ = ["Output"]
 
 
 class Output:
-    """The last lines printed, from one thread, read by others.
+    """Buffer of the last lines printed; thread-safe.
 
     Parameters
     ----------
     lines : int
-        How many are kept; older ones are forgotten, but counted.
+        Number of lines to keep; older ones are dropped, but counted.
     """
 
     def __init__(self, lines: int = 1000) -> None:
         self.count = 0
         self._lines: deque[str] = deque(maxlen=lines)
-        self._open = ""  # a line that has no end yet
+        self._open = ""  # the last line, not ended yet
         self._lock = Lock()
 
     def print(self, *values: object, sep: str | None = None, end: str | None = None, **other: Any) -> None:
-        """Do what Python's ``print`` does, into this buffer; with `file` given, into that."""
+        """Print like Python's ``print``, into this buffer or into the `file` given."""
         if other.get("file") is not None:
             print(*values, sep=sep, end=end, **other)  # noqa: T201  (the block asked for that file)
             return
@@ -35,7 +35,7 @@ class Output:
         self.write(text.getvalue())
 
     def write(self, text: str) -> None:
-        """Add text; every newline ends a line."""
+        """Append text; every newline ends a line."""
         with self._lock:
             *lines, self._open = (self._open + text).split("\n")
             self._open = self._open[:10_000]
@@ -43,13 +43,13 @@ class Output:
             self.count += len(lines)
 
     def since(self, count: int) -> tuple[int, tuple[str, ...]]:
-        """Return the count now and the lines after the first `count`, as far as they are kept."""
+        """Return the current count, and the lines after the first `count` that are still kept."""
         with self._lock:
             new = min(self.count - count, len(self._lines))
             return self.count, tuple(self._lines)[len(self._lines) - new :] if new > 0 else ()
 
     def clear(self) -> None:
-        """Forget the lines; the count goes on."""
+        """Drop all lines; the count continues."""
         with self._lock:
             self._lines.clear()
             self._open = ""

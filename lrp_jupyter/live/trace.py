@@ -15,8 +15,8 @@ Every line has ``tick`` (the first is 1), ``time`` (seconds) and ``event``, and 
     {"tick":9,"time":0.8,"event":"forced","state":"follower/looking","how":"teleport"}
 
 ``started``, ``paused`` and ``resumed`` concern the program as a whole. A variable that has lost
-its value has no ``value``. Values that JSON does not know are texts, without addresses: two equal
-runs give equal traces.
+its value has no ``value``. Values without a JSON type are written as text, without addresses, so equal
+runs have equal traces.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
 
 def as_dict(event: TraceEvent) -> dict[str, Any]:
-    """Write an event as an object for JSON."""
+    """Return an event as a dict for JSON."""
     kind, path, tick, now, data = event
     line: dict[str, Any] = {"tick": tick, "time": round(now, 9), "event": kind}
     text = "/".join(path)
@@ -99,7 +99,7 @@ class Trace:
     Parameters
     ----------
     write : callable or text file
-        Gets every line, with its newline.
+        Receives every line, with its newline.
     """
 
     def __init__(self, write: Callable[[str], Any] | TextIO) -> None:
@@ -110,5 +110,5 @@ class Trace:
         self.line(as_dict(event))
 
     def line(self, entry: dict[str, Any]) -> None:
-        """Write an object of one's own as a line: a command line adds what its robot did."""
+        """Write a dict as a line; also for entries that are not events of the interpreter."""
         self._write(json.dumps(entry, ensure_ascii=False, separators=(",", ":")) + "\n")

@@ -70,7 +70,7 @@ class Remark(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Facts:
-    """What a block does with names and values; all places are offsets in its text.
+    """What a block does with names and values; all spans are offsets in its text.
 
     Parameters
     ----------
