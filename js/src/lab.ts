@@ -71,7 +71,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
   };
 
   const connection = new Connection(model, part, {
-    message: (message, buffers) => receive(message, buffers),
+    message: receive,
     link: (link) => store.set("link", link),
     sending: () => editor?.departs(),
   });

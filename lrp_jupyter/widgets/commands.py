@@ -176,7 +176,7 @@ class HoldCommand(PageCommand, do="hold"):
         texts = opened.texts
         if texts.hold and not self.on:
             texts.hold = False
-            opened.apply()
+            texts.apply()
         texts.hold = self.on
         opened.wake()
         return None
@@ -187,7 +187,7 @@ class ApplyCommand(PageCommand, do="apply"):
     """Let the held text run."""
 
     def apply(self, opened: OpenProgram) -> Applied:
-        opened.apply()
+        opened.texts.apply()
         return None
 
 
@@ -196,7 +196,7 @@ class RevertCommand(PageCommand, do="revert"):
     """Go back to the text that runs."""
 
     def apply(self, opened: OpenProgram) -> Applied:
-        opened.write(opened.session.program.text)
+        opened.texts.write(opened.session.program.text)
         return None
 
 
@@ -207,7 +207,7 @@ class LoadCommand(PageCommand, do="load"):
     name: str
 
     def apply(self, opened: OpenProgram) -> Applied:
-        opened.write(programs.load(self.name))
+        opened.texts.write(programs.load(self.name))
         return None
 
 
@@ -218,7 +218,7 @@ class TakeCommand(PageCommand, do="take"):
     def apply(self, opened: OpenProgram) -> Applied:
         text = opened.texts.end_conflict()
         if text is not None:
-            opened.write(text)
+            opened.texts.write(text)
         return None
 
 

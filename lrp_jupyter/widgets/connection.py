@@ -32,7 +32,6 @@ from lrp_jupyter.widgets.messages import (
     HelloMessage,
     MessageError,
     PageCommand,
-    PageMessage,
     PageRequest,
     TextMessage,
     decode,
@@ -42,8 +41,6 @@ from lrp_jupyter.widgets.publisher import PendingReply, Publisher, Send
 from lrp_jupyter.widgets.texts import Texts
 
 __all__ = ["PageConnection"]
-
-_LATE = 0.25  # s after which a text is answered though it is not applied yet
 
 
 class PageConnection:
@@ -98,32 +95,27 @@ class PageConnection:
     def receive(self, send: Send, content: object) -> None:
         """Handle a message of a page; never raises."""
         try:
-            try:
-                message = decode(content)
-            except MessageError as error:
-                self._refuse(content, error)
-            else:
-                self._handle(send, message)
+            message = decode(content)
+            if isinstance(message, HelloMessage):
+                self._publisher.welcome(message.view, message.part, send)
+                self.start()
+            elif not self._publisher.knows(message.view):
+                return  # forgotten, or never opened: it says hello when it gets no message for a while
+            elif isinstance(message, ByeMessage):
+                self._publisher.forget(message.view)
+            elif isinstance(message, CreditMessage):
+                self._publisher.credit(message.view, message.frame)
+                self.session.seen()
+            elif isinstance(message, TextMessage):
+                self.texts.write(message.text, message.view, message.seq)
+            elif isinstance(message, PageCommand):
+                self._reply(message, partial(message.apply, self), message.patience)
+            elif isinstance(message, PageRequest):
+                self._reply(message, partial(self.work, partial(message.answer, self)), fields_of=dict)
+        except MessageError as error:
+            self._refuse(content, error)
         except Exception:
             self.report(traceback.format_exc())
-
-    def _handle(self, send: Send, message: PageMessage) -> None:
-        if isinstance(message, HelloMessage):
-            self._publisher.welcome(message.view, message.part, send)
-            self.start()
-        elif not self._publisher.knows(message.view):
-            return  # forgotten, or never opened: it will say hello when it hears nothing
-        elif isinstance(message, ByeMessage):
-            self._publisher.forget(message.view)
-        elif isinstance(message, CreditMessage):
-            self._publisher.credit(message.view, message.frame)
-            self.session.seen()
-        elif isinstance(message, TextMessage):
-            self.write(message.text, message.view, message.seq)
-        elif isinstance(message, PageCommand):
-            self._reply(message, partial(message.apply, self), message.patience)
-        elif isinstance(message, PageRequest):
-            self._reply(message, partial(self.work, partial(message.answer, self)), fields_of=dict)
 
     def _refuse(self, content: object, error: MessageError) -> None:
         """Reply to a message that cannot be decoded; one that expects no reply is a fault of the page."""
@@ -156,15 +148,6 @@ class PageConnection:
             deadline = self._clock() + patience
             self._publisher.reply_later(PendingReply(message.view, message.id, answer, deadline, fields_of))
 
-    def write(self, text: str, view: str = "", seq: int = 0) -> None:
-        """Make a text the editor's: typed in a view, or brought by a cell, a bundled program, a file."""
-        written = self.texts.write(text, view, seq, self._clock() + _LATE)
-        written.answer.add_done_callback(lambda _: self.wake())
-
-    def apply(self) -> None:
-        """Offer the held text to the session."""
-        self.texts.apply(self._clock() + _LATE).answer.add_done_callback(lambda _: self.wake())
-
     def change_bridge(self, bridge: str, **options: Any) -> None:
         """Continue with another bridge: the same program starts again in another session.
 
@@ -187,7 +170,7 @@ class PageConnection:
             self.options = options
             old.close()
             if text != self.texts.text:  # it was held, or no program, or typed meanwhile
-                self.write(text)
+                self.texts.write(text)
 
     def use(self, session: Session) -> None:
         """Show another session from now on; views get a snapshot of it.

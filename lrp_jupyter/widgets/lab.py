@@ -70,11 +70,7 @@ class Part(anywidget.AnyWidget):
         """Leave everything as it is: a widget that is forgotten stops no robot."""
 
     def _receive(self, _widget: object, content: Any, _buffers: object) -> None:
-        self._connection.receive(self._send_message, content)
-
-    def _send_message(self, message: Any, buffers: list[bytes] | None) -> None:
-        if self.comm is not None:
-            self.send(message, buffers)
+        self._connection.receive(self.send, content)
 
     @property
     def session(self) -> Session:
@@ -160,7 +156,7 @@ class Lab(Part):
 
     @text.setter
     def text(self, text: str) -> None:
-        self._connection.write(text)
+        self._connection.texts.write(text)
 
     @property
     def active(self) -> tuple[Path, ...]:

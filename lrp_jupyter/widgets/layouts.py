@@ -77,7 +77,8 @@ class Layouts:
             if appearance == self._appearances.get(name) and name in last:
                 layouts[name] = last[name]
             else:
-                layouts[name] = self._lay_out(program, path, machine, previous.get(name))
+                old, now = previous.get(name), self._clock()
+                layouts[name] = layout(machine, old, program=program, path=path, now=now)
         self._gone = {name: old for name, old in previous.items() if name not in layouts}
         self._appearances = appearances
         self.current = frame, layouts
@@ -87,13 +88,9 @@ class Layouts:
         path = tuple(name.split("/"))
         machine = next((machine for where, machine in shown.program.walk() if where == path), None)
         if machine is not None:
-            new = self._lay_out(shown.program, path, machine, None if fresh else layouts[name], **options)
+            old, now = None if fresh else layouts[name], self._clock()
+            new = layout(machine, old, program=shown.program, path=path, now=now, **options)
             self.current = shown, {**layouts, name: new}
-
-    def _lay_out(
-        self, program: Program, path: Path, machine: Machine, previous: Layout | None, **options: Any
-    ) -> Layout:
-        return layout(machine, previous, program=program, path=path, now=self._clock(), **options)
 
 
 def _carried(layouts: Mapping[str, Layout], successors: Successors) -> dict[str, Layout]:

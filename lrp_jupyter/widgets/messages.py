@@ -58,12 +58,6 @@ class OpenProgram(Protocol):
     def work(self, job: Callable[[], Any]) -> Future[Any]:
         """Queue a job that may have to wait, for the worker's thread."""
 
-    def write(self, text: str) -> None:
-        """Make a text the editor's, and offer it to the session."""
-
-    def apply(self) -> None:
-        """Offer the held text to the session."""
-
     def change_bridge(self, bridge: str, **options: Any) -> None:
         """Continue with another bridge."""
 

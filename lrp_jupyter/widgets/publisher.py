@@ -195,8 +195,8 @@ class Publisher:
             with suppress(SessionClosedError):
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # what was asked of another may never be answered
-            self._texts.attach(session)
-            self._view_states = ViewStates(session, self._texts)
+            self._texts.attach(session, self.wake, self._clock)
+            self._view_states = ViewStates(session, self._texts, self._layouts)
             for view in self._views.values():
                 self._snapshot(view)
 
@@ -235,7 +235,7 @@ class Publisher:
     def view_state(self) -> ViewState:
         """Return everything that a view may show now."""
         with self._lock:
-            return self._view_states.current(*self._layouts.current)
+            return self._view_states.current()
 
     # -- the thread ----------------------------------------------------------------------------------
 
@@ -351,7 +351,7 @@ class Publisher:
         self._left = len(due) < len(self._views)
         if not due:
             return
-        state = self.view_state()
+        state = self._view_states.current()
         for view in due:
             changes, buffers = difference(view.sent or {}, state), None
             world = view.world if view.world is not None and view.world.has_moved(self.session) else None

@@ -111,7 +111,7 @@ def open_program(
         connection = PageConnection(session, texts, _reopen, options)
         _connections[name] = connection
         if session.text != first:
-            connection.write(first)
+            texts.write(first)
     else:
         if bridge is not None and bridge != connection.session.bridge.name:
             connection.change_bridge(bridge, **options)
@@ -173,7 +173,7 @@ def _reconcile(connection: PageConnection, text: str) -> None:
             sentence = f"Cell and lab have both changed `{name}` since they were the same: which text is it?"
             texts.conflict = {"text": text, "sentence": sentence}
             return
-        connection.write(text)
+        texts.write(text)
     texts.keep_cell(text)
 
 

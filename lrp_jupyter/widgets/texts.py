@@ -8,10 +8,12 @@ from __future__ import annotations
 
 import os
 from collections import deque
+from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 from threading import Lock, RLock
+from time import monotonic
 from typing import Any
 
 from lrp_jupyter.errors import SessionClosedError
@@ -25,6 +27,7 @@ from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, 
 __all__ = ["Texts", "Written", "finding_id"]
 
 _KEPT = 50  # texts whose revision is known
+_LATE = 0.25  # s after which a text is answered though it is not applied yet
 _SHOWING = 0.1  # s in which an applied program appears in a frame
 
 
@@ -79,10 +82,23 @@ class Texts:
         self._saved: str | None = None
         self._unsaved: str | None = None
 
-    def attach(self, session: Session) -> None:
-        """Belong to this session from now on; its text is the text."""
+    def attach(
+        self, session: Session, wake: Callable[[], None], clock: Callable[[], float] = monotonic
+    ) -> None:
+        """Belong to this session from now on; its text is the text.
+
+        Parameters
+        ----------
+        session : Session
+        wake : callable
+            Called when a text can be answered.
+        clock : callable
+            Seconds on the wall.
+        """
         with self._lock:
             self._session = session
+            self._wake = wake
+            self._clock = clock
             self.waiting.clear()
             self._number(session.text)
             self._answered = session.program
@@ -92,8 +108,17 @@ class Texts:
 
     # -- in ----------------------------------------------------------------------------------------
 
-    def write(self, text: str, view: str, seq: int, deadline: float) -> Written:
-        """Make a text the editor's, and offer it to the session unless edits are held."""
+    def write(self, text: str, view: str = "", seq: int = 0) -> Written:
+        """Make a text the editor's, and offer it to the session unless edits are held.
+
+        Parameters
+        ----------
+        text : str
+        view : str
+            The view in which it was typed, empty if a cell, a bundled program or a file brought it.
+        seq : int
+            The number that the view gave it.
+        """
         with self._lock:
             answer: Future[Any] = Future()
             try:
@@ -107,18 +132,19 @@ class Texts:
                 self._judge(text)
                 answer.set_exception(error)
             self._number(text)
-            return self._written(view, seq, answer, deadline)
+            written = self._written(view, seq, answer, self._clock() + _LATE)
+        answer.add_done_callback(lambda _: self._wake())
+        return written
 
-    def apply(self, deadline: float) -> Written:
+    def apply(self) -> None:
         """Let the held text run."""
         with self._lock:
             held, self.hold = self.hold, False
             try:
-                written = self.write(self.text, "", 0, deadline)
+                written = self.write(self.text)
             finally:
                 self.hold = held
             written.is_news = False
-            return written
 
     def rename(self, kind: str, path: Path, name: str) -> None:
         """Rename an element and its references. Waits.

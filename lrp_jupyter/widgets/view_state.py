@@ -14,13 +14,13 @@ from typing import Any, cast, get_args
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.errors import Severity
-from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.interpreter.frame import Frame, render
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.protocol import (
     BridgeView,
     ElementKind,
@@ -59,11 +59,13 @@ class ViewStates:
     ----------
     session : Session
     texts : Texts
+    layouts : Layouts
     """
 
-    def __init__(self, session: Session, texts: Texts) -> None:
+    def __init__(self, session: Session, texts: Texts, layouts: Layouts) -> None:
         self._session = session
         self._texts = texts
+        self._layouts = layouts
         self._program = Program()
         self._paths = DefinedPaths(self._program)
         self._shown = Frame()
@@ -75,9 +77,10 @@ class ViewStates:
         self._issue_views: dict[int, tuple[object, IssueView]] = {}
         self._printed: tuple[int, dict[str, str]] = 0, {}
 
-    def current(self, shown: Frame, layouts: Mapping[str, Layout]) -> ViewState:
-        """Return what a view may show now; `layouts` are those of the program of `shown`, the newest one."""
+    def current(self) -> ViewState:
+        """Return what a view may show now: the program is the newest one that is laid out."""
         session, texts = self._session, self._texts
+        shown, layouts = self._layouts.current
         frame = session.frame
         if frame.program is not self._program:
             self._program, self._paths = frame.program, DefinedPaths(frame.program)

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.widgets import protocol
-from lrp_jupyter.widgets.connection import MessageError, PageMessage, decode  # with all messages defined
+from lrp_jupyter.widgets.connection import MessageError, decode  # with all messages defined
+from lrp_jupyter.widgets.messages import PageMessage
 from lrp_jupyter.widgets.world_state import pack_poses
 
 WIDGETS = Path(protocol.__file__).parent

@@ -57,14 +57,14 @@ def test_a_cell_that_is_run_again_changes_the_program_that_runs(cell):
 
 def test_an_unchanged_cell_keeps_the_labs_text(cell):
     connection = cell(A)
-    connection.write(B)
+    connection.texts.write(B)
     assert cell(A).texts.text == B
     assert connection.texts.conflict is None
 
 
 def test_where_cell_and_lab_have_changed_the_person_is_asked(cell):
     connection = cell(A)
-    connection.write(B)
+    connection.texts.write(B)
     cell(C)
     assert connection.texts.text == B
     assert connection.texts.conflict["text"] == C
@@ -75,7 +75,7 @@ def test_where_cell_and_lab_have_changed_the_person_is_asked(cell):
 @pytest.mark.parametrize(("act", "text"), [("take", C), ("keep", B)])
 def test_the_answer_to_a_conflict_holds(cell, act, text):
     connection = cell(A)
-    connection.write(B)
+    connection.texts.write(B)
     cell(C)
     connection.receive(lambda *_: None, {"type": "hello", "view": "v", "part": "lab"})
     connection.receive(lambda *_: None, {"type": "command", "view": "v", "id": 0, "do": act})
@@ -93,7 +93,7 @@ def test_a_text_that_is_no_program_opens_the_lab_with_its_errors(cell):
 
 
 def test_after_a_restart_an_unchanged_cell_goes_on_with_the_labs_text(cell, restart_kernel):
-    cell(A).write(B)
+    cell(A).texts.write(B)
     next(registry.running()).publish()
     restart_kernel()
     connection = cell(A)
@@ -108,7 +108,7 @@ def test_after_a_restart_a_cell_that_alone_was_changed_counts(cell, restart_kern
 
 
 def test_after_a_restart_two_changed_texts_are_asked_about(cell, restart_kernel):
-    cell(A).write(B)
+    cell(A).texts.write(B)
     next(registry.running()).publish()
     restart_kernel()
     connection = cell(C)
@@ -128,7 +128,7 @@ def test_another_bridge_begins_anew_with_the_same_program(cell):
 
 def test_a_text_that_is_no_program_survives_a_change_of_bridge(cell):
     connection = cell(A)
-    connection.write(BROKEN)
+    connection.texts.write(BROKEN)
     connection.change_bridge("none")
     assert connection.texts.text == BROKEN
     assert connection.session.program.text == A

@@ -27,7 +27,7 @@ def test_a_text_is_saved_once_though_two_threads_save(tmp_path):
     texts = Interrupted(tmp_path)
     other = Thread(target=texts.save)
     with Session(A, name="mine") as session:
-        texts.attach(session)
+        texts.attach(session, lambda: None)
         texts.save()
         other.join()
     assert written == [A]
@@ -146,7 +146,7 @@ def test_a_view_that_comes_too_late_is_told_how_it_ended(bench):
 def test_what_is_typed_while_a_bridge_is_opened_is_not_lost():
     def reopen(old, bridge):
         session = Session(old.program, bridge)
-        connection.write(B)
+        connection.texts.write(B)
         return session
 
     connection = PageConnection(Session(A), Texts(), reopen)

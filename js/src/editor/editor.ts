@@ -103,7 +103,8 @@ export class Editor {
         if (update.selectionSet) rememberCursor(lab.store.state.name, update.state.selection.main.head);
         if (!update.docChanged) return;
         for (const text of [this.onItsWay, this.answered, this.running]) text.add(update.changes);
-        if (!update.transactions.some((transaction) => transaction.annotation(adopted))) this.send();
+        if (!update.transactions.some((transaction) => transaction.annotation(adopted)))
+          this.connection.text(this.text);
       }),
     ];
   }
@@ -171,10 +172,6 @@ export class Editor {
   /** Note which text goes on its way; called before each sending. */
   departs(): void {
     this.onItsWay.begin(this.view.state.doc);
-  }
-
-  private send(): void {
-    this.connection.text(this.text);
   }
 
   showValues(on: boolean): void {

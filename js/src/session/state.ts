@@ -55,45 +55,40 @@ export function initialState(): LabState {
 
 /** Apply a message; returns the fields that changed. */
 export function apply(state: LabState, message: FromKernel): Set<Topic> {
-  const changed = new Set<Topic>();
-  const put = (fields: Partial<LabState>) => {
-    Object.assign(state, fields);
-    for (const key of Object.keys(fields) as Topic[]) changed.add(key);
-  };
-  if (message.type === "frame") put(carriedOver(state, message.moved));
-  if (message.type === "snapshot") put(carriedOver(state, message.frame.moved));
+  const fields = fieldsOf(state, message);
+  Object.assign(state, fields);
+  const changed = new Set(Object.keys(fields) as Topic[]);
+  if (message.type === "snapshot") changed.add("snapshot");
+  if (changed.has("program") && showAnother(state)) changed.add("machine");
+  if (state.follow && changed.has("lit") && followActive(state)) changed.add("machine");
+  return changed;
+}
+
+/** The fields that a message changes, with their new values. */
+function fieldsOf(state: LabState, message: FromKernel): Partial<LabState> {
   switch (message.type) {
     case "snapshot": {
       const { type, view, text, revision, frame, ...fields } = message;
       const { link, machine, chosen, inspected, follow } = state;
-      put({
+      return {
         ...initialState(),
-        link,
-        machine,
-        chosen,
-        inspected,
-        follow,
+        ...{ link, machine, chosen, inspected, follow },
         ...fields,
         ...merged(EMPTY_VIEW_STATE, frame),
-      });
-      changed.add("snapshot");
-      break;
+        ...carriedOver(state, frame.moved),
+      };
     }
     case "frame":
-      put(merged(state, message));
-      break;
+      return { ...merged(state, message), ...carriedOver(state, message.moved) };
     case "answer": {
       const { findings, accepted, reason, pending } = message;
-      put({ findings, accepted, patch: reason, pending });
-      break;
+      return { findings, accepted, patch: reason, pending };
     }
     case "world":
-      put({ world: message.world });
-      break;
+      return { world: message.world };
+    case "reply":
+      return {};
   }
-  if (changed.has("program") && showAnother(state)) changed.add("machine");
-  if (state.follow && changed.has("lit") && followActive(state)) changed.add("machine");
-  return changed;
 }
 
 /**

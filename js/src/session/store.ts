@@ -8,18 +8,16 @@ export type Update = (changed: ReadonlySet<Topic>) => void;
 
 export class Store {
   readonly state: LabState = initialState();
-  private readonly updates = new Set<Update>();
+  private readonly watchers = new Set<{ topics: readonly Topic[]; update: Update }>();
   private changed = new Set<Topic>();
   private scheduled = 0;
 
   /** Call `update` whenever one of these topics changed (and once at the beginning). */
   watch(topics: readonly Topic[], update: Update): () => void {
-    const mine: Update = (changed) => {
-      if (topics.some((topic) => changed.has(topic))) update(changed);
-    };
-    this.updates.add(mine);
+    const watcher = { topics, update };
+    this.watchers.add(watcher);
     update(new Set(topics));
-    return () => this.updates.delete(mine);
+    return () => this.watchers.delete(watcher);
   }
 
   /** Note changes; the watchers hear of them before the next picture. */
@@ -39,12 +37,14 @@ export class Store {
     this.scheduled = 0;
     const changed = this.changed;
     this.changed = new Set();
-    for (const update of this.updates) update(changed);
+    for (const { topics, update } of this.watchers) {
+      if (topics.some((topic) => changed.has(topic))) update(changed);
+    }
   }
 
   close(): void {
     cancelAnimationFrame(this.scheduled);
-    this.updates.clear();
+    this.watchers.clear();
   }
 }
 
