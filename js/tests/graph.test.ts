@@ -126,7 +126,7 @@ describe("marks", () => {
       "m:u": { count: 1, tick: 3 },
       "n:t": { count: 1, tick: 20 },
     };
-    new Marks().update(layers, state);
+    new Marks(layers, state).update();
     expect(node("m/b")?.hasAttribute("data-active")).toBe(true);
     expect(node("m/a")?.hasAttribute("data-active")).toBe(false);
     expect(layers.root.querySelector("[data-fired]")?.getAttribute("data-lrp-transition")).toBe("m:t");
@@ -134,11 +134,11 @@ describe("marks", () => {
 
   it("let a visit that was too short to see glow for a while", () => {
     vi.useFakeTimers();
-    const marks = new Marks();
+    const marks = new Marks(layers, state);
     draw(layers, layout([shape("a")]));
-    marks.update(layers, state);
+    marks.update();
     state.entered = { "m/a": { count: 1, tick: 1 } };
-    marks.update(layers, state);
+    marks.update();
     vi.advanceTimersByTime(150);
     expect(node("m/a")?.hasAttribute("data-glow")).toBe(true);
     vi.advanceTimersByTime(AFTERGLOW);
@@ -148,15 +148,15 @@ describe("marks", () => {
 
   it("do not glow when what happened long ago gets another name", () => {
     vi.useFakeTimers();
-    const marks = new Marks();
+    const marks = new Marks(layers, state);
     state.tick = 9;
     state.entered = { "m/a": { count: 1, tick: 1 } };
     draw(layers, layout([shape("a"), shape("b")]));
-    marks.update(layers, state);
+    marks.update();
     vi.advanceTimersByTime(AFTERGLOW);
     state.entered = { "m/z": { count: 1, tick: 1 }, "m/b": { count: 1, tick: 10 } };
     draw(layers, layout([shape("z"), shape("b")]));
-    marks.update(layers, state);
+    marks.update();
     expect(node("m/z")?.hasAttribute("data-glow")).toBe(false);
     expect(node("m/b")?.hasAttribute("data-glow")).toBe(true);
     vi.useRealTimers();

@@ -15,7 +15,14 @@ export class Marks {
   private tick = 0;
   private readonly timers = new Map<Element, ReturnType<typeof setTimeout>>();
 
-  update(layers: Layers, state: LabState): void {
+  constructor(
+    private readonly layers: Layers,
+    private readonly state: LabState,
+  ) {}
+
+  /** Mark the drawing as the state says now; a watcher of the store. */
+  readonly update = (): void => {
+    const { layers, state } = this;
     const fresh = state.machine !== this.machine; // another drawing: nothing that was before glows
     this.machine = state.machine;
     for (const node of layers.states.children) {
@@ -40,7 +47,7 @@ export class Marks {
     this.entered = state.entered;
     this.fired = state.fired;
     this.tick = state.tick;
-  }
+  };
 
   /** Whether something happened since the last update; what has a new name only brings its count along. */
   private grown(now: CountView | undefined, before: CountView | undefined): boolean {

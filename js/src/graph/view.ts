@@ -21,7 +21,7 @@ export function graphView(lab: Lab): HTMLElement {
   const { store } = lab;
   const layers = makeLayers();
   const svg = s("svg", { class: "lrp-graph", role: "group", "aria-label": "State graph" }, layers.root);
-  const marks = new Marks();
+  const marks = new Marks(layers, store.state);
   const cameras = new Map<string, Camera>();
   let camera = new Camera();
   let shown: Layout | null = null;
@@ -108,9 +108,7 @@ export function graphView(lab: Lab): HTMLElement {
   );
 
   store.watch(["layouts", "machine", "snapshot"], () => redraw());
-  store.watch(["lit", "entered", "fired", "machine", "layouts", "chosen"], () =>
-    marks.update(layers, store.state),
-  );
+  store.watch(["lit", "entered", "fired", "machine", "layouts", "chosen"], marks.update);
   new ResizeObserver(() => {
     if (!camera.moved) fit(LEGIBLE);
   }).observe(svg);

@@ -56,27 +56,19 @@ export function entriesOf(findings: FindingView[], issues: IssueView[]): Entry[]
   const same = new Map(issues.map((issue) => [issue.finding, issue]));
   const known = new Set(findings.map(({ id }) => id));
   return [
-    ...findings.map((finding, index) => ofFinding(finding, index, same.get(finding.id) ?? null)),
-    ...issues.filter(({ finding }) => !known.has(finding)).map(ofIssue),
+    ...findings.map(({ id, code, severity, message, range }, index) => ({
+      key: `${code} ${message} ${index}`,
+      ...{ code, severity, message, range },
+      ofRunning: false,
+      issue: same.get(id) ?? null,
+    })),
+    ...issues
+      .filter(({ finding }) => !known.has(finding))
+      .map((issue) => {
+        const { id, code, severity, message, range } = issue;
+        return { key: `issue ${id}`, code, severity, message, range, ofRunning: true, issue };
+      }),
   ];
-}
-
-function ofFinding(finding: FindingView, index: number, issue: IssueView | null): Entry {
-  const { code, severity, message, range } = finding;
-  return {
-    key: `${code} ${message} ${index}`,
-    code,
-    severity,
-    message,
-    range,
-    ofRunning: false,
-    issue,
-  };
-}
-
-function ofIssue(issue: IssueView): Entry {
-  const { id, code, severity, message, range } = issue;
-  return { key: `issue ${id}`, code, severity, message, range, ofRunning: true, issue };
 }
 
 function make(lab: Lab, entry: Entry): HTMLElement {

@@ -55,40 +55,29 @@ export function initialState(): LabState {
 
 /** Apply a message; returns the fields that changed. */
 export function apply(state: LabState, message: FromKernel): Set<Topic> {
-  const fields = fieldsOf(state, message);
-  Object.assign(state, fields);
-  const changed = new Set(Object.keys(fields) as Topic[]);
+  let changes: Partial<LabState> = {};
+  if (message.type === "frame") {
+    changes = { ...merged(state, message), ...carriedOver(state, message.moved) };
+  } else if (message.type === "snapshot") {
+    const { type, view, text, revision, frame, ...fields } = message;
+    const { link, machine, chosen, inspected, follow } = state;
+    changes = {
+      ...initialState(),
+      ...{ link, machine, chosen, inspected, follow },
+      ...fields,
+      ...merged(EMPTY_VIEW_STATE, frame),
+      ...carriedOver(state, frame.moved),
+    };
+  } else if (message.type === "answer") {
+    const { findings, accepted, reason, pending } = message;
+    changes = { findings, accepted, patch: reason, pending };
+  } else if (message.type === "world") changes = { world: message.world };
+  Object.assign(state, changes);
+  const changed = new Set(Object.keys(changes) as Topic[]);
   if (message.type === "snapshot") changed.add("snapshot");
   if (changed.has("program") && showAnother(state)) changed.add("machine");
   if (state.follow && changed.has("lit") && followActive(state)) changed.add("machine");
   return changed;
-}
-
-/** The fields that a message changes, with their new values. */
-function fieldsOf(state: LabState, message: FromKernel): Partial<LabState> {
-  switch (message.type) {
-    case "snapshot": {
-      const { type, view, text, revision, frame, ...fields } = message;
-      const { link, machine, chosen, inspected, follow } = state;
-      return {
-        ...initialState(),
-        ...{ link, machine, chosen, inspected, follow },
-        ...fields,
-        ...merged(EMPTY_VIEW_STATE, frame),
-        ...carriedOver(state, frame.moved),
-      };
-    }
-    case "frame":
-      return { ...merged(state, message), ...carriedOver(state, message.moved) };
-    case "answer": {
-      const { findings, accepted, reason, pending } = message;
-      return { findings, accepted, patch: reason, pending };
-    }
-    case "world":
-      return { world: message.world };
-    case "reply":
-      return {};
-  }
 }
 
 /**
