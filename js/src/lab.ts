@@ -21,7 +21,7 @@ import { splitter } from "./ui/splitter";
 import { watchTheme } from "./ui/theme";
 import { type WorldPart, worldView } from "./world/view";
 
-const SAY_FOR = 6000; // ms that a refusal stays
+const TOAST_TIME = 6000; // ms that an error stays
 
 export function openLab(model: Model, part: PartName, host: HTMLElement): () => void {
   const store = new Store();
@@ -44,7 +44,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     root,
     async act(act, quiet = false) {
       const { error } = await connection.command(act);
-      if (error && !quiet) lab.say(error);
+      if (error && !quiet) lab.notify(error);
       return error;
     },
     send: (act) => connection.send(act),
@@ -60,20 +60,20 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     rename: (kind, path) => editor?.rename(kind, path),
     insert: (text) => editor?.insert(text),
     inspect: (kind, path) => inspecting?.open(kind, path),
-    say(sentence) {
+    notify(sentence) {
       toast.textContent = sentence;
       toast.hidden = false;
       clearTimeout(toastTimer);
       toastTimer = setTimeout(() => {
         toast.hidden = true;
-      }, SAY_FOR);
+      }, TOAST_TIME);
     },
   };
 
   const connection = new Connection(model, part, {
     message: receive,
     link: (link) => store.set("link", link),
-    sending: () => editor?.departs(),
+    sending: () => editor?.markSent(),
   });
   const elsewhere = together(store, (message) => {
     if (message.goTo) editor?.goTo(message.goTo.kind, message.goTo.path);
@@ -91,7 +91,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
 
   function answered({ seq, text, applied }: AnswerMessage): void {
     if (seq === 0 && connection.inFlight) return; // another's text; the one typed here is newer and comes next
-    if (text !== null) editor?.take(text);
+    if (text !== null) editor?.replaceText(text);
     editor?.wasAnswered(applied);
   }
 

@@ -630,7 +630,7 @@ export interface BridgeView {
   members: MemberView[];
 }
 
-/** One field of a bridge's panel; kind ``value`` is shown only. To take a choice may `press` a button. */
+/** One field of a bridge's panel; kind ``value`` is shown only. A choice may `press` a button. */
 export interface PanelField {
   key: string;
   label: string;

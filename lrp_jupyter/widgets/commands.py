@@ -362,7 +362,7 @@ def _world(opened: OpenProgram) -> SimBridge:
 
 def _publish(opened: OpenProgram) -> Applied:
     """Have a frame made of what was done to the world, also while nothing ticks."""
-    return opened.session.ask(do.Call(lambda: None, "look"))
+    return opened.session.ask(do.Call(lambda: None, "publish"))
 
 
 @dataclass(frozen=True)

@@ -221,7 +221,7 @@ class PageConnection:
         self._publisher.publish()
 
     def close(self) -> None:
-        """Close the session, tell the views, and end the threads; doing it twice does nothing."""
+        """Close the session, send the views its end, and end the threads; a second call does nothing."""
         with self._lock:
             if self.closed:
                 return

@@ -102,7 +102,7 @@ class Lab(Part):
     ----------
     program : str, Program or Session
         A text, the name of a bundled or open program, or a session that was made elsewhere. A text that
-        is no program is shown with its errors.
+        is not a program is shown with its errors.
     bridge : str, optional
         The simulator unless given.
     name : str, optional
@@ -291,7 +291,7 @@ _VALUE = "__lrp_value__"
 
 
 def _notebook() -> dict[str, Any] | None:
-    """Give the notebook's namespace; None outside of one."""
+    """Return the notebook's namespace; None outside of one."""
     from IPython.core.getipython import get_ipython
 
     shell = get_ipython()

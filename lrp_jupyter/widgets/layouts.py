@@ -18,7 +18,7 @@ __all__ = ["Layouts"]
 
 
 class Layouts:
-    """Lays out the machines of the running program; only what looks different is laid out again.
+    """Lays out the machines of the running program; only what would be drawn differently is laid out again.
 
     Only :meth:`update` computes, and may take long: call it with no lock held that others wait for. The
     other methods return at once, from any thread. A layout once made is never changed, so views compare

@@ -1,6 +1,6 @@
 """``%%lrp`` and ``%lrp``: a cell whose text is a program, and the words that go with it.
 
-What goes wrong is said in a sentence, as IPython does for its own magics.
+Errors are printed as one sentence, as IPython does for its own magics.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def _options(line: str) -> tuple[str, dict[str, Any]]:
         raise UsageError(f"%%lrp: {error}") from None
     known, more = parser.parse_known_args(words)
     options = {key: value for key, value in vars(known).items() if value is not None}
-    while more:  # what else the bridge takes: --host 192.168.0.7
+    while more:  # other options of the bridge: --host 192.168.0.7
         key = more.pop(0)
         if not key.startswith("--") or len(key) < 3:
             raise UsageError(f"%%lrp: what is `{key}`? {did_you_mean_word(key)}".rstrip())
@@ -181,7 +181,7 @@ class LRPMagics(Magics):
         _the(rest).session.step()
 
     def reset(self, rest: list[str]) -> None:
-        """Begin anew."""
+        """Restart the program."""
         _the(rest).session.reset()
 
     def stop(self, rest: list[str]) -> None:

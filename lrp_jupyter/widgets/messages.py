@@ -1,7 +1,7 @@
 """Messages from a page: their types, and the decoder that checks what arrives against them.
 
 A message is a frozen dataclass, registered under its ``type`` (a command under its ``do``). Whatever
-arrives is decoded by :func:`decode`, field by field, from the annotations alone: nothing behind it has to
+arrives is decoded by :func:`decode`, field by field, from the annotations alone: no handler has to
 expect a field that is missing, a text where a number belongs, or a number that JSON should not have. The
 page's TypeScript types are generated from the same classes.
 """
@@ -163,7 +163,7 @@ def decode(content: object) -> PageMessage:
     Raises
     ------
     MessageError
-        It is not a message, lacks a field, or a field has a wrong value; says which.
+        It is not a message, lacks a field, or a field has a wrong value; the message names it.
     """
     if not isinstance(content, dict):
         raise MessageError("A message must be an object.")

@@ -5,17 +5,17 @@ This module and the page's messages (`messages`, `commands`, `requests`, `inspec
 custom messages of the widget, told apart by ``type``. Fields that may be missing are `NotRequired`.
 
 **Views.** Every picture of a lab in a page gives itself a random name, the ``view`` of every message. A
-comm's messages reach all views of its widget, so each looks for its own name and drops the rest. The
+comm's messages reach all views of its widget, so each keeps those with its own name. The
 kernel keeps for each view what it has sent and how much credit is left, and forgets it at ``bye``.
 
 **Flow.** A view sends `HelloMessage` and gets one `SnapshotMessage`. From then on it gets `FrameMessage`,
 at most 30 a second, each holding what changed in the `ViewState` since the last one *sent to this view*
 (and a `WorldMessage`, if it shows a world that changed). Every frame carries a number, which the page sends
 back as `CreditMessage` for it and all before it; the kernel sends only while fewer than three are on their
-way. The page pays for two at a time, because the kernel reports itself busy and idle for each message that
-it gets, and the host draws that; a frame that comes alone is paid for at once. While nothing changes, an
-empty frame once a second is the heartbeat. Everything that must not be lost in a frame left out is
-cumulative: counts of entries, firings, issues, restarts.
+way. The page acknowledges two at a time, because the kernel reports itself busy and idle for each message
+that it gets, and the host draws that; a frame that comes alone is acknowledged at once. While nothing
+changes, an empty frame once a second is the heartbeat. Everything that must not be lost in a frame left out
+is cumulative: counts of entries, firings, issues, restarts; what moved is listed by revision.
 
 **Text.** A view sends the whole text with a number of its own, ``seq``; one is on its way at a time, the
 newest wins. The kernel gives each text a revision and answers to *all* views of the session: with ``seq``
@@ -23,7 +23,7 @@ and without the text to the sender, with ``seq`` 0 and the text to the others. I
 text which that view typed. The program that results and its layouts come with the next frame.
 
 **Commands and requests** with an ``id`` other than 0 get exactly one `ReplyMessage`, as soon as the session
-has applied or refused them; ``error`` is one sentence. A page that hears nothing for 300 ms says "kernel
+has applied or refused them; ``error`` is one sentence. A page without an answer for 300 ms shows "kernel
 busy".
 
 **Places** are lines and columns from 1, columns in characters, as the language counts them; the end is
@@ -228,7 +228,7 @@ class BridgeView(TypedDict):
 
 
 class PanelField(TypedDict):
-    """One field of a bridge's panel; kind ``value`` is shown only. To take a choice may `press` a button."""
+    """One field of a bridge's panel; kind ``value`` is shown only. A choice may `press` a button."""
 
     key: str
     label: str
@@ -373,7 +373,7 @@ class ViewState(TypedDict):
 
     ============= =======================================================================================
     ``status``    the words of `lrp_jupyter.interpreter.frame.Frame`; ``reason`` explains it
-    ``revision``  of the text that runs (the last one applied); ``program`` is what it says
+    ``revision``  of the text that runs (the last one applied); ``program`` is its structure
     ``active``    innermost active states, as spawned (``Interpreter.active`` as text)
     ``lit``       every active state by its path in the text, outer ones too: what the page marks
     ``entered``   state path -> entries, so that a visit too short to see leaves an afterglow
@@ -435,7 +435,7 @@ class AnswerMessage(TypedDict):
     """The session has read a text, and how it took it.
 
     `seq` is the receiver's own, or 0 where another view, a rename, a load or a cell brought the text, which
-    then comes along. `accepted`: it is a program; `applied`: it runs now; `reason` says why not, or why it
+    then comes along. `accepted`: it is a program; `applied`: it runs now; `reason` is why not, or why it
     restarted. `pending` is what a held text would change.
     """
 
@@ -454,7 +454,7 @@ class AnswerMessage(TypedDict):
 class SnapshotMessage(TypedDict):
     """Everything, for a view that has just come.
 
-    `running` is the text that runs, `text` the editor's. Its frame is paid for like any other.
+    `running` is the text that runs, `text` the editor's. Its frame is acknowledged like any other.
     """
 
     type: Literal["snapshot"]

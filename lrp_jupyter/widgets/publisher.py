@@ -39,7 +39,7 @@ __all__ = ["PendingReply", "Publisher", "Send"]
 
 _HEARTBEAT = 1.0
 _URGENT, _CALM = 0.015, 0.08  # s between two frames, at least: ten ticks a second come through
-_ROUND, _REST = 0.01, 0.1  # s until the next look if something urgent is owed, and if nobody calls
+_ROUND, _REST = 0.01, 0.1  # s until the next round if something urgent is owed, and if nothing wakes it
 _REFRESH, _REFRESH_HARDWARE = 0.2, 1.0  # s between two readings of what no program reads
 
 WINDOW = 3
@@ -391,7 +391,7 @@ class Publisher:
         if not self._views or now - when < pause or (running is not None and not running.done()):
             return
         if session.bridge.is_open and session.status in ("running", "paused"):
-            with suppress(SessionClosedError):  # since we looked
+            with suppress(SessionClosedError):  # closed meanwhile
                 self._refreshed = now, session.ask(do.Call(session.bridge.refresh))
 
     def _send_end(self) -> None:

@@ -35,7 +35,7 @@ def names() -> list[str]:
 
 
 def find(name: str) -> PageConnection | None:
-    """Give the open program of this name."""
+    """Return the open program of this name."""
     connection = _connections.get(name)
     return None if connection is None or connection.closed else connection
 
@@ -46,7 +46,7 @@ def running() -> Iterator[PageConnection]:
 
 
 def connection_of(session: Session) -> PageConnection:
-    """Give the connection of a session; one that was made elsewhere is shown as it is."""
+    """Return the connection of a session; one that was made elsewhere is shown as it is."""
     for connection in running():
         if connection.session is session:
             return connection
@@ -82,7 +82,7 @@ def open_program(
     ----------
     name : str
     text : str or None
-        What the cell says; None: whatever the lab has.
+        The text of the cell; None: whatever the lab has.
     bridge : str, optional
         The simulator unless given; of an open program, the one that it has.
     namespace : dict, optional
@@ -100,7 +100,7 @@ def open_program(
         There is no such bridge, or its robot cannot be reached.
     """
     if not name or name.startswith(".") or "/" in name or "\\" in name:
-        raise LRPError(f"`{name}` is no name for a program; use letters, digits, `_` and `-`.")
+        raise LRPError(f"`{name}` is not a valid name for a program. Use letters, digits, `_` and `-`.")
     connection = find(name)
     if connection is None:
         texts = Texts(FilePath(folder or os.getcwd()) / FOLDER)
@@ -156,7 +156,7 @@ def _reopen(old: Session, bridge: str, **options: Any) -> Session:
 
 
 def _first_text(texts: Texts, name: str, text: str | None) -> str:
-    """Give the text to begin with: the lab's of before, unless only the cell was changed since."""
+    """Return the text to begin with: the lab's of before, unless only the cell was changed since."""
     lab, cell = texts.kept(name, ".lrp"), texts.kept(name, ".cell")
     if lab is None:
         return text or ""

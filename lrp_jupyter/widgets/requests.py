@@ -297,7 +297,9 @@ def _references(text: str, line: int, column: int) -> ReferencesView | None:
     """Return the element whose name stands at a place of the text."""
     program, _ = scan(text)
     if program is None:
-        raise LRPError("The text is not a program at the moment: names cannot be followed.")
+        raise LRPError(
+            "The text is not a program at the moment: references cannot be found. Correct it first."
+        )
     found = find_references(program, offset_of(text, line, column))
     if found is None:
         return None

@@ -1,6 +1,6 @@
 """The texts of a session: what was typed, what of it runs, what is held back, and where it is kept.
 
-The kernel never types into an editor: it gives each text a revision and says what became of it. Every text
+The kernel never types into an editor: it gives each text a revision and answers what became of it. Every text
 that is a program is saved at once, so that no work is lost.
 """
 
@@ -207,7 +207,7 @@ class Texts:
             return ready
 
     def _is_decided(self, written: Written, now: float) -> bool:
-        """Whether the session has taken a text, and shows it if it runs."""
+        """Whether the session has applied or refused a text, and shows it if it runs."""
         answer = written.answer
         if not answer.done():
             if now < written.deadline:
@@ -264,7 +264,7 @@ class Texts:
     # -- files -------------------------------------------------------------------------------------
 
     def kept(self, name: str, ending: str) -> str | None:
-        """Give what is kept: the lab's text (``.lrp``), or the cell's that it came from (``.cell``)."""
+        """Return what is kept: the lab's text (``.lrp``), or the cell's that it came from (``.cell``)."""
         if self.folder is None:
             return None
         try:
@@ -277,7 +277,7 @@ class Texts:
         self._write(text, ".cell")
 
     def end_conflict(self) -> str | None:
-        """Remember the cell's text as known; give it, or None if there was no conflict."""
+        """Remember the cell's text as known; return it, or None if there was no conflict."""
         conflict, self.conflict = self.conflict, None
         if conflict is None:
             return None
@@ -303,7 +303,7 @@ class Texts:
 
 
 def finding_id(finding: Finding) -> str:
-    """Return what tells a finding from the others of its text."""
+    """Return the identity of a finding among those of its text."""
     return f"{finding.code} {finding.line}:{finding.column} {finding.message}"
 
 

@@ -50,7 +50,7 @@ class WorldCursor:
         return isinstance(picture, SimPicture) and picture != self._picture
 
     def advance(self, session: Session) -> tuple[dict[str, InkView], list[bytes]]:
-        """Return what a frame says of the movement: a field for new ink, and the buffer of the poses."""
+        """Return what a frame holds of the movement: a field for new ink, and the buffer of the poses."""
         bridge, picture = session.bridge, session.frame.robot
         assert isinstance(bridge, SimBridge)
         assert isinstance(picture, SimPicture)

@@ -164,7 +164,7 @@ def test_mistakes_are_said_in_a_sentence(shell, line, sentence):
         ("mine --wings", "`--wings` needs a value"),
         ("mine --wings 2", "has no option `wings`"),
         ("mine more", "what is `more`?"),
-        ("../mine", "no name for a program"),
+        ("../mine", "not a valid name for a program"),
         ("mine 'half", "No closing quotation"),
         ("mine --bridge none --world line", "`--world` is for the simulator"),
     ],

@@ -152,7 +152,7 @@ def test_another_world_begins_anew_and_the_same_one_does_not(cell):
 
 
 def test_a_name_cannot_leave_the_folder(cell):
-    with pytest.raises(LRPError, match="no name for a program"):
+    with pytest.raises(LRPError, match="not a valid name for a program"):
         cell(A, name="../mine")
 
 

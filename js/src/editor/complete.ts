@@ -122,9 +122,9 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
   const replies = questions.map((question) =>
     soon(lab.ask({ type: "complete", prefix: question, scope }), patience),
   );
-  const [names, taken] = await Promise.all(replies);
+  const [names, fields] = await Promise.all(replies);
   const known = new Set(own.map(({ label }) => label));
-  const more = [...(taken?.options ?? []), ...(names?.options ?? [])]
+  const more = [...(fields?.options ?? []), ...(names?.options ?? [])]
     .filter(({ label }) => !known.has(label))
     .map(({ label, kind, detail, info }) => ({
       label,
@@ -136,7 +136,7 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
   return options.length ? { from, options, validFor: /^[\w\u0080-\uffff]*$/ } : null;
 }
 
-/** What the kernel has to say, if it says it soon: a busy one shall not keep the rest back. */
+/** The kernel's reply if it comes soon: a busy kernel must not hold up the other options. */
 function soon<T>(reply: Promise<T>, patience: number): Promise<T | null> {
   return Promise.race([reply, new Promise<null>((resolve) => setTimeout(() => resolve(null), patience))]);
 }

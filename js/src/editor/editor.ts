@@ -31,7 +31,7 @@ import { lineSeparator } from "./places";
 import { adopt, adopted, Tracked } from "./texts";
 
 const PARSE_FOR = 200; // ms: a new text is shown in its colours at once
-const VALUES_AFTER = 200; // ms: nobody reads values that change faster, and each change lays out the page
+const VALUES_AFTER = 200; // ms: values that change faster cannot be read, and each change lays out the page
 
 /** Where cards may be: not cut off by the panel, nor below the window. */
 function visiblePart(root: HTMLElement): { left: number; top: number; right: number; bottom: number } {
@@ -59,7 +59,7 @@ export class Editor {
     store.watch(["findings", "issues", "revision"], () => {
       if (this.began) showDiagnostics(this.view, store.state, this.answered, this.running);
     });
-    store.watch(["lit", "fired", "variables", "events", "program"], () => this.follow());
+    store.watch(["lit", "fired", "variables", "events", "program"], () => this.update());
   }
 
   private extensions(): Extension {
@@ -98,7 +98,7 @@ export class Editor {
         tabindex: "0",
         "aria-label": "LRP program; Escape, then Tab leaves the editor",
       }),
-      EditorView.domEventHandlers({ mousedown: (event, view) => this.followLink(event, view) }),
+      EditorView.domEventHandlers({ mousedown: (event, view) => this.openLink(event, view) }),
       EditorView.updateListener.of((update) => {
         if (update.selectionSet) rememberCursor(lab.store.state.name, update.state.selection.main.head);
         if (!update.docChanged) return;
@@ -109,7 +109,7 @@ export class Editor {
     ];
   }
 
-  private followLink(event: MouseEvent, view: EditorView): boolean {
+  private openLink(event: MouseEvent, view: EditorView): boolean {
     const offset =
       event.ctrlKey || event.metaKey ? view.posAtCoords({ x: event.clientX, y: event.clientY }) : null;
     if (offset === null) return false;
@@ -133,7 +133,7 @@ export class Editor {
     this.began = true;
     forceParsing(this.view, this.view.state.doc.length, PARSE_FOR);
     this.answered.begin(this.view.state.toText(text));
-    this.onItsWay.take(this.answered);
+    this.onItsWay.copy(this.answered);
     this.running.begin(this.view.state.toText(running));
     if (this.text === running) this.running.begin(this.view.state.doc);
   }
@@ -156,21 +156,21 @@ export class Editor {
   }
 
   /** A text came from elsewhere: another view, a rename, a cell. What is typed here is newer and stays. */
-  take(text: string): void {
+  replaceText(text: string): void {
     if (!this.connection.inFlight) {
       this.put(text);
       this.onItsWay.begin(this.view.state.doc);
     }
   }
 
-  /** The text on its way was answered (`mine`), or the one just taken; it runs now if `applied`. */
+  /** The text on its way was answered (`mine`), or one from elsewhere that replaced it; it runs now if `applied`. */
   wasAnswered(applied: boolean): void {
-    this.answered.take(this.onItsWay);
-    if (applied) this.running.take(this.onItsWay);
+    this.answered.copy(this.onItsWay);
+    if (applied) this.running.copy(this.onItsWay);
   }
 
   /** Note which text goes on its way; called before each sending. */
-  departs(): void {
+  markSent(): void {
     this.onItsWay.begin(this.view.state.doc);
   }
 
@@ -180,7 +180,7 @@ export class Editor {
   }
 
   /** Draw the program's run: its marks at once, values alone now and then. */
-  private follow(): void {
+  private update(): void {
     const marks = marksOf(this.lab.store.state);
     if (marks !== this.marks) this.redraw();
     else this.redrawing ||= window.setTimeout(() => this.redraw(), VALUES_AFTER);

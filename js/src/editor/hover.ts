@@ -1,4 +1,4 @@
-/** The card under the pointer: what a name is, the value it has now, and what is said about it. */
+/** The card under the pointer: what a name is, the value it has now, and its documentation. */
 
 import { syntaxTree } from "@codemirror/language";
 import type { Extension } from "@codemirror/state";

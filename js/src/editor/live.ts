@@ -54,7 +54,7 @@ export function marksOf({ lit, fired, program }: LabState): string {
   return [...lit, ...program.machines.map(({ path }) => lastFired(fired, path))].join(" ");
 }
 
-/** Draws what `state` says; `values` tells whether the values are wanted. */
+/** Draws the run of the program; `values` returns whether values are shown. */
 export function live(state: LabState, values: () => boolean) {
   return ViewPlugin.fromClass(
     class {
@@ -65,9 +65,10 @@ export function live(state: LabState, values: () => boolean) {
       }
 
       update(update: ViewUpdate): void {
-        const told = update.transactions.some((tr) => tr.effects.some((effect) => effect.is(liveChanged)));
+        const changed = update.transactions.some((tr) => tr.effects.some((effect) => effect.is(liveChanged)));
         const parsed = syntaxTree(update.startState) !== syntaxTree(update.state);
-        if (told || parsed || update.docChanged) this.decorations = decorate(update.state, state, values());
+        if (changed || parsed || update.docChanged)
+          this.decorations = decorate(update.state, state, values());
       }
     },
     { decorations: (plugin) => plugin.decorations },

@@ -10,7 +10,7 @@ import { placeOf, spanOf } from "./places";
 
 async function references(view: EditorView, lab: Lab, offset: number): Promise<ReferencesView | null> {
   const reply = await lab.ask({ type: "references", ...placeOf(view.state.doc, offset) });
-  if (reply.error) lab.say(reply.error);
+  if (reply.error) lab.notify(reply.error);
   return reply.references ?? null;
 }
 
@@ -37,7 +37,7 @@ const renameField = StateField.define<Tooltip | null>({
 export async function rename(view: EditorView, lab: Lab, offset: number): Promise<void> {
   const found = await references(view, lab, offset);
   if (!found) {
-    lab.say("There is no name here that can be renamed.");
+    lab.notify("There is no name here that can be renamed.");
     return;
   }
   const close = () => {

@@ -21,7 +21,7 @@ export class Tracked {
   }
 
   /** Refer to what another one refers to. */
-  take(other: Tracked): void {
+  copy(other: Tracked): void {
     this.doc = other.doc;
     this.changes = other.changes;
   }

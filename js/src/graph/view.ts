@@ -1,4 +1,4 @@
-/** The state graph of the machine looked at: drawn, marked, moved around in, and worked with. */
+/** The state graph of the machine shown: drawing, marks, zoom and pan, menus. */
 
 import { restartNotice } from "../parts/notes";
 import type { Layout } from "../protocol";
@@ -15,7 +15,7 @@ type Mode = "live" | "static" | "hidden";
 const DRAG_FROM = 4; // px of movement that make a press a drag
 const LEGIBLE = 0.5; // a large machine begins at its corner, so that its names can be read
 const NEARLY = 0.8; // rather a bit smaller than cut off
-const TELL_EVERY = 40; // ms between two places of a dragged state
+const SEND_EVERY = 40; // ms between two places of a dragged state
 
 export function graphView(lab: Lab): HTMLElement {
   const { store } = lab;
@@ -34,7 +34,7 @@ export function graphView(lab: Lab): HTMLElement {
     if (camera.scale < least * NEARLY) camera.corner({ x, y }, least);
     place();
   };
-  const redraw = (anew = false) => {
+  const redraw = (force = false) => {
     const layout = store.state.layouts[store.state.machine] ?? null;
     svg.toggleAttribute("hidden", mode === "hidden");
     if (mode === "hidden" || !layout) {
@@ -43,8 +43,8 @@ export function graphView(lab: Lab): HTMLElement {
     }
     layers.root.removeAttribute("visibility");
     const other = shown?.machine !== layout.machine;
-    if (shown === layout && !anew) return;
-    if (mode === "static" && !other && !anew) {
+    if (shown === layout && !force) return;
+    if (mode === "static" && !other && !force) {
       element.dataset.stale = "";
       return;
     }
@@ -66,7 +66,7 @@ export function graphView(lab: Lab): HTMLElement {
     {
       class: "lrp-select",
       "aria-label": "How the graph is drawn",
-      title: "Live: with every edit. Static: drawn anew on the button.",
+      title: "Live: with every edit. Static: redrawn by the button.",
       onchange: () => {
         mode = modes.value as Mode;
         element.dataset.mode = mode;
@@ -81,7 +81,7 @@ export function graphView(lab: Lab): HTMLElement {
   };
   const whole = () => {
     fit();
-    camera.moved = camera.scale < LEGIBLE; // a resize shall not undo it
+    camera.moved = camera.scale < LEGIBLE; // or a resize would undo it
   };
   const { element } = panel(
     "graph",
@@ -96,7 +96,7 @@ export function graphView(lab: Lab): HTMLElement {
       modes,
       button({
         icon: "arrange",
-        title: "Arrange all states anew",
+        title: "Lay out all states again",
         action: "arrange",
         onclick: () => void lab.act({ do: "arrange", path: store.state.machine }),
       }),
@@ -136,7 +136,7 @@ export function graphView(lab: Lab): HTMLElement {
     const begin = local(event);
     let last = begin;
     let moved = false;
-    let told = 0;
+    let sent = 0;
     const move = (now: PointerEvent) => {
       const point = local(now);
       if (!moved && Math.hypot(point.x - begin.x, point.y - begin.y) < DRAG_FROM) return;
@@ -146,8 +146,8 @@ export function graphView(lab: Lab): HTMLElement {
         const [x, y] = camera.inside(point.x, point.y);
         node.setAttribute("data-dragged", "");
         moveState(node, x, y);
-        if (now.timeStamp - told > TELL_EVERY) {
-          told = now.timeStamp;
+        if (now.timeStamp - sent > SEND_EVERY) {
+          sent = now.timeStamp;
           pin(node, x, y);
         }
       } else {

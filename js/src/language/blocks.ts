@@ -6,7 +6,7 @@
  * which learns that way how far a token has looked ahead.
  */
 
-/** The UTF-16 unit at an offset; -1 behind the end (and before the beginning). */
+/** The UTF-16 unit at an offset; -1 after the end (and before the beginning). */
 export type CharAt = (offset: number) => number;
 
 const HASH = 35;
@@ -62,7 +62,7 @@ function tripled(at: CharAt, position: number): boolean {
   return at(position + 1) === quote && at(position + 2) === quote;
 }
 
-/** The offset behind a string; of one that is not closed, the end of its line or of the text. */
+/** The offset after a string; of one that is not closed, the end of its line or of the text. */
 function stringEnd(at: CharAt, quoteAt: number, floor: number): number {
   const end = closedEnd(at, quoteAt, floor, 0);
   if (end >= 0) return end;
@@ -108,7 +108,7 @@ function plainEnd(at: CharAt, from: number, quote: number, triple: boolean): num
   }
 }
 
-/** The offset behind a string; -1 if it is not closed. */
+/** The offset after a string; -1 if it is not closed. */
 function closedEnd(at: CharAt, quoteAt: number, floor: number, depth: number): number {
   const quote = at(quoteAt);
   const triple = tripled(at, quoteAt);
@@ -179,7 +179,7 @@ function namedEnd(at: CharAt, position: number): number {
   }
 }
 
-/** The offset behind the `}` of a replacement field; -1 if it is not closed. */
+/** The offset after the `}` of a replacement field; -1 if it is not closed. */
 function fieldEnd(at: CharAt, from: number, quote: number, triple: boolean, depth: number): number {
   let position = from;
   let level = 0;
@@ -199,7 +199,7 @@ function fieldEnd(at: CharAt, from: number, quote: number, triple: boolean, dept
   }
 }
 
-/** The offset behind the `}` of a field whose format begins at `from`; -1 if it is not closed. */
+/** The offset after the `}` of a field whose format begins at `from`; -1 if it is not closed. */
 function formatEnd(at: CharAt, from: number, quote: number, triple: boolean, depth: number): number {
   if (depth > DEEPEST) return -1;
   let position = from;

@@ -1,4 +1,4 @@
-/** The two kinds of token that a regular grammar cannot tell: words behind `(`, and Python. */
+/** The two kinds of token that a regular grammar cannot tell: words after `(`, and Python. */
 
 import { ExternalTokenizer, type InputStream } from "@lezer/lr";
 import { blockEnd } from "./blocks";
@@ -21,7 +21,7 @@ const WORDS: Record<string, number> = {
   onresume: terms.onresume,
 };
 
-/** Keywords are words only directly behind `(`, the one place at which the parser asks for them. */
+/** Keywords are words only directly after `(`, the one place at which the parser asks for them. */
 export const word = new ExternalTokenizer((input: InputStream) => {
   let text = "";
   for (let char = input.next; isNameUnit(char); char = input.advance()) text += String.fromCharCode(char);
@@ -31,7 +31,7 @@ export const word = new ExternalTokenizer((input: InputStream) => {
 
 /** The inside of a block. One that is not closed ends with its line, so that the rest keeps its shape. */
 export const python = new ExternalTokenizer((input: InputStream) => {
-  if (input.peek(-1) !== 91) return; // white space behind an empty block
+  if (input.peek(-1) !== 91) return; // white space after an empty block
   const start = input.pos - 1;
   const end = blockEnd((offset) => input.peek(offset - input.pos), start);
   let length = end - input.pos;

@@ -1,4 +1,4 @@
-/** The controls: run, pause, step, reset, stop; rate and speed; the bridge; what the kernel says. */
+/** The controls: run, pause, step, reset, stop; rate and speed; the bridge; the status. */
 
 import type { Topic } from "../session/state";
 import type { Lab } from "../session/store";

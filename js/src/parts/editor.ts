@@ -41,7 +41,7 @@ function beginnings(lab: Lab, editor: Editor): HTMLElement {
   const { store } = lab;
   const list = h("div", { class: "lrp-row" });
   const offer = h("div", { class: "lrp-beginnings" }, h("p", {}, "Begin with"), list);
-  const look = () => {
+  const update = () => {
     offer.hidden = editor.text.trim() !== "" || store.state.choices.programs.length === 0;
   };
   store.watch(["choices", "snapshot"], () => {
@@ -55,6 +55,6 @@ function beginnings(lab: Lab, editor: Editor): HTMLElement {
     );
     list.replaceChildren(...buttons);
   });
-  store.watch(["choices", "snapshot", "findings", "revision", "program"], look);
+  store.watch(["choices", "snapshot", "findings", "revision", "program"], update);
   return offer;
 }

@@ -1,4 +1,4 @@
-/** Looking into an element or a value: structure, source, members; live while it is open. Paper: §6.5. */
+/** The inspector of an element or a value: structure, source, members; live while it is open. Paper: §6.5. */
 
 import type { ElementKind, Facet, InspectView } from "../protocol";
 import type { Lab } from "../session/store";

@@ -81,7 +81,7 @@ function make(lab: Lab, entry: Entry): HTMLElement {
       onclick: () => {
         const { range, issue, ofRunning } = current.get(item) ?? entry;
         if (range) lab.goToRange(range, ofRunning);
-        else if (issue) lab.say(issue.message);
+        else if (issue) lab.notify(issue.message);
       },
     },
     h("span", { class: "lrp-dot", "aria-hidden": "true" }),

@@ -1,4 +1,4 @@
-/** What the lab has to say: no kernel, held edits, two texts, a block that hangs, a restart; and what a screen reader hears. */
+/** The notes of the lab: no kernel, held edits, two texts, a block that hangs, a restart; and the texts for a screen reader. */
 
 import type { Difference } from "../protocol";
 import type { Lab } from "../session/store";
@@ -32,7 +32,7 @@ function linkNote(lab: Lab, text: () => string): HTMLElement {
     note.hidden = !(link === "lost" || link === "dead" || link === "busy" || broken);
     copy.hidden = link !== "dead";
     const sentence = {
-      busy: "Kernel busy: what you do is carried out as soon as it can listen.",
+      busy: "Kernel busy: commands are applied as soon as it is free.",
       lost: "No word from the kernel for 3 seconds. What you see is old; what you type is kept.",
       dead: "The kernel was restarted or shut down. Run the cell again to go on; the text here is kept.",
     }[link as string];
@@ -167,7 +167,7 @@ const PAUSE = 1000; // ms
 export function announcer(lab: Lab): HTMLElement {
   const region = h("div", { class: "lrp-hidden", "aria-live": "polite", role: "status" });
   let _timer: ReturnType<typeof setTimeout> | undefined;
-  let said = "";
+  let announced = "";
   const speak = () => {
     const { active, status } = lab.store.state;
     const states = active.map((path) =>
@@ -177,7 +177,7 @@ export function announcer(lab: Lab): HTMLElement {
         .join(", "),
     );
     const words = `${status === "running" ? "" : `${status}. `}${states.length ? `In ${states.join(" and ")}` : ""}`;
-    if (words !== said) region.textContent = said = words;
+    if (words !== announced) region.textContent = announced = words;
   };
   lab.store.watch(["active", "status"], () => {
     _timer ??= setTimeout(() => {

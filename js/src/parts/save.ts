@@ -20,7 +20,7 @@ export function saveForm(lab: Lab): { element: HTMLElement; open: () => void } {
         error.textContent = refusal ?? "";
         if (!refusal) {
           close();
-          lab.say(`Saved as ${input.value.trim()}.`);
+          lab.notify(`Saved as ${input.value.trim()}.`);
         }
       },
       onkeydown: (event: KeyboardEvent) => {

@@ -1,5 +1,5 @@
 /**
- * Single parts of one session in one page look at the same machine, and a click in one finds the source
+ * Single parts of one session in one page show the same machine, and a click in one finds the source
  * in another. Modules are not shared between widgets, so they talk through the document.
  */
 

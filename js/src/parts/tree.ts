@@ -1,4 +1,4 @@
-/** All machines, nested as in the program; each says which of its states is active. */
+/** All machines, nested as in the program; each with its active state. */
 
 import type { MachineItem } from "../protocol";
 import type { Lab } from "../session/store";
@@ -8,14 +8,11 @@ import { h, reconcile, setAttribute, setText } from "../ui/dom";
 export function treeView(lab: Lab): HTMLElement {
   const { store } = lab;
   const list = h("div", { class: "lrp-tree", role: "tree", "aria-label": "Machines" });
-  const follow = toggle(
-    "Follow",
-    "Always look at the machine of the innermost active state",
-    "follow",
-    (on) => store.set("follow", on),
+  const follow = toggle("Follow", "Always show the machine of the innermost active state", "follow", (on) =>
+    store.set("follow", on),
   );
   const { element } = panel("tree", "Machines", [follow], list);
-  const look = (path: string) => {
+  const showMachine = (path: string) => {
     if (store.state.follow && path !== store.state.machine) store.set("follow", false);
     store.set("machine", path);
   };
@@ -26,7 +23,7 @@ export function treeView(lab: Lab): HTMLElement {
         class: "lrp-tree-item",
         role: "treeitem",
         "data-lrp-machine": path,
-        onclick: () => look(path),
+        onclick: () => showMachine(path),
         ondblclick: () => lab.goTo("machine", path),
       },
       h("span", { class: "lrp-dot", "aria-hidden": "true" }),
@@ -65,7 +62,7 @@ export function treeView(lab: Lab): HTMLElement {
     const path = (event.target as HTMLElement).dataset.lrpMachine;
     if (event.key === "Enter" && path) lab.goTo("machine", path);
     else if (next) {
-      look(next.dataset.lrpMachine!);
+      showMachine(next.dataset.lrpMachine!);
       next.focus();
     } else return;
     event.preventDefault();

@@ -1,4 +1,4 @@
-/** The variables in scope of the machine looked at, live, grouped by machine, changed in place. Paper: §6.5. */
+/** The variables in scope of the machine shown, live, grouped by machine, changed in place. Paper: §6.5. */
 
 import { AFTERGLOW } from "../graph/marks";
 import type { Lab } from "../session/store";
@@ -42,7 +42,7 @@ export function variablesView(lab: Lab): HTMLElement {
   return element;
 }
 
-/** Groups from the machine looked at outward, the globals last. */
+/** Groups from the machine shown outward, the globals last. */
 export function groupsInScope(
   program: { variables: string[]; machines: { path: string; variables: string[] }[] },
   machine: string,
@@ -78,7 +78,7 @@ class Row {
       title: "Change",
       onclick: () => this.edit(),
     });
-    const look = button({
+    const inspect = button({
       icon: "search",
       title: `Inspect ${name}`,
       action: "inspect",
@@ -100,7 +100,7 @@ class Row {
       source,
       this.spark.element,
       this.value,
-      look,
+      inspect,
     );
   }
 

@@ -42,9 +42,9 @@ export const realClock: Clock = {
 export const BUSY_AFTER = 300;
 export const LOST_AFTER = 3000;
 const GONE_AFTER = 1500;
-/** Frames paid for at a time, fewer than may be on their way; one that comes so late (ms) alone. */
-const PAY_FOR = 2;
-const PAY_AFTER = 500;
+/** Frames acknowledged at a time, fewer than may be on their way; one that comes so late (ms) alone. */
+const CREDIT_AFTER_FRAMES = 2;
+const CREDIT_AFTER = 500;
 
 /** Each member of a union without the fields that this module fills in. */
 type Without<T, K extends PropertyKey> = T extends unknown ? Omit<T, K> : never;
@@ -73,14 +73,14 @@ export class Connection {
   private waitingText: string | null = null;
   private sentText: string | null = null;
   private link: Link = "connecting";
-  /** When the comm was said to come or go: if nothing is heard after that, the kernel is gone. */
-  private doubted = Number.POSITIVE_INFINITY;
-  private heard: number;
-  private asked: number;
+  /** When the comm was reported to come or go: if no message follows, the kernel is gone. */
+  private suspectedAt = Number.POSITIVE_INFINITY;
+  private lastMessage: number;
+  private lastHello: number;
   private readonly waiting = new Map<number, { since: number; resolve: (reply: ReplyMessage) => void }>();
   private textSince = 0;
-  private unpaid = 0;
-  private paid = Number.NEGATIVE_INFINITY;
+  private uncredited = 0;
+  private credited = Number.NEGATIVE_INFINITY;
   private readonly stop: () => void;
 
   constructor(
@@ -91,16 +91,16 @@ export class Connection {
     view: string = crypto.randomUUID?.() ?? String(Math.random()),
   ) {
     this.view = view;
-    this.heard = this.asked = clock.now();
+    this.lastMessage = this.lastHello = clock.now();
     model.on("msg:custom", this.receive);
-    model.on("comm_live_update", this.doubt);
-    this.stop = clock.every(100, () => this.look());
+    model.on("comm_live_update", this.suspect);
+    this.stop = clock.every(100, () => this.updateLink());
     this.hello();
   }
 
   /** Ask for everything. */
   hello(): void {
-    this.asked = this.clock.now();
+    this.lastHello = this.clock.now();
     this.post({ type: "hello", view: this.view, part: this.part });
   }
 
@@ -136,8 +136,8 @@ export class Connection {
     this.stop();
     this.post({ type: "bye", view: this.view });
     this.model.off("msg:custom", this.receive);
-    this.model.off("comm_live_update", this.doubt);
-    for (const [id] of this.waiting) this.settle({ type: "reply", view: this.view, id, error: "closed" });
+    this.model.off("comm_live_update", this.suspect);
+    for (const [id] of this.waiting) this.resolve({ type: "reply", view: this.view, id, error: "closed" });
   }
 
   private wait(make: (id: number) => FromPage): Promise<ReplyMessage> {
@@ -158,35 +158,35 @@ export class Connection {
 
   private readonly receive = (message: FromKernel, buffers: DataView[] = []): void => {
     if (!message || message.view !== this.view) return;
-    this.heard = this.clock.now();
-    this.doubted = Number.POSITIVE_INFINITY;
-    if (message.type === "frame") this.pay(message.frame);
-    if (message.type === "reply") this.settle(message);
+    this.lastMessage = this.clock.now();
+    this.suspectedAt = Number.POSITIVE_INFINITY;
+    if (message.type === "frame") this.credit(message.frame);
+    if (message.type === "reply") this.resolve(message);
     if (message.type === "answer") this.answered(message);
     if (message.type === "snapshot") {
       this.base = message.revision;
-      this.pay(message.frame.frame);
+      this.credit(message.frame.frame);
     }
-    this.look();
+    this.updateLink();
     this.listener.message(message, buffers);
     if (message.type === "answer" && message.seq) this.next();
     if (message.type === "snapshot") this.restart(message.text);
   };
 
-  /** Every message makes the kernel say "busy" and "idle", which its host draws: pay for two at a time. */
-  private pay(frame: number): void {
-    this.unpaid += 1;
-    if (this.unpaid < PAY_FOR && this.heard - this.paid < PAY_AFTER) return;
-    this.unpaid = 0;
-    this.paid = this.heard;
+  /** Every message makes the kernel say "busy" and "idle", which its host draws: acknowledge two at a time. */
+  private credit(frame: number): void {
+    this.uncredited += 1;
+    if (this.uncredited < CREDIT_AFTER_FRAMES && this.lastMessage - this.credited < CREDIT_AFTER) return;
+    this.uncredited = 0;
+    this.credited = this.lastMessage;
     this.post({ type: "credit", view: this.view, frame });
   }
 
-  private readonly doubt = (): void => {
-    this.doubted = this.clock.now();
+  private readonly suspect = (): void => {
+    this.suspectedAt = this.clock.now();
   };
 
-  private settle(reply: ReplyMessage): void {
+  private resolve(reply: ReplyMessage): void {
     this.waiting.get(reply.id)?.resolve(reply);
     this.waiting.delete(reply.id);
   }
@@ -210,19 +210,19 @@ export class Connection {
     if (mine !== null && mine !== text) this.text(mine);
   }
 
-  private look(): void {
+  private updateLink(): void {
     if (this.link === "dead") return;
     const now = this.clock.now();
-    if (now - Math.max(this.doubted, this.heard) >= GONE_AFTER) {
+    if (now - Math.max(this.suspectedAt, this.lastMessage) >= GONE_AFTER) {
       this.become("dead");
       return;
     }
-    if (now - this.heard >= LOST_AFTER) {
+    if (now - this.lastMessage >= LOST_AFTER) {
       if (this.link !== "connecting") this.become("lost");
-      if (now - this.asked >= LOST_AFTER) this.hello();
+      if (now - this.lastHello >= LOST_AFTER) this.hello();
       return;
     }
-    if (this.link === "connecting" && this.heard <= this.asked) return;
+    if (this.link === "connecting" && this.lastMessage <= this.lastHello) return;
     let since = this.inFlight ? this.textSince : now;
     for (const { since: asked } of this.waiting.values()) since = Math.min(since, asked);
     this.become(now - since >= BUSY_AFTER ? "busy" : "live");

@@ -12,7 +12,7 @@ import {
   type WorldView,
 } from "../protocol";
 
-/** How the page hears the kernel: not yet, live, commands wait, nothing for seconds, never again. */
+/** How the kernel answers: not yet, at once, late, not for seconds, never again. */
 export type Link = "connecting" | "live" | "busy" | "lost" | "dead";
 
 export interface LabState extends ViewState {
@@ -101,7 +101,7 @@ function carriedOver(state: LabState, moved: Changes<ViewState>["moved"]): Parti
   return fields;
 }
 
-/** The fields that a frame changes, with their new values: objects entry by entry, null takes one away. */
+/** The fields that a frame changes, with their new values: objects entry by entry, null removes one. */
 function merged(state: ViewState, frame: Changes<ViewState>): Partial<ViewState> {
   const fields: Record<string, unknown> = {};
   for (const key of Object.keys(EMPTY_VIEW_STATE) as (keyof ViewState)[]) {

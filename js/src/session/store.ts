@@ -1,4 +1,4 @@
-/** The state of one view and who is told of its changes: at most once per picture of the screen. */
+/** The state of one view and its watchers, which are called once per picture of the screen at most. */
 
 import type { ElementKind, ReplyMessage, TextRange } from "../protocol";
 import type { Act, Question } from "./connection";
@@ -20,7 +20,7 @@ export class Store {
     return () => this.watchers.delete(watcher);
   }
 
-  /** Note changes; the watchers hear of them before the next picture. */
+  /** Note changes; the watchers are called before the next picture. */
   touch(topics: Iterable<Topic>): void {
     for (const topic of topics) this.changed.add(topic);
     if (!this.scheduled && this.changed.size) this.scheduled = requestAnimationFrame(() => this.flush());
@@ -62,6 +62,7 @@ export interface Lab {
   inspect(kind: ElementKind, path: string): void;
   rename(kind: ElementKind, path: string): void;
   insert(text: string): void;
-  say(sentence: string): void;
+  /** Show a sentence for some seconds. */
+  notify(sentence: string): void;
   readonly root: HTMLElement;
 }

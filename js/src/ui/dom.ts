@@ -38,7 +38,7 @@ function furnish<E extends Element>(element: E, attributes: Attributes, children
   return element;
 }
 
-/** Set an attribute, only if it changes; false, null and undefined take it away. */
+/** Set an attribute, only if it changes; false, null and undefined remove it. */
 export function setAttribute(element: Element, name: string, value: unknown): void {
   if (value === false || value === null || value === undefined) {
     if (element.hasAttribute(name)) element.removeAttribute(name);

@@ -1,13 +1,13 @@
 /**
- * Light or dark, told by the background that is really there: in a dark JupyterLab the browser's own
+ * Light or dark, by the background that is really there: in a dark JupyterLab the browser's own
  * preference may well be light.
  */
 
 export function watchTheme(root: HTMLElement): () => void {
-  const look = () => {
+  const update = () => {
     root.dataset.theme = isDark(root.parentElement ?? document.body) ? "dark" : "light";
   };
-  const observer = new MutationObserver(look);
+  const observer = new MutationObserver(update);
   const attributes = {
     attributes: true,
     attributeFilter: ["class", "style", "data-jp-theme-light", "data-theme"],
@@ -15,12 +15,12 @@ export function watchTheme(root: HTMLElement): () => void {
   observer.observe(document.body, attributes);
   observer.observe(document.documentElement, attributes);
   const preference = window.matchMedia("(prefers-color-scheme: dark)");
-  preference.addEventListener("change", look);
-  look();
-  requestAnimationFrame(look); // a view may be rendered before it is attached
+  preference.addEventListener("change", update);
+  update();
+  requestAnimationFrame(update); // a view may be rendered before it is attached
   return () => {
     observer.disconnect();
-    preference.removeEventListener("change", look);
+    preference.removeEventListener("change", update);
   };
 }
 

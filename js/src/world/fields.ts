@@ -1,4 +1,4 @@
-/** The fields of a panel that a person fills in. What was typed stays, until the bridge says otherwise. */
+/** The fields of a panel that a person fills in. What was typed stays until the bridge has another value. */
 
 import type { PanelField, PanelView } from "../protocol";
 import { h } from "../ui/dom";
@@ -23,7 +23,7 @@ export function inputs(panel: PanelView, press: (key: string, row: string) => vo
   const element = h("div", { class: "lrp-fields" });
   const controls = new Map<string, Input>();
   const offers = new Map<string, HTMLDataListElement>();
-  const told = new Map<string, string>();
+  const received = new Map<string, string>();
   for (const field of panel.fields) {
     if (field.kind === "value") continue;
     const input = control(field);
@@ -33,8 +33,8 @@ export function inputs(panel: PanelView, press: (key: string, row: string) => vo
       offers.set(field.key, offer);
       input.setAttribute("list", offer.id);
       input.addEventListener("input", () => {
-        const taken = [...offer.options].some(({ value }) => value === read(input));
-        if (field.press && taken) press(field.press, read(input));
+        const chosen = [...offer.options].some(({ value }) => value === read(input));
+        if (field.press && chosen) press(field.press, read(input));
       });
     }
     const unit = field.unit && h("span", { class: "lrp-faint" }, field.unit);
@@ -48,13 +48,14 @@ export function inputs(panel: PanelView, press: (key: string, row: string) => vo
         if (!input) continue;
         offers.get(key)?.replaceChildren(...options(choices, offers.get(key)!));
         if (kind === "choice") (input as HTMLSelectElement).replaceChildren(...options(choices, input));
-        if (value !== told.get(key)) write(input, value);
-        told.set(key, value);
+        if (value !== received.get(key)) write(input, value);
+        received.set(key, value);
       }
     },
     clear() {
       for (const [key, input] of controls)
-        if (input instanceof HTMLInputElement && input.type === "text" && !told.get(key)) input.value = "";
+        if (input instanceof HTMLInputElement && input.type === "text" && !received.get(key))
+          input.value = "";
     },
   };
 }

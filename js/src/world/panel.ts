@@ -30,7 +30,7 @@ export function bridgePanel(lab: Lab): HTMLElement {
   return body;
 }
 
-/** What there is, without what it says: while that stays, the elements stay, and what was typed into them. */
+/** The form of a panel without its values: while it stays, the elements and what was typed in them stay. */
 function shapeOf({ title, fields, tables, buttons, questions }: PanelView): string {
   return JSON.stringify([
     title,
@@ -95,7 +95,7 @@ function pressable({ key, label }: PanelButton, onclick: () => void): HTMLButton
   return button({ label, title: label, action: `panel-${key}`, onclick });
 }
 
-/** How the connection is, and the runstop; commands that are not sent are said here. */
+/** How the connection is, and the runstop; commands that were not sent are listed here. */
 function head(panel: PanelView, lab: Lab, press: (key: string) => unknown) {
   const dot = h("span", { class: "lrp-dot", "aria-hidden": "true" });
   const sentence = h("p", { class: "lrp-sentence", "data-show": AT_THE_HEAD });
@@ -189,7 +189,7 @@ function questionForm({ key, text, button: label }: PanelQuestion, lab: Lab) {
       element.requestSubmit();
     },
   });
-  let told: string | null = null;
+  let received: string | null = null;
   const element = h(
     "form",
     {
@@ -205,8 +205,8 @@ function questionForm({ key, text, button: label }: PanelQuestion, lab: Lab) {
   return {
     element,
     refresh({ default: value }: PanelQuestion) {
-      if (value !== told) input.value = value;
-      told = value;
+      if (value !== received) input.value = value;
+      received = value;
     },
   };
 }

@@ -19,7 +19,7 @@ export interface Snapshot {
   solids: Pose[];
 }
 
-/** How many bytes the poses of a world take. */
+/** The size of the poses of a world, in bytes. */
 export function poseBytes(world: FullWorld): number {
   let floats = 0;
   for (const { light, distance } of world.robots) floats += 5 + light.length + distance.length;
@@ -57,7 +57,7 @@ function standingPoses(world: FullWorld): Pose[] {
   });
 }
 
-/** A world as its description says, before the first poses come. */
+/** A world as it is described, before the first poses come. */
 export function firstPoses(world: FullWorld): Snapshot {
   const robots = world.robots.map(({ pose, light, distance }) => ({
     pose,

@@ -7,7 +7,7 @@ import { type Palette, paintFloor, paintMovers, paintStroke } from "./paint";
 import { between, firstPoses, type Snapshot } from "./poses";
 
 const SPAN = 110; // ms over which a new pose is approached at most: they come ten times a second
-const CALM = 30; // ms between two pictures at least: more of them nobody sees, and typing needs the time
+const CALM = 30; // ms between two pictures at least: more cannot be seen, and typing needs the time
 
 export class Stage {
   readonly canvas = document.createElement("canvas");

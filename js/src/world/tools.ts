@@ -8,7 +8,7 @@ import type { Stage } from "./stage";
 
 export type Tool = "move" | "draw" | "erase";
 
-const TELL_EVERY = 40; // ms
+const SEND_EVERY = 40; // ms
 const WIDTH: Record<Exclude<Tool, "move">, number> = { draw: 0.03, erase: 0.08 };
 const STEP = 0.02; // metres by an arrow key
 const TURN = Math.PI / 18;
@@ -54,10 +54,10 @@ export function useTools(stage: Stage, lab: Lab, tool: () => Tool): void {
     canvas.focus({ preventScroll: true });
     const begin = local(event);
     const drag = tool() === "move" ? dragging(begin) : drawing(begin, tool() as Exclude<Tool, "move">);
-    let told = 0;
+    let sent = 0;
     const move = (now: PointerEvent) => {
-      const due = now.timeStamp - told > TELL_EVERY;
-      if (due) told = now.timeStamp;
+      const due = now.timeStamp - sent > SEND_EVERY;
+      if (due) sent = now.timeStamp;
       drag.move(local(now), due, now.shiftKey);
     };
     const end = () => {

@@ -142,7 +142,7 @@ export function worldView(lab: Lab): WorldPart {
   };
 }
 
-/** A panel of a robot says more than a picture of a world, and gets more of its column. */
+/** A panel of a robot holds more than a picture of a world, and gets more of its column. */
 function makeRoom(element: HTMLElement, wanted: boolean): void {
   if (element.hasAttribute("data-roomy") === wanted) return;
   element.toggleAttribute("data-roomy", wanted);
