@@ -213,8 +213,9 @@ class Interpreter:
         while act is not None:
             edge = act.row.edge
             while edge is not None:
+                test = edge.test  # Python is slower to call an attribute than a local name
                 try:
-                    holds = edge.test()
+                    holds = test()
                 except BaseException as error:
                     run.fault(edge.tested, error)
                     holds = False
@@ -230,8 +231,9 @@ class Interpreter:
                             log += (cell.cell_contents, cell, undo_write)
                         except ValueError:
                             log += (UNSET, cell, undo_write)
+                    call = action.call
                     try:
-                        action.call()
+                        call()
                     except BaseException as error:
                         run.fault(action.site, error)
                     action = action.next

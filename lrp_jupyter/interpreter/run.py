@@ -152,8 +152,9 @@ class Run:
                     log += (cell.cell_contents, cell, undo_write)
                 except ValueError:
                     log += (UNSET, cell, undo_write)
+            call = action.call
             try:
-                action.call()
+                call()
             except BaseException as error:
                 self.fault(action.site, error)
             action = action.next
@@ -176,8 +177,9 @@ class Run:
                     log += (cell.cell_contents, cell, undo_write)
                 except ValueError:
                     log += (UNSET, cell, undo_write)
+            call = action.call
             try:
-                action.call()
+                call()
             except BaseException as error:
                 self.fault(action.site, error)
             action = action.next
