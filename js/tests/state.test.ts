@@ -1,4 +1,5 @@
 import { expect, it } from "vitest";
+import { Camera } from "../src/graph/camera";
 import type { ElementKind, FrameMessage, IssueView, MachineItem, SnapshotMessage } from "../src/protocol";
 import { apply, initialState } from "../src/session/state";
 
@@ -77,6 +78,8 @@ it("keeps the machine shown, the selection and the inspected element when their 
   state.machine = "m/a/inner";
   state.chosen = "m:on:a->b";
   state.inspected = { kind: "state", path: "m/a" };
+  const camera = new Camera();
+  state.cameras = { "m/a/inner": camera };
   const renamed = [
     moved("machine", "m/a/inner", "m/z/inner"),
     moved("transition", "m:on:a->b", "m:on:z->b"),
@@ -84,6 +87,7 @@ it("keeps the machine shown, the selection and the inspected element when their 
   ];
   const changed = apply(state, frame({ program: program(["m", "m/z/inner"]), moved: { 4: renamed } }));
   expect(state.machine).toBe("m/z/inner");
+  expect(state.cameras["m/z/inner"]).toBe(camera);
   expect(state.chosen).toBe("m:on:z->b");
   expect(state.inspected).toEqual({ kind: "state", path: "m/z" });
   expect([...changed]).toEqual(expect.arrayContaining(["machine", "chosen", "inspected"]));

@@ -22,7 +22,6 @@ export function graphView(lab: Lab): HTMLElement {
   const layers = makeLayers();
   const svg = s("svg", { class: "lrp-graph", role: "group", "aria-label": "State graph" }, layers.root);
   const marks = new Marks(layers, store.state);
-  const cameras = new Map<string, Camera>();
   let camera = new Camera();
   let shown: Layout | null = null;
   let mode: Mode = "live";
@@ -51,8 +50,7 @@ export function graphView(lab: Lab): HTMLElement {
     delete element.dataset.stale;
     shown = layout;
     if (other) {
-      camera = cameras.get(layout.machine) ?? new Camera();
-      cameras.set(layout.machine, camera);
+      camera = store.state.cameras[layout.machine] ??= new Camera();
     }
     draw(layers, layout);
     keepOneTabStop(svg);

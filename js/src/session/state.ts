@@ -1,5 +1,6 @@
 /** What a view knows of its session: one value, changed only by `apply`, which returns what changed. */
 
+import type { Camera } from "../graph/camera";
 import {
   type Changes,
   type ChoicesView,
@@ -29,6 +30,8 @@ export interface LabState extends ViewState {
   machine: string;
   chosen: string;
   inspected: { kind: ElementKind; path: string } | null;
+  /** Zoom and pan of each machine that was shown. */
+  cameras: Record<string, Camera>;
   follow: boolean;
 }
 
@@ -49,6 +52,7 @@ export function initialState(): LabState {
     machine: "",
     chosen: "",
     inspected: null,
+    cameras: {},
     follow: false,
   };
 }
@@ -60,10 +64,10 @@ export function apply(state: LabState, message: FromKernel): Set<Topic> {
     changes = { ...merged(state, message), ...carriedOver(state, message.moved) };
   } else if (message.type === "snapshot") {
     const { type, view, text, revision, frame, ...fields } = message;
-    const { link, machine, chosen, inspected, follow } = state;
+    const { link, machine, chosen, inspected, cameras, follow } = state;
     changes = {
       ...initialState(),
-      ...{ link, machine, chosen, inspected, follow },
+      ...{ link, machine, chosen, inspected, cameras, follow },
       ...fields,
       ...merged(EMPTY_VIEW_STATE, frame),
       ...carriedOver(state, frame.moved),
@@ -85,16 +89,18 @@ export function apply(state: LabState, message: FromKernel): Set<Topic> {
  * state already knows were applied before; the others are applied in their order.
  */
 function carriedOver(state: LabState, moved: Changes<ViewState>["moved"]): Partial<LabState> {
-  let { machine, chosen, inspected } = state;
+  let { machine, chosen, inspected, cameras } = state;
   for (const [revision, elements] of Object.entries(moved ?? {})) {
     if (!elements || revision in state.moved) continue;
     const now = (kind: ElementKind, path: string) =>
       elements.find((element) => element.kind === kind && element.old === path)?.new ?? path;
     machine = now("machine", machine);
+    cameras = Object.fromEntries(Object.entries(cameras).map(([path, each]) => [now("machine", path), each]));
     chosen = now(chosen.includes(":") ? "transition" : "state", chosen);
     if (inspected) inspected = { ...inspected, path: now(inspected.kind, inspected.path) };
   }
   const fields: Partial<LabState> = {};
+  if (cameras !== state.cameras) fields.cameras = cameras;
   if (machine !== state.machine) fields.machine = machine;
   if (chosen !== state.chosen) fields.chosen = chosen;
   if (inspected?.path !== state.inspected?.path) fields.inspected = inspected;

@@ -29,7 +29,8 @@ export function membersCard(lab: Lab): HTMLElement {
     const [name, value] = row.children;
     setText(name!, member.name);
     const now = store.state.members[member.name] ?? "";
-    setText(value!, [now, now && member.unit].filter(Boolean).join(" "));
+    const unit = now && now !== "waiting" ? member.unit : "";
+    setText(value!, [now, unit].filter(Boolean).join(" "));
     setAttribute(row, "title", `${member.insert}\n${member.doc}`);
   };
   store.watch(["bridge", "members", "snapshot"], () => {
