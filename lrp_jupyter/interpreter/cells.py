@@ -27,7 +27,7 @@ class Slot:
     Attributes
     ----------
     last : object
-        Up to date only where somebody compares: the variable is `leaked`, or the run has observers.
+        Up to date only where values are compared: the variable is `leaked`, or the run has observers.
     leaked : bool
         A function that was defined in a block can write it, long after that block has returned.
     """

@@ -2,8 +2,8 @@
 
 A view sees some of the frames and never all. Whatever must not be lost is therefore counted
 from the beginning (visits, firings, restarts): the difference of two frames tells what happened
-between them, however many were skipped. The counts are the interpreter's own, so a frame that
-nobody asks for costs nothing.
+between them, however many were skipped. The counts are the interpreter's own, so counting
+does not depend on frames being made.
 """
 
 from __future__ import annotations

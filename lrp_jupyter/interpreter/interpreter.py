@@ -223,7 +223,7 @@ class Interpreter:
                     break
                 edge = edge.next
             else:
-                action = act.row.running
+                action = act.row.running  # as in `Run.fire`: a call costs as much as a block
                 while action is not None:
                     cell = action.cell
                     if cell is not None and log is not None:

@@ -407,7 +407,7 @@ class Session:
         Program or None
             None if the text is not a program; :attr:`findings` says why.
         Future
-            Of the :class:`~lrp_jupyter.interpreter.patching.Patch`; of None where there is no program.
+            Of the :class:`~lrp_jupyter.interpreter.patching.Patch`; of None if the text is not a program.
         """
         program = self._read(text)
         if program is not None:

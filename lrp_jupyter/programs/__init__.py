@@ -46,7 +46,7 @@ def load(name: str) -> str:
     Raises
     ------
     LRPError
-        There is no program of that name; the message suggests the closest one.
+        No bundled program has that name; the message suggests the closest one.
     """
     known = names()
     if name not in known:

@@ -195,7 +195,9 @@ class LRPMagics(Magics):
         try:
             hertz = float(rest[0])
         except ValueError:
-            raise UsageError(f"%lrp rate: `{rest[0]}` is no number of ticks per second.") from None
+            raise UsageError(
+                f"%lrp rate: `{rest[0]}` is not a valid rate. Write a number of ticks per second."
+            ) from None
         _the(rest[1:]).session.rate = hertz
 
     def check(self, rest: list[str]) -> None:

@@ -143,7 +143,7 @@ def test_there_is_nothing_to_debug_before_a_block_fails(shell, run):
         ("new folower", "no bundled program `folower`; there are"),
         ("new", "one name is wanted"),
         ("rate", "how many ticks per second?"),
-        ("rate fast", "`fast` is no number of ticks per second"),
+        ("rate fast", "`fast` is not a valid rate. Write a number of ticks per second."),
         ("rate -1", "a rate is 0.01 ticks per second or more"),
         ("bridge wings", "There is no bridge `wings`"),
     ],
