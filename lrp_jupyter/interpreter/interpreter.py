@@ -39,7 +39,7 @@ from lrp_jupyter.interpreter.issues import IssueLog
 from lrp_jupyter.interpreter.journal import undo_write
 from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
-from lrp_jupyter.interpreter.run import Run
+from lrp_jupyter.interpreter.run import Run, undo_change
 from lrp_jupyter.interpreter.tree import Count, bind_block
 from lrp_jupyter.interpreter.variables import VariableMapping, as_path, assign
 from lrp_jupyter.language.diff import diff
@@ -201,6 +201,7 @@ class Interpreter:
         Paper: §5.1. Deviation: the destination is entered in the tick in which the source is left,
         so that a robot has no gap between onexit and onentry.
         """
+        # In one piece: in Python a call costs as much as a block of a program.
         run = self._run
         if not now >= run.now:
             self._advance(now)
@@ -213,30 +214,44 @@ class Interpreter:
         while act is not None:
             edge = act.row.edge
             while edge is not None:
-                test = edge.test  # Python is slower to call an attribute than a local name
+                test = edge.test  # a local name is faster to call than an attribute
                 try:
                     holds = test()
                 except BaseException as error:
                     run.fault(edge.tested, error)
                     holds = False
-                if holds is not False and (holds is True or run.judge(edge, holds)) and run.fire(edge):
-                    break
+                if holds is not False and (holds is True or run.judge(edge, holds)):
+                    row = edge.row or run.find_destination(edge)
+                    if row is not None:  # it fires
+                        home = edge.home
+                        if log is not None:
+                            log += (home.children, home.entered, home.state, home, undo_change)
+                        if home.children:
+                            run.discard(home, run.leave)
+                        home.row = row
+                        home.state = row.state
+                        home.entered = now
+                        count = edge.count
+                        count.times += 1
+                        count.tick = run.ticks
+                        action = edge.actions
+                        break
                 edge = edge.next
             else:
-                action = act.row.running  # as in `Run.fire`: a call costs as much as a block
-                while action is not None:
-                    cell = action.cell
-                    if cell is not None and log is not None:
-                        try:
-                            log += (cell.cell_contents, cell, undo_write)
-                        except ValueError:
-                            log += (UNSET, cell, undo_write)
-                    call = action.call
+                action = act.row.running
+            while action is not None:
+                cell = action.cell
+                if cell is not None and log is not None:
                     try:
-                        call()
-                    except BaseException as error:
-                        run.fault(action.site, error)
-                    action = action.next
+                        log += (cell.cell_contents, cell, undo_write)
+                    except ValueError:
+                        log += (UNSET, cell, undo_write)
+                call = action.call
+                try:
+                    call()
+                except BaseException as error:
+                    run.fault(action.site, error)
+                action = action.next
             act = act.next
         if run.attention:
             if run.pending:

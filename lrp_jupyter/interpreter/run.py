@@ -1,4 +1,4 @@
-"""One run of a program: the tick, and what entering, leaving and spawning mean.
+"""One run of a program: what entering, leaving and spawning mean, faults, counts, and the journal's records.
 
 :class:`Run` is the lower half of the interpreter: everything in it happens inside one tick (or
 inside one command between two ticks) and nothing in it knows of edits. Paper: §5.1.
@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import builtins
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
+from operator import itemgetter
 from types import CellType
 from typing import Any
 
@@ -41,7 +43,7 @@ from lrp_jupyter.interpreter.tree import (
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element, Path, Program
 
-__all__ = ["Run"]
+__all__ = ["Run", "undo_change"]
 
 _new = tuple.__new__  # a third of the time that a NamedTuple's own constructor takes
 
@@ -72,6 +74,9 @@ class Run:
         self.full = journal
         """The tick after which the journal is trimmed; now and then, as that moves the whole log."""
         self.counts: dict[Element, Count] = {}
+        self.firings: dict[tuple[Element, Element], Count] = {}
+        """How often a transition has led to a state since that was last added to `counts`: one number to
+        increase per firing, and not two."""
         self.observers: list[Observer] = []
         self.events: list[TraceEvent] = []
         self.interrupted: KeyboardInterrupt | None = None
@@ -128,63 +133,6 @@ class Run:
             if only is None or spawn.identity in only:
                 self.spawn(None, spawn)
 
-    def fire(self, edge: Edge) -> bool:
-        """Leave the active state and enter the destination; return False if there is none.
-
-        What :meth:`leave` and :meth:`enter` do is written out here: a call costs as much as a block.
-        """
-        new = edge.row
-        if new is None:
-            new = self._destination(edge)
-            if new is None:
-                return False
-        home, log = edge.home, self.log
-        if log is not None:
-            log += (home.children, home.entered, home.state, home, _restore)
-        if home.children:
-            self.discard(home, self.leave)
-        old = home.row
-        action = old.onexit
-        while action is not None:
-            cell = action.cell
-            if cell is not None and log is not None:
-                try:
-                    log += (cell.cell_contents, cell, undo_write)
-                except ValueError:
-                    log += (UNSET, cell, undo_write)
-            call = action.call
-            try:
-                call()
-            except BaseException as error:
-                self.fault(action.site, error)
-            action = action.next
-        home.row = new
-        home.state = new.state
-        home.entered = self.now
-        count, visits = edge.count, new.count
-        count.times += 1
-        visits.times += 1
-        count.tick = visits.tick = self.ticks
-        if self.observers:
-            self.emit("left", old.path)
-            self.emit("fired", edge.path, edge.data)
-            self.emit("entered", new.path)
-        action = new.onentry
-        while action is not None:
-            cell = action.cell
-            if cell is not None and log is not None:
-                try:
-                    log += (cell.cell_contents, cell, undo_write)
-                except ValueError:
-                    log += (UNSET, cell, undo_write)
-            call = action.call
-            try:
-                call()
-            except BaseException as error:
-                self.fault(action.site, error)
-            action = action.next
-        return True
-
     def judge(self, edge: Edge, value: object) -> bool:
         """Whether a condition that is neither True nor False holds: only numpy's True does."""
         if is_boolean(value):
@@ -196,15 +144,26 @@ class Run:
         )
         return False
 
-    def _destination(self, edge: Edge) -> Row | None:
-        """Look up where an edge leads, the first time that it fires, or report that it leads nowhere."""
+    def find_destination(self, edge: Edge) -> Row | None:
+        """Bind what firing an edge does, the first time that it fires, or report that it leads nowhere."""
         if edge.target is None:
             self.report(edge.site, "unknown state", edge.missing)
             return None
         if edge.site[:2] in self.issues.open_blocks:
             self.recovered(edge.site, True)
-        edge.row = self.row(edge.home, edge.target)
-        return edge.row
+        old, new = edge.home.row, self.row(edge.home, edge.target)
+        edge.actions = new.onentry
+        if self.observers:
+            edge.actions = Action(partial(self._emit_change, old, edge, new), edge.site, None, edge.actions)
+        for action in reversed([*old.onexit.chain()] if old.onexit is not None else []):
+            edge.actions = Action(action.call, action.site, action.cell, edge.actions)
+        edge.row = new
+        return new
+
+    def _emit_change(self, old: Row, edge: Edge, new: Row) -> None:
+        self.emit("left", old.path)
+        self.emit("fired", edge.path, edge.data)
+        self.emit("entered", new.path)
 
     def row(self, act: Activation, state: StatePlan) -> Row:
         """Look up what a state does, bound to this activation; bind it the first time."""
@@ -226,7 +185,7 @@ class Run:
     def leave(self, act: Activation) -> None:
         """Leave the active state, what it contains first, innermost first. Paper: §5.1, step 6."""
         if self.log is not None:
-            self.log += (act.children, act.entered, act.state, act, _restore)
+            self.log += (act.children, act.entered, act.state, act, undo_change)
         if act.children:
             self.discard(act, self.leave)
         self._do(act.row.onexit)
@@ -297,7 +256,7 @@ class Run:
             self.roots += (act,)
         else:
             if self.log is not None:
-                self.log += (parent.children, parent.entered, parent.state, parent, _restore)
+                self.log += (parent.children, parent.entered, parent.state, parent, undo_change)
             parent.children += (act,)
         self.unordered = self.attention = True
         self.emit("spawned", act.path)
@@ -396,8 +355,26 @@ class Run:
             count = self.counts[element] = Count()
         return count
 
+    def firing(self, transition: Element, state: Element) -> Count:
+        """Return the count of firings of a transition that lead to a state, not yet in `counts`."""
+        count = self.firings.get((transition, state))
+        if count is None:
+            count = self.firings[transition, state] = Count()
+        return count
+
+    def _add_firings(self) -> None:
+        """Add the new firings to the counts of their transitions and states."""
+        new = [(count.tick, elements, count) for elements, count in self.firings.items() if count.times]
+        for tick, elements, count in sorted(new, key=itemgetter(0)):
+            for element in elements:
+                total = self.count(element)
+                total.times += count.times
+                total.tick = tick
+            count.times = 0
+
     def counted(self, kind: str) -> dict[Path, Count]:
         """Return the counts above 0 of all elements of a kind, by path of definition."""
+        self._add_firings()
         return {
             element.path: count
             for element, count in self.counts.items()
@@ -406,11 +383,13 @@ class Run:
 
     def replace_plan(self, plan: Plan, successors: Successors) -> None:
         """Continue with another plan: the counts of what it still has are kept, the others dropped."""
+        self._add_firings()
         self.plan = plan
         self._set_counts(successors.carry(self.counts))
 
     def _set_counts(self, counts: Mapping[Element, Count]) -> None:
         self.counts = {element: count for element, count in counts.items() if element in self.plan.places}
+        self.firings = {}
 
     def observe(self, callback: Observer) -> Callable[[], None]:
         """Tell `callback` of every event from now on; return what ends that."""
@@ -419,11 +398,13 @@ class Run:
                 environment.sync()
         self.observers.append(callback)
         self.watched = self.attention = True
+        self.rebind()
 
         def unsubscribe() -> None:
             if callback in self.observers:
                 self.observers.remove(callback)
             self.watched = self.leaking or bool(self.observers)
+            self.rebind()
 
         return unsubscribe
 
@@ -464,6 +445,7 @@ class Run:
     def undo(self, ticks: int) -> None:
         """Go back to the end of the tick that lies `ticks` before the last one."""
         assert self.journal is not None
+        self._add_firings()
         counts = self.counts  # they are not undone, but what they count may have its old name again
         self.now = self.journal.undo(self.ticks, ticks)
         self._set_counts(counts | self.counts)
@@ -513,7 +495,7 @@ _CARRIED = ("machine", "path", "outer", "spawn", "own", "visible", "state", "ent
 
 
 @undoes(4)
-def _restore(log: Log) -> None:
+def undo_change(log: Log) -> None:
     """Undo a change of state; the rows are bound again when all is undone."""
     act: Activation = log.pop()
     act.state, act.entered, act.children = log.pop(), log.pop(), log.pop()

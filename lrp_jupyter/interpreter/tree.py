@@ -128,6 +128,7 @@ class Edge:
     """A transition as one state of one activation sees it."""
 
     __slots__ = (
+        "actions",
         "count",
         "data",
         "home",
@@ -142,23 +143,22 @@ class Edge:
     )
 
     def __init__(
-        self,
-        act: Activation,
-        state: StatePlan,
-        plan: EdgePlan,
-        test: Call,
-        count: Count,
-        following: Edge | None,
+        self, run: Host, act: Activation, state: StatePlan, plan: EdgePlan, following: Edge | None
     ) -> None:
         noun = plan.noun
-        self.test = test
-        self.count = count
+        self.test = _test(run, act, plan)
         self.next = following
-        self.row: Row | None = None  # of the destination, once it has been there
+        self.row: Row | None = None
+        """Of the destination, once it has fired."""
+        self.actions: Action | None = None
+        """What is run when it fires: the onexit actions of the source, then the onentry actions of `row`."""
         home = act.parent if noun.outward else act
         self.home = home or act  # whose state it changes
         destination = str(noun.destination)
         self.target = home.machine.states.get(destination) if home else None
+        self.count = (
+            run.firing(plan.site.element, Element("state", self.target.path)) if self.target else Count()
+        )
         self.missing = (
             f"machine `{home.machine.name}` has no state `{destination}`"
             if home
@@ -251,6 +251,9 @@ class Host(Protocol):
 
     def count(self, element: Element) -> Count:
         """Return the count of a state or transition."""
+
+    def firing(self, transition: Element, state: Element) -> Count:
+        """Return the count of firings of a transition that lead to a state."""
 
     def spawn(self, parent: Activation | None, plan: SpawnPlan) -> None:
         """Do a spawn."""
@@ -345,7 +348,7 @@ def bind_row(run: Host, act: Activation, state: StatePlan) -> Row:
     """Bind everything that `state` does in `act`."""
     edge = None
     for plan in reversed(state.edges):
-        edge = Edge(act, state, plan, _test(run, act, plan), run.count(plan.site.element), edge)
+        edge = Edge(run, act, state, plan, edge)
     return Row(
         state,
         (*act.path, state.name),

@@ -509,6 +509,29 @@ def test_a_reading_that_has_not_arrived_is_no_fault_of_a_condition():
     assert [(issue.code, issue.element.kind) for issue in i.issues] == [("LRP610", "running")]
 
 
+def test_an_observer_sees_changes_of_state_that_were_bound_before_it_came_and_after_others_left():
+    i = Interpreter(parse("(machine m (state a) (state b) (eps a -> b t) (eps b -> a u))(spawn m a)"))
+    for tick in range(4):
+        i.step(tick / 10)
+    seen = []
+    stop = i.observe(lambda event: seen.append((event.kind, event.path[-1])))
+    i.step(0.4)
+    stop()
+    i.step(0.5)
+    assert seen == [("left", "b"), ("fired", "u"), ("entered", "a")]
+
+
+def test_an_issue_of_an_onexit_comes_before_left_and_one_of_an_onentry_after_entered():
+    text = "(machine m (state a (onexit [1 / 0])) (state b (onentry [gone])) (eps a -> b t))(spawn m a)"
+    i = Interpreter(parse(text))
+    seen = []
+    i.observe(lambda event: seen.append(event.kind))
+    i.step(0.0)
+    seen.clear()
+    i.step(0.1)
+    assert seen == ["issue", "left", "fired", "entered", "issue"]
+
+
 def test_one_observer_may_leave_while_others_stay():
     i = started(ticks=0)
     first, second = [], []

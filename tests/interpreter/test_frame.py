@@ -54,6 +54,20 @@ def test_a_frame_tells_in_which_tick_a_state_was_entered_last_however_late_it_is
     assert frame.fired_at == {("m", "t"): 3}
 
 
+def test_a_state_was_entered_last_by_whichever_transition_fired_last():
+    i = Interpreter(
+        parse(
+            "(var n := [0])(machine m (state a (onentry [n = n + 1])) (state b) (state c)"
+            " (on [n == 2] a -> c u) (eps a -> b t) (eps c -> a) (eps b -> a))(spawn m a)"
+        )
+    )
+    for tick in range(6):
+        i.step(tick / 10)
+    frame = make_frame(i, 0.5)
+    assert frame.visited_at == {("m", "a"): 5, ("m", "b"): 6, ("m", "c"): 4}
+    assert frame.visits == {("m", "a"): 3, ("m", "b"): 2, ("m", "c"): 1}
+
+
 def test_what_was_never_entered_and_never_fired_is_not_in_a_frame():
     i = Interpreter(parse("(machine m (state a) (state b) (on [False] a -> b t))(spawn m a)"))
     i.step(0.0)
