@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 from math import floor
 from typing import NamedTuple
 
@@ -83,12 +84,12 @@ class Cells:
         for cell in self.cells(rect, self.margin):
             self._rects.setdefault(cell, []).append(rect)
 
-    def cells(self, rect: Rect, margin: float = 0.0) -> list[tuple[int, int]]:
+    def cells(self, rect: Rect, margin: float = 0.0) -> Iterator[tuple[int, int]]:
         """Return the cells that a rectangle reaches into."""
         size, x, y = self.size, rect.width / 2 + margin, rect.height / 2 + margin
         columns = range(floor((rect.x - x) / size), floor((rect.x + x) / size) + 1)
         rows = range(floor((rect.y - y) / size), floor((rect.y + y) / size) + 1)
-        return [(i, j) for i in columns for j in rows]
+        return product(columns, rows)
 
     def at(self, point: Point) -> list[Rect]:
         """Return the rectangles in the cell of a point."""
@@ -104,13 +105,10 @@ class Cells:
         size, rects = self.size, self._rects
         (x, y), (right, last) = sorted((start, end))
         slope = (last - y) / (right - x) if right > x else 0.0
+        row = floor(y / size)
         for column in range(floor(x / size), floor(right / size) + 1):
-            if slope:
-                rows = [
-                    floor((y + slope * (min(max(edge * size, x), right) - x)) / size)
-                    for edge in (column, column + 1)
-                ]
-            else:
-                rows = [floor(y / size), floor(last / size)]
-            for row in range(min(rows), max(rows) + 1):
-                yield from rects.get((column, row), ())
+            edge = (column + 1) * size
+            until = floor((y + slope * (edge - x) if edge < right else last) / size)
+            for passed in range(row, until + 1) if row <= until else range(until, row + 1):
+                yield from rects.get((column, passed), ())
+            row = until

@@ -12,7 +12,6 @@ from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from itertools import pairwise
-from math import floor
 
 from lrp_jupyter.graph.geometry import Cells, Point, Rect
 from lrp_jupyter.graph.routes import SAMPLES, Route
@@ -32,11 +31,17 @@ class _Obstacles(Cells):
 
     def __init__(self) -> None:
         super().__init__(48.0)
-        self._points: defaultdict[tuple[int, int], list[tuple[int, Point]]] = defaultdict(list)
+        self._points: defaultdict[tuple[float, float], list[tuple[int, float, float]]] = defaultdict(list)
 
-    def add_point(self, owner: int, point: Point) -> None:
-        """Register a point of an arrow."""
-        self._points[floor(point[0] / self.size), floor(point[1] / self.size)].append((owner, point))
+    def add_line(self, owner: int, points: Sequence[Point], apart: float) -> None:
+        """Register points of an arrow, about so far apart; it is given by some of its points."""
+        size, cells = self.size, self._points
+        for (x, y), (right, down) in pairwise(points):
+            steps = round(math.dist((x, y), (right, down)) / apart) or 1
+            across, along = (right - x) / steps, (down - y) / steps
+            for step in range(steps):
+                left, top = x + across * step, y + along * step
+                cells[left // size, top // size].append((owner, left, top))
 
     def cost(self, box: Rect, owner: int) -> float:
         """Return the cost of a label at this position: other boxes count most, then others' lines."""
@@ -54,9 +59,9 @@ class _Obstacles(Cells):
         x, y = box.x, box.y
         right, down = box.width / 2 + margin, box.height / 2 + margin
         return sum(
-            line != owner and abs(other[0] - x) < right and abs(other[1] - y) < down
+            line != owner and abs(left - x) < right and abs(top - y) < down
             for cell in self.cells(box)
-            for line, other in self._points.get(cell, ())
+            for line, left, top in self._points.get(cell, ())
         )
 
 
@@ -76,18 +81,12 @@ def place_labels(
     cells = _Obstacles()
     for box in obstacles:
         cells.add(box)
-    length = sum(math.dist(*part) for route in routes for part in pairwise(route.points))
+    length = sum(math.dist(*part) for route in routes for part in pairwise(route.points[::4]))
     apart = max(11.0, length / POINTS)
     for index, route in enumerate(routes):
         for box in route.obstacles:
             cells.add(box)
-        for one, other in pairwise(route.points):
-            steps = max(1, round(math.dist(one, other) / apart))
-            for step in range(steps):
-                part = step / steps
-                cells.add_point(
-                    index, (one[0] + (other[0] - one[0]) * part, one[1] + (other[1] - one[1]) * part)
-                )
+        cells.add_line(index, route.points, apart)
     labels = []
     for index, (route, size) in enumerate(zip(routes, sizes, strict=True)):
         best: tuple[float, Rect] | None = None
@@ -182,7 +181,7 @@ def _character_width(character: str) -> int:
 def shorten(text: str, size: float, width: float) -> str:
     """Return the text in one line; if it is wider than `width` px its end becomes an ellipsis."""
     line = " ".join(text.split())
-    if text_width(line, size) <= width:
+    if len(line) * size <= width or text_width(line, size) <= width:  # no character is wider than high
         return line
     room = width - text_width(ELLIPSIS, size)
     end = 0

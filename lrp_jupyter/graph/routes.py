@@ -88,12 +88,20 @@ def number(value: float) -> str:
 
 
 def _path(command: str, *points: Point) -> str:
-    return command + " ".join(f"{number(x)} {number(y)}" for x, y in points)
+    text = command
+    for x, y in points:
+        text += f"{x:.1f} {y:.1f} "
+    return text.replace(".0 ", " ")[:-1]  # as `number` writes them
 
 
 def _quadratic(p: Point, c: Point, q: Point, t: float) -> Point:
     a, b, d = (1 - t) * (1 - t), 2 * t * (1 - t), t * t
     return a * p[0] + b * c[0] + d * q[0], a * p[1] + b * c[1] + d * q[1]
+
+
+def _around(p: Point, c: Point, q: Point) -> Rect:
+    (left, _, right), (top, _, bottom) = sorted((p[0], c[0], q[0])), sorted((p[1], c[1], q[1]))
+    return Rect((left + right) / 2, (top + bottom) / 2, right - left, bottom - top)
 
 
 def _part(p: Point, c: Point, q: Point, start: float, end: float) -> tuple[Point, Point, Point]:
@@ -106,17 +114,20 @@ def _part(p: Point, c: Point, q: Point, start: float, end: float) -> tuple[Point
 
 def _leaving(box: Rect, p: Point, c: Point, q: Point) -> float:
     """Compute the parameter at which an arc that starts inside a box leaves it."""
-    (px, py), (cx, cy), (qx, qy) = p, c, q
-    x, y, right, down = box.x, box.y, box.width / 2, box.height / 2
-    low, high = 0.0, 0.5
-    for _ in range(13):
-        t = (low + high) / 2
-        a, b, d = (1 - t) * (1 - t), 2 * t * (1 - t), t * t
-        if abs(a * px + b * cx + d * qx - x) < right and abs(a * py + b * cy + d * qy - y) < down:
-            low = t
-        else:
-            high = t
-    return high
+    leaving = 0.5
+    for start, control, end, middle, reach in (
+        (p[0], c[0], q[0], box.x, box.width / 2),
+        (p[1], c[1], q[1], box.y, box.height / 2),
+    ):
+        square, half = start - 2 * control + end, control - start  # square t² + 2 half t + start
+        for way in (start - middle - reach, start - middle + reach):
+            root = half * half - square * way
+            if root >= 0:
+                root = math.sqrt(root)
+                for divisor in (root - half, -root - half):
+                    if divisor and 0.0 < way / divisor < leaving:
+                        leaving = way / divisor
+    return leaving
 
 
 def _head(base: Point, tip: Point) -> str:
@@ -217,13 +228,16 @@ def detour(
         for offset in offsets:
             if cost < least:
                 p, c, q = _bent(source, target, offset, choice, chord)
-                points = [_quadratic(p, c, q, (i + 0.5) / SAMPLES) for i in range(SAMPLES)]
-                cost += 60.0 * sum(
-                    box.holds(point, CLEAR)
-                    for point in points
-                    for box in cells.at(point)
-                    if box is not source and box is not target
-                )
+                around = _around(p, c, q)
+                if around.width * around.height < SAMPLES * CELL * CELL and all(
+                    box is source or box is target for box in cells.near(around)
+                ):
+                    continue
+                for i in range(SAMPLES):
+                    point = _quadratic(p, c, q, (i + 0.5) / SAMPLES)
+                    for box in cells.at(point):
+                        if box is not source and box is not target and box.holds(point, CLEAR):
+                            cost += 60.0
         if cost < least:
             best, least = choice, cost
         if least <= abs(choice):
