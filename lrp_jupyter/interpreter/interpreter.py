@@ -29,6 +29,7 @@ Everything acts between ticks and before the call returns. An interpreter belong
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any, Literal
@@ -36,14 +37,14 @@ from typing import Any, Literal
 from lrp_jupyter.interpreter.events import UNSET, Observer
 from lrp_jupyter.interpreter.forcing import How, find_state, force
 from lrp_jupyter.interpreter.issues import IssueLog
-from lrp_jupyter.interpreter.journal import undo_write
+from lrp_jupyter.interpreter.journal import EDITS, undo_write
 from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run, undo_change
 from lrp_jupyter.interpreter.tree import Count, bind_block
 from lrp_jupyter.interpreter.variables import VariableMapping, as_path, assign
 from lrp_jupyter.language.diff import diff
-from lrp_jupyter.language.identity import Successors, after_rename
+from lrp_jupyter.language.identity import Successors, after_rename, after_undo
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.language.rename import rename as renamed_text
@@ -106,6 +107,8 @@ class Interpreter:
         self.restart_reason = ""
         self.revision = 0
         self.moved: tuple[tuple[int, Successors], ...] = ()
+        self._renamings: deque[tuple[int, Successors]] = deque(maxlen=EDITS)
+        """The edits and renames that gave an element another path: after which tick, and the map."""
         self.patch_reason = ""
         self._run = Run(link(program), robot, {} if namespace is None else namespace, output, journal)
         show_in_tracebacks(program)
@@ -307,13 +310,13 @@ class Interpreter:
         """
         run = self._run
         self._advance(now)
-        plan = link(program)
-        changes = diff(run.plan.program, program)
+        before, plan = run.plan, link(program)
+        changes = diff(before.program, program)
         decision = decide(run, plan, self.on_active_edit) if run.roots else Decision()
         if decision.apply:
             run.remember()
             show_in_tracebacks(program)
-            carry_issues(run.issues, run.plan, plan, changes.successors, changes.changed)
+            carry_issues(run.issues, before, plan, changes.successors, changes.changed)
             if decision.restart:
                 run.replace_plan(plan, changes.successors)
                 self._restart(decision.reason or "")
@@ -353,11 +356,11 @@ class Interpreter:
         self._advance(now)
         where = as_path(path)
         program = parse(renamed_text(self.program, kind, where, new_name), self.program.filename)
-        plan = link(program)
-        successors = after_rename(run.plan.program, program)
-        changes = replace(diff(run.plan.program, program), successors=successors)
+        before, plan = run.plan, link(program)
+        successors = after_rename(before.program, program)
+        changes = replace(diff(before.program, program), successors=successors)
         run.remember()
-        carry_issues(run.issues, run.plan, plan, successors)
+        carry_issues(run.issues, before, plan, successors)
         show_in_tracebacks(program)
         adopt(run, plan, successors, renamed=True)
         self._count_revision(successors)
@@ -449,19 +452,31 @@ class Interpreter:
         run = self._run
         if run.journal is None:
             raise ValueError("there is no journal to go back by")
-        before = run.plan
+        after = run.plan
         run.undo(ticks)
+        undone = []
+        while self._renamings and self._renamings[-1][0] >= run.ticks:
+            undone.append(self._renamings.pop()[1])
+        back = after_undo(after.program, undone)
+        if run.plan is not after:
+            carry_issues(run.issues, after, run.plan, back)
         self.revision += 1
-        if run.plan is not before:
-            carry_issues(run.issues, before, run.plan)
+        self._note_moved(back)
         show_in_tracebacks(self.program)
 
     # ---- inside -----------------------------------------------------------------------------
 
     def _count_revision(self, successors: Successors) -> None:
         self.revision += 1
-        if any(old != new for old, new in successors.moved.items()):  # not only labels
+        if self._note_moved(successors):
+            self._renamings.append((self._run.ticks, successors))
+
+    def _note_moved(self, successors: Successors) -> bool:
+        """Publish the map of the newest revision if any element has another path now: return whether."""
+        moved = any(old != new for old, new in successors.moved.items())  # not only labels
+        if moved:
             self.moved = (*self.moved, (self.revision, successors))[-_KEPT:]
+        return moved
 
     def _restart(self, reason: str) -> None:
         """Paper: §6.1: no transition is triggered, so no onexit runs; issues stay."""

@@ -8,14 +8,14 @@ Paper: §6.1, footnote 5 (identity of transitions).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar
 
 from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["Successors", "after_rename", "is_inside"]
+__all__ = ["Successors", "after_rename", "after_undo", "is_inside"]
 
 _Kept = TypeVar("_Kept")
 
@@ -71,3 +71,30 @@ def after_rename(old: Program, new: Program) -> Successors:
     before, after = resolve(old).elements(), resolve(new).elements()
     pairs = zip(before, after, strict=True)
     return Successors({one: other for one, other in pairs if (one, one.label) != (other, other.label)})
+
+
+def after_undo(program: Program, undone: Sequence[Successors]) -> Successors:
+    """Return the map of an undo of edits.
+
+    Parameters
+    ----------
+    program : Program
+        The program after these edits.
+    undone : sequence of Successors
+        The map of each edit, the last edit first.
+
+    Returns
+    -------
+    Successors
+        From the elements of `program` to what they were. What an edit added keeps its path: whether it
+        exists in the program of before is for the caller to see.
+    """
+    steps = [{new: old for old, new in successors.moved.items()} for successors in undone]
+    moved = {}
+    for element in resolve(program).elements() if steps else ():
+        before = element
+        for step in steps:
+            before = step.get(before, before)
+        if (before, before.label) != (element, element.label):
+            moved[element] = before
+    return Successors(moved)

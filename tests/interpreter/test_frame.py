@@ -159,6 +159,42 @@ def test_going_back_over_a_rename_gives_counts_their_old_names_and_undoes_none()
     assert make_frame(i, 0.2).visits == {("m", "a"): 3, ("m", "b"): 2}
 
 
+def test_going_back_over_renames_tells_what_the_elements_were_and_keeps_their_issues():
+    text = "(machine m (state a (running [1 / 0])) (state b) (on [False] a -> b t)) (spawn m a)"
+    i = Interpreter(parse(text))
+    i.step(0.0)
+    i.step(0.1)
+    i.rename("machine", "m", "n")
+    i.rename("state", "n/a", "c")
+    i.step(0.2)
+    i.patch(parse(i.program.text + "(machine new (state x))"))
+    i.rename("state", "n/c", "a")
+    i.step(0.3)
+    i.rewind(2)
+    revision, back = make_frame(i, 0.1).moved[-1]
+    assert revision == i.revision
+    assert back.path("state", ("n", "a")) == ("m", "a")
+    assert back.path("transition", ("n", "t")) == ("m", "t")
+    assert back.path("machine", ("new",)) == ("new",)
+    (issue,) = i.issues
+    assert (issue.element.path, issue.resolved) == (("m", "a"), False)
+
+
+def test_going_back_over_an_edit_twice_undoes_only_the_newer_renames():
+    i = Interpreter(parse("(machine m (state a)) (spawn m a)"))
+    for tick, name in enumerate("bcd"):
+        i.step(tick / 10)
+        i.rename("state", f"m/{'abc'[tick]}", name)
+    i.rewind(0)
+    assert make_frame(i, 0.2).moved[-1][1].path("state", ("m", "d")) == ("m", "c")
+    i.rewind(1)
+    assert make_frame(i, 0.1).moved[-1][1].path("state", ("m", "c")) == ("m", "b")
+    before = i.moved
+    i.step(0.2)
+    i.rewind(1)
+    assert i.moved == before
+
+
 def test_a_fault_and_an_edit_elsewhere_leave_the_counts_as_they_are():
     text = "(var n := [0])(machine m (state a (onentry [1 / n])) (state b) (eps a -> b) (eps b -> a))"
     i = Interpreter(parse(text + "(spawn m a)"))
