@@ -155,6 +155,19 @@ def test_a_page_learns_which_paths_a_rename_has_changed(bench):
     assert moved(late) == moved(page)
 
 
+def test_stepping_back_over_a_rename_gives_elements_their_old_paths_and_states_their_places(bench):
+    lab = bench(NESTED)
+    page = lab.page()
+    lab.session.run(seconds=0.2)
+    page.do("pin", path="m", name="a", x=321, y=123)
+    page.do("rename", kind="state", path="m/a", name="z")
+    page.do("step")
+    page.do("pin", path="m", name="z", x=12, y=34)
+    page.do("step_back")
+    assert {("machine", "m/z/inner", "m/a/inner"), ("state", "m/z", "m/a")} <= set(moved(page))
+    assert page.knows("layouts")["m"]["places"]["a"] == {"x": 12.0, "y": 34.0}
+
+
 def test_what_moved_comes_with_the_layouts_that_it_belongs_to(bench):
     lab = bench(NESTED)
     page = lab.page()
