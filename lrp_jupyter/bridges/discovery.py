@@ -12,9 +12,12 @@ names it, or it is the default.
 from __future__ import annotations
 
 import inspect
+import os
+import sys
 from ast import literal_eval
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
@@ -68,16 +71,28 @@ class Offer:
 
 def find_bridges() -> Mapping[str, Offer]:
     """Return every bridge that can be chosen, by name; imports none of them."""
-    found: dict[str, Offer] = {}
-    for point in entry_points(group=GROUP):
-        origin = point.dist.name if point.dist is not None else "unknown"
-        found[point.name] = Offer(point.name, origin, point)
+    found = {offer.name: offer for offer in _packaged(tuple(map(_version, sys.path)))}
     packaged = {offer.source.value for offer in found.values() if isinstance(offer.source, EntryPoint)}
     for name, bridge in Bridge.registry.items():
         if inspect.isabstract(bridge) or f"{bridge.__module__}:{bridge.__qualname__}" in packaged:
             continue
         found[name] = Offer(name, "defined here", bridge)
     return dict(sorted(found.items()))
+
+
+@lru_cache(maxsize=1)
+def _packaged(versions: tuple[tuple[str, int], ...]) -> tuple[Offer, ...]:
+    """Read the offers of packages: some ms for a hundred installed ones, so once for a state of the path."""
+    points = entry_points(group=GROUP)
+    return tuple(Offer(each.name, each.dist.name if each.dist else "unknown", each) for each in points)
+
+
+def _version(folder: str) -> tuple[str, int]:
+    """Return a folder with the time of its last change: installing a package is one."""
+    try:
+        return folder, os.stat(folder or ".").st_mtime_ns
+    except OSError:
+        return folder, 0
 
 
 def choose_bridge(explicit: str | None = None, default: str = "sim") -> str:

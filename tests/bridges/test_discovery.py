@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from lrp_jupyter.bridges import discovery
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
 from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge, open_bridge
 from lrp_jupyter.errors import BridgeError
@@ -145,6 +146,21 @@ def test_a_packages_bridge_is_found_and_opened(registry: dict[str, type[Bridge]]
     bridge = open_bridge("test-good")
     assert bridge.robot.depth == 3
     assert find_bridges()["test-good"].origin == "robots-for-all", "also once it is imported"
+
+
+def test_a_package_that_is_installed_while_a_notebook_runs_is_found(package: Path) -> None:
+    assert "test-late" not in find_bridges()
+    info = package / "late_robots-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: late-robots\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text("[lrp.bridges]\ntest-late = late_robots:Late\n")
+    assert find_bridges()["test-late"].origin == "late-robots"
+
+
+def test_a_list_of_packages_that_did_not_change_is_not_read_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    known = find_bridges()
+    monkeypatch.delattr(discovery, "entry_points")
+    assert find_bridges() == known
 
 
 def test_a_bridge_that_cannot_be_imported_disturbs_no_other(
