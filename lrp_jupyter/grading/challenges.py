@@ -217,7 +217,7 @@ def _lost_the_line(run: RunRecord) -> str | None:
 
 def _ended_at_the_first_bump(run: RunRecord) -> str | None:
     walls = [name for name in ("far wall", "near wall") if next(run.touches(name), None)]
-    if walls != ["far wall"] or run.seconds - run.still_since() < 2:
+    if walls != ["far wall"] or run.seconds - run.still_since < 2:
         return None
     return (
         "The robot ended at the far wall. While the bumper is still pressed, a flag that is cleared in"
@@ -266,7 +266,7 @@ def _restarted(run: RunRecord) -> str | None:
 def _back_again(run: RunRecord) -> bool:
     """Return whether the robot was there and back, and has stood still since."""
     near = next(run.touches("near wall"), None)
-    return near is not None and run.seconds - run.still_since() >= 2.5
+    return near is not None and run.seconds - run.still_since >= 2.5
 
 
 _AROUND = visits("right", "left", "start")

@@ -114,7 +114,7 @@ def ends_still(seconds: float) -> Criterion:
     """Require that the robot stands still at the end for this time, without trying to move."""
 
     def judge(run: RunRecord) -> tuple[bool, str]:
-        stood = run.seconds - run.still_since()
+        stood = run.seconds - run.still_since
         return stood >= seconds - 1e-6, f"it stood still for {stood:.1f} s"
 
     return Criterion(f"stands still for {seconds:g} s at the end", judge)

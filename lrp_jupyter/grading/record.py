@@ -56,10 +56,20 @@ class Sample(NamedTuple):
         """Return the distance between the robot in two samples, in metres."""
         return math.hypot(self.x - other.x, self.y - other.y)
 
+    def moved(self, before: Sample) -> bool:
+        """Return whether the robot has moved since another sample."""
+        return before.distance(self) > _STILL or abs(before.heading - self.heading) > 0.02
+
 
 @dataclass
 class RunRecord:
-    """One run of a program in a world, the input of the criteria."""
+    """One run of a program in a world, the input of the criteria.
+
+    Attributes
+    ----------
+    still_since : float
+        The time since which the robot has stood still without trying to move.
+    """
 
     world: World
     samples: list[Sample] = field(default_factory=list)
@@ -67,6 +77,8 @@ class RunRecord:
     issues: tuple[Issue, ...] = ()
     notices: tuple[Notice, ...] = ()
     commands: int = 0
+    still_since: float = 0.0
+    _touches: dict[str, list[Sample]] = field(default_factory=dict)  # by the name of the solid
 
     def sample(self, bridge: SimBridge, interpreter: Interpreter) -> None:
         """Record the tick that has just ended; must be called on the loop's thread."""
@@ -76,20 +88,23 @@ class RunRecord:
             index: getattr(solid, "name", "") or f"solid {index}"
             for index, solid in enumerate(self.world.solids)
         }
-        self.samples.append(
-            Sample(
-                interpreter.now,
-                x,
-                y,
-                heading,
-                robot.readings.lights,
-                bool(robot.readings.bumper),
-                frozenset(names.get(index, "robot") for index in robot.memory.touched),
-                tuple(thing.pose for thing in bridge.simulation.solids),
-                interpreter.active,
-                robot.command,
-            )
+        sample = Sample(
+            interpreter.now,
+            x,
+            y,
+            heading,
+            robot.readings.lights,
+            bool(robot.readings.bumper),
+            frozenset(names.get(index, "robot") for index in robot.memory.touched),
+            tuple(thing.pose for thing in bridge.simulation.solids),
+            interpreter.active,
+            robot.command,
         )
+        if not self.samples or any(sample.command) or sample.moved(self.samples[-1]):
+            self.still_since = sample.time
+        self.samples.append(sample)
+        for solid in sample.touched:
+            self._touches.setdefault(solid, []).append(sample)
 
     @property
     def seconds(self) -> float:
@@ -101,16 +116,6 @@ class RunRecord:
         """Length of the path driven, in metres."""
         return sum(a.distance(b) for a, b in zip(self.samples, self.samples[1:], strict=False))
 
-    def still_since(self) -> float:
-        """Return the time since which the robot has stood still without trying to move."""
-        since = self.seconds
-        for before, after in zip(reversed(self.samples[:-1]), reversed(self.samples), strict=False):
-            moved = before.distance(after) > _STILL or abs(before.heading - after.heading) > 0.02
-            if moved or any(after.command):
-                break
-            since = before.time
-        return since
-
     def inside(self, zone: str) -> Iterator[Sample]:
         """Yield the samples at which the middle of the robot was in a zone."""
         region = self.world.zones[zone]
@@ -118,7 +123,7 @@ class RunRecord:
 
     def touches(self, solid: str) -> Iterator[Sample]:
         """Yield the samples at which a solid was touched."""
-        return (sample for sample in self.samples if solid in sample.touched)
+        return iter(self._touches.get(solid, ()))
 
     def entries(self, state: str | Path) -> list[TraceEvent]:
         """Return the events in which a state was entered."""

@@ -1,9 +1,13 @@
+from dataclasses import replace
+from functools import partial
+
 import pytest
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading.challenges import Challenge, challenge, challenges
 from lrp_jupyter.grading.criteria import Criterion, drives, enters, touches, visits
 from lrp_jupyter.grading.grade import grade
+from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.session import Session
@@ -225,6 +229,22 @@ def test_a_run_ends_early_when_it_cannot_get_better():
     long = Challenge("way", "", ("empty",), (drives(0.1),), 1000, until=lambda run: run.driven > 0.1)
     (attempt,) = grade(DRIVE, long).attempts
     assert attempt.seconds < 2
+
+
+@pytest.mark.parametrize("name", [each.name for each in challenges() if each.until])
+def test_whether_a_run_may_end_early_is_known_without_searching_all_ticks_at_every_tick(monkeypatch, name):
+    class Ticks(list):
+        searched = 0
+
+        def __iter__(self):
+            self.searched += 1
+            return super().__iter__()
+
+    ticks = Ticks()
+    monkeypatch.setattr("lrp_jupyter.grading.grade.RunRecord", partial(RunRecord, samples=ticks))
+    grade("(machine m (state idle)) (spawn m idle)", replace(challenge(name), criteria=(), seconds=5))
+    assert len(ticks) > 25
+    assert ticks.searched <= 1
 
 
 def test_what_is_missing_in_an_order_is_told_with_when_the_one_before_it_came():
