@@ -6,7 +6,6 @@ what came out: texts and pictures, no widgets.
 
 from __future__ import annotations
 
-import re
 import sys
 import tempfile
 from pathlib import Path
@@ -15,9 +14,8 @@ from typing import Any
 import nbformat
 from nbclient import NotebookClient
 from nbformat import NotebookNode
+from stored import NOTEBOOKS, WIDGET, data_of, opened_program, paths
 
-NOTEBOOKS = Path(__file__).parents[2] / "notebooks"
-WIDGET = "application/vnd.jupyter.widget-view+json"
 _LANGUAGE = {
     "name": "python",
     "file_extension": ".py",
@@ -25,27 +23,6 @@ _LANGUAGE = {
     "pygments_lexer": "ipython3",
 }
 _LATER = "import time, lrp_jupyter; time.sleep(4); lrp_jupyter.Lab({!r}).snapshot()"
-
-
-def paths() -> list[Path]:
-    """All notebooks, in reading order."""
-    found = (path for path in NOTEBOOKS.rglob("*.ipynb") if not path.parent.name.startswith("."))
-    return sorted(found, key=lambda path: (len(path.parts), path))
-
-
-def read(path: Path) -> NotebookNode:
-    return nbformat.read(path, as_version=4)
-
-
-def sources(notebook: NotebookNode, kind: str) -> list[str]:
-    """The texts of all cells of a kind, ``code`` or ``markdown``."""
-    return [cell.source for cell in notebook.cells if cell.cell_type == kind]
-
-
-def opened_program(source: str) -> str | None:
-    """The name that a ``%%lrp`` cell gives to its program."""
-    found = re.match(r"%%lrp +([\w-]+)", source)
-    return found[1] if found else None
 
 
 class Execution(NotebookClient):
@@ -74,19 +51,9 @@ class Execution(NotebookClient):
             self.nb.cells.remove(cell)
 
 
-def texts_of(cell: NotebookNode) -> str:
-    """What a cell printed."""
-    return "".join(output.text for output in cell.get("outputs", ()) if output.output_type == "stream")
-
-
-def data_of(cell: NotebookNode, kind: str) -> list[str]:
-    """What a cell shows, of one MIME type."""
-    return [output.data[kind] for output in cell.get("outputs", ()) if kind in output.get("data", {})]
-
-
 def store(path: Path) -> None:
     """Execute a notebook and store it with its outputs; a lab is shown after some seconds of driving."""
-    notebook = read(path)
+    notebook = nbformat.read(path, as_version=4)
     with tempfile.TemporaryDirectory() as here:
         execution = Execution(notebook, here)
         with execution.setup_kernel():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from nbformat import NotebookNode
+from stored import Node
 
 JAVASCRIPT = Path(__file__).parents[2] / "js" / "src"
 _TEXT = r'"((?:[^"\\]|\\.)+)"'
@@ -29,7 +29,7 @@ def named_in_the_lab() -> set[str]:
     return names
 
 
-def prose(notebook: NotebookNode) -> str:
+def prose(notebook: Node) -> str:
     """All Markdown of a notebook, without its blocks of code."""
     cells = "\n\n".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
     return re.sub(r"^```.*?^```", "", cells, flags=re.DOTALL | re.MULTILINE)
@@ -44,7 +44,7 @@ def links(text: str) -> list[str]:
     return re.findall(r"\]\(([^)\s]+)\)", text)
 
 
-def solution(notebook: NotebookNode) -> tuple[str, str] | None:
+def solution(notebook: Node) -> tuple[str, str] | None:
     """The solution that a notebook hides, ``lrp`` or ``python`` and its text."""
     text = "\n\n".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
     found = re.search(r"<summary>A solution</summary>.*?```(lrp|python)\n(.*?)```", text, re.DOTALL)

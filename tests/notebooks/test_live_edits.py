@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from execution import NOTEBOOKS, opened_program, read, sources
 from prose import prose
+from stored import NOTEBOOKS, opened_program, read, sources
 
 from lrp_jupyter import Session
 

@@ -5,13 +5,11 @@ from __future__ import annotations
 import ast
 import re
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-import nbformat
 import pytest
-from execution import NOTEBOOKS, WIDGET, Execution, data_of, opened_program, paths, read, sources, texts_of
-from nbformat import NotebookNode
 from prose import bold, links, named_in_the_lab, prose, solution
+from stored import NOTEBOOKS, WIDGET, Node, data_of, opened_program, paths, read, sources, texts_of
 
 from lrp_jupyter.language.checks import CODES
 from lrp_jupyter.language.deviations import DEVIATIONS
@@ -31,14 +29,17 @@ all_lessons = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.ste
 class Run(NamedTuple):
     """A notebook as it is stored, the same after Restart & Run All, and what its solution gave."""
 
-    stored: NotebookNode
-    fresh: NotebookNode
+    stored: Node
+    fresh: Any
     solved: str
 
 
 @pytest.fixture(scope="module", params=ALL, ids=lambda path: path.stem)
 def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Run:
-    stored, fresh = read(request.param), read(request.param)
+    import nbformat  # slow: only here
+    from execution import Execution
+
+    stored, fresh = read(request.param), nbformat.read(request.param, as_version=4)
     execution = Execution(fresh, tmp_path_factory.mktemp(request.param.stem))
     with execution.setup_kernel():
         execution.run_all()
@@ -47,7 +48,7 @@ def run(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
     return Run(stored, fresh, solved)
 
 
-def _solving(notebook: NotebookNode) -> str:
+def _solving(notebook: Node) -> str:
     """A cell that grades the hidden solution with the words of the challenge."""
     hidden = solution(notebook)
     if hidden is None:
@@ -104,11 +105,20 @@ def test_it_reads_well_without_a_kernel(path: Path):
 @all_notebooks
 def test_its_cells_have_names_of_their_own(path: Path):
     notebook = read(path)
-    nbformat.validate(notebook)
     names = [cell.id for cell in notebook.cells]
     assert len(set(names)) == len(names)
     for name in names:
         assert re.fullmatch(r"[a-z]+-\d\d", name)
+
+
+@pytest.mark.slow
+@all_notebooks
+def test_it_is_a_valid_notebook(path: Path):
+    import nbformat
+
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    assert read(path) == notebook, "as the other tests read it"
 
 
 @all_notebooks
@@ -189,12 +199,12 @@ def test_a_lesson_takes_at_most_twenty_minutes(path: Path):
 
 
 @pytest.fixture(scope="module")
-def reference() -> NotebookNode:
+def reference() -> Node:
     return read(REFERENCE)
 
 
 @pytest.fixture(scope="module")
-def examples(reference: NotebookNode) -> list[Program]:
+def examples(reference: Node) -> list[Program]:
     """The programs of the reference that run."""
     texts = [
         node.value
@@ -212,30 +222,30 @@ def examples(reference: NotebookNode) -> list[Program]:
     return found
 
 
-def _tables(reference: NotebookNode) -> str:
+def _tables(reference: Node) -> str:
     return "\n".join(table for cell in reference.cells for table in data_of(cell, "text/markdown"))
 
 
-def test_the_reference_lists_every_departure(reference: NotebookNode):
+def test_the_reference_lists_every_departure(reference: Node):
     tables = _tables(reference)
     for deviation in DEVIATIONS:
         row = " | ".join(each.replace("|", r"\|") for each in deviation)
         assert f"| {row} |" in tables
 
 
-def test_the_reference_lists_every_code(reference: NotebookNode):
+def test_the_reference_lists_every_code(reference: Node):
     tables = _tables(reference)
     for code in CODES.values():
         assert f"| {code.code} | {code.severity} |" in tables
 
 
-def test_the_reference_has_a_heading_for_every_form(reference: NotebookNode):
+def test_the_reference_has_a_heading_for_every_form(reference: Node):
     headings = re.findall(r"^### (.*)$", "\n".join(sources(reference, "markdown")), re.MULTILINE)
     shown = set(re.findall(r"`\((\w+)", "\n".join(headings)))
     assert shown == set(USAGE)
 
 
-def test_every_form_of_the_reference_has_a_program_and_its_picture(reference: NotebookNode):
+def test_every_form_of_the_reference_has_a_program_and_its_picture(reference: Node):
     waiting = ""
     for cell in reference.cells:
         found = re.findall(r"^### (.*)$", cell.source, re.MULTILINE) if cell.cell_type == "markdown" else []

@@ -6,9 +6,7 @@ import re
 import threading
 import xml.etree.ElementTree as ElementTree
 
-import nbformat
 import pytest
-from nbconvert import HTMLExporter
 
 import lrp_jupyter
 from lrp_jupyter import Editor, Lab, Session, SimView, StateGraph, UnknownElementError, parse
@@ -191,7 +189,11 @@ def test_a_robot_that_cannot_be_reached_is_an_error_in_a_sentence_and_leaves_not
     assert set(threading.enumerate()) <= before
 
 
+@pytest.mark.slow
 def test_a_saved_notebook_shows_graph_world_and_text_without_a_kernel(make):
+    import nbformat
+    from nbconvert import HTMLExporter
+
     lab = make(PROGRAM)
     data, metadata = lab._repr_mimebundle_()
     output = {
