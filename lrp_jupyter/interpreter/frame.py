@@ -10,18 +10,15 @@ from __future__ import annotations
 
 import reprlib
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field
-from types import MappingProxyType
 from typing import Literal
 
-from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import Broken, MachinePlan, SpawnPlan, link
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Path, Program
 
-__all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "make_frame", "matches", "render"]
+__all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "matches", "render"]
 
 Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
 
@@ -165,38 +162,6 @@ def definition_of(state: str | Path, program: Program) -> str | Path:
         spawned = (x.target for x in outer.onentry if isinstance(x, SpawnPlan) and x.identity[0] == inner)
         machine = next(spawned, outer.machines.get(inner))
     return (*machine.path, path[-1]) if isinstance(machine, MachinePlan) and len(path) > 2 else state
-
-
-def make_frame(interpreter: Interpreter, time: float, **more: object) -> Frame:
-    """Make the frame of this moment; between two ticks, on the interpreter's thread."""
-    variables: dict[Path, str] = {}
-    numbers: dict[Path, float] = {}
-    for path, value in interpreter.variables.items():
-        variables[path] = render(value)
-        if isinstance(value, (int, float)) and not isinstance(value, bool):
-            with suppress(OverflowError):
-                numbers[path] = float(value)
-    visits, firings = interpreter.visits, interpreter.firings
-    return Frame(
-        tick=interpreter.tick,
-        time=time,
-        active=interpreter.active,
-        variables=MappingProxyType(variables),
-        numbers=MappingProxyType(numbers),
-        visits=MappingProxyType({path: count.times for path, count in visits.items()}),
-        visited_at=MappingProxyType({path: count.tick for path, count in visits.items()}),
-        fired=MappingProxyType({path: count.times for path, count in firings.items()}),
-        fired_at=MappingProxyType({path: count.tick for path, count in firings.items()}),
-        events=MappingProxyType(dict(interpreter.event_values)),
-        issues=tuple(interpreter.issues),
-        restarts=interpreter.restarts,
-        restart_reason=interpreter.restart_reason,
-        revision=interpreter.revision,
-        moved=interpreter.moved,
-        patch_reason=interpreter.patch_reason,
-        program=interpreter.program,
-        **more,  # type: ignore[arg-type]
-    )
 
 
 class _Bounded(reprlib.Repr):

@@ -25,7 +25,7 @@ import re
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager
@@ -205,13 +205,7 @@ class Driver:
 
     # -- life ------------------------------------------------------------------------------------
 
-    def start(
-        self,
-        kind: Literal["thread", "asyncio"],
-        changed: Callable[[], None],
-        hung_after: float,
-        dead_man: float | None,
-    ) -> None:
+    def start(self, kind: Literal["thread", "asyncio"], hung_after: float, dead_man: float | None) -> None:
         """Start a thread or a task and, where there are threads, the monitor."""
         if kind == "asyncio":
             self._motor = LoopTask(self.loop)
@@ -219,7 +213,7 @@ class Driver:
             return
         self._motor = motor = LoopThread(self.loop, self._turning, f"lrp {self.name}")
         motor.start()
-        self._monitor = Monitor(self.loop, motor, changed, hung_after, dead_man)
+        self._monitor = Monitor(self.loop, motor, hung_after, dead_man)
         self._monitor.start()
 
     def end(self) -> bool:
@@ -336,8 +330,6 @@ class Monitor:
     ----------
     loop : Loop
     motor : LoopThread
-    changed : callable
-        Called when :attr:`Loop.hung` has changed.
     hung_after : float
         Wall seconds after which a tick is reported.
     dead_man : float or None
@@ -348,13 +340,11 @@ class Monitor:
         self,
         loop: Loop,
         motor: LoopThread,
-        changed: Callable[[], None],
         hung_after: float = 2.0,
         dead_man: float | None = None,
     ) -> None:
         self._loop = loop
         self._motor = motor
-        self._changed = changed
         self._hung_after = hung_after
         self._dead_man = dead_man
         self._seen = monotonic()
@@ -406,7 +396,7 @@ class Monitor:
         if not since:
             if loop.hung is not None:
                 loop.hung = None
-                self._changed()
+                loop.changed()
             return
         block = _running_block(loop, self._motor.ident)
         if block or loop.ticking:
@@ -414,7 +404,7 @@ class Monitor:
             loop.hung = Hung(block or "the robot", round(since, 1))
             if first:
                 loop.bridge.stop_all()
-            self._changed()
+            loop.changed()
 
 
 def _running_block(loop: Loop, thread: int | None) -> str:

@@ -25,7 +25,7 @@ repeats that tick.
 session shows them in its frames.
 
 Owned by the thread that drives it. Other threads use :attr:`Loop.inbox`, set :attr:`Loop.hung` (the
-monitor) or end the loop (:meth:`Loop.halt`), and read `ticking`, `status` and `interpreter.tick`.
+monitor) or end the loop (:meth:`Loop.halt`), and read `frame`, `ticking`, `status` and `interpreter.tick`.
 
 Paper: §5.1 (the loop), §6.3 (pause), §6.4 (forcing states).
 """
@@ -39,12 +39,14 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
+from contextlib import suppress
 from time import perf_counter
+from types import MappingProxyType
 from typing import Any, ClassVar, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError
-from lrp_jupyter.interpreter.frame import Frame, Hung, Status, is_active, make_frame
+from lrp_jupyter.interpreter.frame import Frame, Hung, Status, is_active, render
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Element, Path, Program
@@ -133,8 +135,8 @@ class Loop:
     clock : Clock
     rate : float
         Ticks per second; 0 for as many as possible.
-    publish : callable
-        Called with every frame.
+    changed : callable
+        Called after every new :attr:`frame`, and whenever :attr:`hung` has changed.
     remembered : int
         Ticks that can be rewound.
     printed : callable
@@ -147,7 +149,7 @@ class Loop:
         bridge: Bridge,
         clock: Clock,
         rate: float,
-        publish: Callable[[Frame], None],
+        changed: Callable[[], None],
         remembered: int = 10_000,
         printed: Callable[[], int] = lambda: 0,
     ) -> None:
@@ -163,7 +165,7 @@ class Loop:
         """The traceback of what broke the session; empty while nothing has."""
         self.ticking = False
         self._step = bridge.time_step  # seconds; None where time passes by itself
-        self._publish = publish
+        self.changed = changed
         self._printed = printed
         self.moments: deque[tuple[float, object]] = deque(maxlen=remembered)
         """Before each tick: the time, and what the bridge calls that moment."""
@@ -176,6 +178,8 @@ class Loop:
         self._measured: tuple[float, int, float] | None = None  # wall time, tick, time
         self._achieved = (0.0, 0.0)  # ticks per second, seconds per second
         self.set_rate(rate)
+        self.frame = self.make_frame()
+        """The newest one published."""
 
     # -- time ------------------------------------------------------------------------------------
 
@@ -380,16 +384,41 @@ class Loop:
     def publish(self) -> None:
         """Publish a frame of this moment."""
         self._published = perf_counter()
-        self._publish(self.make_frame())
+        self.frame = self.make_frame()
+        self.changed()
 
     def make_frame(self) -> Frame:
-        """Make a frame of this moment."""
+        """Make a frame of this moment, between two ticks."""
+        interpreter = self.interpreter
+        variables: dict[Path, str] = {}
+        numbers: dict[Path, float] = {}
+        for path, value in interpreter.variables.items():
+            variables[path] = render(value)
+            if isinstance(value, (int, float)) and not isinstance(value, bool):
+                with suppress(OverflowError):
+                    numbers[path] = float(value)
+        visits, firings = interpreter.visits, interpreter.firings
         rate, speed = self._achieved if self.status == "running" else (0.0, 0.0)
-        return make_frame(
-            self.interpreter,
-            self.now,
+        return Frame(
             status=self.status,
             reason=self.reason,
+            tick=interpreter.tick,
+            time=self.now,
+            active=interpreter.active,
+            variables=MappingProxyType(variables),
+            numbers=MappingProxyType(numbers),
+            visits=MappingProxyType({path: count.times for path, count in visits.items()}),
+            visited_at=MappingProxyType({path: count.tick for path, count in visits.items()}),
+            fired=MappingProxyType({path: count.times for path, count in firings.items()}),
+            fired_at=MappingProxyType({path: count.tick for path, count in firings.items()}),
+            events=MappingProxyType(dict(interpreter.event_values)),
+            issues=tuple(interpreter.issues),
+            restarts=interpreter.restarts,
+            restart_reason=interpreter.restart_reason,
+            revision=interpreter.revision,
+            moved=interpreter.moved,
+            patch_reason=interpreter.patch_reason,
+            program=interpreter.program,
             rate=self.rate,
             achieved_rate=rate,
             speed=self.clock.speed,

@@ -15,7 +15,7 @@ holds things up, and the command stays in the queue. ``submit`` does not wait. A
 block of the program itself does not wait either, because the block would wait for its own end. When
 no driver is at work, the caller applies the command itself.
 
-*Out.* After a tick the loop makes a frozen frame and the session stores it by one assignment.
+*Out.* After a tick the loop makes a frozen frame, and stores it by one assignment.
 Readers get the newest one; what must not be missed is counted in it. No view ever touches the
 interpreter.
 
@@ -157,14 +157,12 @@ class Session:
             self.bridge,
             MonotonicClock(speed) if clock is None else clock,
             rate,
-            self._store,
+            self._notify,
             journal,
             lambda: self.output.count,
         )
         self._driver = Driver(self._loop, name)
-        self._start_driver = partial(self._driver.start, driver, self._notify, hung_after, dead_man)
-        self._frame: Frame
-        self._loop.publish()
+        self._start_driver = partial(self._driver.start, driver, hung_after, dead_man)
         _open_sessions.add(self)
 
     def __repr__(self) -> str:
@@ -183,7 +181,8 @@ class Session:
     @property
     def frame(self) -> Frame:
         """The newest frame, with the status as it is now; from any thread."""
-        frame, status, hung = self._frame, self._loop.status, self._loop.hung
+        loop = self._loop
+        frame, status, hung = loop.frame, loop.status, loop.hung
         if status in ("stopped", "closed"):
             if frame.status == status:
                 return frame
@@ -201,12 +200,12 @@ class Session:
     @property
     def issues(self) -> Sequence[Issue]:
         """The faults of the program so far."""
-        return self._frame.issues
+        return self._loop.frame.issues
 
     @property
     def program(self) -> Program:
         """The program that runs."""
-        return self._frame.program
+        return self._loop.frame.program
 
     @property
     def text(self) -> str:
@@ -362,7 +361,7 @@ class Session:
         if not self._driver.runs_elsewhere and (timeout is None or self._driver.running):
             raise LRPError("nothing would run meanwhile: `start` it before, or use `run(until=…)`")
         end = math.inf if timeout is None else monotonic() + timeout
-        before = 0 if callable(condition) else self._frame.count_of(condition)
+        before = 0 if callable(condition) else self._loop.frame.count_of(condition)
         while True:
             version, frame = self._version, self.frame
             if callable(condition):
@@ -567,10 +566,6 @@ class Session:
             self._listeners = tuple(other for other in self._listeners if other is not callback)
 
         return unlisten
-
-    def _store(self, frame: Frame) -> None:
-        self._frame = frame
-        self._notify()
 
     def _notify(self) -> None:
         with self._changed:

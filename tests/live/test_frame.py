@@ -5,11 +5,20 @@ from hypothesis import given
 from hypothesis import strategies as st
 from story import robot
 
-from lrp_jupyter.interpreter.frame import LONGEST, Frame, make_frame, render
+from lrp_jupyter.bridges.bridge import NullBridge
+from lrp_jupyter.interpreter.frame import LONGEST, Frame, render
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.parser import parse
+from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.loop import Loop
 
 LOOKLEFT = ("follower", "looking", "lookalgo", "lookleft")
+
+
+def make_frame(interpreter, time, status="ready"):
+    loop = Loop(interpreter, NullBridge(), VirtualClock(), 10, changed=lambda: None)
+    loop.now, loop.status = time, status
+    return loop.make_frame()
 
 
 def test_a_frame_cannot_be_changed():
@@ -215,7 +224,7 @@ def test_a_frame_shows_a_moment_of_a_run_and_what_happened_since_the_beginning()
     i = Interpreter(parse(PROGRAM), bot := robot())
     for tick, bot.bumper in enumerate([False, True, False, True]):
         i.step(tick / 10)
-    frame = make_frame(i, 0.35, status="running", rate=10.0)
+    frame = make_frame(i, 0.35, status="running")
     assert (frame.status, frame.rate, frame.tick, frame.time) == ("running", 10.0, 4, 0.35)
     assert frame.active == (("m", "b"),)
     assert (frame.is_active("b"), frame.is_active("k")) == (True, False)
