@@ -28,7 +28,7 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from time import monotonic, perf_counter
 from typing import Any, Literal
 
@@ -200,6 +200,11 @@ class Driver:
         return self._thread not in (None, threading.get_ident())
 
     @property
+    def _inside_block(self) -> bool:
+        """Whether a block of the program itself is the caller."""
+        return self.loop.ticking and self._thread == threading.get_ident()
+
+    @property
     def _thread(self) -> int | None:
         return self._caller or (self._motor.ident if self._motor is not None else None)
 
@@ -248,44 +253,41 @@ class Driver:
 
     # -- commands --------------------------------------------------------------------------------
 
-    def submit(self, command: Command) -> Future[Any]:
-        """Queue a command and do not wait.
+    def ask(self, command: Command) -> Future[Any]:
+        """Queue a command, and apply it here if nothing else drives the loop; does not wait.
 
         Raises
         ------
         SessionClosedError
         """
         self.check_open()
-        return self.loop.inbox.put(command)
+        answer = self.loop.inbox.put(command)
+        if not (self.runs_elsewhere or self._inside_block):
+            with suppress(SessionTimeoutError), self.exclusive("ask"):  # if another is faster, it applies it
+                self.loop.apply_queued()
+        return answer
 
-    def do(self, command: Command) -> Any:
-        """Apply a command, or have it applied, and return its result.
+    def wait(self, answer: Future[Any], what: str) -> Any:
+        """Wait for what :meth:`ask` returned; inside a block return None, as it is applied after the tick.
 
         Raises
         ------
-        SessionClosedError
         SessionTimeoutError
             It is not applied yet; the message says what blocks it. It stays in the queue.
         """
-        self.check_open()
-        here, thread = threading.get_ident(), self._thread
-        if thread == here and self.loop.ticking:
-            self.loop.inbox.put(command)  # asked from inside a block: after this tick
+        if self._inside_block:
             return None
-        what = re.sub(r"\B(?=[A-Z])", " ", type(command).__name__).lower()
-        if thread is None or thread == here:
-            with self.exclusive(what):
-                self.loop.apply_queued()
-                result = self.loop.apply(command)
-                self.loop.publish()
-            return result
-        answer = self.loop.inbox.put(command)
         try:
             return answer.result(PATIENCE)
         except FutureTimeout:
             if answer.done():  # the command itself failed so
                 raise
             raise self._blocked(what) from None
+
+    def do(self, command: Command) -> Any:
+        """Apply a command, or have it applied, and return its result; see :meth:`ask`, :meth:`wait`."""
+        what = re.sub(r"\B(?=[A-Z])", " ", type(command).__name__).lower()
+        return self.wait(self.ask(command), what)
 
     def check_open(self) -> None:
         """Raise SessionClosedError if the session is closed."""

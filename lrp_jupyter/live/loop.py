@@ -435,7 +435,10 @@ class Loop:
     # -- commands --------------------------------------------------------------------------------
 
     def apply_queued(self) -> None:
-        """Apply the commands that are queued now, each as a whole; then publish, then answer."""
+        """Apply the commands that are queued now, each as a whole; then publish, then answer.
+
+        An error that is not the caller's own mistake (:attr:`Command.misuse`) breaks the session.
+        """
         answers: list[tuple[Future[Any], Any, Exception | None]] = []
         for _ in range(len(self.inbox)):
             entry = self.inbox.get()
@@ -444,10 +447,17 @@ class Loop:
             command, answer = entry
             if not answer.set_running_or_notify_cancel():
                 continue
+            restarts = self.interpreter.restarts
             try:
-                answers.append((answer, self.apply(command), None))
+                self._check_whole()
+                answers.append((answer, command.apply(self), None))
             except Exception as error:
+                if not isinstance(error, command.misuse):
+                    self.break_down(traceback.format_exc())
                 answers.append((answer, None, error))
+            finally:
+                if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
+                    self.bridge.stop_all()
         if answers:
             self.publish()
         for answer, result, refusal in answers:  # whoever waited finds the new frame
@@ -455,29 +465,6 @@ class Loop:
                 answer.set_result(result)
             else:
                 answer.set_exception(refusal)
-
-    def apply(self, command: Command) -> Any:
-        """Apply one command, between two ticks.
-
-        Raises
-        ------
-        LRPError
-            The session is broken.
-        Exception
-            The caller's own mistake (:attr:`Command.misuse`). Any other error is raised, too, and
-            breaks the session.
-        """
-        self._check_whole()
-        restarts = self.interpreter.restarts
-        try:
-            return command.apply(self)
-        except Exception as error:
-            if not isinstance(error, command.misuse):
-                self.break_down(traceback.format_exc())
-            raise
-        finally:
-            if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
-                self.bridge.stop_all()
 
     def _check_whole(self) -> None:
         if self.fault:

@@ -243,7 +243,7 @@ class Session:
         if self._loop.status == "stopped":
             with self._driver.exclusive("start"):
                 self._loop.status = "ready"
-                self._loop.apply(do.Reset())
+                self._driver.do(do.Reset())
 
     def pause(self, reason: str = "") -> None:
         """Pause program, time and robot. Paper: §6.3."""
@@ -387,15 +387,14 @@ class Session:
         tuple of Finding
             What the checks found. If the text is not a program, the last program continues to run.
         """
-        program = self._read(text)
-        if program is not None:
-            try:
-                self._driver.do(do.ReplaceProgram(program))
-            except CancelledError:  # a newer edit came before this one was applied
-                pass
-            except LRPError as error:  # the text is kept, and applied when the block returns
-                late = Finding("LRP690", "warning", str(error), 1, 1, 1, 1)
-                self.findings = (*self.findings, late)
+        _, answer = self.offer(text)
+        try:
+            self._driver.wait(answer, "replace program")
+        except CancelledError:  # a newer edit came before this one was applied
+            pass
+        except LRPError as error:  # the text is kept, and applied when the block returns
+            late = Finding("LRP690", "warning", str(error), 1, 1, 1, 1)
+            self.findings = (*self.findings, late)
         return self.findings
 
     def offer(self, text: str) -> tuple[Program | None, Future[Any]]:
@@ -408,21 +407,17 @@ class Session:
         Future
             Of the :class:`~lrp_jupyter.interpreter.patching.Patch`; of None if the text is not a program.
         """
-        program = self._read(text)
-        if program is not None:
-            return program, self.ask(do.ReplaceProgram(program))
-        nothing: Future[Any] = Future()
-        nothing.set_result(None)
-        return None, nothing
-
-    def _read(self, text: str) -> Program | None:
         self._driver.check_open()
         program, findings = scan(text, f"<lrp {self.name}>")
         self._text = text
-        self.findings = findings if program is None else self._check(program)
-        if program is not None:
-            link(program)  # here and now, so that the loop stands still only for the swap of plans
-        return program
+        if program is None:
+            self.findings = findings
+            nothing: Future[Any] = Future()
+            nothing.set_result(None)
+            return None, nothing
+        self.findings = self._check(program)
+        link(program)  # here and now, so that the loop stands still only for the swap of plans
+        return program, self._driver.ask(do.ReplaceProgram(program))
 
     def _check(self, program: Program) -> tuple[Finding, ...]:
         try:
@@ -533,19 +528,12 @@ class Session:
 
     def submit(self, command: Command) -> Future[Any]:
         """Queue a command and do not wait."""
-        return self._driver.submit(command)
+        self._driver.check_open()
+        return self._loop.inbox.put(command)
 
     def ask(self, command: Command) -> Future[Any]:
         """Apply a command without waiting: here, if no other thread drives the loop."""
-        if self._driver.runs_elsewhere:
-            return self._driver.submit(command)
-        answer: Future[Any] = Future()
-        self._driver.check_open()
-        try:
-            answer.set_result(self._driver.do(command))
-        except Exception as error:
-            answer.set_exception(error)
-        return answer
+        return self._driver.ask(command)
 
     def observe(self, observer: Observer) -> Callable[[], None]:
         """Subscribe a function to every event of the interpreter; return what ends that.
