@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Mapping
 from threading import Lock
 from time import monotonic
-from typing import Any
 
 from lrp_jupyter.graph.layout import layout
 from lrp_jupyter.graph.shapes import Layout
@@ -53,44 +52,32 @@ class Layouts:
             with self._lock:
                 arranged, self._arranged = self._arranged, set()
                 pinned, self._pinned = self._pinned, {}
-            if frame.program is not self.current[0].program:
-                self._replace(frame)
-            for name in arranged:
-                self._again(name, fresh=True)
-            for name, places in pinned.items():
-                self._again(name, moved=places)
-
-    def _replace(self, frame: Frame) -> None:
-        """Compute the layouts of another program."""
-        shown, last = self.current
-        program, previous = frame.program, {**self._gone, **last}
-        for revision, successors in frame.moved:
-            if revision > shown.revision:
-                previous |= _carried(previous, successors)
-        appearances, layouts = {}, {}
-        starts = start_states(program)
-        for path, machine in program.walk():
-            name = path_text(path)
-            if name in layouts:
-                continue
-            appearance = appearances[name] = _appearance(program, path, machine, starts.get(path, ()))
-            if appearance == self._appearances.get(name) and name in last:
-                layouts[name] = last[name]
-            else:
-                old, now = previous.get(name), self._clock()
-                layouts[name] = layout(machine, old, program=program, path=path, now=now)
-        self._gone = {name: old for name, old in previous.items() if name not in layouts}
-        self._appearances = appearances
-        self.current = frame, layouts
-
-    def _again(self, name: str, fresh: bool = False, **options: Any) -> None:
-        shown, layouts = self.current
-        path = tuple(name.split("/"))
-        machine = next((machine for where, machine in shown.program.walk() if where == path), None)
-        if machine is not None:
-            old, now = None if fresh else layouts[name], self._clock()
-            new = layout(machine, old, program=shown.program, path=path, now=now, **options)
-            self.current = shown, {**layouts, name: new}
+            shown, last = self.current
+            if frame.program is shown.program:
+                if not (arranged or pinned):
+                    return
+                frame = shown
+            program, previous = frame.program, {**self._gone, **last}
+            for revision, successors in frame.moved:
+                if revision > shown.revision:
+                    previous |= _carried(previous, successors)
+            appearances, layouts = {}, {}
+            starts = start_states(program)
+            for path, machine in program.walk():
+                name = path_text(path)
+                if name in layouts:
+                    continue
+                appearance = appearances[name] = _appearance(program, path, machine, starts.get(path, ()))
+                looks_alike = name in last and appearance == self._appearances.get(name)
+                if looks_alike and name not in arranged and name not in pinned:
+                    layouts[name] = last[name]
+                else:
+                    old, now = None if name in arranged else previous.get(name), self._clock()
+                    moved = pinned.get(name)
+                    layouts[name] = layout(machine, old, program=program, path=path, moved=moved, now=now)
+            self._gone = {name: old for name, old in previous.items() if name not in layouts}
+            self._appearances = appearances
+            self.current = frame, layouts
 
 
 def _carried(layouts: Mapping[str, Layout], successors: Successors) -> dict[str, Layout]:
