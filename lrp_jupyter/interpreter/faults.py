@@ -10,12 +10,12 @@ import traceback as tracebacks
 from itertools import islice
 from types import TracebackType
 
-from lrp_jupyter.errors import LRPError
-from lrp_jupyter.interpreter.issues import Issue, IssueKind
+from lrp_jupyter.errors import LRPError, NoDataYet
+from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.interpreter.linker import Site, show_in_tracebacks
 from lrp_jupyter.language.program import Program
 
-__all__ = ["Fault", "kind_and_message", "line_of", "make_issue"]
+__all__ = ["Fault", "kind_and_message", "line_of", "place_of", "traceback_of"]
 
 
 class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter only)
@@ -27,7 +27,11 @@ class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter
 
 
 def kind_and_message(error: BaseException) -> tuple[IssueKind, str]:
-    """Say in a sentence what an exception of Python's means to who wrote the program."""
+    """Return what a fault is, and a sentence about it for who wrote the program."""
+    if isinstance(error, Fault):
+        return error.kind, str(error)
+    if isinstance(error, NoDataYet):
+        return "no data yet", str(error)
     if isinstance(error, NameError) and not isinstance(error, UnboundLocalError) and error.name:
         return "unknown variable", _name_error(error)
     return "exception", _first_line(error)
@@ -39,12 +43,28 @@ def line_of(program: Program, error: BaseException | None) -> int:
     return trace.tb_lineno if trace is not None else 0
 
 
-def make_issue(
-    program: Program, site: Site, kind: IssueKind, message: str, tick: int, error: BaseException | None
-) -> Issue:
-    """Make the issue of a fault, with its place in the text and the traceback of its exception."""
-    line, column = _place(program, site, _innermost(program, error))
-    return Issue(kind, site.element, message, line, column, _traceback(program, error), tick, tick)
+def place_of(program: Program, site: Site, error: BaseException | None) -> tuple[int, int]:
+    """Return the line and column where a fault stands: where it came to be if known, else at its element."""
+    trace, place = _innermost(program, error), None
+    if trace is not None:
+        positions = trace.tb_frame.f_code.co_positions()
+        _, _, column, _ = next(islice(positions, trace.tb_lasti // 2, None))
+        place = program.place_of_bytes(trace.tb_lineno, column or 0)
+    return place or program.place(site.offset)
+
+
+def traceback_of(program: Program, error: BaseException | None) -> str:
+    """Write the traceback of a fault from its block on; empty where there is none to write."""
+    if error is None:
+        return ""
+    show_in_tracebacks(program)  # another program may have the same name
+    trace = error.__traceback__
+    while trace is not None and trace.tb_frame.f_code.co_filename != program.filename:
+        trace = trace.tb_next
+    try:
+        return "".join(tracebacks.TracebackException(type(error), error, trace, compact=True).format())
+    except AttributeError:  # see `_first_line`
+        return "".join(tracebacks.format_tb(trace))
 
 
 def _first_line(error: BaseException) -> str:
@@ -67,20 +87,6 @@ def _name_error(error: NameError) -> str:
     return f"there is no `{error.name}`: neither a variable in scope nor a name of Python's"
 
 
-def _traceback(program: Program, error: BaseException | None) -> str:
-    """Write the traceback of a fault from its block on; empty where there is none to write."""
-    if error is None:
-        return ""
-    show_in_tracebacks(program)  # another program may have the same name
-    trace = error.__traceback__
-    while trace is not None and trace.tb_frame.f_code.co_filename != program.filename:
-        trace = trace.tb_next
-    try:
-        return "".join(tracebacks.TracebackException(type(error), error, trace, compact=True).format())
-    except AttributeError:  # see `_first_line`
-        return "".join(tracebacks.format_tb(trace))
-
-
 def _innermost(program: Program, error: BaseException | None) -> TracebackType | None:
     """Find where a fault came to be, as far in as the program's text goes."""
     found = None
@@ -90,13 +96,3 @@ def _innermost(program: Program, error: BaseException | None) -> TracebackType |
             found = trace
         trace = trace.tb_next
     return found
-
-
-def _place(program: Program, site: Site, trace: TracebackType | None) -> tuple[int, int]:
-    """Where a fault stands: there if it is known, else at its element."""
-    place = None
-    if trace is not None:
-        positions = trace.tb_frame.f_code.co_positions()
-        _, _, column, _ = next(islice(positions, trace.tb_lasti // 2, None))
-        place = program.place_of_bytes(trace.tb_lineno, column or 0)
-    return place or program.place(site.offset)

@@ -16,8 +16,8 @@ from typing import Any
 from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
-from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, make_issue
-from lrp_jupyter.interpreter.issues import IssueKind, IssueLog
+from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, place_of, traceback_of
+from lrp_jupyter.interpreter.issues import Issue, IssueKind, IssueLog
 from lrp_jupyter.interpreter.journal import Journal, Log, SavedState, undo_write, undoes
 from lrp_jupyter.interpreter.linker import (
     Broken,
@@ -290,31 +290,30 @@ class Run:
     # ---- faults -----------------------------------------------------------------------------
 
     def fault(self, site: Site, error: BaseException) -> None:
-        """Turn an exception into an issue. Paper: §6.2."""
+        """Record what a block raised as an issue, or count it. Paper: §6.2."""
         if isinstance(error, KeyboardInterrupt):  # raised when the tick is complete, so that it is whole
             self.interrupted = error
             self.attention = True
-        elif isinstance(error, Fault):
-            self.report(site, error.kind, str(error))
-        elif isinstance(error, NoDataYet):
-            if site.element.kind not in ("event", "transition"):  # there it just does not occur
-                self.report(site, "no data yet", str(error))
-        else:
-            self.last_exception = error
-            self.report(site, *kind_and_message(error), error)
+            return
+        if isinstance(error, NoDataYet) and site.element.kind in ("event", "transition"):
+            return  # there it just does not occur
+        kind, message = kind_and_message(error)
+        program, tick, raised = self.program, self.ticks, None
+        if not isinstance(error, (Fault, NoDataYet)):
+            raised = self.last_exception = error
 
-    def report(self, site: Site, kind: IssueKind, message: str, error: BaseException | None = None) -> None:
-        """Record or count an issue."""
-        issue = self.issues.report(
-            (*site[:2], kind),
-            lambda: make_issue(self.program, site, kind, message, self.ticks, error),
-            message,
-            self.ticks,
-            line_of(self.program, error),
-        )
+        def make() -> Issue:
+            place, trace = place_of(program, site, raised), traceback_of(program, raised)
+            return Issue(kind, site.element, message, *place, trace, tick, tick)
+
+        issue = self.issues.report((*site[:2], kind), make, message, tick, line_of(program, raised))
         if issue is not None:
             self.stale = self.new_issue = self.attention = True
             self.emit("issue", site.element.path, issue)
+
+    def report(self, site: Site, kind: IssueKind, message: str) -> None:
+        """Record a fault of the program that is not an exception of Python."""
+        self.fault(site, Fault(kind, message))
 
     def recovered(self, site: Site, value: object) -> None:
         """Resolve the issues of a site that just ran without fault and gave `value`."""
