@@ -23,23 +23,21 @@ export class Store {
   /** Note changes; the watchers are called before the next picture. */
   touch(topics: Iterable<Topic>): void {
     for (const topic of topics) this.changed.add(topic);
-    if (!this.scheduled && this.changed.size) this.scheduled = requestAnimationFrame(() => this.flush());
+    if (this.scheduled || !this.changed.size) return;
+    this.scheduled = requestAnimationFrame(() => {
+      const { changed } = this;
+      this.changed = new Set();
+      this.scheduled = 0;
+      for (const { topics, update } of this.watchers) {
+        if (topics.some((topic) => changed.has(topic))) update(changed);
+      }
+    });
   }
 
   set<K extends keyof LabState>(key: K, value: LabState[K]): void {
     if (this.state[key] === value) return;
     this.state[key] = value;
     this.touch([key]);
-  }
-
-  flush(): void {
-    cancelAnimationFrame(this.scheduled);
-    this.scheduled = 0;
-    const changed = this.changed;
-    this.changed = new Set();
-    for (const { topics, update } of this.watchers) {
-      if (topics.some((topic) => changed.has(topic))) update(changed);
-    }
   }
 
   close(): void {
