@@ -104,9 +104,9 @@ describe("a drawing", () => {
   });
 
   it("says why a transition is broken, until it is whole", () => {
-    draw(layers, layout([shape("a")], [arrow("a", { broken: "there is no state `b`" })]));
+    draw(layers, layout([shape("a")], [arrow("a", { broken: "There is no state `b`." })]));
     const drawn = layers.arrows.firstElementChild;
-    expect(drawn?.getAttribute("data-broken")).toBe("there is no state `b`");
+    expect(drawn?.getAttribute("data-broken")).toBe("There is no state `b`.");
     draw(layers, layout([shape("a")], [arrow("a")]));
     expect(drawn?.hasAttribute("data-broken")).toBe(false);
   });

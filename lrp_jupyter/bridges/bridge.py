@@ -128,7 +128,7 @@ class Bridge(Interface, ABC):
         if not cls.__dict__.get("name"):
             cls.name = cls.__name__.removesuffix("Bridge").lower() or cls.__name__.lower()
         if cls.name in ("none", "sim") and not cls.__module__.startswith("lrp_jupyter."):
-            raise BridgeError(f"The name `{cls.name}` is taken: give `{cls.__name__}` another `name`.")
+            raise BridgeError(f"The name `{cls.name}` is taken. Give `{cls.__name__}` another `name`.")
         Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
 
     def __new__(cls, *_args: object, **_options: object) -> Self:
@@ -257,7 +257,7 @@ class Bridge(Interface, ABC):
         try:
             self._opened_panel = self.open_interface()
         except Exception as error:
-            sentence = str(error) if isinstance(error, BridgeError) else f"{type(error).__name__}: {error}"
+            sentence = str(error) if isinstance(error, BridgeError) else f"{type(error).__name__}: {error}."
             self.set_status(ConnectionState.DISCONNECTED, sentence)
             if isinstance(error, BridgeError):
                 raise
@@ -318,7 +318,9 @@ class Bridge(Interface, ABC):
     def _lose(self, hook: str, error: Exception) -> None:
         """Stop the robot of a bridge whose hook failed, and mark it as lost; the loop keeps its rate."""
         sentence = (
-            str(error) if isinstance(error, BridgeError) else f"{hook}: {type(error).__name__}: {error}"
+            str(error)
+            if isinstance(error, BridgeError)
+            else f"`{hook}` raised {type(error).__name__}: {error}."
         )
         self.safety.notice("fault", sentence)
         if self._status.state is not ConnectionState.LOST:

@@ -103,26 +103,26 @@ class BridgeConformance:
 
     def make_bridge(self) -> Bridge:
         """Return a new bridge to check, not open; called for each check."""
-        raise NotImplementedError("A subclass defines with `make_bridge` which bridge is checked.")
+        raise NotImplementedError("Define `make_bridge` in a subclass. It returns the bridge to check.")
 
     # -- opening and closing ----------------------------------------------------------------------
 
     def test_it_has_a_name(self) -> None:
         """It has a name by which it can be chosen."""
         name = self.make_bridge().name
-        require(name.replace("-", "_").isidentifier(), f"{name!r} cannot be typed as the name of a bridge")
+        require(name.replace("-", "_").isidentifier(), f"{name!r} cannot be typed as the name of a bridge.")
 
     def test_open_connects_once(self) -> None:
-        """Opening twice connects once, and ends in bounded time."""
+        """Opening twice connects once, in bounded time."""
         bridge = self.make_bridge()
         calls = spy(bridge, "open_interface")
         with self._closing(bridge):
-            within(self.open_within, "open", bridge.open)
+            within(self.open_within, "`open`", bridge.open)
             before = set(bridge.nodes.table)
-            within(self.answer_within, "open, the second time", bridge.open)
-            require(len(calls) == 1, f"`open_interface` was called {len(calls)} times")
-            require(set(bridge.nodes.table) == before, "the second `open` changed the members")
-            require(bridge.is_open, "it is not open after `open`")
+            within(self.answer_within, "The second `open`", bridge.open)
+            require(len(calls) == 1, f"`open_interface` was called {len(calls)} times.")
+            require(set(bridge.nodes.table) == before, "The second `open` changed the members.")
+            require(bridge.is_open, "It is not open after `open`.")
 
     def test_status_is_said_in_a_sentence(self) -> None:
         """Its status is one of the known states, with a sentence, whether open or not."""
@@ -131,23 +131,26 @@ class BridgeConformance:
         with self._opened(bridge):
             self._check_status(bridge)
         self._check_status(bridge)
-        require(bridge.status.state is ConnectionState.DISCONNECTED, "a closed bridge is disconnected")
+        require(
+            bridge.status.state is ConnectionState.DISCONNECTED,
+            "A closed bridge does not have the status `disconnected`.",
+        )
 
     def test_close_stops_first_and_once(self) -> None:
         """Closing stops the robot before it closes the connection; a second time does nothing."""
         bridge = self.make_bridge()
         with self._opened(bridge):
             calls = spy(bridge, "stop", "stop_all", "close_interface")
-            within(self.answer_within, "close", bridge.close)
-            require(bool(calls) and calls[0].startswith("stop"), "`close` did not stop the robot first")
-            require(calls.count("close_interface") == 1, "`close` did not call `close_interface` once")
+            within(self.answer_within, "`close`", bridge.close)
+            require(bool(calls) and calls[0].startswith("stop"), "`close` did not stop the robot first.")
+            require(calls.count("close_interface") == 1, "`close` did not call `close_interface` once.")
             del calls[:]
-            within(self.answer_within, "close, the second time", bridge.close)
-            require("close_interface" not in calls, "the second `close` closed again")
+            within(self.answer_within, "The second `close`", bridge.close)
+            require("close_interface" not in calls, "The second `close` closed again.")
 
     def test_close_before_open_does_nothing(self) -> None:
-        """Closing what was never opened does nothing."""
-        within(self.answer_within, "close", self.make_bridge().close)
+        """Closing a bridge that was never opened does nothing."""
+        within(self.answer_within, "`close`", self.make_bridge().close)
 
     def test_it_opens_again_after_close(self) -> None:
         """It can be opened again after it was closed, with the same members."""
@@ -155,7 +158,7 @@ class BridgeConformance:
         with self._opened(bridge):
             before = set(bridge.nodes.table)
         with self._opened(bridge):
-            require(set(bridge.nodes.table) == before, "the second connection has other members")
+            require(set(bridge.nodes.table) == before, "The second connection has other members.")
 
     def test_no_thread_is_left(self) -> None:
         """Closing ends every thread that opening started."""
@@ -164,18 +167,18 @@ class BridgeConformance:
             pass
         for thread in set(threading.enumerate()) - before:
             thread.join(self.answer_within)
-            require(not thread.is_alive(), f"the thread {thread.name!r} runs on after `close`")
+            require(not thread.is_alive(), f"The thread {thread.name!r} runs on after `close`.")
 
     # -- members ----------------------------------------------------------------------------------
 
     def test_members_are_documented(self) -> None:
-        """Every member has a doc, for completion and hover."""
+        """Every member has a description, for completion and hover."""
         with self._opened() as bridge:
             bare = [f"`{member.name}`" for member in bridge.members() if not member.doc.strip()]
-            require(not bare, f"without a doc: {', '.join(bare)}")
+            require(not bare, f"These members have no description: {', '.join(bare)}.")
 
     def test_views_get_plain_data(self) -> None:
-        """Members, panel and picture of the safety can be sent to a page as JSON."""
+        """Members, panel and notices can be sent to a page as JSON."""
         with self._opened() as bridge:
             bridge.begin_tick(0.0, 0.1)
             bridge.refresh()
@@ -189,21 +192,21 @@ class BridgeConformance:
                 try:
                     json.dumps(value, allow_nan=False)
                 except (TypeError, ValueError) as error:
-                    raise ConformanceError(f"no plain data in the {what}: {error}") from error
+                    raise ConformanceError(f"The {what} cannot be written as JSON: {error}.") from error
 
     def test_members_can_be_described(self) -> None:
         """Every member is found by its name, and through `robot`."""
         with self._opened() as bridge:
             for member in bridge.members():
-                require(bridge.describe(member.name).name == member.name, f"`{member.name}` is not found")
+                require(bridge.describe(member.name).name == member.name, f"`{member.name}` is not found.")
                 first = member.name.partition(".")[0]
-                require(first in dir(bridge.robot), f"`{first}` is not listed by dir(robot)")
+                require(first in dir(bridge.robot), f"`{first}` is not listed by dir(robot).")
 
     def test_readings_come_in_time(self) -> None:
-        """Every reading comes in bounded time: a value, `NoDataYet` or a `BridgeError`."""
+        """Every reading returns a value, or raises `NoDataYet` or a `BridgeError`, in bounded time."""
         with self._opened() as bridge:
             for variable in variables(bridge):
-                within(self.answer_within, f"reading `{variable.path}`", partial(read, variable))
+                within(self.answer_within, f"Reading `{variable.path}`", partial(read, variable))
 
     def test_one_tick_sees_one_world(self) -> None:
         """A reading does not change within a tick."""
@@ -212,41 +215,43 @@ class BridgeConformance:
             for variable in variables(bridge):
                 first, second = read(variable), read(variable)
                 same = first is second or first == second or (first != first and second != second)
-                require(same, f"`{variable.path}` was {first!r}, then {second!r} in the same tick")
+                require(same, f"`{variable.path}` was {first!r}, then {second!r} in the same tick.")
             bridge.end_tick(0.0)
 
     def test_an_unknown_member_is_answered_with_the_known_ones(self) -> None:
-        """An unknown member is an error that names those that there are; none can be assigned."""
+        """An unknown member is an error that lists the known ones; no member can be assigned."""
         with self._opened() as bridge:
             try:
                 bridge.robot.no_such_member  # noqa: B018
             except MemberError as error:
                 missing = [name for name in dir(bridge.robot) if name not in str(error)]
-                require(not missing, f"the error does not name {', '.join(missing)}")
+                require(not missing, f"The error does not name {', '.join(missing)}.")
             except Exception as error:
-                raise ConformanceError(f"an unknown member raises {type(error).__name__}: {error}") from error
+                raise ConformanceError(
+                    f"An unknown member raises {type(error).__name__}: {error}."
+                ) from error
             else:
-                raise ConformanceError("an unknown member raises no error")
+                raise ConformanceError("An unknown member raises no error.")
             for name in [*dir(bridge.robot), "no_such_member"]:
                 try:
                     setattr(bridge.robot, name, 0)
                 except AttributeError:
                     continue
-                raise ConformanceError(f"`robot.{name}` can be assigned")
+                raise ConformanceError(f"`robot.{name}` can be assigned.")
 
     # -- safety -----------------------------------------------------------------------------------
 
     def test_hardware_opens_disarmed(self) -> None:
         """Hardware is disarmed until a person arms it."""
         with self._opened() as bridge:
-            require(not (bridge.hardware and bridge.safety.armed), "opening armed it")
+            require(not (bridge.hardware and bridge.safety.armed), "Opening armed it.")
 
     def test_move_is_a_velocity_command(self) -> None:
-        """Whatever is called `move` is a command, under the command watchdog."""
+        """Every member called `move` is a command, guarded by the command watchdog."""
         with self._opened() as bridge:
             for method in methods(bridge):
                 if method.path.rpartition(".")[2] == "move":
-                    require(method.command and method.velocity, f"`{method.path}` passes by the safety")
+                    require(method.command and method.velocity, f"`{method.path}` bypasses the safety.")
 
     def test_disarmed_sends_nothing(self) -> None:
         """While it is disarmed commands are recorded, and none is sent."""
@@ -256,8 +261,8 @@ class BridgeConformance:
                 recorded = bridge.safety.command_count
                 sent = catch(method)
                 give(bridge, method)
-                require(not sent, f"`{method.path}` was sent")
-                require(bridge.safety.command_count == recorded + 1, f"`{method.path}` was not recorded")
+                require(not sent, f"`{method.path}` was sent.")
+                require(bridge.safety.command_count == recorded + 1, f"`{method.path}` was not recorded.")
 
     def test_armed_sends(self) -> None:
         """Once armed, commands are sent."""
@@ -267,10 +272,10 @@ class BridgeConformance:
             for method in commands(bridge):
                 sent = catch(method)
                 give(bridge, method)
-                require(len(sent) == 1, f"`{method.path}` was sent {len(sent)} times")
+                require(len(sent) == 1, f"`{method.path}` was sent {len(sent)} times.")
 
     def test_a_stop_holds_for_the_tick(self) -> None:
-        """Commands of a tick in which the robot was stopped are not sent any more."""
+        """Once the robot is stopped, the commands of that tick are no longer sent."""
         with self._opened() as bridge:
             bridge.arm()
             bridge.begin_tick(0.0, 0.1)
@@ -278,37 +283,37 @@ class BridgeConformance:
             for method in commands(bridge):
                 sent = catch(method)
                 give(bridge, method)
-                require(not sent, f"`{method.path}` was sent after the stop")
+                require(not sent, f"`{method.path}` was sent after the stop.")
 
     def test_stop_all_works_on_any_thread(self) -> None:
-        """`stop_all` works on another thread, in bounded time, before, while and after it is open."""
+        """`stop_all` works on another thread, in bounded time, before, while and after the bridge is open."""
         bridge = self.make_bridge()
-        within(self.answer_within, "stop_all before `open`", bridge.stop_all)
+        within(self.answer_within, "`stop_all` before `open`", bridge.stop_all)
         with self._opened(bridge):
             for armed in (False, True):
                 (bridge.arm if armed else bridge.disarm)()
                 calls = spy(bridge, "stop")
-                took = within(self.answer_within, "stop_all", bridge.stop_all)
+                took = within(self.answer_within, "`stop_all`", bridge.stop_all)
                 notices = bridge.safety.notices
-                why = notices[-1].text if notices else "`stop_all` returned False"
+                why = notices[-1].text if notices else "`stop_all` returned False."
                 require(took is not False, why)
                 overridden = type(bridge).stop_all is not Bridge.stop_all
-                require(bool(calls) or overridden, "`stop_all` did not call `stop`")
-        within(self.answer_within, "stop_all after `close`", bridge.stop_all)
+                require(bool(calls) or overridden, "`stop_all` did not call `stop`.")
+        within(self.answer_within, "`stop_all` after `close`", bridge.stop_all)
 
     def test_pause_stops(self) -> None:
-        """A pause of the program stops the robot; going on sends nothing again."""
+        """Pausing the program stops the robot; resuming it sends no command."""
         with self._opened() as bridge:
             bridge.arm()
             bridge.on_start()
             bridge.begin_tick(0.0, 0.1)
             bridge.end_tick(0.0)
             calls = spy(bridge, "stop", "stop_all")
-            within(self.answer_within, "on_pause", bridge.on_pause)
-            require(bool(calls), "`on_pause` did not stop the robot")
+            within(self.answer_within, "`on_pause`", bridge.on_pause)
+            require(bool(calls), "`on_pause` did not stop the robot.")
             caught = [catch(method) for method in commands(bridge)]
-            within(self.answer_within, "on_resume", bridge.on_resume)
-            require(not any(caught), "`on_resume` sent a command")
+            within(self.answer_within, "`on_resume`", bridge.on_resume)
+            require(not any(caught), "`on_resume` sent a command.")
 
     def test_silence_stops_a_velocity(self) -> None:
         """A velocity command that is not repeated ends after half a second."""
@@ -325,27 +330,27 @@ class BridgeConformance:
                 for tick in range(1, 7):
                     bridge.begin_tick(now + tick / 10, 0.1)
                     bridge.end_tick(now + tick / 10)
-                require(bool(calls), f"`{method.path}` moved on without new commands")
+                require(bool(calls), f"`{method.path}` moved on without new commands.")
 
     def test_a_hanging_loop_stops_the_robot(self) -> None:
-        """No tick for half a second: the robot is stopped, unless its world stops with it."""
+        """After half a second without a tick the robot is stopped, unless its world stops too."""
         with self._opened() as bridge:
             if bridge.time_step is not None:
                 return
             bridge.arm()
             bridge.begin_tick(0.0, 0.1)
             calls = spy(bridge, "stop", "stop_all")
-            require(bridge.check_watchdog(0.3) is None, "it was stopped too early")
-            require(bridge.check_watchdog(0.6) is not None, "the tick watchdog did not report it")
-            require(bool(calls), "the tick watchdog did not stop the robot")
+            require(bridge.check_watchdog(0.3) is None, "It was stopped too early.")
+            require(bridge.check_watchdog(0.6) is not None, "The tick watchdog did not report it.")
+            require(bool(calls), "The tick watchdog did not stop the robot.")
 
     def test_ticks_are_short_and_never_raise(self) -> None:
         """`sense` and `act` end in time and do not fail."""
         with self._opened() as bridge:
             for tick in range(3):
                 now = tick / 10
-                within(self.answer_within, "sense", partial(bridge.begin_tick, now, 0.1))
-                within(self.answer_within, "act", partial(bridge.end_tick, now))
+                within(self.answer_within, "`sense`", partial(bridge.begin_tick, now, 0.1))
+                within(self.answer_within, "`act`", partial(bridge.end_tick, now))
             faults = [notice.text for notice in bridge.safety.notices if notice.kind == "fault"]
             require(not faults, "; ".join(faults))
 
@@ -359,20 +364,20 @@ class BridgeConformance:
                 bridge.rewind(bridge.moment())
             except BridgeError:
                 return
-            raise ConformanceError("`rewind` was not refused")
+            raise ConformanceError("`rewind` was not refused.")
 
     # ---------------------------------------------------------------------------------------------
 
     def _check_status(self, bridge: Bridge) -> None:
         status: object = bridge.status
-        require(isinstance(status, BridgeStatus), f"`status` is {status!r}, not a BridgeStatus")
-        require(bool(bridge.status.sentence.strip()), "the status has no sentence")
+        require(isinstance(status, BridgeStatus), f"`status` is {status!r}, not a BridgeStatus.")
+        require(bool(bridge.status.sentence.strip()), "The status has no sentence.")
 
     @contextmanager
     def _opened(self, bridge: Bridge | None = None) -> Iterator[Bridge]:
         bridge = bridge or self.make_bridge()
         with self._closing(bridge):
-            within(self.open_within, "open", bridge.open)
+            within(self.open_within, "`open`", bridge.open)
             yield bridge
 
     @contextmanager
@@ -380,7 +385,7 @@ class BridgeConformance:
         try:
             yield
         finally:
-            within(self.open_within, "close", bridge.close)
+            within(self.open_within, "`close`", bridge.close)
 
 
 def check_bridge(bridge: Bridge | Callable[[], Bridge]) -> ConformanceReport:

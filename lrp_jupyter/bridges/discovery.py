@@ -133,7 +133,7 @@ def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any
         bridge = find_bridges()[choose_bridge(which)].load() if isinstance(which, str) else which
     if inspect.isabstract(bridge):
         missing = ", ".join(f"`{name}`" for name in sorted(bridge.__abstractmethods__))
-        raise BridgeError(f"`{bridge.__name__}` lacks {missing}: a bridge must have it.")
+        raise BridgeError(f"`{bridge.__name__}` lacks {missing}, which every bridge needs.")
     _check_options(bridge, options)
     return bridge(**_as_numbers(bridge, options))
 

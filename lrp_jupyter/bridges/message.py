@@ -177,7 +177,7 @@ class Message:
             self.set(name, value)
         else:
             inside = ", ".join(f"`{self._path}.{name}.{inner}`" for inner in kind.FIELDS)
-            raise BridgeError(f"`{self._path}.{name}` has fields of its own, set these: {inside}.")
+            raise BridgeError(f"`{self._path}.{name}` has fields of its own. Set these: {inside}.")
 
     def _assign_long_name(self, name: str, value: object) -> None:
         """``linear_x=0.2`` is ``linear.x``."""

@@ -179,7 +179,8 @@ class RobotMethod:
     def __enter__(self) -> Message:
         if self.message is None:
             raise BridgeError(
-                f"`robot.{self.path}` does not take a message: call it, `robot.{self.path}{self.signature}`."
+                f"`robot.{self.path}` does not accept a message. "
+                f"Call it as `robot.{self.path}{self.signature}`."
             )
         self._filling.append(self.message())
         return self._filling[-1]
@@ -195,7 +196,7 @@ class RobotMethod:
         if name.startswith("_"):  # copy, pickle and notebooks ask for these
             raise MemberError(f"A method of `robot` has no `{name}`.")
         path = f"robot.{self.path}"
-        raise MemberError(f"`{path}` is a method and has no `{name}`; call it: `{path}{self.signature}`.")
+        raise MemberError(f"`{path}` is a method and has no `{name}`. Call it as `{path}{self.signature}`.")
 
     def __copy__(self) -> RobotMethod:
         return self
@@ -242,7 +243,10 @@ class RobotMethod:
     def _fill(self, kind: type[Message], args: tuple[object, ...], kwargs: dict[str, object]) -> Message:
         message = kind()
         if len(args) > 1 or (args and kwargs):
-            raise BridgeError(f"`robot.{self.path}` takes one block or message, or names: {self._example()}.")
+            raise BridgeError(
+                f"`robot.{self.path}` takes one block or message, or keyword arguments, "
+                f"as in {self._example()}."
+            )
         if args and isinstance(args[0], kind):
             for name in kind.FIELDS:
                 setattr(message, name, getattr(args[0], name))
@@ -250,7 +254,7 @@ class RobotMethod:
             args[0](message)
         elif args:
             raise BridgeError(
-                f"`robot.{self.path}` does not know what to do with {args[0]!r}: {self._example()}."
+                f"`robot.{self.path}` does not accept {args[0]!r}. Call it like {self._example()}."
             )
         return message(**kwargs)
 
@@ -265,7 +269,7 @@ class RobotMethod:
 
     def _example(self) -> str:
         name = next(iter(self.limits), None) or next(iter(self.message.FIELDS if self.message else ()), "")
-        return f"for example `robot.{self.path}({name}=0.2)`"
+        return f"`robot.{self.path}({name}=0.2)`"
 
     def describe(self) -> Member:
         """Return the description."""
@@ -317,14 +321,14 @@ class Nodes:
         name, table = node.path, dict(self.table)
         for part in name.split("."):
             if not part.isidentifier() or keyword.iskeyword(part) or part.startswith("_"):
-                raise ValueError(f"`{name}` cannot be written after `robot.`: `{part}` is not a usable name")
+                raise ValueError(f"`{name}` is not a valid name for a member of `robot`.")
         if not isinstance(table.get(name, node), (RobotVariable, RobotMethod)):
-            raise ValueError(f"`{name}` has members of its own and cannot be a member itself")
+            raise ValueError(f"`{name}` has members of its own and cannot be a member itself.")
         for end in [i for i, character in enumerate(name) if character == "."]:
             if name[:end] not in table:
                 table[name[:end]] = self._make_part(name[:end])
             elif isinstance(table[name[:end]], (RobotVariable, RobotMethod)):
-                raise ValueError(f"`{name[:end]}` is a member already and cannot have members")
+                raise ValueError(f"`{name[:end]}` is already a member and cannot have members of its own.")
         table[name] = node
         self.table = table
 
@@ -380,7 +384,7 @@ class Nodes:
 def _range(limit: float | tuple[float, float]) -> tuple[float, float]:
     low, high = limit if isinstance(limit, tuple) else (-limit, limit)
     if not low <= high:
-        raise ValueError(f"a limit runs from the smaller to the larger number, not {limit!r}")
+        raise ValueError(f"A limit goes from the smaller to the larger number, not {limit!r}.")
     return low, high
 
 

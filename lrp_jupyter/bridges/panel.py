@@ -60,7 +60,9 @@ class Table:
 
     def __post_init__(self) -> None:
         if len(self.keys) != len(self.rows) or any(len(row) != len(self.columns) for row in self.rows):
-            raise ValueError(f"table {self.key!r}: each row needs a key, and a text for each column")
+            raise ValueError(
+                f"The table {self.key!r} needs a key for each row, and a text for each column of it."
+            )
 
 
 @dataclass(frozen=True, slots=True)

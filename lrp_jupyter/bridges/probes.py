@@ -51,10 +51,10 @@ def within(seconds: float, what: str, function: Callable[[], Any]) -> Any:
     thread = threading.Thread(target=call, name=f"check {what}", daemon=True)
     thread.start()
     thread.join(seconds)
-    require(not thread.is_alive(), f"{what} took more than {seconds:g} s")
+    require(not thread.is_alive(), f"{what} took more than {seconds:g} s.")
     if errors:
         error = errors[0]
-        raise ConformanceError(f"{what} raised {type(error).__name__}: {error}") from error
+        raise ConformanceError(f"{what} raised {type(error).__name__}: {error}.") from error
     return results[0]
 
 

@@ -47,11 +47,11 @@ class Robot:
         path = f"robot.{self._prefix}{name}"
         if isinstance(node, Robot):
             members = ", ".join(f"`{path}.{member}`" for member in dir(node))
-            raise MemberError(f"`{path}` is a part of the robot and cannot be assigned; it has {members}.")
+            raise MemberError(f"`{path}` is a part of the robot and cannot be assigned. It has {members}.")
         if isinstance(node, RobotMethod):
-            raise MemberError(f"`{path}` cannot be assigned; call it: `{path}{node.signature}`.")
+            raise MemberError(f"`{path}` cannot be assigned. Call it as `{path}{node.signature}`.")
         raise MemberError(
-            f"`{path}` is read from the robot and cannot be assigned; keep values in a `var` of the program."
+            f"`{path}` is read from the robot and cannot be assigned. Keep values in a `var` of the program."
         )
 
     def __delattr__(self, name: str) -> None:
@@ -82,7 +82,7 @@ class Robot:
         if not names:
             return MemberError(
                 f"`{what}` has no `{name}`: the bridge `{self._bridge.name}` offers no members"
-                " (is it open, or is another bridge wanted?)."
+                " Open it, or choose another bridge."
             )
         listed = ", ".join(f"`{member}`" for member in names)
         return MemberError(f"`{what}` has no `{name}`; it has {listed}.{did_you_mean(name, names)}")

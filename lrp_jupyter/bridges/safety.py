@@ -196,7 +196,7 @@ class Safety:
         since = self._moving_since
         if since is None or now - since < (limit := patience(self.period)) - _ROUNDING:
             return None
-        return f"No command for {limit:g} s: put `{self._moving_name}` in `running`."
+        return f"No command for {limit:g} s. Put `{self._moving_name}` into `running`."
 
     def tick_overdue(self, now: float) -> str | None:
         """Return the notice for a loop that hangs, once for each silence, or None."""

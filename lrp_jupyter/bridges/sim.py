@@ -205,9 +205,7 @@ class SimBridge(Bridge):
     def _move(self, message: Message) -> None:
         linear, angular = message.linear, message.angular
         if linear.y or linear.z or angular.x or angular.y:
-            raise BridgeError(
-                "This robot has two wheels: it takes `linear.x` and `angular.z`, the rest is 0."
-            )
+            raise BridgeError("This robot has two wheels. Set only `linear.x` and `angular.z`.")
         self.simulation.drive(linear.x, angular.z)
 
     def _pen(self, down: bool = True) -> None:
@@ -250,7 +248,9 @@ class SimBridge(Bridge):
         if not isinstance(moment, _SimMoment):
             raise BridgeError(f"{moment!r} is not a moment of the simulated world.")
         if moment.simulation is not self.simulation:
-            raise BridgeError("That was in another world: a change of worlds cannot be undone by rewinding.")
+            raise BridgeError(
+                "That moment belongs to another world, and a change of worlds cannot be rewound."
+            )
         try:
             self.simulation.rewind(moment.world)
         except ValueError as error:
@@ -372,5 +372,5 @@ def _checked_noise(noise: Noise | Mapping[str, float] | None) -> Noise | None:
     known = [field.name for field in fields(Noise)]
     unknown = [name for name in noise if name not in known]
     if unknown:
-        raise BridgeError(f"There is no noise `{unknown[0]}`; there is {', '.join(known)}.")
+        raise BridgeError(f"There is no noise `{unknown[0]}`. Choose one of {', '.join(known)}.")
     return replace(Noise(), **noise)

@@ -316,7 +316,7 @@ class _Run:
         head = f"{self.session.frame.time:8.1f} s  saved: "
         program, findings = scan(text, self.source.name)
         if program is None:
-            self.print(Text(f"{head}not a valid program; the last one keeps running", "bold red"))
+            self.print(Text(f"{head}not a valid program, the last one keeps running", "bold red"))
             _report(self.print, self.source.name, text, findings)
             return
         try:
@@ -331,7 +331,7 @@ class _Run:
         elif patch.restarted:
             self.print(Text(f"{head}restarted: {patch.reason}", "bold yellow"))
         elif not patch.changes:
-            self.print(f"{head}its meaning has not changed")
+            self.print(f"{head}no change in meaning")
         else:
             self.print(Text(f"{head}applied while it runs: {patch.changes}", "green"))
         if self._keys is None and self.pace.is_paused():  # at an issue, and there is no keyboard

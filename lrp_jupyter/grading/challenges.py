@@ -258,7 +258,7 @@ def _restarted(run: RunRecord) -> str | None:
     if reason is None:
         return None
     return (
-        f"The program restarted: {reason}. Change a state only while it is not active; changes of"
+        f"The program restarted: {reason} Change a state only while it is not active; changes of"
         " variables, events and transitions never restart the program."
     )
 

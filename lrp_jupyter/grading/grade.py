@@ -87,7 +87,7 @@ class Grade:
         for world in worlds:
             runs = [attempt for attempt in self.attempts if attempt.world == world]
             failed = [str(attempt.seed) for attempt in runs if not attempt.passed]
-            text = f"all {len(runs)} runs" if not failed else f"not with seed {', '.join(failed)}"
+            text = f"all {len(runs)} runs" if not failed else f"failed with seed {', '.join(failed)}"
             yield f"  in `{world}`: {text}"
 
 

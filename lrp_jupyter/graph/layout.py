@@ -132,7 +132,7 @@ class _Drawing:
     ) -> str | None:
         inside = self.states if not transition.outward else outer
         if transition.outward and outer is not None and not outer:
-            return "no state spawns this machine, so there is nothing to exit to"
+            return "No state spawns this machine, so there is nothing to exit to."
         return why_dangling(
             transition,
             source_exists=source == ANY or source in self.states,
@@ -270,7 +270,7 @@ class _Drawing:
         state = self.states.get(name)
         machines = [str(inner.name) for inner in state.machines] if state else []
         kind = "any" if name == ANY else "state" if state else "missing"
-        title = {"any": "every state", "missing": f"{name}: there is no such state"}.get(kind, name)
+        title = {"any": "every state", "missing": f"{name}: There is no such state."}.get(kind, name)
         if machines:
             title += f", with {'machine' if len(machines) == 1 else 'machines'} " + ", ".join(machines)
         return StateShape(

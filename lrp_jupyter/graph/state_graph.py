@@ -141,9 +141,9 @@ def _states_and_spawns(names: Resolution) -> StateGraph:
         target = (*machine, str(noun.state))
         dangling = None
         if spawning.machine is None:
-            dangling = f"no machine `{noun.machine}` can be spawned here"
+            dangling = f"No machine `{noun.machine}` can be spawned here."
         elif spawning.unresolved:
-            dangling = f"`{noun.machine}` has no state `{noun.state}`"
+            dangling = f"The machine `{noun.machine}` has no state `{noun.state}`."
         _ensure(graph, target)
         label = f"spawn {noun.machine}"
         graph.add_edge(
@@ -187,7 +187,7 @@ def _targets(arrow: Arrow) -> list[tuple[Path, str | None]]:
     return [((*home.path, name), None) for home in arrow.homes]
 
 
-NO_EXIT = "no state spawns this machine, so there is nothing to exit to"
+NO_EXIT = "No state spawns this machine, so there is nothing to exit to."
 
 
 def events_in_scope(program: Program, path: Path) -> frozenset[str]:
@@ -209,12 +209,12 @@ def why_dangling(
         Names of the events in scope; None where they are not known.
     """
     if not target_exists:
-        return f"there is no state `{transition.destination}`"
+        return f"There is no state `{transition.destination}`."
     if not source_exists:
-        return f"a state that it leaves does not exist: `{transition.source_text}`"
+        return f"A state that it leaves does not exist: `{transition.source_text}`."
     kind, name = transition.trigger.reference or ("", "")
     if kind == "event" and events is not None and name not in events:
-        return f"there is no event `{name}`"
+        return f"There is no event `{name}`."
     return None
 
 

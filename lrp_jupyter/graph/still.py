@@ -275,8 +275,8 @@ def _description(drawing: Layout, active: set[str]) -> str:
         source = "any state" if arrow["source"] == "*" else arrow["source"]
         where = "leaves to" if arrow["kind"] == "exit" else "to"
         text = "at once" if arrow["kind"] == "eps" else arrow["label"]["text"]
-        broken = f" (broken: {arrow['broken']})" if arrow["broken"] else ""
-        words.append(f"From {source} {where} {arrow['destination']}, {text}{broken}.")
+        broken = f" It is broken: {arrow['broken']}" if arrow["broken"] else ""
+        words.append(f"From {source} {where} {arrow['destination']}, {text}.{broken}")
     return " ".join(words)
 
 

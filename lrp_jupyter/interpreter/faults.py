@@ -83,8 +83,10 @@ def _first_line(error: BaseException) -> str:
 
 def _name_error(error: NameError) -> str:
     if "free variable" in str(error) or "enclosing scope" in str(error):
-        return f"`{error.name}` has no value"
-    return f"there is no `{error.name}`: neither a variable in scope nor a name of Python's"
+        return f"`{error.name}` has no value. Assign one first."
+    return (
+        f"`{error.name}` is not defined here. Correct the name, or declare `(var {error.name} := [value])`."
+    )
 
 
 def _innermost(program: Program, error: BaseException | None) -> TracebackType | None:

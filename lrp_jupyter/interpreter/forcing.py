@@ -37,7 +37,7 @@ def find_state(run: Run, path: Path) -> StatePlan:
                 if act.path == path[:-1]:
                     state = act.machine.states.get(path[-1])
     if state is None:
-        raise UnknownElementError(f"there is no state `{path_text(path)}`")
+        raise UnknownElementError(f"There is no state `{path_text(path)}`.")
     return state
 
 

@@ -269,7 +269,7 @@ class Interpreter:
         if now is None:
             return
         if not now >= self._run.now:
-            raise ValueError(f"time never goes back: {now!r} comes before {self._run.now!r}")
+            raise ValueError(f"Time cannot go back: {now!r} is before {self._run.now!r}.")
         self._run.now = now
 
     def _done(self, *, ticked: bool = False) -> None:
@@ -451,7 +451,9 @@ class Interpreter:
         """
         run = self._run
         if run.journal is None:
-            raise ValueError("there is no journal to go back by")
+            raise ValueError(
+                "This interpreter keeps no journal, so it cannot go back. Create it with `journal`."
+            )
         after = run.plan
         run.undo(ticks)
         undone = []
@@ -499,5 +501,8 @@ class Interpreter:
             if site[:2] in run.issues.open_blocks:
                 continue
             name = site.element.path[-1]
-            message = f"{site.element.kind} `{name}` is defined twice here: the first one counts"
+            message = (
+                f"The {site.element.kind} `{name}` is defined twice here, and only the first definition "
+                "counts. Rename or remove the other one."
+            )
             run.report(site, "defined twice", message)

@@ -127,7 +127,7 @@ class Journal:
             If the journal does not reach back so far.
         """
         if not 0 <= ticks <= self.reach(tick):
-            raise ValueError(f"the journal holds {self.reach(tick)} ticks: cannot go back {ticks}")
+            raise ValueError(f"Cannot go back {ticks} ticks: the journal holds {self.reach(tick)}.")
         self._drop(tick - self._bound)
         if tick - ticks < self._mark[0]:
             self._mark = -1, 0

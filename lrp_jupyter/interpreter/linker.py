@@ -276,7 +276,7 @@ class _Linker:
         try:
             code = compile_block(block, place.visible, self.plan.program.filename, name)
         except SyntaxError as error:  # a `nonlocal` whose variable is gone, say: no error of the text
-            code = Broken("unknown variable", f"the block cannot be linked: {error.msg}")
+            code = Broken("unknown variable", f"The block cannot be linked: {error.msg}.")
         self.blocks.append(BlockPlan(Site(element, ordinal, block.span.start), code))
         return self.blocks[-1]
 

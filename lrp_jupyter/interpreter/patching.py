@@ -72,31 +72,31 @@ def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
     for act in acts:
         machine = plan.machines.get(act.machine.path)
         if machine is None or act.state.name not in machine.states:
-            gone = f"machine `{act.machine.name}`" if machine is None else f"`{act.state.name}`"
+            gone = f"The machine `{act.machine.name}`" if machine is None else f"`{act.state.name}`"
             if startable:
-                return Decision(restart=True, reason=f"{gone} is active and was removed or renamed")
+                return Decision(restart=True, reason=f"{gone} is active and was removed or renamed.")
             return Decision(
                 apply=False,
-                reason=f"{gone} is active and not in the new text, and no `spawn` of that can be started: "
-                "the old program runs on",
+                reason=f"{gone} is active but missing from the new text, where no `spawn` can start. "
+                "The old program keeps running.",
             )
     new_spawns = {spawn.identity for spawn in plan.spawns}
     lost = [act.spawn for act in run.roots if act.spawn is not None and act.spawn not in new_spawns]
     if lost and startable:
-        return Decision(restart=True, reason=f"`(spawn {' '.join(lost[0])})` was changed or removed")
+        return Decision(restart=True, reason=f"`(spawn {' '.join(lost[0])})` was changed or removed.")
     reason = None
     if policy == "restart":
         for act in acts:
             new = plan.machines[act.machine.path].states[act.state.name]
             part = _changed_part(act.state, new)
             if part is not None:
-                reason = f"`{act.state.name}` is active and its {part} changed"
+                reason = f"`{act.state.name}` is active and its {part} changed."
                 break
     if reason and startable:
         return Decision(restart=True, reason=reason)
     if lost:
-        return Decision(reason=f"`(spawn {' '.join(lost[0])})` is gone: what it started runs on")
-    return Decision(reason=reason and f"{reason}, but no `spawn` can be started: what runs goes on")
+        return Decision(reason=f"`(spawn {' '.join(lost[0])})` was removed. What it started keeps running.")
+    return Decision(reason=reason and f"{reason} No `spawn` can start, so the program keeps running.")
 
 
 def _changed_part(old: StatePlan, new: StatePlan) -> str | None:

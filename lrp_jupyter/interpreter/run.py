@@ -140,7 +140,7 @@ class Run:
         self.report(
             edge.tested,
             "not boolean",
-            f"a condition is True or False, not {short(value)}; compare with something",
+            f"A condition must be True or False, not {short(value)}. Compare it with something.",
         )
         return False
 
@@ -232,9 +232,11 @@ class Run:
             return
         start = machine.states.get(plan.start)
         if start is None:
-            self.report(plan.site, "unknown state", f"machine `{machine.name}` has no state `{plan.start}`")
+            self.report(
+                plan.site, "unknown state", f"The machine `{machine.name}` has no state `{plan.start}`."
+            )
         elif machine.path in self.live:
-            self.report(plan.site, "already running", f"machine `{machine.name}` runs already")
+            self.report(plan.site, "already running", f"The machine `{machine.name}` is already running.")
         else:
             if plan.site[:2] in self.issues.open_blocks:
                 self.recovered(plan.site, None)

@@ -160,9 +160,9 @@ class Edge:
             run.firing(plan.site.element, Element("state", self.target.path)) if self.target else Count()
         )
         self.missing = (
-            f"machine `{home.machine.name}` has no state `{destination}`"
+            f"The machine `{home.machine.name}` has no state `{destination}`."
             if home
-            else f"`exit` cannot lead to `{destination}`: `{act.machine.name}` is not nested in a state"
+            else f"`exit` cannot lead to `{destination}`: `{act.machine.name}` is not nested in a state."
         )
         self.path = (*act.path, plan.site.element.path[-1])
         self.data = Firing(state.name, destination, plan.label)
@@ -414,7 +414,7 @@ def _is_due(run: Host, act: Activation, edge: EdgePlan) -> Call:
     def due_when_read() -> bool:
         delay = read()
         if isinstance(delay, bool) or not isinstance(delay, Real) or delay != delay:
-            raise Fault("not a delay", f"a delay is a number of milliseconds, not {short(delay)}")
+            raise Fault("not a delay", f"A delay must be a number of milliseconds, not {short(delay)}.")
         return bool((run.now - act.entered) * 1000.0 + TOLERANCE >= delay)
 
     return (
@@ -443,7 +443,7 @@ def _reader(name: str, cell: CellType) -> Call:
     def read() -> object:
         value = content(cell)
         if value is UNSET:
-            raise Fault("unknown variable", f"`{name}` has no value")
+            raise Fault("unknown variable", f"`{name}` has no value. Assign one first.")
         return value
 
     return read

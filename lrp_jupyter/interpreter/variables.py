@@ -31,7 +31,7 @@ class VariableMapping(Mapping[Path, object]):
         environment, name = find_variable(self._run, path)
         value = content(environment.own[name].cell)
         if value is UNSET:
-            raise UnknownElementError(f"variable `{path_text(as_path(path))}` has no value")
+            raise UnknownElementError(f"The variable `{path_text(as_path(path))}` has no value.")
         return value
 
     def __iter__(self) -> Iterator[Path]:
@@ -64,7 +64,9 @@ def find_variable(run: Run, path: Path | str) -> tuple[Environment, str]:
     for key, environment in run.live.items():
         if tuple(where) in (environment.path, key) and name in environment.own:  # as spawned, or as defined
             return environment, name
-    raise UnknownElementError(f"no variable `{path_text(as_path(path))}` lives now")
+    raise UnknownElementError(
+        f"There is no variable `{path_text(as_path(path))}` now. Variables exist while their machine runs."
+    )
 
 
 def assign(run: Run, path: Path | str, expression: str) -> None:

@@ -157,5 +157,5 @@ class MonotonicClock:
 
 def _checked(speed: float) -> float:
     if not speed > 0:
-        raise ValueError(f"speed must be above 0, not {speed!r}")
+        raise ValueError(f"The speed must be above 0, not {speed!r}.")
     return float(speed)

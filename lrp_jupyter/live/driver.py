@@ -292,7 +292,7 @@ class Driver:
     def check_open(self) -> None:
         """Raise SessionClosedError if the session is closed."""
         if self.loop.status == "closed":
-            raise SessionClosedError(f"the session `{self.name}` is closed")
+            raise SessionClosedError(f"The session `{self.name}` is closed.")
 
     @contextmanager
     def exclusive(self, what: str) -> Iterator[None]:
@@ -322,7 +322,7 @@ class Driver:
     def _blocked(self, what: str) -> SessionTimeoutError:
         block = _running_block(self.loop, self._thread)
         why = f"`{block}` has not returned" if block else "the session has been busy"
-        return SessionTimeoutError(f"{what} waits: {why} for {PATIENCE:g} s")
+        return SessionTimeoutError(f"The command `{what}` waits: {why} for {PATIENCE:g} s.")
 
 
 class Monitor:
@@ -391,7 +391,7 @@ class Monitor:
         if self._dead_man is not None and wall - self._seen > self._dead_man:
             self._seen = wall
             loop.bridge.stop_all()
-            loop.inbox.put(Pause(f"the robot has not been watched for {self._dead_man:g} s"))
+            loop.inbox.put(Pause(f"The robot has not been watched for {self._dead_man:g} s."))
 
     def _report(self, since: float) -> None:
         loop = self._loop

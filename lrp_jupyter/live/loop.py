@@ -70,7 +70,7 @@ class Interrupted(BaseException):
     """A person interrupted a block that did not return. It becomes an issue of that block."""
 
     def __str__(self) -> str:
-        return "the block did not return and was interrupted"
+        return "The block did not return and was interrupted."
 
 
 class Command(ABC):
@@ -193,7 +193,7 @@ class Loop:
         """
         if not (rate == 0 or SLOWEST <= rate < math.inf):
             raise ValueError(
-                f"a rate is {SLOWEST:g} ticks per second or more, or 0 for as many as possible, not {rate!r}"
+                f"A rate is {SLOWEST:g} ticks per second or more, or 0 for as many as possible, not {rate!r}."
             )
         step = self._step
         self.rate = float(rate)
@@ -215,7 +215,7 @@ class Loop:
             The speed is not above 0, or the robot is a real one.
         """
         if self.bridge.hardware and speed != 1:
-            raise ValueError(f"`{self.bridge.name}` is a real robot: its time passes at speed 1")
+            raise ValueError(f"`{self.bridge.name}` is a real robot, whose time passes at speed 1.")
         self.clock.speed = speed
 
     def advance(self, seconds: float) -> None:
@@ -280,7 +280,7 @@ class Loop:
         except Interrupted:  # it came too late: the block had returned
             return self.now
         except KeyboardInterrupt:
-            self.pause("interrupted from the keyboard")
+            self.pause("The run was interrupted from the keyboard.")
             self.publish()
             if threading.current_thread() is threading.main_thread():
                 raise
@@ -468,7 +468,7 @@ class Loop:
 
     def _check_whole(self) -> None:
         if self.fault:
-            raise LRPError("the session is broken by a fault that is not the program's; see its `fault`")
+            raise LRPError("The session itself failed, not the program. See its `fault`.")
 
     def pause(self, reason: str = "") -> None:
         """Pause program, time and robot; the reason is a sentence, or empty. Paper: §6.3."""
@@ -527,7 +527,7 @@ class Loop:
             raise BridgeError(f"`{bridge.name}` is armed: a real robot cannot go back. Disarm it first.")
         have = min(interpreter.journal, len(self.moments))
         if not 0 <= ticks <= have:
-            raise ValueError(f"cannot go back {ticks} ticks: {have} are remembered")
+            raise ValueError(f"Cannot go back {ticks} ticks: only {have} can be undone.")
         if ticks:
             now, moment = self.moments[-ticks]
             bridge.rewind(moment)  # the world may refuse, and then nothing has changed
@@ -561,7 +561,7 @@ class Loop:
     def break_down(self, fault: str) -> None:
         """Stop for good because of a fault that is not the program's."""
         self.fault = fault
-        self.reason = "a fault of the session, not of the program: " + fault.strip().splitlines()[-1]
+        self.reason = f"The session itself failed, not the program: {fault.strip().splitlines()[-1]}."
         if self.status not in ("stopped", "closed"):
             self.status = "broken"
         self.bridge.stop_all()
@@ -572,7 +572,7 @@ class Loop:
         try:
             hook()
         except Exception as error:
-            self.bridge.set_status("lost", f"{type(error).__name__}: {error}")
+            self.bridge.set_status("lost", f"{type(error).__name__}: {error}.")
             self.bridge.stop_all()
 
 

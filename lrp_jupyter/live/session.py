@@ -189,7 +189,7 @@ class Session:
             return replace(frame, status=status, achieved_rate=0.0, achieved_speed=0.0)
         if hung is None:
             return frame
-        reason = f"`{hung.where}` has run for {hung.seconds:.0f} s"
+        reason = f"`{hung.where}` has run for {hung.seconds:.0f} s."
         return replace(frame, status="hung", reason=reason, hung=hung)
 
     @property
@@ -265,7 +265,7 @@ class Session:
     def stop_robot(self) -> None:
         """Stop the robot, at once, whatever the program does; then pause."""
         self.bridge.stop_all()
-        self.submit(do.Pause("the robot was stopped"))
+        self.submit(do.Pause("The robot was stopped."))
 
     def stop(self) -> None:
         """End the run: stop the robot, end the threads; :meth:`start` then starts from the beginning."""
@@ -323,7 +323,7 @@ class Session:
             Whether `until` (or `after_tick`) ended the run; without them, whether the time has passed.
         """
         if seconds is None and until is None and after_tick is None:
-            raise ValueError("run for how long? Give `seconds`, `until`, or both")
+            raise ValueError("How long should it run? Pass `seconds`, `until`, or both.")
         self.open()
         with self._driver.exclusive("run"):
             ends = after_tick if until is None else self._watch(until)
@@ -359,7 +359,7 @@ class Session:
             It cannot happen: the session is stopped, broken or closed, or nothing drives its loop.
         """
         if not self._driver.runs_elsewhere and (timeout is None or self._driver.running):
-            raise LRPError("nothing would run meanwhile: `start` it before, or use `run(until=…)`")
+            raise LRPError("Nothing would run meanwhile. Call `start` first, or use `run(until=…)`.")
         end = math.inf if timeout is None else monotonic() + timeout
         before = 0 if callable(condition) else self._loop.frame.count_of(condition)
         while True:
@@ -370,10 +370,10 @@ class Session:
             elif frame.is_active(condition) or frame.count_of(condition) > before:
                 return frame
             if frame.status in ("stopped", "broken", "closed"):
-                raise LRPError(f"the session is {frame.status}: {frame.reason or 'nothing runs'}")
+                raise LRPError(f"The session is {frame.status}. {frame.reason}".strip())
             if (left := end - monotonic()) <= 0:
-                what = "the condition" if callable(condition) else f"`{'/'.join(_path(condition))}`"
-                raise SessionTimeoutError(f"{what} did not come in {timeout:g} s; {self!r}")
+                what = "The condition" if callable(condition) else f"`{'/'.join(_path(condition))}`"
+                raise SessionTimeoutError(f"{what} did not come within {timeout:g} s: {self!r}.")
             with self._changed:
                 self._changed.wait_for(lambda old=version: self._version != old, min(left, 3600))  # type: ignore[misc]
 
@@ -423,7 +423,7 @@ class Session:
         try:
             return check(program, self.namespace)
         except Exception as error:  # a fault of the checks, reported as such; it holds up no edit
-            message = f"the checks themselves failed, not the program: {type(error).__name__}: {error}"
+            message = f"The checks themselves failed, not the program: {type(error).__name__}: {error}."
             return (Finding("LRP699", "warning", message, 1, 1, 1, 1),)
 
     def save(self, path: str | FilePath) -> None:
@@ -441,7 +441,7 @@ class Session:
             The name cannot be used, or the text is not a program at the moment.
         """
         if self._text != self.program.text and any(f.severity == "error" for f in self.findings):
-            raise ValueError("the text is not a program at the moment: nothing can be renamed in it")
+            raise ValueError("The text is not a valid program at the moment. Correct it first, then rename.")
         text: str = self._driver.do(do.Rename(kind, _path(path), new_name))
         if text:
             self._text = text

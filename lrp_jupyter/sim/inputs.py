@@ -100,7 +100,7 @@ def check_input(what: Input, world: World) -> Input:
             return PlaceSolid(_inside(pose, world.size), solid)
         case Draw(path, width, grey):
             if not path:
-                raise ValueError("a stroke needs a point")
+                raise ValueError("A stroke needs at least one point.")
             _finite(width, 0 if grey is None else grey, *(number for point in path for number in point))
             points = tuple((_clamp(x, 0.0, world.size[0]), _clamp(y, 0.0, world.size[1])) for x, y in path)
             return Draw(points, _clamp(width, 0.001, 1.0), None if grey is None else _clamp(grey, 0.0, 255.0))
@@ -110,7 +110,7 @@ def check_input(what: Input, world: World) -> Input:
 
 def _index(index: int, things: Sequence[object], noun: str) -> int:
     if not 0 <= index < len(things):
-        raise ValueError(f"there is no {noun} {index}: the world has {len(things)}")
+        raise ValueError(f"There is no {noun} {index}: the world has {len(things)}.")
     return index
 
 
@@ -124,7 +124,7 @@ def _inside(pose: Pose, size: Point) -> Pose:
 def _finite(*numbers: float) -> None:
     for number in numbers:
         if not math.isfinite(number):
-            raise ValueError(f"expected a finite number, got {number!r}")
+            raise ValueError(f"Expected a finite number, not {number!r}.")
 
 
 def _clamp(number: float, low: float, high: float) -> float:

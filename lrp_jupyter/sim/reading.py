@@ -36,9 +36,9 @@ _SMALL = 1e-4
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """Return ``; did you mean 'x'?`` for the closest known word, or nothing."""
+    """Return `` Did you mean `x`?``, with a space before it, for the closest known word, or nothing."""
     close = get_close_matches(word, list(known), n=1)
-    return f"; did you mean {close[0]!r}?" if close else ""
+    return f" Did you mean `{close[0]}`?" if close else ""
 
 
 def read_file(path: Path) -> World:
@@ -52,15 +52,18 @@ def read_file(path: Path) -> World:
     try:
         text = path.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
-        raise WorldError(f"{path}: cannot be read: {error}") from error
+        reason = getattr(error, "strerror", None) or error
+        raise WorldError(f"{path} cannot be read: {reason}.") from error
     try:
         value = json.loads(text, parse_constant=_no_constant)
     except json.JSONDecodeError as error:
-        raise WorldError(f"{path}: line {error.lineno}, column {error.colno}: {error.msg}") from error
+        raise WorldError(
+            f"{path} is not valid JSON: line {error.lineno}, column {error.colno}: {error.msg}."
+        ) from error
     except WorldError as error:
         raise WorldError(f"{path}: {error}") from None
     except RecursionError:
-        raise WorldError(f"{path}: nested too deeply") from None
+        raise WorldError(f"{path} is nested too deeply.") from None
     try:
         return read_world(value)
     except WorldError as error:
@@ -83,11 +86,11 @@ def read_world(value: object) -> World:
     known = ("version", "name", "size", "seed", "open", "floor", "solids", "robots", "zones")
     record = _record(value, "", known, ("version", "size", "robots"))
     if record["version"] != VERSION or isinstance(record["version"], bool):
-        raise WorldError(f"version: expected {VERSION}, got {_shown(record['version'])}")
+        raise WorldError(f"`version`: Expected {VERSION}, not {_shown(record['version'])}.")
     width, height = _numbers(record["size"], "size", 2, low=0.1, high=_FAR)
     robots = _each(record["robots"], "robots", lambda item, place: _robot(item, place, (width, height)))
     if not robots:
-        raise WorldError("robots: expected at least one")
+        raise WorldError("`robots`: Expected at least one robot.")
     return World(
         size=(width, height),
         robots=robots,
@@ -117,12 +120,12 @@ def _stroke(value: object, place: str) -> Stroke:
     if shape == "path":
         path = _each(record[shape], place, _point)
         if not path:
-            raise WorldError(f"{place}: expected at least one point")
+            raise WorldError(f"`{place}`: Expected at least one point.")
         return PathStroke(path, width, grey)
     if shape == "arc":
         x, y, radius, first, last = _numbers(record[shape], place, 5)
         if abs(last - first) > 2 * math.pi + 1e-9:
-            raise WorldError(f"{place}: longer than a full turn (angles are in radians)")
+            raise WorldError(f"`{place}`: The arc is longer than a full turn. Write angles in radians.")
         return ArcStroke((x, y, _positive(radius, f"{place}[2]"), first, last), width, grey)
     x, y, radius = _numbers(record[shape], place, 3)
     return CircleStroke((x, y, _positive(radius, f"{place}[2]")), width, grey)
@@ -158,7 +161,9 @@ def _robot(value: object, place: str, size: tuple[float, float]) -> RobotSpec:
     standard = RobotSpec((0.0, 0.0, 0.0))
     x, y, heading = _numbers(record["pose"], f"{place}.pose", 3, low=-_FAR, high=_FAR)
     if not (0 <= x <= size[0] and 0 <= y <= size[1]):
-        raise WorldError(f"{place}.pose: ({x:g}, {y:g}) is outside the world of {size[0]:g} x {size[1]:g} m")
+        raise WorldError(
+            f"`{place}.pose`: The point ({x:g}, {y:g}) is outside the world of {size[0]:g} x {size[1]:g} m."
+        )
     rays = _each(record.get("distance", standard.distance), f"{place}.distance", _point)
     for index, (_, reach) in enumerate(rays):
         _positive(reach, f"{place}.distance[{index}][1]")
@@ -203,31 +208,31 @@ def _record(
     value: object, place: str, known: tuple[str, ...] | None, needed: tuple[str, ...] = ()
 ) -> Mapping[str, Any]:
     if not isinstance(value, Mapping):
-        raise WorldError(f"{place or 'world'}: expected an object, got {_shown(value)}")
+        raise WorldError(f"`{place or 'world'}`: Expected an object, not {_shown(value)}.")
     prefix = f"{place}." if place else ""
     for key in value:
         if not isinstance(key, str):
-            raise WorldError(f"{place or 'world'}: keys must be strings, got {_shown(key)}")
+            raise WorldError(f"`{place or 'world'}`: Keys must be strings, not {_shown(key)}.")
         if known is not None and key not in known:
-            raise WorldError(f"{prefix}{key}: unknown key{did_you_mean(key, known)}")
+            raise WorldError(f"`{prefix}{key}`: Unknown key.{did_you_mean(key, known)}")
     for key in needed:
         if key not in value:
-            raise WorldError(f"{place or 'world'}: {key!r} is missing")
+            raise WorldError(f"`{place or 'world'}`: The key `{key}` is missing.")
     return value
 
 
 def _one_of(record: Mapping[str, Any], place: str, shapes: tuple[str, ...]) -> str:
     present = [shape for shape in shapes if shape in record]
     if len(present) != 1:
-        choice = " or ".join(repr(shape) for shape in shapes)
-        got = "none" if not present else " and ".join(repr(shape) for shape in present)
-        raise WorldError(f"{place}: expected one of {choice}, got {got}")
+        choice = " or ".join(f"`{shape}`" for shape in shapes)
+        found = "none" if not present else " and ".join(f"`{shape}`" for shape in present)
+        raise WorldError(f"`{place}`: Expected one of {choice}, not {found}.")
     return present[0]
 
 
 def _each(value: object, place: str, read: Callable[[object, str], T]) -> tuple[T, ...]:
     if not isinstance(value, list | tuple):
-        raise WorldError(f"{place}: expected a list, got {_shown(value)}")
+        raise WorldError(f"`{place}`: Expected a list, not {_shown(value)}.")
     return tuple(read(item, f"{place}[{index}]") for index, item in enumerate(value))
 
 
@@ -235,17 +240,17 @@ def _numbers(
     value: object, place: str, count: int, low: float = -_FAR, high: float = _FAR
 ) -> tuple[float, ...]:
     if not isinstance(value, list | tuple):
-        raise WorldError(f"{place}: expected {count} numbers, got {_shown(value)}")
+        raise WorldError(f"`{place}`: Expected {count} numbers, not {_shown(value)}.")
     if len(value) != count:
-        raise WorldError(f"{place}: expected {count} numbers, got {len(value)}")
+        raise WorldError(f"`{place}`: Expected {count} numbers, not {len(value)}.")
     return tuple(_number(item, f"{place}[{index}]", low, high) for index, item in enumerate(value))
 
 
 def _number(value: object, place: str, low: float, high: float) -> float:
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise WorldError(f"{place}: expected a number, got {_shown(value)}")
+        raise WorldError(f"`{place}`: Expected a number, not {_shown(value)}.")
     if not low <= value <= high:  # NaN is in no range
-        raise WorldError(f"{place}: expected a number from {low:g} to {high:g}, got {value!r}")
+        raise WorldError(f"`{place}`: Expected a number from {low:g} to {high:g}, not {value!r}.")
     return value
 
 
@@ -259,19 +264,19 @@ def _grey(value: object, place: str) -> float:
 
 def _whole(value: object, place: str) -> int:
     if isinstance(value, bool) or not isinstance(value, int):
-        raise WorldError(f"{place}: expected a whole number, got {_shown(value)}")
+        raise WorldError(f"`{place}`: Expected a whole number, not {_shown(value)}.")
     return value
 
 
 def _truth(value: object, place: str) -> bool:
     if not isinstance(value, bool):
-        raise WorldError(f"{place}: expected true or false, got {_shown(value)}")
+        raise WorldError(f"`{place}`: Expected true or false, not {_shown(value)}.")
     return value
 
 
 def _text(value: object, place: str) -> str:
     if not isinstance(value, str):
-        raise WorldError(f"{place}: expected a text, got {_shown(value)}")
+        raise WorldError(f"`{place}`: Expected a string, not {_shown(value)}.")
     return value
 
 
@@ -288,4 +293,4 @@ def _shown(value: object) -> str:
 
 
 def _no_constant(name: str) -> float:
-    raise WorldError(f"{name} is not a number that a world can have")
+    raise WorldError(f"`{name}` is not a valid number here.")

@@ -362,7 +362,7 @@ class Simulation:
         most = None if isinstance(to, int) else to.inputs
         if not self.earliest <= step <= self.steps or (most is not None and most > self._inputs):
             raise ValueError(
-                f"cannot rewind to step {step}: only {self.earliest} to {self.steps} can be reached"
+                f"Cannot rewind to step {step}: only steps {self.earliest} to {self.steps} can be reached."
             )
         self._queue.clear()
         checkpoint, inputs = self._log.cut(step, most)

@@ -193,10 +193,11 @@ def load(world: str | os.PathLike[str] | Mapping[str, object] | World) -> World:
     if isinstance(world, str) and world in BUNDLED:
         return BUNDLED[world]()
     if not isinstance(world, str | os.PathLike):
-        raise WorldError(f"a world is a name, a file, a dict or a World, not {type(world).__name__}")
+        raise WorldError(f"A world is a name, a file, a dict or a World, not {type(world).__name__}.")
     path = Path(world)
     if isinstance(world, os.PathLike) or path.suffix == ".json" or len(path.parts) > 1:
         return read_file(path)
     raise WorldError(
-        f"no world {world!r}: choose {', '.join(BUNDLED)} or a .json file{did_you_mean(world, BUNDLED)}"
+        f"There is no world `{world}`.{did_you_mean(world, BUNDLED)} "
+        f"Choose {', '.join(BUNDLED)}, or a file whose name ends with `.json`."
     )

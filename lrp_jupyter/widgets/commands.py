@@ -241,7 +241,7 @@ class SaveCommand(PageCommand, do="save"):
     def apply(self, opened: OpenProgram) -> Applied:
         name = self.name.strip()
         if not name:
-            raise LRPError("A file needs a name.")
+            raise LRPError("Enter a name for the file.")
         FilePath(name).expanduser().write_bytes(opened.texts.text.encode())
         return None
 
@@ -297,7 +297,7 @@ class FireCommand(PageCommand, do="fire"):
             raise UnknownElementError(f"There is no transition `{id_}` in `{path_text(tuple(where))}`.")
         lit = {tuple(path.split("/")) for path in opened.view_state()["lit"]}
         if not any(path[:-1] == tuple(where) and found.leaves(path[-1]) for path in lit):
-            raise LRPError(f"No state that `{found.label}` leaves is active: {found.source_text}.")
+            raise LRPError(f"None of the states that `{found.label}` leaves is active: {found.source_text}.")
         target = where[:-2] if found.outward else where
         return session.ask(do.Force((*target, str(found.destination))))
 

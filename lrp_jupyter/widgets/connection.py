@@ -125,7 +125,7 @@ class PageConnection:
             answer.set_exception(error)
             self._publisher.reply_later(PendingReply(view, id_, answer, self._clock()))
         else:
-            self.report(f"A message of the page was refused. {error}")
+            self.report(f"A message from the page was refused. {error}")
 
     def _reply(
         self,
@@ -159,7 +159,7 @@ class PageConnection:
             It was closed meanwhile.
         """
         if self._reopen is None:
-            raise BridgeError("This session was made elsewhere: its bridge cannot be changed here.")
+            raise BridgeError("This session was created elsewhere, so its bridge cannot be changed here.")
         with self._changing:
             old = self.session
             if old.bridge.hardware and old.bridge.name == bridge:
@@ -186,7 +186,7 @@ class PageConnection:
                 self._publisher.attach(session)
                 return
         session.close()  # nothing else holds it
-        raise SessionClosedError(f"`{session.name}` was closed meanwhile.")
+        raise SessionClosedError(f"`{session.name}` has been closed in the meantime.")
 
     def work(self, job: Callable[[], Any]) -> Future[Any]:
         """Queue a job that may have to wait, for the worker's thread."""

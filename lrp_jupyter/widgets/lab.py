@@ -52,7 +52,9 @@ class Part(anywidget.AnyWidget):
         if isinstance(session, str):
             found = registry.find(session)
             if found is None:
-                raise UnknownElementError(f"No program `{session}` is open; open are {registry.names()}.")
+                raise UnknownElementError(
+                    f"No program `{session}` is open. Open programs: {', '.join(registry.names()) or 'none'}."
+                )
             session = found.session
         if isinstance(session, Part):
             session = session.session
@@ -249,8 +251,10 @@ class LiveVariables(MutableMapping[str, Any]):
             return found[0]
         if found:
             listed = ", ".join(f"`{path_text(known)}`" for known in found)
-            raise UnknownElementError(f"Several variables are called `{path[0]}`: {listed}.")
-        raise UnknownElementError(f"No variable `{path[0]}` lives now.")
+            raise UnknownElementError(f"Several variables are called `{path[0]}`. Use one of {listed}.")
+        raise UnknownElementError(
+            f"There is no variable `{path[0]}` now. Variables exist while their machine runs."
+        )
 
     @property
     def _session(self) -> Session:
@@ -274,7 +278,7 @@ class LiveVariables(MutableMapping[str, Any]):
         session.call(assign)
 
     def __delitem__(self, name: str) -> None:
-        raise TypeError("A variable of the program is deleted in its text.")
+        raise TypeError("A variable cannot be deleted here. Remove it from the program's text.")
 
     def __iter__(self) -> Iterator[str]:
         return iter([path_text(path) for path in self._session.frame.variables])
@@ -284,7 +288,7 @@ class LiveVariables(MutableMapping[str, Any]):
 
     def __repr__(self) -> str:
         values = self._session.frame.variables
-        return "\n".join(f"{path_text(path)} = {text}" for path, text in values.items()) or "(none lives)"
+        return "\n".join(f"{path_text(path)} = {text}" for path, text in values.items()) or "(no variables)"
 
 
 _VALUE = "__lrp_value__"

@@ -30,8 +30,8 @@ __all__ = ["LRPMagics", "completions", "open_body"]
 
 _HELP = """\
 %%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ]
-                      the cell's text is the program, the output is its lab; run again, it changes
-                      the running program
+                      run the cell's text as a program and show its lab; running the cell again
+                      changes the running program
 %lrp                  list the programs that are open
 %lrp NAME             show the lab of a program again
 %lrp new NAME         open a bundled program
@@ -39,8 +39,8 @@ _HELP = """\
 %lrp pause|resume|step|reset|stop|check|graph|save|debug [NAME]
 %lrp rate HZ [NAME]   ticks per second, 0 for as many as possible
 %lrp bridge BRIDGE [NAME]
-                      go on with another bridge
-NAME may be left out while one program is open.\
+                      switch to another bridge
+NAME may be left out while only one program is open.\
 """
 
 
@@ -48,7 +48,7 @@ class _Parser(argparse.ArgumentParser):
     """A parser that raises sentences instead of leaving Python."""
 
     def error(self, message: str) -> NoReturn:
-        raise UsageError(f"%%lrp: {message}. It is `%%lrp NAME [--world …] [--bridge …] [--rate …]`.")
+        raise UsageError(f"%%lrp: {message}. Write `%%lrp NAME [--world …] [--bridge …] [--rate …]`.")
 
 
 def _options(line: str) -> tuple[str, dict[str, Any]]:
@@ -66,7 +66,7 @@ def _options(line: str) -> tuple[str, dict[str, Any]]:
     while more:  # other options of the bridge: --host 192.168.0.7
         key = more.pop(0)
         if not key.startswith("--") or len(key) < 3:
-            raise UsageError(f"%%lrp: what is `{key}`? {did_you_mean_word(key)}".rstrip())
+            raise UsageError(f"%%lrp: Unexpected `{key}`. Options begin with `--`.{_did_you_mean(key)}")
         key, equals, value = key[2:].partition("=")
         if not equals:
             if not more:
@@ -76,9 +76,8 @@ def _options(line: str) -> tuple[str, dict[str, Any]]:
     return options.pop("name"), options
 
 
-def did_you_mean_word(word: str) -> str:
-    """Suggest an option."""
-    return did_you_mean(word, ["--world", "--bridge", "--rate"]).strip()
+def _did_you_mean(word: str) -> str:
+    return did_you_mean(word, ["--world", "--bridge", "--rate"])
 
 
 @magics_class
@@ -87,7 +86,7 @@ class LRPMagics(Magics):
 
     @line_cell_magic
     def lrp(self, line: str, cell: str | None = None) -> object:
-        """Live programming of robot behaviour; see the words below."""
+        """Live programming of robot behaviour; see the commands below."""
         try:
             return self._line(line) if cell is None else self._cell(line, cell)
         except UsageError:
@@ -129,7 +128,8 @@ class LRPMagics(Magics):
         listed = ", ".join(f"`{name}`" for name in registry.names()) or "none"
         hint = did_you_mean(word, [*WORDS, *registry.names()])
         raise UsageError(
-            f"%lrp: there is no `{word}`; open programs: {listed}.{hint} `%lrp help` lists the words."
+            f"%lrp: There is no command or program `{word}`.{hint} Open programs: {listed}. "
+            "`%lrp help` lists the commands."
         )
 
     def _list(self) -> None:
@@ -152,7 +152,7 @@ class LRPMagics(Magics):
         if name not in programs.names():
             listed = ", ".join(f"`{known}`" for known in programs.names())
             hint = did_you_mean(name, programs.names())
-            raise UsageError(f"There is no bundled program `{name}`; there are {listed}.{hint}")
+            raise UsageError(f"There is no bundled program `{name}`.{hint} Choose one of {listed}.")
         text = programs.load(name)
         world = programs.heading(text).world
         options: dict[str, Any] = {"world": world} if world in BUNDLED else {}
@@ -169,15 +169,15 @@ class LRPMagics(Magics):
         print("\n".join(lines))  # noqa: T201
 
     def pause(self, rest: list[str]) -> None:
-        """Stand still."""
+        """Pause the program and its robot."""
         _the(rest).session.pause()
 
     def resume(self, rest: list[str]) -> None:
-        """Run, or go on."""
+        """Start or resume the program."""
         _the(rest).session.start()
 
     def step(self, rest: list[str]) -> None:
-        """One tick."""
+        """Run one tick."""
         _the(rest).session.step()
 
     def reset(self, rest: list[str]) -> None:
@@ -189,19 +189,19 @@ class LRPMagics(Magics):
         _the(rest).session.stop_robot()
 
     def rate(self, rest: list[str]) -> None:
-        """Ticks per second."""
+        """Set the ticks per second."""
         if not rest:
-            raise UsageError("%lrp rate HZ [NAME]: how many ticks per second?")
+            raise UsageError("%lrp rate: Write the number of ticks per second, as in `%lrp rate 20`.")
         try:
             hertz = float(rest[0])
         except ValueError:
             raise UsageError(
-                f"%lrp rate: `{rest[0]}` is not a valid rate. Write a number of ticks per second."
+                f"%lrp rate: `{rest[0]}` is not a valid rate. Write the number of ticks per second."
             ) from None
         _the(rest[1:]).session.rate = hertz
 
     def check(self, rest: list[str]) -> None:
-        """Say what the checks find."""
+        """Print the findings of the checks."""
         connection = _the(rest)
         found = check(connection.texts.text, self._names)
         print("\n".join(str(finding) for finding in found) or f"`{connection.name}` has no findings.")  # noqa: T201
@@ -219,7 +219,7 @@ class LRPMagics(Magics):
             self.shell.set_next_input(f"%%lrp {connection.name}\n{connection.texts.text}")
 
     def debug(self, rest: list[str]) -> None:
-        """Look at the last exception of a block, post mortem."""
+        """Debug the last exception of a block, post mortem."""
         connection = _the(rest)
         error = connection.session.interpreter.last_exception
         if error is None or self.shell is None:
@@ -228,7 +228,7 @@ class LRPMagics(Magics):
         _post_mortem(self.shell, error)
 
     def bridge(self, rest: list[str]) -> None:
-        """Go on with another bridge."""
+        """Switch to another bridge; without a name, list the bridges."""
         if not rest:
             lines = [f"{name}: {offer.origin}" for name, offer in find_bridges().items()]
             print("\n".join(lines))  # noqa: T201
@@ -244,21 +244,21 @@ def _post_mortem(shell: InteractiveShell, error: BaseException) -> None:
 
 def _one(rest: list[str], usage: str) -> str:
     if len(rest) != 1:
-        raise UsageError(f"%lrp {usage}: one name is wanted, not {len(rest)}.")
+        raise UsageError(f"%lrp: Expected one name, not {len(rest)}. Write `%lrp {usage}`.")
     return rest[0]
 
 
 def _the(rest: list[str]) -> PageConnection:
-    """Give the program that is meant: the one named, or the only one."""
+    """Return the program that is named, or the only one that is open."""
     if len(rest) > 1:
-        raise UsageError(f"%lrp: one name is wanted, not {len(rest)}.")
+        raise UsageError(f"%lrp: Expected one name, not {len(rest)}.")
     names = registry.names()
     name = rest[0] if rest else names[0] if len(names) == 1 else ""
     connection = registry.find(name)
     if connection is None:
         listed = ", ".join(f"`{known}`" for known in names) or "none"
-        what = f"there is no program `{name}`" if name else "which program?"
-        raise UsageError(f"%lrp: {what}; open are {listed}.{did_you_mean(name, names) if name else ''}")
+        what = f"There is no program `{name}`.{did_you_mean(name, names)}" if name else "Name a program."
+        raise UsageError(f"%lrp: {what} Open programs: {listed}.")
     return connection
 
 

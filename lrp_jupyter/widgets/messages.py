@@ -227,7 +227,7 @@ def _checked(hint: Any, value: object, where: str) -> Any:
     raise MessageError(f"{where} must be {_WORDS[origin or hint]}, not {_shown(value)}.")
 
 
-_WORDS = {str: "a text", bool: "true or false", list: "a list", tuple: "a point", dict: "an object"}
+_WORDS = {str: "a string", bool: "true or false", list: "a list", tuple: "a point", dict: "an object"}
 
 
 def _number(kind: type, bounds: Between, value: object, where: str) -> int | float:

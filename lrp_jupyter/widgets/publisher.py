@@ -139,7 +139,7 @@ class PendingReply:
     def outcome(self) -> tuple[str | None, Mapping[str, Any]]:
         """Return the error, a sentence or None, and the other fields."""
         if self.answer.cancelled():
-            return "Something newer came in between.", {}
+            return "A newer request replaced this one.", {}
         error = self.answer.exception()
         if error is None:
             return None, self.fields_of(self.answer.result() or {})
@@ -332,8 +332,8 @@ class Publisher:
 
     def _what_blocks(self) -> str:
         frame = self.session.frame
-        why = frame.reason if frame.status == "hung" else "the session is busy"
-        return f"This waits: {why or 'the session is busy'}."
+        why = frame.reason if frame.status == "hung" else ""
+        return f"This waits: {why or 'the session is busy.'}"
 
     def _drop_the_gone(self, now: float) -> None:
         for view in [view for view in self._views.values() if view.is_gone(now)]:

@@ -170,7 +170,7 @@ def _reconcile(connection: PageConnection, text: str) -> None:
     texts.conflict = None
     if text != texts.text and text != before:
         if texts.text and texts.text != before:
-            sentence = f"Cell and lab have both changed `{name}` since they were the same: which text is it?"
+            sentence = f"The cell and the lab have both changed `{name}`. Which text should be kept?"
             texts.conflict = {"text": text, "sentence": sentence}
             return
         texts.write(text)

@@ -298,7 +298,7 @@ def _references(text: str, line: int, column: int) -> ReferencesView | None:
     program, _ = scan(text)
     if program is None:
         raise LRPError(
-            "The text is not a program at the moment: references cannot be found. Correct it first."
+            "The text is not a valid program at the moment, so references cannot be found. Correct it first."
         )
     found = find_references(program, offset_of(text, line, column))
     if found is None:

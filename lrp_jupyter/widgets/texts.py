@@ -158,7 +158,9 @@ class Texts:
         """
         with self._lock:
             if self.text != self._session.program.text:
-                raise ValueError("The text is not the program that runs: nothing can be renamed in it now.")
+                raise ValueError(
+                    "The text is not the running program, so nothing can be renamed now. Apply it first."
+                )
         self._session.rename(kind, path, name)
 
     def _written(self, view: str, seq: int, answer: Future[Any], deadline: float) -> Written:
@@ -213,12 +215,14 @@ class Texts:
             if now < written.deadline:
                 return False
             frame = self._session.frame
-            written.reason = frame.reason or f"it is applied as soon as the session is free ({frame.status})"
+            written.reason = (
+                frame.reason or f"The edit is applied as soon as the session is free ({frame.status})."
+            )
             return True
         try:
             patch = answer.result()
         except CancelledError:
-            written.reason = "a newer text came"
+            written.reason = "A newer text replaced this one."
             return True
         except Exception as error:
             written.reason = str(error)

@@ -293,26 +293,30 @@ class StepsBackArmed(Good):
 BROKEN: list[tuple[type[Bridge], str, str]] = [
     (BadName, "test_it_has_a_name", "cannot be typed"),
     (OpensTwice, "test_open_connects_once", "was called 2 times"),
-    (MembersPileUp, "test_open_connects_once", "the second `open` changed the members"),
+    (MembersPileUp, "test_open_connects_once", "The second `open` changed the members"),
     (NeverOpen, "test_open_connects_once", "not open after `open`"),
     (SpeechlessStatus, "test_status_is_said_in_a_sentence", "has no sentence"),
     (ClosesWithoutStop, "test_close_stops_first_and_once", "did not stop the robot first"),
-    (ClosesAgain, "test_close_stops_first_and_once", "the second `close` closed again"),
-    (CannotCloseUnopened, "test_close_before_open_does_nothing", "close raised BridgeError: it is not open"),
-    (OpensOnlyOnce, "test_it_opens_again_after_close", "open raised BridgeError: it was used already"),
+    (ClosesAgain, "test_close_stops_first_and_once", "The second `close` closed again"),
+    (
+        CannotCloseUnopened,
+        "test_close_before_open_does_nothing",
+        "`close` raised BridgeError: it is not open",
+    ),
+    (OpensOnlyOnce, "test_it_opens_again_after_close", "`open` raised BridgeError: it was used already"),
     (ForgetsMembers, "test_it_opens_again_after_close", "has other members"),
     (LeavesAThread, "test_no_thread_is_left", "runs on after `close`"),
-    (Undocumented, "test_members_are_documented", "without a doc: `x`"),
-    (PanelWithAnObject, "test_views_get_plain_data", "no plain data in the panel"),
+    (Undocumented, "test_members_are_documented", "These members have no description: `x`."),
+    (PanelWithAnObject, "test_views_get_plain_data", "The panel cannot be written as JSON"),
     (MisnamedMember, "test_members_can_be_described", "`slow` is not found"),
     (HidesMembers, "test_members_can_be_described", "not listed by dir"),
-    (HangingReading, "test_readings_come_in_time", "reading `x` took more than"),
+    (HangingReading, "test_readings_come_in_time", "Reading `x` took more than"),
     (FlickeringReading, "test_one_tick_sees_one_world", "`x` was 0, then 1 in the same tick"),
     (AnswersAnything, "test_an_unknown_member_is_answered_with_the_known_ones", "raises no error"),
     (Terse, "test_an_unknown_member_is_answered_with_the_known_ones", "raises AttributeError"),
     (Assignable, "test_an_unknown_member_is_answered_with_the_known_ones", "can be assigned"),
-    (ArmsItself, "test_hardware_opens_disarmed", "opening armed it"),
-    (MoveAsQuestion, "test_move_is_a_velocity_command", "passes by the safety"),
+    (ArmsItself, "test_hardware_opens_disarmed", "Opening armed it."),
+    (MoveAsQuestion, "test_move_is_a_velocity_command", "bypasses the safety"),
     (SendsDisarmed, "test_disarmed_sends_nothing", "`move` was sent"),
     (RecordsNothing, "test_disarmed_sends_nothing", "`move` was not recorded"),
     (SendsTwice, "test_armed_sends", "was sent 2 times"),
@@ -327,8 +331,8 @@ BROKEN: list[tuple[type[Bridge], str, str]] = [
     (NotWatched, "test_a_hanging_loop_stops_the_robot", "did not report it"),
     (Nervous, "test_a_hanging_loop_stops_the_robot", "too early"),
     (SaysButDoesNot, "test_a_hanging_loop_stops_the_robot", "did not stop"),
-    (SenseFails, "test_ticks_are_short_and_never_raise", "sense: OSError: unplugged"),
-    (ActHangs, "test_ticks_are_short_and_never_raise", "act took more than"),
+    (SenseFails, "test_ticks_are_short_and_never_raise", "`sense` raised OSError: unplugged."),
+    (ActHangs, "test_ticks_are_short_and_never_raise", "`act` took more than"),
     (StepsBackArmed, "test_an_armed_robot_cannot_step_back", "was not refused"),
 ]
 
@@ -360,9 +364,9 @@ def test_a_report_is_a_list_to_read() -> None:
     assert not report.passed
     lines = str(report).splitlines()
     assert lines[0] == f"Bridge `undocumented`: {len(CHECKS) - 1} of {len(CHECKS)} checks passed"
-    assert "  FAIL  Every member has a doc, for completion and hover." in lines
-    assert "        without a doc: `x`" in lines
-    assert [outcome.problem for outcome in report.problems] == ["without a doc: `x`"]
+    assert "  FAIL  Every member has a description, for completion and hover." in lines
+    assert "        These members have no description: `x`." in lines
+    assert [outcome.problem for outcome in report.problems] == ["These members have no description: `x`."]
     assert repr(report) == str(report)
 
 

@@ -119,7 +119,7 @@ def test_what_is_abstract_is_not_listed(registry: dict[str, type[Bridge]]) -> No
 
 @pytest.mark.parametrize("taken", ["none", "sim"])
 def test_the_names_of_the_defaults_cannot_be_taken(registry: dict[str, type[Bridge]], taken: str) -> None:
-    with pytest.raises(BridgeError, match=f"The name `{taken}` is taken: give `Mine` another"):
+    with pytest.raises(BridgeError, match=f"The name `{taken}` is taken. Give `Mine` another"):
         type("Mine", (NullBridge,), {"name": taken, "__module__": "__main__"})
     assert find_bridges()[taken].origin == "lrp-jupyter"
 

@@ -123,13 +123,13 @@ def test_every_real_number_is_taken_as_a_float(rover: Rover, value: object) -> N
 
 
 def test_a_bare_number_or_two_arguments_are_refused_with_an_example(rover: Rover) -> None:
-    with pytest.raises(BridgeError, match=r"what to do with 0\.2: for example `robot\.move\(linear=0\.2\)`"):
+    with pytest.raises(BridgeError, match=r"does not accept 0\.2. Call it like `robot\.move\(linear=0\.2\)`"):
         rover.robot.move(0.2)
-    with pytest.raises(BridgeError, match="takes one block or message, or names"):
+    with pytest.raises(BridgeError, match="takes one block or message, or keyword arguments"):
         rover.robot.move(0.2, 0.5)
-    with pytest.raises(BridgeError, match="takes one block or message, or names"):
+    with pytest.raises(BridgeError, match="takes one block or message, or keyword arguments"):
         rover.robot.move(lambda msg: None, linear=1)
-    with pytest.raises(BridgeError, match="what to do with"):
+    with pytest.raises(BridgeError, match="does not accept"):
         rover.robot.move(Vector3(x=1))
 
 
@@ -160,7 +160,7 @@ def test_messages_compare_by_value_and_show_themselves() -> None:
 
 def _text(value: object, what: str) -> str:
     if not isinstance(value, str):
-        raise BridgeError(f"`{what}` must be a text.")
+        raise BridgeError(f"`{what}` must be a string.")
     return value
 
 
@@ -173,13 +173,13 @@ class Label(Message):
 def test_a_field_may_be_of_any_kind() -> None:
     label = Label(text="home", size=2)
     assert label.as_dict() == {"text": "home", "size": 2.0, "place": {"x": 0.0, "y": 0.0, "z": 0.0}}
-    with pytest.raises(BridgeError, match=r"`msg\.text` must be a text"):
+    with pytest.raises(BridgeError, match=r"`msg\.text` must be a string"):
         label.text = 3
     assert list(Label.paths()) == ["text", "size", "place.x", "place.y", "place.z"]
 
 
 def test_a_nested_message_without_a_short_form_is_not_replaced_by_a_number() -> None:
-    with pytest.raises(BridgeError, match=r"`msg\.place` has fields of its own, set these: `msg\.place\.x`"):
+    with pytest.raises(BridgeError, match=r"`msg\.place` has fields of its own. Set these: `msg\.place\.x`"):
         Label(place=3)
 
 

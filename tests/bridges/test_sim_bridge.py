@@ -159,7 +159,7 @@ def test_a_robot_that_is_not_commanded_stops_after_half_a_second(sim: SimBridge)
         sim.advance(PERIOD)
     assert sim.picture.robots[0].command == (0.0, 0.0)
     assert [notice.text for notice in sim.safety.notices] == [
-        "No command for 0.5 s: put `move` in `running`."
+        "No command for 0.5 s. Put `move` into `running`."
     ]
 
 
@@ -209,7 +209,7 @@ def test_rewinding_to_nowhere_is_refused(sim: SimBridge) -> None:
     other = SimBridge("empty")
     other.open()
     drive(other, 5)
-    with pytest.raises(BridgeError, match="in another world"):
+    with pytest.raises(BridgeError, match="belongs to another world"):
         sim.rewind(other.moment())
     with pytest.raises(BridgeError, match="is not a moment"):
         sim.rewind(7)
@@ -248,11 +248,11 @@ def test_resetting_the_world_puts_the_robot_back(sim: SimBridge) -> None:
 
 
 def test_what_cannot_be_done_by_hand_is_refused_at_once(sim: SimBridge) -> None:
-    with pytest.raises(BridgeError, match="there is no robot 3"):
+    with pytest.raises(BridgeError, match="There is no robot 3"):
         sim.place_robot((0, 0, 0), robot=3)
-    with pytest.raises(BridgeError, match="there is no solid 9"):
+    with pytest.raises(BridgeError, match="There is no solid 9"):
         sim.place_solid(9, (0, 0, 0))
-    with pytest.raises(BridgeError, match="needs a point"):
+    with pytest.raises(BridgeError, match="needs at least one point"):
         sim.draw(())
     with pytest.raises(BridgeError, match="finite"):
         sim.erase(((math.nan, 0),))
@@ -264,7 +264,7 @@ def test_another_world_can_be_loaded_while_a_program_holds_robot(sim: SimBridge)
     sim.load_world("line")
     assert sim.picture.time == 0
     assert robot.light.data in range(256)
-    with pytest.raises(BridgeError, match="no world 'lime'"):
+    with pytest.raises(BridgeError, match="There is no world `lime`"):
         sim.load_world("lime")
     assert robot.light.data in range(256)
 
@@ -277,9 +277,9 @@ def test_another_world_can_be_chosen_before_it_is_opened() -> None:
 
 
 def test_an_unknown_world_or_noise_is_said_in_a_sentence() -> None:
-    with pytest.raises(BridgeError, match=r"no world 'lin'.*did you mean 'line'"):
+    with pytest.raises(BridgeError, match=r"There is no world `lin`.*Did you mean `line`"):
         SimBridge("lin")
-    with pytest.raises(BridgeError, match="no noise `engine`; there is motor"):
+    with pytest.raises(BridgeError, match=r"no noise `engine`\. Choose one of motor"):
         SimBridge(noise={"engine": 1})
 
 

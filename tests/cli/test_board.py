@@ -70,9 +70,9 @@ def test_the_header_says_what_is_unusual():
     from dataclasses import replace
 
     state = state_after(0.1)
-    frame = replace(state.frame, status="hung", reason="`a` has run for 2 s", restarts=2, achieved_speed=0.5)
+    frame = replace(state.frame, status="hung", reason="`a` has run for 2 s.", restarts=2, achieved_speed=0.5)
     (header,) = [line for line in text_of(replace(state, frame=frame)) if "tick" in line]
-    for words in ("my", "0.1 s", "tick 1", "0.5x real time", "2 restarts", "hung: `a` has run for 2 s"):
+    for words in ("my", "0.1 s", "tick 1", "0.5x real time", "2 restarts", "hung: `a` has run for 2 s."):
         assert words in header
 
 

@@ -49,7 +49,7 @@ def test_a_world_is_drawn_and_is_to_be_had_as_json(lrp, tmp_path):
 def test_an_unknown_world_is_a_sentence(lrp, option):
     result = lrp("worlds", option, "lin")
     assert result.exit_code == 2
-    assert "did you mean 'line'?" in result.stderr
+    assert "Did you mean `line`?" in result.stderr
 
 
 def test_every_bridge_is_listed_with_what_it_is(lrp):

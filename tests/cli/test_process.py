@@ -108,7 +108,7 @@ def test_every_save_changes_the_running_program(process, program, tmp_path, wait
     assert "saved: not a valid program; the last one keeps running" in out
     assert "(var m := [7)\n" in out
     assert "^" in out
-    assert "saved: restarted: `a` is active and its `running` changed" in out
+    assert "saved: restarted: `a` is active and its `running` changed." in out
 
 
 def test_a_file_that_is_no_program_yet_waits_for_its_first_save(process, program, tmp_path, waiting):

@@ -152,7 +152,7 @@ def test_a_variable_of_a_nested_machine_is_set_by_its_path_or_its_only_name(lrp)
         (["--for", "soon"], "unable to parse"),
         (["--noise", "motor=much"], "takes a number"),
         (["--noise", "moter=1"], "There is no noise `moter`"),
-        (["--world", "lin"], "did you mean 'line'?"),
+        (["--world", "lin"], "Did you mean `line`?"),
         (["--world", "no.json"], "cannot be read"),
         (["--bridge", "simm"], "There is no bridge `simm`"),
         (["--bridge", "none", "--world", "line"], "--world is for the simulator"),
@@ -205,7 +205,7 @@ def test_an_issue_ends_the_run_when_nobody_could_let_it_go_on(lrp, program, spee
 def test_what_the_robot_has_to_say_is_told_once(lrp, program):
     text = "(machine m (state a (onentry [robot.move(linear=0.1)]))) (spawn m a)"
     result = lrp("run", program(text), "--speed", "max", "--for", "3")
-    assert result.stdout.count("No command for 0.5 s: put `move` in `running`.") == 1
+    assert result.stdout.count("No command for 0.5 s. Put `move` into `running`.") == 1
 
 
 def test_the_text_itself_says_where_it_runs(lrp, program, tmp_path):

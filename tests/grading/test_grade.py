@@ -162,7 +162,7 @@ def test_doing_nothing_masters_nothing_and_gets_a_hint(each):
     [
         ("first move", "(machine m (state a (running [robot.move(linear=0.2)])))", "(spawn machine state)"),
         ("first move", DRIVE.replace("linear=0.2", "linear=sped"), "`sped`"),
-        ("first move", "(machine m (state a (onentry [robot.move(linear=0.2)]))) (spawn m a)", "put `move`"),
+        ("first move", "(machine m (state a (onentry [robot.move(linear=0.2)]))) (spawn m a)", "Put `move`"),
         ("first move", "(machine m", "Correct the text"),
         ("stop at the line", DRIVE, "drove on"),
         ("square", DRIVE.replace("linear=0.2", "linear=0.1"), "quarter"),
@@ -188,7 +188,7 @@ def test_a_grade_prints_every_criterion_with_its_reason_and_has_a_small_repr():
     text = str(result)
     assert "✗ ends in `at the line`" in text
     assert "✓ runs without issues: no issue" in text
-    assert "not with seed 0, 1" in text
+    assert "failed with seed 0, 1" in text
     assert repr(result) == "<Grade stop at the line: not yet, 0 of 2 runs>"
 
 

@@ -74,7 +74,7 @@ def test_spawns_are_edges_from_the_program_and_from_states(follower):
 def test_a_missing_state_is_a_node_and_the_edge_says_why_it_dangles():
     graph = state_graph(parse("(machine m (state a) (event e [True]) (on e a -> b)) (spawn m a)"))
     assert graph.nodes["m", "b"]["kind"] == "missing"
-    assert graph.edges[("m", "a"), ("m", "b"), "e:a->b"]["dangling"] == "there is no state `b`"
+    assert graph.edges[("m", "a"), ("m", "b"), "e:a->b"]["dangling"] == "There is no state `b`."
 
 
 def test_an_unknown_event_dangles_but_one_of_an_outer_machine_does_not():
@@ -88,7 +88,7 @@ def test_an_unknown_event_dangles_but_one_of_an_outer_machine_does_not():
     assert dangling == {
         "top:x->y": None,
         "outer:y->x": None,
-        "inner:x->y": "there is no event `inner`",
+        "inner:x->y": "There is no event `inner`.",
     }
 
 
@@ -106,7 +106,7 @@ def test_an_exit_leads_to_a_state_of_the_machine_around(programs):
 def test_an_exit_of_a_root_machine_dangles():
     graph = state_graph(parse("(machine m (state a) (state b) (exit [True] a -> b)) (spawn m a)"))
     assert [data["dangling"] for *_, data in graph.edges(data=True) if data["kind"] == "exit"] == [
-        "no state spawns this machine, so there is nothing to exit to"
+        "No state spawns this machine, so there is nothing to exit to."
     ]
 
 
@@ -122,7 +122,7 @@ def test_a_machine_spawned_from_elsewhere_exits_to_the_machine_of_its_spawner():
 def test_no_machine_can_spawn_the_one_around_it():
     graph = state_graph(parse("(machine m (state a (onentry (spawn m a)))) (spawn m a)"))
     assert [data["dangling"] for a, _, data in graph.edges(data=True) if a] == [
-        "no machine `m` can be spawned here"
+        "No machine `m` can be spawned here."
     ]
 
 

@@ -216,8 +216,8 @@ def test_a_nested_machine_is_named_in_its_state(follower):
 
 def test_a_dangling_transition_is_broken_with_its_reason(programs):
     arrows = {arrow["label"]["text"]: arrow for arrow in drawings(programs["kinds"])[0]["transitions"]}
-    assert arrows["go"]["broken"] == "there is no state `nowhere`"
-    assert arrows["nosuch"]["broken"] == "there is no event `nosuch`"
+    assert arrows["go"]["broken"] == "There is no state `nowhere`."
+    assert arrows["nosuch"]["broken"] == "There is no event `nosuch`."
     assert arrows["go"]["mark"]
     assert not arrows["go"]["head"]
     assert arrows["hit"]["broken"] is None

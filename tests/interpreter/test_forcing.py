@@ -102,7 +102,7 @@ def test_a_forced_state_is_as_active_as_any_for_an_edit(force):
     assert i.patch(parse(DEEP.replace("(var n := [1])", "(var n := [2])"))).reason is None
     assert i.variables["m/a/k/n"] == 2
     patch = i.patch(parse(DEEP.replace("(state s ", "(state s (running [1]) ")))
-    assert (patch.restarted, patch.reason) == (True, "`s` is active and its `running` changed")
+    assert (patch.restarted, patch.reason) == (True, "`s` is active and its `running` changed.")
 
 
 @BOTH

@@ -54,7 +54,7 @@ def test_a_fault_in_a_function_of_an_older_text_stands_at_the_block_that_calls_i
         ("raise NameError('by hand')", "LRP601", "NameError: by hand"),
         ("raise NameError", "LRP601", "NameError"),
         ("x = x + 1", "LRP601", "UnboundLocalError: "),
-        ("nope", "LRP606", "there is no `nope`"),
+        ("nope", "LRP606", "`nope` is not defined here."),
         ("import sys; sys.exit('enough')", "LRP601", "SystemExit: enough"),
         ("\n class Odd(Exception): pass\n raise Odd", "LRP601", "block.<locals>.Odd"),
         ("\n def f(): f()\n f()", "LRP601", "RecursionError: "),

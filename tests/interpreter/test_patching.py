@@ -32,7 +32,7 @@ def test_a_restart_runs_no_onexit_says_why_and_keeps_issues_and_the_pause():
     assert (log, i.active, dict(i.variables), i.paused, i.now) == (["A"], (), {}, True, 0.15)
     assert seen == [
         ("paused", None),
-        ("restarted", "`a` is active and its `running` changed"),
+        ("restarted", "`a` is active and its `running` changed."),
         ("patched", patch),
     ]
     assert [(issue.count, issue.resolved) for issue in i.issues] == [(1, True)]
@@ -70,7 +70,7 @@ def test_an_edit_that_is_not_applied_changes_nothing_and_the_next_is_compared_wi
     program, issues = i.program, list(i.issues)
     patch = edited(i, "(state a", "(state aa")
     assert not patch.applied
-    assert "the old program runs on" in patch.reason
+    assert "The old program keeps running." in patch.reason
     assert i.program is program
     assert (list(i.issues), seen) == (issues, ["patched"])
     assert edited(i, "(state b)", "(state b) (state c)").applied
@@ -101,7 +101,7 @@ def test_a_machine_moved_elsewhere_is_another_one():
     text = "(machine m (state a (onentry (spawn k s)) (machine k (state s))))(spawn m a)"
     i = started(text)
     patch = i.patch(parse("(machine k (state s))(machine m (state a (onentry (spawn k s))))(spawn m a)"))
-    assert (patch.restarted, patch.reason) == (True, "machine `k` is active and was removed or renamed")
+    assert (patch.restarted, patch.reason) == (True, "The machine `k` is active and was removed or renamed.")
 
 
 def test_a_root_that_was_forced_runs_on_whatever_is_spawned():
@@ -131,7 +131,8 @@ def test_with_the_policy_keep_an_added_spawn_is_done_now_at_any_depth():
     assert active(i) == ["m/a/k/s/l/t"]
     assert i.variables["m/a/k/s/l/v"] == 1
     assert [issue.code for issue in i.issues] == ["LRP608"]
-    assert edited(i, "(spawn m a)", "(spawn m b)").reason == "`(spawn m a)` is gone: what it started runs on"
+    kept = edited(i, "(spawn m a)", "(spawn m b)")
+    assert kept.reason == "`(spawn m a)` was removed. What it started keeps running."
     assert edited(i, "(spawn m b)", "(spawn l t)(spawn m a)").applied
 
 

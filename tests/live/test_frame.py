@@ -250,10 +250,10 @@ def test_edits_that_took_effect_are_counted_and_others_say_why_they_did_not():
     assert (i.revision, i.patch_reason, i.restarts) == (2, "", 0)
     i.patch(parse(PROGRAM.replace("state a", "state aa")))
     assert i.revision == 2
-    assert "the old program runs on" in i.patch_reason
+    assert "The old program keeps running." in i.patch_reason
     i.patch(parse(PROGRAM.replace("m a", "m b")))
     assert (i.revision, i.restarts) == (3, 1)
-    assert i.restart_reason == i.patch_reason == "`(spawn m a)` was changed or removed"
+    assert i.restart_reason == i.patch_reason == "`(spawn m a)` was changed or removed."
     i.reset()
     assert (i.restarts, i.restart_reason) == (2, "reset")
 

@@ -84,7 +84,7 @@ def test_a_started_program_runs_by_itself(session):
 def test_waiting_for_a_state_that_does_not_come_ends_with_a_sentence(session):
     blinking = session(BLINK, rate=100)
     blinking.start()
-    with pytest.raises(SessionTimeoutError, match=r"`c` did not come in 0.01 s"):
+    with pytest.raises(SessionTimeoutError, match=r"`c` did not come within 0.01 s"):
         blinking.wait_for("c", 0.01)
 
 
@@ -153,7 +153,7 @@ def test_a_call_that_a_block_holds_up_ends_with_the_blocks_name_and_is_done_late
     holding = session(GATED, namespace=gates)
     holding.start()
     assert gates["entered"].wait(LONG)
-    with pytest.raises(SessionTimeoutError, match=r"pause waits: `a.running` has not returned"):
+    with pytest.raises(SessionTimeoutError, match=r"The command `pause` waits: `a.running` has not returned"):
         holding.pause()
     gates["gate"].set()
     assert holding.wait_for(lambda frame: frame.status == "paused", LONG)
@@ -265,7 +265,7 @@ def test_stopping_the_robot_does_not_wait_for_the_block(session, gates, pushcart
     assert pushcart.stopped.is_set()
     assert not pushcart.paused.is_set()
     gates["gate"].set()
-    assert holding.wait_for(lambda frame: frame.status == "paused", LONG).reason == "the robot was stopped"
+    assert holding.wait_for(lambda frame: frame.status == "paused", LONG).reason == "The robot was stopped."
     assert pushcart.paused.is_set()
 
 

@@ -170,7 +170,7 @@ def test_rewinding_takes_back_what_was_drawn():
 def test_only_what_has_been_can_be_gone_back_to(step):
     simulation = Simulation("empty")
     simulation.step(10)
-    with pytest.raises(ValueError, match=r"cannot rewind to step -?1+: only 0 to 10 can be reached"):
+    with pytest.raises(ValueError, match=r"Cannot rewind to step -?1+: only steps 0 to 10 can be reached"):
         simulation.rewind(step)
 
 
@@ -180,7 +180,7 @@ def test_a_moment_of_a_future_that_was_undone_is_refused():
     simulation.latch()
     later = simulation.moment
     simulation.rewind(moment)
-    with pytest.raises(ValueError, match="cannot rewind"):
+    with pytest.raises(ValueError, match="Cannot rewind"):
         simulation.rewind(later)
 
 

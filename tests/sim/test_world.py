@@ -116,62 +116,77 @@ def test_a_world_that_is_one_already_is_taken_as_it_is():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"solids": [{"box": [1, 1, 1, 1]}, {}]}, "solids[1]: expected one of 'box' or 'circle', got none"),
-        ({"solids": [{"box": [1, 1, 1]}]}, "solids[0].box: expected 4 numbers, got 3"),
+        (
+            {"solids": [{"box": [1, 1, 1, 1]}, {}]},
+            "`solids[1]`: Expected one of `box` or `circle`, not none.",
+        ),
+        ({"solids": [{"box": [1, 1, 1]}]}, "`solids[0].box`: Expected 4 numbers, not 3."),
         (
             {"solids": [{"box": [1, 1, 1, 0]}]},
-            "solids[0].box[3]: expected a number from 0.0001 to",
+            "`solids[0].box[3]`: Expected a number from 0.0001 to",
         ),
-        ({"solids": [{"box": [1, 1, 1, "2"]}]}, "solids[0].box[3]: expected a number, got '2'"),
-        ({"solids": [{"circle": [1, 1, math.nan]}]}, "solids[0].circle[2]: expected a number"),
-        ({"solids": [{"circle": 1}]}, "solids[0].circle: expected 3 numbers, got 1"),
-        ({"solids": [{"circle": [1, 1, 1], "push": -1}]}, "solids[0].push: expected a number from 0 to 10"),
-        ({"solids": [{"circle": [1, 1, 1], "puch": 1}]}, "solids[0].puch: unknown key; did you mean 'push'?"),
+        ({"solids": [{"box": [1, 1, 1, "2"]}]}, "`solids[0].box[3]`: Expected a number, not '2'."),
+        ({"solids": [{"circle": [1, 1, math.nan]}]}, "`solids[0].circle[2]`: Expected a number"),
+        ({"solids": [{"circle": 1}]}, "`solids[0].circle`: Expected 3 numbers, not 1."),
+        ({"solids": [{"circle": [1, 1, 1], "push": -1}]}, "`solids[0].push`: Expected a number from 0 to 10"),
+        (
+            {"solids": [{"circle": [1, 1, 1], "puch": 1}]},
+            "`solids[0].puch`: Unknown key. Did you mean `push`?",
+        ),
         (
             {"solids": [{"circle": [1, 1, 1], "box": [1, 1, 1, 1]}]},
-            "solids[0]: expected one of 'box'",
+            "`solids[0]`: Expected one of `box`",
         ),
-        ({"solids": {}}, "solids: expected a list, got an object"),
-        ({"floor": {"stroks": []}}, "floor.stroks: unknown key; did you mean 'strokes'?"),
-        ({"floor": {"grey": 256}}, "floor.grey: expected a number from 0 to 255, got 256"),
-        ({"floor": {"strokes": [{"path": []}]}}, "floor.strokes[0].path: expected at least one point"),
-        ({"floor": {"strokes": [{"path": [[1]]}]}}, "floor.strokes[0].path[0]: expected 2 numbers, got 1"),
+        ({"solids": {}}, "`solids`: Expected a list, not an object."),
+        ({"floor": {"stroks": []}}, "`floor.stroks`: Unknown key. Did you mean `strokes`?"),
+        ({"floor": {"grey": 256}}, "`floor.grey`: Expected a number from 0 to 255, not 256."),
+        ({"floor": {"strokes": [{"path": []}]}}, "`floor.strokes[0].path`: Expected at least one point"),
+        ({"floor": {"strokes": [{"path": [[1]]}]}}, "`floor.strokes[0].path[0]`: Expected 2 numbers, not 1."),
         (
             {"floor": {"strokes": [{"arc": [1, 1, 1, 0, 90]}]}},
-            "floor.strokes[0].arc: longer than a full",
+            "`floor.strokes[0].arc`: The arc is longer than a full",
         ),
         (
             {"floor": {"strokes": [{"circle": [1, 1, -1]}]}},
-            "floor.strokes[0].circle[2]: expected a number",
+            "`floor.strokes[0].circle[2]`: Expected a number",
         ),
         (
             {"floor": {"strokes": [{"circle": [1, 1, 1], "width": True}]}},
-            "floor.strokes[0].width: expected a",
+            "`floor.strokes[0].width`: Expected a",
         ),
-        ({"floor": None}, "floor: expected an object, got null"),
-        ({"zones": {"goal": {"disc": [1, 1, 1]}}}, "zones.goal.disc: unknown key"),
-        ({"zones": {"goal": {"box": [1, 1]}}}, "zones.goal.box: expected 4 numbers, got 2"),
-        ({"zones": {3: {"box": [1, 1, 1, 1]}}}, "zones: keys must be strings, got 3"),
-        ({"robots": []}, "robots: expected at least one"),
-        ({"robots": [{}]}, "robots[0]: 'pose' is missing"),
-        ({"robots": [{"pose": [4, 1, 0]}]}, "robots[0].pose: (4, 1) is outside the world of 3 x 2 m"),
-        ({"robots": [{"pose": [1, 1, 0], "bumper": 1}]}, "robots[0].bumper: expected true or false, got 1"),
+        ({"floor": None}, "`floor`: Expected an object, not null."),
+        ({"zones": {"goal": {"disc": [1, 1, 1]}}}, "`zones.goal.disc`: Unknown key"),
+        ({"zones": {"goal": {"box": [1, 1]}}}, "`zones.goal.box`: Expected 4 numbers, not 2."),
+        ({"zones": {3: {"box": [1, 1, 1, 1]}}}, "`zones`: Keys must be strings, not 3."),
+        ({"robots": []}, "`robots`: Expected at least one"),
+        ({"robots": [{}]}, "`robots[0]`: The key `pose` is missing."),
+        (
+            {"robots": [{"pose": [4, 1, 0]}]},
+            "`robots[0].pose`: The point (4, 1) is outside the world of 3 x 2 m",
+        ),
+        (
+            {"robots": [{"pose": [1, 1, 0], "bumper": 1}]},
+            "`robots[0].bumper`: Expected true or false, not 1.",
+        ),
         (
             {"robots": [{"pose": [1, 1, 0], "distance": [[0, 0]]}]},
-            "robots[0].distance[0][1]: expected a",
+            "`robots[0].distance[0][1]`: Expected a",
         ),
         (
             {"robots": [{"pose": [1, 1, 0], "noise": {"lite": 1}}]},
-            "robots[0].noise.lite: unknown key; did",
+            "`robots[0].noise.lite`: Unknown key. Did",
         ),
-        ({"robots": [{"pose": [1, 1, 0], "limits": [0, 1]}]}, "robots[0].limits[0]: expected a number from"),
-        ({"size": [3, 0]}, "size[1]: expected a number from 0.1 to 1000, got 0"),
-        ({"seed": 0.5}, "seed: expected a whole number, got 0.5"),
-        ({"open": "yes"}, "open: expected true or false, got 'yes'"),
-        ({"name": 3}, "name: expected a text, got 3"),
-        ({"version": 2}, "version: expected 1, got 2"),
-        ({"version": True}, "version: expected 1, got true"),
-        ({"robot": []}, "robot: unknown key; did you mean 'robots'?"),
+        (
+            {"robots": [{"pose": [1, 1, 0], "limits": [0, 1]}]},
+            "`robots[0].limits[0]`: Expected a number from",
+        ),
+        ({"size": [3, 0]}, "`size[1]`: Expected a number from 0.1 to 1000, not 0."),
+        ({"seed": 0.5}, "`seed`: Expected a whole number, not 0.5."),
+        ({"open": "yes"}, "`open`: Expected true or false, not 'yes'."),
+        ({"name": 3}, "`name`: Expected a string, not 3."),
+        ({"version": 2}, "`version`: Expected 1, not 2."),
+        ({"version": True}, "`version`: Expected 1, not true."),
+        ({"robot": []}, "`robot`: Unknown key. Did you mean `robots`?"),
     ],
 )
 def test_a_bad_world_is_refused_with_the_place_of_the_mistake(change, message):
@@ -182,34 +197,34 @@ def test_a_bad_world_is_refused_with_the_place_of_the_mistake(change, message):
 
 @pytest.mark.parametrize("key", ["version", "size", "robots"])
 def test_what_a_world_needs_must_be_there(key):
-    with pytest.raises(WorldError, match=f"world: '{key}' is missing"):
+    with pytest.raises(WorldError, match=f"`world`: The key `{key}` is missing"):
         load({other: value for other, value in SMALLEST.items() if other != key})
 
 
 def test_long_values_are_cut_in_messages():
-    with pytest.raises(WorldError, match=r"name: expected a text, got 1{37}\.\.\."):
+    with pytest.raises(WorldError, match=r"`name`: Expected a string, not 1{37}\.\.\."):
         load({**SMALLEST, "name": int("1" * 50)})
 
 
 def test_an_unknown_name_is_answered_with_a_suggestion():
-    with pytest.raises(WorldError, match=r"no world 'lime': choose empty, line, .*; did you mean 'line'\?"):
+    with pytest.raises(WorldError, match=r"no world `lime`\. Did you mean `line`\? Choose empty, line, "):
         load("lime")
 
 
 def test_what_is_no_world_at_all_is_refused():
-    with pytest.raises(WorldError, match="a world is a name, a file, a dict or a World, not int"):
+    with pytest.raises(WorldError, match="A world is a name, a file, a dict or a World, not int"):
         load(7)  # type: ignore[arg-type]
-    with pytest.raises(WorldError, match="world: expected an object, got a list"):
+    with pytest.raises(WorldError, match="`world`: Expected an object, not a list"):
         read_world([])
 
 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("{", "line 1, column 2: Expecting property name"),
-        ('{"version": NaN}', "NaN is not a number that a world can have"),
-        ("[" * 100_000, "nested too deeply"),
-        ('{"version": 1, "size": [3, 2], "robots": []}', "robots: expected at least one"),
+        ("{", " is not valid JSON: line 1, column 2: Expecting property name"),
+        ('{"version": NaN}', ": `NaN` is not a valid number here."),
+        ("[" * 100_000, " is nested too deeply."),
+        ('{"version": 1, "size": [3, 2], "robots": []}', ": `robots`: Expected at least one"),
     ],
 )
 def test_a_bad_file_is_named_in_the_message(tmp_path, text, message):
@@ -217,11 +232,11 @@ def test_a_bad_file_is_named_in_the_message(tmp_path, text, message):
     path.write_text(text)
     with pytest.raises(WorldError) as caught:
         load(path)
-    assert str(caught.value).startswith(f"{path}: {message}")
+    assert str(caught.value).startswith(f"{path}{message}")
 
 
 def test_a_missing_file_is_named_in_the_message(tmp_path):
-    with pytest.raises(WorldError, match=r"none\.json: cannot be read"):
+    with pytest.raises(WorldError, match=r"none\.json cannot be read: No such file"):
         load(str(tmp_path / "none.json"))
 
 

@@ -63,7 +63,7 @@ def test_stop_stops_the_robot_then_pauses(lab, page):
     assert page.do("stop") is None
     lab.session.wait_for(lambda frame: frame.status == "paused", 60)
     lab.publish()
-    assert page.told("reason") == "the robot was stopped"
+    assert page.told("reason") == "The robot was stopped."
 
 
 def test_rate_and_speed(lab, page):
@@ -127,7 +127,7 @@ def test_another_world_is_drawn_and_the_program_goes_on(lab, page):
     assert page.last("world")["world"]["name"] == "maze"
     assert lab.session.frame.tick == 1
     page.do("step", value=2)
-    assert "in another world" in page.do("step_back", value=3)
+    assert "belongs to another world" in page.do("step_back", value=3)
     assert page.do("step_back", value=2) is None
     assert "no world" in page.do("world", name="paradise")
 
@@ -197,7 +197,7 @@ def test_hardware_is_told_to_be_disarmed_and_can_be_armed(bench):
 
 
 def test_a_session_made_elsewhere_keeps_its_bridge(lab, page):
-    assert "made elsewhere" in page.do("bridge", name="none")
+    assert "created elsewhere" in page.do("bridge", name="none")
 
 
 def test_a_command_that_nobody_waits_for_gets_no_reply(lab, page):
@@ -212,7 +212,7 @@ def test_a_command_that_nobody_waits_for_gets_no_reply(lab, page):
     [
         ("rate", {}, "`rate` needs `value`."),
         ("step", {"value": 1e9}, "`value` of `step` must be a whole number"),
-        ("rename", {"kind": "state", "path": [], "name": "x"}, "`path` of `rename` must be a text"),
+        ("rename", {"kind": "state", "path": [], "name": "x"}, "`path` of `rename` must be a string"),
         ("reset_pose", {"index": -1}, "`index` of `reset_pose` must be"),
         ("pin", {"path": "m", "name": "b", "x": math.nan, "y": 0}, "`x` of `pin` must be a number"),
     ],

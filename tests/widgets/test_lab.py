@@ -73,9 +73,9 @@ def test_variables_are_read_and_written_by_name_or_path(make):
     assert lab.session.namespace == {}
     with pytest.raises(UnknownElementError, match="Several variables are called `v`"):
         lab.variables["v"]
-    with pytest.raises(UnknownElementError, match="No variable `x` lives now"):
+    with pytest.raises(UnknownElementError, match="There is no variable `x` now"):
         lab.variables["x"] = 1
-    with pytest.raises(TypeError, match="deleted in its text"):
+    with pytest.raises(TypeError, match="Remove it from the program's text"):
         del lab.variables["w"]
 
 
@@ -178,7 +178,7 @@ def test_hardware_opens_disarmed_and_pauses_when_nobody_watches(make, monkeypatc
     lab = make("(machine m (state a (running [robot.move(linear=1)]))) (spawn m a)", "wheels")
     assert not lab.session.bridge.safety.armed
     lab.session.wait_for(lambda frame: frame.status == "paused", 60)
-    assert "the robot has not been watched" in lab.session.frame.reason
+    assert "The robot has not been watched" in lab.session.frame.reason
 
 
 def test_a_robot_that_cannot_be_reached_is_an_error_in_a_sentence_and_leaves_nothing(make):

@@ -137,14 +137,17 @@ def test_there_is_nothing_to_debug_before_a_block_fails(shell, run):
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
-        ("folower", "there is no `folower`; open programs: `follower`. Did you mean `follower`?"),
-        ("pause other", "there is no program `other`; open are `follower`"),
-        ("pause a b", "one name is wanted, not 2"),
-        ("new folower", "no bundled program `folower`; there are"),
-        ("new", "one name is wanted"),
-        ("rate", "how many ticks per second?"),
-        ("rate fast", "`fast` is not a valid rate. Write a number of ticks per second."),
-        ("rate -1", "a rate is 0.01 ticks per second or more"),
+        (
+            "folower",
+            "There is no command or program `folower`. Did you mean `follower`? Open programs: `follower`.",
+        ),
+        ("pause other", "There is no program `other`. Open programs: `follower`."),
+        ("pause a b", "Expected one name, not 2"),
+        ("new folower", "There is no bundled program `folower`. Did you mean `follower`? Choose one of"),
+        ("new", "Expected one name, not 0. Write `%lrp new NAME`."),
+        ("rate", "Write the number of ticks per second"),
+        ("rate fast", "`fast` is not a valid rate. Write the number of ticks per second."),
+        ("rate -1", "A rate is 0.01 ticks per second or more"),
         ("bridge wings", "There is no bridge `wings`"),
     ],
 )
@@ -158,12 +161,12 @@ def test_mistakes_are_said_in_a_sentence(shell, line, sentence):
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
-        ("mine --world paradise", "no world 'paradise'"),
+        ("mine --world paradise", "There is no world `paradise`"),
         ("mine --bridge wings", "There is no bridge `wings`"),
         ("mine --rate fast", "invalid float value: 'fast'"),
         ("mine --wings", "`--wings` needs a value"),
         ("mine --wings 2", "has no option `wings`"),
-        ("mine more", "what is `more`?"),
+        ("mine more", "Unexpected `more`"),
         ("../mine", "not a valid name for a program"),
         ("mine 'half", "No closing quotation"),
         ("mine --bridge none --world line", "`--world` is for the simulator"),
@@ -180,7 +183,7 @@ def test_a_mistake_shows_no_traceback(shell, capsys):
     shell.run_cell("%lrp nothing")
     told = capsys.readouterr()
     assert "Traceback" not in told.out + told.err
-    assert "UsageError: %lrp: there is no `nothing`" in told.out + told.err
+    assert "UsageError: %lrp: There is no command or program `nothing`" in told.out + told.err
 
 
 def test_words_names_and_options_complete(shell):

@@ -68,7 +68,7 @@ def command(act, **fields):
         ({"type": "command"}, "There is no act `None`."),
         (command("dance"), "There is no act `dance`."),
         ({"type": "credit", "view": "v"}, "`credit` needs `frame`."),
-        ({"type": "hello", "view": 7, "part": "lab"}, "`view` of `hello` must be a text, not `7`."),
+        ({"type": "hello", "view": 7, "part": "lab"}, "`view` of `hello` must be a string, not `7`."),
         (command("rate"), "`rate` needs `value`."),
         (command("rate", value="5"), "`value` of `rate` must be a number from 0 to 1000000, not `5`."),
         (
@@ -105,7 +105,7 @@ def command(act, **fields):
         ),
         (
             command("panel", key="a", values={"a": 1}),
-            "An item in `values` of `panel` must be a text, not `1`.",
+            "An item in `values` of `panel` must be a string, not `1`.",
         ),
     ],
 )

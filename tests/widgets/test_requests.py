@@ -87,7 +87,7 @@ def test_references_are_those_of_the_text_in_the_editor(page):
     page.type("(machine x (state y)) (spawn x y)\n")
     assert page.ask("references", line=1, column=10)["references"]["path"] == "x"
     page.type("(machine")
-    assert "not a program" in page.ask("references", line=1, column=3)["error"]
+    assert "not a valid program" in page.ask("references", line=1, column=3)["error"]
 
 
 def inspect(page, kind, path="", *into):

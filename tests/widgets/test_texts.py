@@ -210,7 +210,7 @@ def test_nothing_is_renamed_while_the_text_is_not_what_runs(bench):
     lab = bench(A)
     page = lab.page()
     page.type(BROKEN)
-    assert "not the program that runs" in page.do("rename", kind="state", path="m/a", name="x")
+    assert "not the running program" in page.do("rename", kind="state", path="m/a", name="x")
 
 
 def test_going_back_over_an_edit_brings_the_old_text_back(bench):
@@ -222,7 +222,7 @@ def test_going_back_over_an_edit_brings_the_old_text_back(bench):
     lab.session.step()
     assert page.do("step_back", value=2) is None
     assert page.last("answer")["text"] == A
-    assert "remembered" in page.do("step_back", value=9)
+    assert "only 1 can be undone" in page.do("step_back", value=9)
 
 
 def test_held_texts_wait_and_the_difference_is_shown(bench):
@@ -285,7 +285,7 @@ def test_saving_under_another_name_writes_the_text_in_the_editor(bench, tmp_path
     assert page.do("save", name=str(tmp_path / "x.lrp")) is None
     assert (tmp_path / "x.lrp").read_text() == BROKEN
     assert "No such file" in page.do("save", name=str(tmp_path / "no" / "x.lrp"))
-    assert "needs a name" in page.do("save", name=" ")
+    assert "Enter a name" in page.do("save", name=" ")
 
 
 def test_a_bundled_program_becomes_the_text(bench):

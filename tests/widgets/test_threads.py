@@ -43,7 +43,7 @@ def test_a_bridge_that_is_opened_while_the_program_is_closed_is_closed_too():
         return opened[0]
 
     connection = PageConnection(Session(A), Texts(), reopen)
-    with pytest.raises(SessionClosedError, match="was closed meanwhile"):
+    with pytest.raises(SessionClosedError, match="has been closed in the meantime"):
         connection.change_bridge("sim")
     assert opened[0].status == "closed"
     assert connection.session is not opened[0]
@@ -162,7 +162,7 @@ def test_what_is_typed_when_the_session_is_closed_is_answered_and_kept(bench, tm
     answer = page.type(B)
     assert answer["accepted"]
     assert not answer["applied"]
-    assert answer["reason"] == "the session `mine` is closed"
+    assert answer["reason"] == "The session `mine` is closed."
     lab.publish()
     assert lab.connection.texts.text == B
     assert (tmp_path / "mine.lrp").read_text() == B

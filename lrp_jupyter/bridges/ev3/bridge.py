@@ -233,7 +233,7 @@ class EV3Bridge(Bridge):
             self.stop_all()
             return
         if not self.is_open:
-            raise BridgeError("No brick is connected: answer its address first.")
+            raise BridgeError("No brick is connected. Enter its address first.")
         motor = next((motor for motor in self.motors if motor.name == row), None)
         sensor = next((sensor for sensor in self.sensors if sensor.name == row), None)
         if key == "beep":

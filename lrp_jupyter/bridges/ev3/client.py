@@ -108,7 +108,7 @@ class BrickClient:
                 answer += self._receive_bytes(len(_UNLOCKED) - len(answer), deadline)
         except BridgeError:
             if not answer and time.monotonic() < deadline:
-                busy = f"{where} hangs up: is it a brick that another program is connected to?"
+                busy = f"{where} hung up. Is another program connected to the brick?"
                 raise BusyError(busy) from None
             raise NoBrickError(f"{where} is not an EV3 brick: it does not answer as one.") from None
         if answer != _UNLOCKED:
@@ -247,7 +247,7 @@ class _Ear:
         try:
             self._socket.bind(("", port))
         except OSError as error:
-            self.deaf = f"UDP port {port} cannot be listened to: {_reason(error)}."
+            self.deaf = f"Cannot listen on UDP port {port}: {_reason(error)}."
 
     def hear(self) -> tuple[Beacon, tuple[str, int]] | None:
         """Wait one slice of time for a beacon and its source."""
@@ -334,7 +334,7 @@ def connect(
     unheard = ear.deaf or f"No beacon of it within {patience:g} s."
     raise BridgeError(
         f"No EV3 brick was found. {trouble + ' ' if trouble else ''}{unheard} "
-        "Is it switched on, its WiFi too, and in this network?"
+        "Is it switched on, with WiFi, and in this network?"
     )
 
 
@@ -354,7 +354,7 @@ def check_address(host: str) -> str:
         return str(ipaddress.IPv4Address(host.strip()))
     except ValueError:
         raise BridgeError(
-            f"{host!r} is not the address of a brick: write four numbers such as 192.168.1.7, "
+            f"{host!r} is not the address of a brick. Write four numbers such as 192.168.1.7, "
             "which the brick shows under `Brick Info`."
         ) from None
 

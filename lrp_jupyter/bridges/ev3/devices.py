@@ -84,7 +84,7 @@ class Motor:
             )
         percent, holds = self._percent("run_for", "speed", speed), self._flag("run_for", brake)
         if not percent:
-            raise BridgeError(f"`{self.name}.run_for`: with speed {speed!r} it would never end.")
+            raise BridgeError(f"`{self.name}.run_for` would never end at speed {speed!r}.")
         if degrees is not None:
             angle = round(real_number(degrees, f"{self.name}.run_for(degrees=…)"))
             amount, encode = self._amount(abs(angle)), protocol.run_degrees
@@ -121,14 +121,14 @@ class Motor:
             raise BridgeError(f"`{self.name}.{method}`: {what} goes from -100 to 100, not {value!r}.")
         reading = self._brick.link.snapshot.reading
         if reading is not None and reading.motors[self._index].type in ABSENT:
-            raise BridgeError(f"`{self.name}`: nothing is plugged in port {self.name[-1]}.")
+            raise BridgeError(f"`{self.name}`: Nothing is plugged into port {self.name[-1]}.")
         return round(number)
 
     def _amount(self, number: int) -> int:
         if number < 0:
-            raise BridgeError(f"`{self.name}.run_for`: that time is in the past.")
+            raise BridgeError(f"`{self.name}.run_for` needs a positive time.")
         if number > _LONGEST:
-            raise BridgeError(f"`{self.name}.run_for`: that is further than the brick can count.")
+            raise BridgeError(f"`{self.name}.run_for`: That is further than the brick can count.")
         return number
 
     def _flag(self, method: str, value: object) -> bool:
@@ -185,7 +185,7 @@ class Sensor:
         return self._brick.seen().sensors[self._index]
 
     def _nothing(self) -> BridgeError:
-        return BridgeError(f"`{self.name}`: nothing is plugged in port {self._index + 1}.")
+        return BridgeError(f"`{self.name}`: Nothing is plugged into port {self._index + 1}.")
 
 
 def type_name(number: int) -> str:

@@ -123,7 +123,7 @@ class BrickLink:
         if client is not None:
             client.command(protocol.stop(protocol.ALL_MOTORS, brake=True), _STOP_TIME)
         elif self.snapshot.reading is not None and not self._closing.is_set():
-            why = self.snapshot.trouble or "The brick is just being reconnected."
+            why = self.snapshot.trouble or "The brick is being reconnected."
             raise BridgeError(f"{why} It is stopped as soon as it is found.")
 
     def latest(self, snapshot: BrickState | None = None) -> BrickReading:

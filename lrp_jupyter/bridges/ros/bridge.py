@@ -353,7 +353,7 @@ class RosBridge(Bridge):
         elif key == "save":
             path = fields.get("setup", "").strip() or self.wiring.path
             if not path:
-                raise BridgeError("There is no file for the set-up: name one.")
+                raise BridgeError("The set-up has no file yet. Name one.")
             self.save(path)
         else:
             super().press(key, row, values)

@@ -200,7 +200,7 @@ class RosbridgeTransport(Transport):
         try:
             response = answer.result(_ANSWER)
         except TimeoutError:
-            raise BridgeError(f"`{self.place}` does not answer the call of {service}.") from None
+            raise BridgeError(f"`{self.place}` did not answer the call of {service}.") from None
         finally:
             socket.forget(key)
         values = response.get("values")

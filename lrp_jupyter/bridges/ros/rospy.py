@@ -66,8 +66,8 @@ class RospyTransport(Transport):
         _make_node(self.place)
         if rospy.is_shutdown():
             raise BridgeError(
-                "The ROS node of this process was shut down, and there cannot be a second one:"
-                " restart the kernel."
+                "The ROS node of this process was shut down, and there cannot be a second one. "
+                "Restart the kernel."
             )
 
     def disconnect(self) -> None:
@@ -86,7 +86,7 @@ class RospyTransport(Transport):
             It does not answer, or is another one than before.
         """
         if _rospy().is_shutdown():
-            raise BridgeError("The ROS node of this process was shut down: restart the kernel.")
+            raise BridgeError("The ROS node of this process was shut down. Restart the kernel.")
         if int(self._master.ask("getPid")) != self._pid:
             raise BridgeError(f"The ROS master at `{self.place}` was restarted.")
         pairs = self._master.ask("getTopicTypes")
@@ -179,8 +179,8 @@ def _make_node(master: str) -> None:
     with _node_lock:
         if _node_master and _node_master != master:
             raise BridgeError(
-                f"The ROS node of this process belongs to `{_node_master}` and cannot go to `{master}`:"
-                " restart the kernel."
+                f"The ROS node of this process belongs to `{_node_master}` and cannot change to `{master}`. "
+                "Restart the kernel."
             )
         if _node_master:
             return
@@ -221,7 +221,7 @@ def _class_of(type_: str) -> Any:
     if found is None:
         package = type_.partition("/")[0]
         raise RefusedError(
-            f"There is no message type `{type_}` here: is `{package}` installed, and the name right?"
+            f"There is no message type `{type_}` here. Is `{package}` installed, and is the name right?"
         )
     return found
 
@@ -250,7 +250,7 @@ class _Master:
     def __init__(self, uri: str) -> None:
         self._uri = uri
         if not urlsplit(uri).hostname:
-            raise BridgeError(f"`{uri}` is not the address of a ROS master: write `http://host:11311`.")
+            raise BridgeError(f"`{uri}` is not the address of a ROS master. Write `http://host:11311`.")
 
     def ask(self, question: str) -> Any:
         """Call a function of the master and return its answer.

@@ -79,7 +79,7 @@ class Wire:
         parts = self.variable.split(".")
         if not all(part.isidentifier() and not keyword.iskeyword(part) and part[0] != "_" for part in parts):
             raise BridgeError(
-                f"`{self.variable}` cannot be written after `robot.`: a variable is a name like `odom`."
+                f"`{self.variable}` is not a valid name for a member of `robot`. Use one like `odom`."
             )
         topic = self.topic.strip()
         absolute = topic if topic.startswith(("/", "~")) else f"/{topic}"
@@ -87,7 +87,8 @@ class Wire:
             better = re.sub(r"/+", "/", "/" + re.sub(r"[^\w/]+", "/", topic, flags=re.ASCII)).rstrip("/")
             hint = f" Did you mean `{better}`?" if _TOPIC.match(better) else ""
             raise BridgeError(
-                f"`{topic}` is not a topic name: letters, digits and `_`, with `/` between names.{hint}"
+                f"`{topic}` is not a valid topic name. Use letters, digits and `_`, "
+                f"with `/` between names.{hint}"
             )
         object.__setattr__(self, "topic", absolute)
         object.__setattr__(self, "type", check_type(self.type))
@@ -114,7 +115,7 @@ def check_type(type_: str, also: Iterable[str] = ()) -> str:
     if name and not _TYPE.match(name):
         full = [known for known in (*also, *KNOWN) if known.rpartition("/")[2] == name.rpartition("/")[2]]
         hint = f" Did you mean `{full[0]}`?" if full else did_you_mean(name, (*also, *KNOWN))
-        raise BridgeError(f"`{type_}` is not a message type: write `package/Type`.{hint}")
+        raise BridgeError(f"`{type_}` is not a message type. Write `package/Type`.{hint}")
     return name
 
 
@@ -135,9 +136,9 @@ def setup_from_dict(setup: object, where: str = "the set-up") -> tuple[Wire, ...
         It is not a set-up; the message names the place of the mistake.
     """
     if not isinstance(setup, Mapping):
-        raise BridgeError(f"{where} is not a set-up: write an object with `subscriptions` and `publishers`.")
+        raise BridgeError(f"{where} is not a set-up. Write an object with `subscriptions` and `publishers`.")
     if setup.get("version", 1) != 1:
-        raise BridgeError(f"{where} is of version {setup['version']!r}; this is version 1.")
+        raise BridgeError(f"{where} has version {setup['version']!r}, but only version 1 can be read.")
     _no_others(setup, ("version", *_SECTIONS), where)
     wires: dict[str, Wire] = {}
     for section, direction in _SECTIONS.items():
@@ -147,7 +148,7 @@ def setup_from_dict(setup: object, where: str = "the set-up") -> tuple[Wire, ...
         for variable, entry in entries.items():
             place = f"{where}, `{section}.{variable}`"
             if variable in wires:
-                raise BridgeError(f"{place}: `{variable}` is a subscription already.")
+                raise BridgeError(f"{place}: `{variable}` is already a subscription.")
             wires[variable] = _wire_from(variable, direction, entry, place)
     return tuple(wires.values())
 
@@ -156,11 +157,11 @@ def _wire_from(variable: str, direction: Direction, entry: object, place: str) -
     if isinstance(entry, str):
         entry = {"topic": entry}
     if not isinstance(entry, Mapping) or not isinstance(entry.get("topic"), str):
-        raise BridgeError(f"{place}: there must be a `topic`.")
+        raise BridgeError(f"{place}: A `topic` is missing.")
     _no_others(entry, ("topic", "type", "limits")[: 2 if direction == "subscription" else 3], place)
     type_, limits = entry.get("type", ""), entry.get("limits", {})
     if not isinstance(type_, str):
-        raise BridgeError(f"{place}: the `type` must be a text.")
+        raise BridgeError(f"{place}: The `type` must be a string.")
     try:
         return Wire(variable, direction, entry["topic"], type_, _limits_from(limits))
     except BridgeError as error:
@@ -169,7 +170,7 @@ def _wire_from(variable: str, direction: Direction, entry: object, place: str) -
 
 def _limits_from(limits: object) -> dict[str, float | tuple[float, float]]:
     if not isinstance(limits, Mapping):
-        raise BridgeError('`limits` must be an object: {"linear": 0.5}.')
+        raise BridgeError('`limits` must be an object, like `{"linear": 0.5}`.')
     found: dict[str, float | tuple[float, float]] = {}
     for name, limit in limits.items():
         ends = limit if isinstance(limit, (list, tuple)) else (limit,)
@@ -183,7 +184,7 @@ def _no_others(mapping: Mapping[str, object], known: Iterable[str], place: str) 
     for key in mapping:
         if key not in known:
             names = ", ".join(f"`{name}`" for name in known)
-            raise BridgeError(f"{place}: there is no `{key}`, only {names}.{did_you_mean(str(key), known)}")
+            raise BridgeError(f"{place}: There is no `{key}`, only {names}.{did_you_mean(str(key), known)}")
 
 
 def load_setup(path: str | os.PathLike[str]) -> tuple[Wire, ...]:
@@ -234,6 +235,6 @@ def parse_address(host: str | None, port: int | str | None, default: int) -> tup
     number = str(port) if port is not None else digits if colon else str(default)
     if not number.isdigit() or not 0 < int(number) < 65536 or (text and not name) or set(name) & set(" /?#"):
         raise BridgeError(
-            f"`{text}`{f', port {port}' if port else ''} is not an address: write `host` or `host:port`."
+            f"`{text}`{f', port {port}' if port else ''} is not an address. Write `host` or `host:port`."
         )
     return name, int(number)

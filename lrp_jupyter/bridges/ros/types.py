@@ -291,7 +291,7 @@ def _real(name: str) -> Plain:
 def _text(name: str) -> Plain:
     def check(value: object, path: str) -> str:
         if not isinstance(value, str):
-            raise BridgeError(f"`{path}` must be a text, not {value!r} ({type(value).__name__}).")
+            raise BridgeError(f"`{path}` must be a string, not {value!r} ({type(value).__name__}).")
         return str(value)
 
     return Plain(name, "", check)

@@ -222,7 +222,7 @@ def require_websockets() -> None:
         import websockets.asyncio.client  # noqa: F401
     except ImportError:
         raise BridgeError(
-            "ROS over rosbridge needs the package `websockets`: install it with"
+            "ROS over rosbridge needs the package `websockets`. Install it with"
             ' `pip install "lrp-jupyter[ros]"`.'
         ) from None
 

@@ -200,7 +200,7 @@ def test_a_host_that_hangs_up_again_and_again_is_told_within_a_second(
     free_udp_port: int, brick: Any, client: BrickClient
 ) -> None:
     client.request(*NAME)  # the brick serves somebody: it hangs up on others
-    with within_a_second("hangs up: is it a brick that another program is connected"):
+    with within_a_second("hung up. Is another program connected to the brick"):
         connect("127.0.0.1", port=brick.port, beacon_port=free_udp_port)
 
 
@@ -269,7 +269,7 @@ def test_where_an_address_is_given_tcp_needs_no_beacon(brick: Any, free_udp_port
 def test_a_beacon_that_cannot_be_heard_is_told(free_udp_port: int) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other_program:
         other_program.bind(("", free_udp_port))
-        with within_a_second(f"UDP port {free_udp_port} cannot be listened to"):
+        with within_a_second(f"Cannot listen on UDP port {free_udp_port}"):
             connect(beacon_port=free_udp_port)
 
 

@@ -148,7 +148,7 @@ def test_the_beep_sounds(bridge: EV3Bridge, brick: Any, fresh: Callable[[], None
         ("motorD.run_for", (90, None, 0), "never end"),
         ("motorD.run_for", (math.nan,), "finite number"),
         ("motorD.run_for", (1e10,), "further"),
-        ("motorD.run_for", (None, -1), "in the past"),
+        ("motorD.run_for", (None, -1), "needs a positive time"),
         ("motorD.run_for", (None, 1e9), "further"),
         ("beep", (20,), "frequency goes from 250"),
         ("beep", (440, -1), "seconds goes from 0"),
@@ -175,7 +175,7 @@ def test_a_motor_that_is_not_plugged_in_is_told(
 ) -> None:
     brick.motors[1].type = 126
     fresh()
-    with pytest.raises(BridgeError, match="`motorB`: nothing is plugged in port B"):
+    with pytest.raises(BridgeError, match="`motorB`: Nothing is plugged into port B"):
         getattr(bridge.robot.motorB, command)(50)
     bridge.robot.motorB.stop()  # to stop is always allowed
     fresh()
@@ -248,7 +248,7 @@ def test_a_sensor_without_a_value_yet_has_no_data(
 
 def test_an_empty_port_is_told(bridge: EV3Bridge) -> None:
     for ask in (bridge.robot.sensor4.read, lambda: bridge.robot.sensor4.set_mode(0)):
-        with pytest.raises(BridgeError, match="nothing is plugged in port 4"):
+        with pytest.raises(BridgeError, match="Nothing is plugged into port 4"):
             ask()
     assert bridge.robot.sensor4.type == "nothing"
 

@@ -127,7 +127,7 @@ def test_long_names_reach_fields_with_underscores_of_their_own(types: Types) -> 
         ("a_float64", "1", "must be a number"),
         ("a_float64", math.inf, "finite"),
         ("a_bool", 1, "True or False"),
-        ("a_string", 3, "must be a text"),
+        ("a_string", 3, "must be a string"),
         ("three_floats", [1, 2], "has 3 elements, not 2"),
         ("numbers", "12", "must be a list"),
         ("numbers", [1, "x"], r"numbers\[1\]"),
