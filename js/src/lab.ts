@@ -90,7 +90,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
   }
 
   function answered({ seq, text, applied }: AnswerMessage): void {
-    if (seq === 0 && connection.inFlight) return; // another's text; the one typed here is newer and comes next
+    if (seq === 0 && connection.inFlight) return; // a text from elsewhere; the one typed here is newer and is sent next
     if (text !== null) editor?.replaceText(text);
     editor?.wasAnswered(applied);
   }

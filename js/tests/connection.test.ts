@@ -88,7 +88,7 @@ describe("text", () => {
     expect(wire.texts()).toEqual(["a"]);
   });
 
-  it("says on which revision it builds", () => {
+  it("names the revision that it is based on", () => {
     wire.hear(answer(0, 7));
     wire.connection.text("a");
     expect(wire.sent.at(-1)).toMatchObject({ type: "text", base: 7, seq: 1 });
@@ -104,19 +104,19 @@ describe("text", () => {
 describe("frames", () => {
   const credits = () => wire.sent.flatMap((message) => (message.type === "credit" ? [message.frame] : []));
 
-  it("are paid for two at a time while many come", () => {
+  it("are acknowledged two at a time while many come", () => {
     for (let frame = 5; frame < 10; frame++) wire.hear({ type: "frame", frame });
     expect(credits()).toEqual([5, 7, 9]);
   });
 
-  it("that come one by one are paid for at once", () => {
+  it("that come one by one are acknowledged at once", () => {
     wire.hear({ type: "frame", frame: 5 });
     wire.wait(1000);
     wire.hear({ type: "frame", frame: 6 });
     expect(credits()).toEqual([5, 6]);
   });
 
-  it("of other views are none of ours", () => {
+  it("of other views are ignored", () => {
     wire.hear({ type: "frame", frame: 5, view: "other" });
     expect(wire.got).toEqual([]);
     expect(wire.sent.some((message) => message.type === "credit")).toBe(false);
@@ -124,7 +124,7 @@ describe("frames", () => {
 });
 
 describe("the link", () => {
-  it("is live once something was heard", () => {
+  it("is live once a message has arrived", () => {
     wire.time = 10;
     wire.hear(snapshot(""));
     expect(wire.links).toEqual(["live"]);
@@ -151,7 +151,7 @@ describe("the link", () => {
     expect(wire.links.at(-1)).toBe("live");
   });
 
-  it("is dead when the comm was said to go and nothing was heard after that", () => {
+  it("is dead when the comm is reported to close and no message follows", () => {
     wire.time = 10;
     wire.hear(snapshot(""));
     wire.commChanged();
@@ -159,7 +159,7 @@ describe("the link", () => {
     expect(wire.links.at(-1)).toBe("dead");
   });
 
-  it("lives on when the comm was said to come", () => {
+  it("stays live when the comm is reported to open", () => {
     wire.commChanged();
     wire.wait(200);
     wire.hear(snapshot(""));

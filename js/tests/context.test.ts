@@ -35,7 +35,7 @@ describe("what may be named", () => {
     expect(wanted("(machine m (eps |))")).toBe("state");
   });
 
-  it("is a state of the outer machine behind the arrow of an exit", () => {
+  it("is a state of the outer machine after the arrow of an exit", () => {
     const [state, offset] = at("(machine m (state s (machine n (state a) (exit go a -> |))))");
     expect(contextAt(state, offset)).toMatchObject({ scope: "m/s/n", machine: "m" });
   });
@@ -46,7 +46,7 @@ describe("what may be named", () => {
     expect(wanted("(spawn |)")).toBe("machine");
   });
 
-  it("is Python inside a block, also in an empty one, and no more behind it", () => {
+  it("is Python inside a block, even an empty one, but not after it", () => {
     expect(wanted("(running [x|])")).toBe("python");
     expect(wanted("(running [|])")).toBe("python");
     expect(wanted("(running [x] |)")).not.toBe("python");

@@ -8,7 +8,7 @@ describe("the grammar", () => {
   it("names a definition", () => {
     expect(tree("(var x := [1])")).toBe("Variable(Keyword Definition(Name) Assign Block(Python))");
   });
-  it("takes a keyword for a word only behind a bracket", () => {
+  it("treats a word as a keyword only after a bracket", () => {
     expect(tree("(on state state -> on)")).toBe("Transition(Keyword Name Name Arrow Name)");
   });
   it("lets a state be called by a keyword", () => {
@@ -41,7 +41,7 @@ describe("the grammar", () => {
       "(machine m (state s (onentry (spawn n a) [1]) (machine n (state a))) (exit [x] a -> s)) (spawn m s)";
     expect(tree(text)).not.toContain("⚠");
   });
-  it("calls an unknown word no error of its own", () => {
+  it("does not mark an unknown word as an error", () => {
     expect(tree("(stat x)")).toBe("Unknown(Name Name)");
   });
 });

@@ -103,7 +103,7 @@ describe("a drawing", () => {
     expect(layers.labels.children).toHaveLength(2);
   });
 
-  it("says why a transition is broken, until it is whole", () => {
+  it("shows why a transition is broken until it is repaired", () => {
     draw(layers, layout([shape("a")], [arrow("a", { broken: "There is no state `b`." })]));
     const drawn = layers.arrows.firstElementChild;
     expect(drawn?.getAttribute("data-broken")).toBe("There is no state `b`.");
@@ -111,7 +111,7 @@ describe("a drawing", () => {
     expect(drawn?.hasAttribute("data-broken")).toBe(false);
   });
 
-  it("gives the fictional state no path: nobody can go there", () => {
+  it("has no path for the placeholder state, which cannot be entered", () => {
     draw(layers, layout([shape("*", { kind: "any" })]));
     expect(layers.root.querySelector("[data-lrp-state]")).toBeNull();
   });
@@ -187,7 +187,7 @@ describe("the camera", () => {
     expect(camera.moved).toBe(true);
   });
 
-  it("zooms neither out of sight nor into nothing", () => {
+  it("limits zooming in and out", () => {
     const camera = new Camera();
     for (let i = 0; i < 50; i++) camera.zoom(2, 0, 0);
     expect(camera.scale).toBe(4);
@@ -203,13 +203,13 @@ describe("arrow keys", () => {
     { x: -50, y: 0 },
   ];
 
-  it("go to the nearest that way, one aside counts as farther", () => {
+  it("move to the nearest in that direction; one to the side counts as farther", () => {
     expect(nearest({ x: 0, y: 0 }, points, "ArrowRight")).toBe(0);
     expect(nearest({ x: 0, y: 10 }, points, "ArrowDown")).toBe(1);
     expect(nearest({ x: 0, y: 0 }, points, "ArrowLeft")).toBe(2);
   });
 
-  it("go nowhere when nothing lies that way", () => {
+  it("do not move when there is nothing in that direction", () => {
     expect(nearest({ x: 0, y: 0 }, [{ x: 0, y: 5 }], "ArrowUp")).toBe(-1);
   });
 });

@@ -103,7 +103,7 @@ describe("the editor", () => {
     expect(page.editor.state.doc.toString()).toContain("; mine");
   });
 
-  it("underlines a finding where it stands now, not where it stood when it was found", async () => {
+  it("underlines a finding at its present place, not where it was found", async () => {
     page.type("a");
     page.type("\n\n", 0);
     const range = { line: 1, column: 1, end_line: 1, end_column: 2 };
@@ -127,7 +127,7 @@ describe("the editor", () => {
   });
 });
 
-it("a text with other line ends is taken with those", () => {
+it("a text with other line ends keeps them", () => {
   page.deliver(answer({ seq: 0, text: "(machine m)\r\n(spawn m a)\r\n" }));
   expect(page.editor.state.doc.lines).toBe(3);
   page.deliver(answer({ seq: 0, text: "a\nb\nc\nd" }));
@@ -164,7 +164,7 @@ describe("the page", () => {
     expect(page.commands("pause").concat(page.commands("run"))).toHaveLength(2);
   });
 
-  it("says what a refused command was refused for", async () => {
+  it("shows why a command was refused", async () => {
     page.find('[data-lrp-action="reset"]').click();
     const { id } = page.commands("reset")[0]!;
     page.deliver({ type: "reply", id, error: "The session is closed." });
@@ -198,7 +198,7 @@ describe("the page", () => {
     expect(page.editor.state.doc.lineAt(page.editor.state.selection.main.from).number).toBe(2);
   });
 
-  it("shows a restart with its reason and the switch to keep, but not one of before it came", async () => {
+  it("shows a restart with its reason and the switch to keep running, but no earlier restart", async () => {
     const notice = page.find(".lrp-notice");
     const snapshot = structuredClone(recording.snapshot);
     Object.assign(snapshot.frame, { restart: { count: 3, tick: 2, reason: "long ago" } });
@@ -243,7 +243,7 @@ describe("the page", () => {
     expect(page.find("g[data-chosen]").dataset.lrpTransition).toBe("follower:tsearching");
   });
 
-  it("inspects the same element when it is renamed meanwhile", async () => {
+  it("inspects the same element after a rename", async () => {
     page.find('[data-lrp-variable="lightlim"] [data-lrp-action="inspect"]').click();
     await page.drawn();
     const asked = page.of("inspect");
@@ -260,7 +260,7 @@ describe("the page", () => {
     expect(page.of("inspect").at(-1)).toMatchObject({ kind: "variable", path: "limit" });
   });
 
-  it("says goodbye when it is closed", () => {
+  it("sends a last message when it is closed", () => {
     page.close();
     expect(page.sent.at(-1)).toMatchObject({ type: "bye" });
     expect(page.host.children).toHaveLength(0);

@@ -14,7 +14,7 @@ const PROGRAM = `(var lim := [1])
   (on go a -> c tgo) (on go a -> c) (on go a->c) (eps *-{a  c}-> c) (ontime 100 {a} -> c) (on [n == 1] * -> a))
 `;
 
-it("gives every element its path", () => {
+it("assigns a path to every element", () => {
   const paths = read(PROGRAM).items.map((item) => `${item.kind} ${item.path}`);
   expect(paths.slice(0, 9)).toEqual([
     "variable lim",

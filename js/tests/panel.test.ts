@@ -21,7 +21,7 @@ function drawn(view: PanelView, press: (key: string, row: string) => void = () =
 }
 
 describe("the fields of a panel", () => {
-  it("keep what was typed until the bridge says something else", () => {
+  it("keep what was typed until the bridge reports another value", () => {
     const { input, refresh, element } = drawn(panel(field("topic"), field("speed", { value: "50" })));
     input("topic").value = "/od";
     refresh(panel(field("topic"), field("speed", { value: "50" })));
@@ -30,7 +30,7 @@ describe("the fields of a panel", () => {
     expect(input("topic").value).toBe("/odom");
   });
 
-  it("are emptied after their button, but for those that the bridge fills in", () => {
+  it("are cleared after their button, except those that the bridge fills in", () => {
     const { input, clear, refresh } = drawn(panel(field("topic"), field("file", { value: "a.json" })));
     input("topic").value = "/odom";
     clear();
@@ -38,7 +38,7 @@ describe("the fields of a panel", () => {
     expect([input("topic").value, input("file").value]).toEqual(["", "a.json"]);
   });
 
-  it("press their button when one of the choices is taken", () => {
+  it("press their button when one of the choices is selected", () => {
     const press = vi.fn();
     const { input } = drawn(panel(field("topic", { choices: ["/odom"], press: "pick" })), press);
     for (const typed of ["/od", "/odom"]) {
@@ -98,7 +98,7 @@ describe("a table of a panel", () => {
     expect(element.querySelector("[data-row=a]")).toBeNull();
   });
 
-  it("says when there is nothing in it", () => {
+  it("shows that it is empty", () => {
     const { element, refresh } = tableOf(table, ({ label }) => h("button", {}, label));
     refresh({ ...table, keys: [], rows: [] });
     expect(element.querySelector<HTMLElement>(".lrp-empty")?.hidden).toBe(false);

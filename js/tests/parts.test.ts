@@ -88,7 +88,7 @@ describe("a sparkline", () => {
   });
 });
 
-it("a background one can see through says nothing about light and dark", () => {
+it("ignores a transparent background for light and dark", () => {
   expect(lightnessOf("rgba(0, 0, 0, 0)")).toBeNull();
   expect(lightnessOf("rgb(255, 255, 255)")).toBeCloseTo(255);
   expect(lightnessOf("rgb(17, 20, 24)")).toBeLessThan(40);

@@ -10,13 +10,13 @@ it("counts a character outside the basic plane as one column and two offsets", (
   expect(spanOf(doc, { line: 3, column: 2, end_line: 3, end_column: 3 })).toEqual({ from: 8, to: 10 });
 });
 
-it("keeps what lies outside the text at its ends", () => {
+it("clamps places outside the text to its ends", () => {
   expect(offsetAt(doc, 0, 1)).toBe(0);
   expect(offsetAt(doc, 2, 9)).toBe(5);
   expect(offsetAt(doc, 9, 1)).toBe(doc.length);
 });
 
-it("goes there and back at every character", () => {
+it("converts there and back at every character", () => {
   for (const [line, columns] of [
     [1, 4],
     [2, 1],

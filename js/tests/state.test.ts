@@ -61,7 +61,7 @@ it("issues come, change and go by their number", () => {
   expect(Object.values(state.issues)).toEqual([{ id: 2, count: 5 }]);
 });
 
-it("a snapshot forgets what was before, but not what the person looks at", () => {
+it("a snapshot replaces the state, but not what the user has selected and opened", () => {
   const state = initialState();
   apply(state, snapshot(["a", "b"], { members: { light: "1" } }));
   state.machine = "b";
@@ -110,14 +110,14 @@ it("applies several renames in their order, and each once", () => {
   expect(state.chosen).toBe("m/a");
 });
 
-it("does not take a variable for the machine of the same path", () => {
+it("does not confuse a variable with the machine of the same path", () => {
   const state = initialState();
   apply(state, snapshot(["m", "other"]));
   apply(state, frame({ moved: { 1: [moved("variable", "m", "other")] } }));
   expect(state.machine).toBe("m");
 });
 
-it("shows the machine around when the one shown is removed", () => {
+it("shows the enclosing machine when the one shown is removed", () => {
   const state = initialState();
   apply(state, snapshot(["a", "m", "m/s/n"]));
   state.machine = "m/s/n";

@@ -10,7 +10,7 @@ function patched(old: string, next: string): string {
   return changes ? ChangeSet.of(changes, old.length).apply(text(old)).toString() : old;
 }
 
-describe("taking a text from elsewhere", () => {
+describe("applying a text from elsewhere", () => {
   it.each([
     ["abc", "abc"],
     ["abc", "axc"],

@@ -27,7 +27,7 @@ function buffer(time: number, ...floats: number[]): DataView {
 }
 
 describe("a world's JSON", () => {
-  it("is filled in with what is usual", () => {
+  it("is completed with defaults", () => {
     expect(world.floor).toEqual({ grey: 255, strokes: [{ path: [[0, 0]], width: 0.03, grey: 0 }] });
     expect(world.robots[0]).toEqual({
       pose: [0.5, 1, 0],
@@ -38,13 +38,13 @@ describe("a world's JSON", () => {
     });
   });
 
-  it("keeps what it says", () => {
+  it("keeps its own values", () => {
     expect(complete({ ...view, robots: [{ pose: [0, 0, 0], light: [] }] }).robots[0]?.light).toEqual([]);
   });
 });
 
 describe("poses", () => {
-  it("are read: robots first, then what can be pushed; the rest stands where it stood", () => {
+  it("are read: robots first, then what can be pushed; the rest is unchanged", () => {
     const now = readPoses(
       world,
       buffer(1.5, 0.5, 1, 0.25, 3, 0.125, 200, Number.POSITIVE_INFINITY, 1.5, 0.5, 0),
@@ -75,7 +75,7 @@ describe("poses", () => {
     expect(now.robots[0]).toMatchObject({ bumper, pen });
   });
 
-  it("take 36 bytes for one robot", () => {
+  it("need 36 bytes for one robot", () => {
     expect(poseBytes({ ...world, solids: [] })).toBe(36);
   });
 
@@ -108,16 +108,16 @@ describe("poses", () => {
 describe("the pointer", () => {
   const now = firstPoses(world);
 
-  it("takes the robot before what lies below it", () => {
+  it("finds the robot before what is below it", () => {
     expect(targetAt(world, now, [0.52, 1.02])).toMatchObject({ do: "drag_robot", index: 0 });
   });
 
-  it("takes walls and round things", () => {
+  it("finds walls and round things", () => {
     expect(targetAt(world, now, [2.03, 1.15])).toMatchObject({ do: "drag_solid", index: 0 });
     expect(targetAt(world, now, [1.05, 0.5])).toMatchObject({ do: "drag_solid", index: 1 });
   });
 
-  it("takes a turned wall by where it stands now", () => {
+  it("finds a turned wall at its present place", () => {
     const turned = { ...now, solids: [[2, 1, Math.PI / 2], now.solids[1]] } as typeof now;
     expect(targetAt(world, turned, [2.15, 1])).toMatchObject({ index: 0 });
     expect(targetAt(world, turned, [2, 1.15])).toBeNull();

@@ -159,7 +159,7 @@ export function filledBy(prefix: string, before: string, after: string): string 
   return command ? `robot.${command}().${rest.join(".")}` : null;
 }
 
-/** What the group of a pattern matched where it matched last. */
+/** The first group of the last match of a pattern. */
 function lastOf(text: string, pattern: string): string | undefined {
   return [...text.matchAll(new RegExp(pattern, "g"))].at(-1)?.[1];
 }

@@ -1,20 +1,20 @@
-/** Where in a program an offset stands: in which form, at which of its words, in which scope. */
+/** The syntactic context of an offset: its form, the word within the form, and the scope. */
 
 import { syntaxTree } from "@codemirror/language";
 import type { EditorState } from "@codemirror/state";
 import type { SyntaxNode } from "@lezer/common";
 import { outlineOf } from "../language/lrp";
 
-/** What may be named at a place. */
+/** The kinds of names that may appear at a place. */
 export type Wanted = "keyword" | "event" | "delay" | "state" | "machine" | "python" | "nothing";
 
 export interface Context {
   wanted: Wanted;
-  /** Path of the innermost machine around. */
+  /** Path of the innermost enclosing machine. */
   scope: string;
-  /** The machine whose states are wanted. */
+  /** The machine whose states can be named. */
   machine: string;
-  /** The kind of form around: `State`, `Transition`, …; `Program` at the top. */
+  /** The kind of the enclosing form: `State`, `Transition`, …; `Program` at the top level. */
   form: string;
 }
 

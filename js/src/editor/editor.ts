@@ -1,4 +1,4 @@
-/** The editor: a CodeMirror of LRP which sends what is typed, and into which the kernel never types. */
+/** The editor: CodeMirror for LRP. It sends what is typed; the kernel's echo never changes the document. */
 
 import { closeBrackets } from "@codemirror/autocomplete";
 import { history } from "@codemirror/commands";
@@ -30,7 +30,7 @@ import { goToDefinition, navigation, rename } from "./navigate";
 import { lineSeparator } from "./places";
 import { adopt, adopted, Tracked } from "./texts";
 
-const PARSE_FOR = 200; // ms: a new text is shown in its colours at once
+const PARSE_FOR = 200; // ms: long enough to highlight a new text at once
 const VALUES_AFTER = 200; // ms: values that change faster cannot be read, and each change lays out the page
 
 /** Where cards may be: not cut off by the panel, nor below the window. */
@@ -41,7 +41,7 @@ function visiblePart(root: HTMLElement): { left: number; top: number; right: num
 
 export class Editor {
   readonly view: EditorView;
-  /** The text on its way, the last one that was answered, and the one that runs. */
+  /** The text in flight, the last one answered, and the running one. */
   private readonly onItsWay = new Tracked();
   private readonly answered = new Tracked();
   private readonly running = new Tracked();
@@ -155,7 +155,7 @@ export class Editor {
     reveal(this.view, head);
   }
 
-  /** A text came from elsewhere: another view, a rename, a cell. What is typed here is newer and stays. */
+  /** Apply a text from elsewhere (another view, a rename, a cell). What is typed here is newer and kept. */
   replaceText(text: string): void {
     if (!this.connection.inFlight) {
       this.put(text);
@@ -163,13 +163,13 @@ export class Editor {
     }
   }
 
-  /** The text on its way was answered (`mine`), or one from elsewhere that replaced it; it runs now if `applied`. */
+  /** Handle an answer to the text in flight (`mine`) or to one that replaced it; it is running if `applied`. */
   wasAnswered(applied: boolean): void {
     this.answered.copy(this.onItsWay);
     if (applied) this.running.copy(this.onItsWay);
   }
 
-  /** Note which text goes on its way; called before each sending. */
+  /** Record the text that is being sent; called before each sending. */
   markSent(): void {
     this.onItsWay.begin(this.view.state.doc);
   }

@@ -1,4 +1,4 @@
-/** A long line is wrapped; what is wrapped hangs below the beginning of its text, not at the margin. */
+/** Hanging indent: the rest of a wrapped line is indented like the beginning of its text. */
 
 import { RangeSetBuilder } from "@codemirror/state";
 import {
@@ -9,7 +9,7 @@ import {
   type ViewUpdate,
 } from "@codemirror/view";
 
-const MORE = 2; // columns that the rest of a line stands further in
+const MORE = 2; // columns by which the rest of a line is indented further
 const DEEPEST = 40;
 
 const byIndent = Array.from({ length: DEEPEST + 1 }, (_, indent) =>

@@ -52,7 +52,7 @@ function ofProgram(
   if (item.kind === "transition") return { ...card, doc: `fired ${fired[item.path]?.count ?? 0} times` };
   if (item.kind === "event")
     return { ...card, value: events[item.path] === undefined ? "" : String(events[item.path]) };
-  if (item.kind === "variable") return { ...card, value: variables[item.path]?.text ?? "not alive now" };
+  if (item.kind === "variable") return { ...card, value: variables[item.path]?.text ?? "no value now" };
   return card;
 }
 

@@ -1,4 +1,4 @@
-/** The keys of the editor, but for those of single features. */
+/** The editor's key bindings, except those of single features. */
 
 import { closeBracketsKeymap, completionKeymap } from "@codemirror/autocomplete";
 import {

@@ -18,7 +18,7 @@ import { outlineOf } from "../language/lrp";
 import type { LabState } from "../session/state";
 import { h } from "../ui/dom";
 
-/** Something that is drawn here changed. */
+/** An effect: something that is drawn here has changed. */
 export const liveChanged = StateEffect.define<null>();
 
 const LONGEST = 60;
@@ -49,7 +49,7 @@ class ValueWidget extends WidgetType {
 const activeLine = Decoration.line({ class: "lrp-line-active" });
 const firedMark = Decoration.mark({ class: "lrp-text-fired" });
 
-/** What of a state shows in the text beside the values: if it is the same, so are the marks. */
+/** The part of the state that determines the marks, without the values. */
 export function marksOf({ lit, fired, program }: LabState): string {
   return [...lit, ...program.machines.map(({ path }) => lastFired(fired, path))].join(" ");
 }
@@ -100,7 +100,7 @@ function decorate(editor: EditorState, lab: LabState, values: boolean): Decorati
   return Decoration.set(marks, true);
 }
 
-/** What stands at the end of which line. */
+/** The annotation at the end of each line. */
 function lineValues(editor: EditorState, lab: LabState): Map<number, string> {
   const texts = new Map<number, string[]>();
   for (const item of outlineOf(editor).items) {

@@ -33,7 +33,7 @@ const renameField = StateField.define<Tooltip | null>({
   provide: (field) => showTooltip.from(field),
 });
 
-/** Ask for a new name where the old one stands. */
+/** Ask for a new name at the place of the old one. */
 export async function rename(view: EditorView, lab: Lab, offset: number): Promise<void> {
   const found = await references(view, lab, offset);
   if (!found) {

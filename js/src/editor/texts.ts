@@ -14,7 +14,7 @@ export class Tracked {
 
   constructor(private doc: Text = Texts.empty) {}
 
-  /** The text as it is now is the one to refer to. */
+  /** Refer to the text as it is now. */
   begin(doc: Text): void {
     this.doc = doc;
     this.changes = null;
@@ -31,7 +31,7 @@ export class Tracked {
     this.changes = this.changes ? this.changes.composeDesc(changes) : changes;
   }
 
-  /** Where a range stands now; null if what it covered was deleted. */
+  /** The present place of a range; null if its text was deleted. */
   span(range: TextRange): Span | null {
     const { from, to } = spanOf(this.doc, range);
     if (!this.changes) return { from, to };
@@ -41,7 +41,7 @@ export class Tracked {
   }
 }
 
-/** Marks a change that did not come from the person here, and must not be sent back. */
+/** Marks a change that the user did not type here, and that must not be sent back. */
 export const adopted = Annotation.define<boolean>();
 
 export function adopt(view: EditorView, text: string): void {

@@ -1,4 +1,4 @@
-/** Zoom and pan: the person's own. Nothing moves them but the person, until then the whole is shown. */
+/** Zoom and pan. Only the user changes them; until then everything is shown. */
 
 export interface Box {
   x: number;
@@ -14,10 +14,10 @@ export class Camera {
   x = 0;
   y = 0;
   scale = 1;
-  /** Whether the person has zoomed or panned. */
+  /** Whether the user has zoomed or panned. */
   moved = false;
 
-  /** Show all of a box, in the middle, not larger than `most` times. */
+  /** Show all of a box, centred, magnified at most `most` times. */
   fit(box: Box, width: number, height: number, most = 1.25): void {
     if (!width || !height || !box.width || !box.height) return;
     this.scale = Math.max(SMALLEST, Math.min(width / box.width, height / box.height, most));
@@ -25,7 +25,7 @@ export class Camera {
     this.y = height / 2 - (box.y + box.height / 2) * this.scale;
   }
 
-  /** Begin at a corner of the drawing, at a given scale. */
+  /** Start at a corner of the drawing, at a given scale. */
   corner(at: { x: number; y: number }, scale: number): void {
     this.scale = scale;
     this.x = -at.x * scale;

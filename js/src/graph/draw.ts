@@ -1,6 +1,6 @@
 /**
- * A layout as SVG. What is where was decided in Python, for this picture and the still one; here it only
- * becomes elements, which stay the same elements while their state or transition stays.
+ * Draw a layout as SVG. Python computed all positions, for this picture and the still one; here they only
+ * become elements, which are reused while their state or transition exists.
  */
 
 import type { Label, Layout, Port, StateShape, TransitionShape } from "../protocol";
@@ -130,7 +130,7 @@ function updateState(element: Element, shape: StateShape): void {
   element.replaceChildren(...stateBody(shape));
 }
 
-/** The body is drawn around its own middle, so that a moved state is one changed attribute. */
+/** The body is drawn around its centre, so that moving a state changes one attribute. */
 export function moveState(element: Element, x: number, y: number): void {
   setAttribute(element, "transform", `translate(${x} ${y})`);
 }

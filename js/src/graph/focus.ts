@@ -1,4 +1,4 @@
-/** The keyboard in the drawing: one stop of the tab key, arrows go to the nearest element that way. */
+/** Keyboard navigation in the drawing: one tab stop; arrows move to the nearest element in that direction. */
 
 interface Point {
   x: number;
@@ -12,7 +12,7 @@ const WAYS: Record<string, Point> = {
   ArrowUp: { x: 0, y: -1 },
 };
 
-/** Of the points, the index of the nearest in a direction; what lies aside counts as farther. */
+/** The index of the nearest point in a direction; points off to the side count as farther. */
 export function nearest(from: Point, points: readonly Point[], key: string): number {
   const way = WAYS[key];
   let best = -1;
@@ -32,7 +32,7 @@ export function nearest(from: Point, points: readonly Point[], key: string): num
   return best;
 }
 
-/** Make arrows walk through the elements that can have the focus. */
+/** Let the arrow keys move the focus between elements. */
 export function walkWithArrows(svg: SVGSVGElement): void {
   const elements = () => [...svg.querySelectorAll<SVGGElement>("[role=button]")];
   const centre = (element: Element): Point => {

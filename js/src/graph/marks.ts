@@ -1,4 +1,4 @@
-/** What runs, marked on the drawing: active states, the last fired transition, and what was too short to see. */
+/** Marks of the run on the drawing: active states, the last fired transition, and visits too short to see. */
 
 import type { CountView } from "../protocol";
 import type { LabState } from "../session/state";
@@ -20,7 +20,7 @@ export class Marks {
     private readonly state: LabState,
   ) {}
 
-  /** Mark the drawing as the state says now; a watcher of the store. */
+  /** Update the marks from the state; a watcher of the store. */
   readonly update = (): void => {
     const { layers, state } = this;
     const fresh = state.machine !== this.machine; // another drawing: nothing that was before glows
@@ -49,7 +49,7 @@ export class Marks {
     this.tick = state.tick;
   };
 
-  /** Whether something happened since the last update; what has a new name only brings its count along. */
+  /** Whether something happened since the last update; a renamed element keeps its count. */
   private grown(now: CountView | undefined, before: CountView | undefined): boolean {
     return before ? (now?.count ?? 0) > before.count : (now?.tick ?? 0) > this.tick;
   }

@@ -14,7 +14,7 @@ import { Marks } from "./marks";
 type Mode = "live" | "static" | "hidden";
 const DRAG_FROM = 4; // px of movement that make a press a drag
 const LEGIBLE = 0.5; // a large machine begins at its corner, so that its names can be read
-const NEARLY = 0.8; // rather a bit smaller than cut off
+const NEARLY = 0.8; // prefer slightly smaller to cut off
 const SEND_EVERY = 40; // ms between two places of a dragged state
 
 export function graphView(lab: Lab): HTMLElement {
@@ -63,8 +63,8 @@ export function graphView(lab: Lab): HTMLElement {
     "select",
     {
       class: "lrp-select",
-      "aria-label": "How the graph is drawn",
-      title: "Live: with every edit. Static: redrawn by the button.",
+      "aria-label": "When the graph is redrawn",
+      title: "Live: redraw after every edit. Static: redraw on request.",
       onchange: () => {
         mode = modes.value as Mode;
         element.dataset.mode = mode;
@@ -86,7 +86,7 @@ export function graphView(lab: Lab): HTMLElement {
     "State graph",
     [
       button({
-        label: "Draw anew",
+        label: "Redraw",
         title: "Draw the graph of the program as it is now",
         action: "redraw",
         onclick: () => redraw(true),

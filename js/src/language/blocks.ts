@@ -3,7 +3,7 @@
  * rules. The corpus `tests/language/blocks.json` holds the two equal.
  *
  * It reads characters through a function, so that it works on a string and on the parser's stream,
- * which learns that way how far a token has looked ahead.
+ * which thereby records how far a token has read ahead.
  */
 
 /** The UTF-16 unit at an offset; -1 after the end (and before the beginning). */
@@ -169,7 +169,7 @@ function literalEnd(at: CharAt, from: number, quote: number, triple: boolean, ra
   }
 }
 
-/** Behind `\N{LATIN SMALL LETTER A}`, which is a name and no field; -1 if it is not one. */
+/** The offset after `\N{LATIN SMALL LETTER A}`, which is a name, not a field; -1 if it is not one. */
 function namedEnd(at: CharAt, position: number): number {
   if (at(position + 1) !== 78 || at(position + 2) !== BRACE) return -1;
   for (let end = position + 3; ; end++) {

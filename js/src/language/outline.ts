@@ -32,7 +32,7 @@ export class Outline {
   constructor(readonly items: readonly Item[]) {
     for (const item of items) {
       const key = `${item.kind} ${item.path}`;
-      if (!this.byKey.has(key)) this.byKey.set(key, item); // of equal names the first counts
+      if (!this.byKey.has(key)) this.byKey.set(key, item); // the first of equal names counts
     }
   }
 
@@ -63,7 +63,7 @@ export class Outline {
   }
 }
 
-/** The path around a path, with its slash: `a/b/` of `a/b/c`, nothing of `c`. */
+/** The parent of a path, with its slash: `a/b/` of `a/b/c`, nothing of `c`. */
 export function parentOf(path: string): string {
   return path.slice(0, path.lastIndexOf("/") + 1);
 }
@@ -101,7 +101,7 @@ function collect(parent: SyntaxNode, prefix: string, read: Read, items: Item[]):
   }
 }
 
-/** How often each id and each label of a machine's transitions has come. */
+/** How often each id and each label of a machine's transitions has occurred. */
 interface Seen {
   ids: Map<string, number>;
   labels: Map<string, number>;

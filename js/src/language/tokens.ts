@@ -1,4 +1,4 @@
-/** The two kinds of token that a regular grammar cannot tell: words after `(`, and Python. */
+/** The two kinds of token that a regular grammar cannot recognise: words after `(`, and Python. */
 
 import { ExternalTokenizer, type InputStream } from "@lezer/lr";
 import { blockEnd } from "./blocks";

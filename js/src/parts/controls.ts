@@ -105,7 +105,7 @@ function rateSlider(lab: Lab): HTMLElement {
     ...SLIDER,
     "aria-label": "Rate",
     "data-lrp-action": "rate",
-    title: "Ticks per second; at the right end as many as possible",
+    title: "Ticks per second; at the right end, as many as possible",
     oninput: () => lab.send({ do: "rate", value: rateAt(Number(slider.value)) }),
   });
   store.watch(["rate"], () => {
@@ -177,7 +177,7 @@ function bridgeChip(lab: Lab): HTMLElement {
   });
   const armed = toggle(
     "Armed",
-    "Disarmed, commands are shown and not sent",
+    "While disarmed, commands are shown but not sent",
     "armed",
     (on) => void lab.act({ do: "armed", on }),
   );

@@ -1,4 +1,4 @@
-/** The editor's panel: the text, how the kernel took it, and what to begin with when it is empty. */
+/** The editor's panel: the text, its status, and bundled programs to start with when it is empty. */
 
 import type { Editor } from "../editor/editor";
 import type { Lab } from "../session/store";
@@ -10,7 +10,7 @@ export function editorPanel(lab: Lab, editor: Editor): HTMLElement {
   return panel("editor", "Program", [verdict(lab)], host, beginnings(lab, editor)).element;
 }
 
-/** One line: does this text run, and if not, why. */
+/** One line: whether this text runs, and if not, why. */
 function verdict(lab: Lab): HTMLElement {
   const { store } = lab;
   const line = h("span", { class: "lrp-verdict", role: "status" });
@@ -21,7 +21,7 @@ function verdict(lab: Lab): HTMLElement {
     let words = "runs";
     if (!accepted) {
       state = "broken";
-      words = `${errors === 1 ? "1 error" : `${errors} errors`}: the last good program runs on`;
+      words = `${errors === 1 ? "1 error" : `${errors} errors`}; the last valid program keeps running`;
     } else if (pending) {
       state = "held";
       words = "held";
@@ -36,11 +36,11 @@ function verdict(lab: Lab): HTMLElement {
   return line;
 }
 
-/** An empty text: offer the bundled programs. */
+/** Offer the bundled programs while the text is empty. */
 function beginnings(lab: Lab, editor: Editor): HTMLElement {
   const { store } = lab;
   const list = h("div", { class: "lrp-row" });
-  const offer = h("div", { class: "lrp-beginnings" }, h("p", {}, "Begin with"), list);
+  const offer = h("div", { class: "lrp-beginnings" }, h("p", {}, "Start with"), list);
   const update = () => {
     offer.hidden = editor.text.trim() !== "" || store.state.choices.programs.length === 0;
   };

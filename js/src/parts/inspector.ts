@@ -19,7 +19,7 @@ export function inspector(lab: Lab): Inspector {
   let asking = false;
   let before: HTMLElement | null = null;
   const title = h("div", { class: "lrp-title" });
-  const way = h("nav", { class: "lrp-way", "aria-label": "Way into the value" });
+  const way = h("nav", { class: "lrp-way", "aria-label": "Path into the value" });
   const body = h("div", { class: "lrp-inspect-body" });
   const close = () => {
     store.set("inspected", null);
@@ -69,7 +69,7 @@ export function inspector(lab: Lab): Inspector {
     setText(title, subject.path ? `${subject.kind} ${subject.path}` : subject.kind);
     showWay(way, steps, enter);
     if (reply.inspect) show(body, reply.inspect, (step) => enter([...steps, step]));
-    else body.replaceChildren(h("p", { class: "lrp-error" }, reply.error ?? "Nothing is known about it."));
+    else body.replaceChildren(h("p", { class: "lrp-error" }, reply.error ?? "Nothing is known about this."));
   };
   store.watch(["tick", "program"], () => {
     if (performance.now() - asked > INTERVAL) void ask();

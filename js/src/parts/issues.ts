@@ -11,7 +11,7 @@ interface Entry {
   severity: Severity;
   message: string;
   range: TextRange | null;
-  /** Whether the range is of the text that runs, which may be another than the one in the editor. */
+  /** Whether the range refers to the running text, which may differ from the one in the editor. */
   ofRunning: boolean;
   issue: IssueView | null;
 }
@@ -20,7 +20,7 @@ export function issuesView(lab: Lab): HTMLElement {
   const { store } = lab;
   const pause = toggle(
     "Pause on issue",
-    "Pause at each new issue, its traceback at hand",
+    "Pause the program at each new issue",
     "pause-on-issue",
     (on) => void lab.act({ do: "pause_on_issue", on }),
   );
@@ -51,7 +51,7 @@ export function issuesView(lab: Lab): HTMLElement {
   return element;
 }
 
-/** Findings and issues; an issue that names a finding stands in the list once, as that. */
+/** Findings and issues; an issue that names a finding is listed once, as that finding. */
 export function entriesOf(findings: FindingView[], issues: IssueView[]): Entry[] {
   const same = new Map(issues.map((issue) => [issue.finding, issue]));
   const known = new Set(findings.map(({ id }) => id));
@@ -94,7 +94,7 @@ function make(lab: Lab, entry: Entry): HTMLElement {
   return item;
 }
 
-/** What each element of the list shows now. */
+/** The entry that each element of the list shows. */
 const current = new WeakMap<Element, Entry>();
 
 function update(item: Element, entry: Entry): void {
@@ -123,7 +123,7 @@ function note(issue: IssueView | null, range: TextRange | null, code: string): s
   return parts.filter(Boolean).join(" · ");
 }
 
-/** What blocks print: into the lab, never into a stranger's cell. */
+/** The output of blocks, shown in the lab and never in another cell. */
 function printed(lab: Lab): HTMLElement {
   const lines = h("pre", { class: "lrp-output", tabindex: "0", "aria-label": "Printed by the program" });
   const details = h("details", { class: "lrp-details", open: true }, h("summary", {}, "Output"), lines);

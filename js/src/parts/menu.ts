@@ -1,9 +1,9 @@
-/** The menu of the lab: what is chosen once and not every minute. */
+/** The lab's menu, for settings that are rarely changed. */
 
 import type { Lab } from "../session/store";
 import type { MenuItem } from "../ui/menu";
 
-/** Choices that live in this view only. */
+/** Settings of this view only. */
 export interface Choices {
   /** Parts that can be hidden, each with its switch. */
   panels: { name: string; title: string; shown: () => boolean; show: (on: boolean) => void }[];

@@ -1,4 +1,4 @@
-/** The notes of the lab: no kernel, held edits, two texts, a block that hangs, a restart; and the texts for a screen reader. */
+/** The lab's notes (lost kernel, held edits, conflicting texts, hung block, restart), and announcements for screen readers. */
 
 import type { Difference } from "../protocol";
 import type { Lab } from "../session/store";
@@ -32,12 +32,12 @@ function linkNote(lab: Lab, text: () => string): HTMLElement {
     note.hidden = !(link === "lost" || link === "dead" || link === "busy" || broken);
     copy.hidden = link !== "dead";
     const sentence = {
-      busy: "Kernel busy: commands are applied as soon as it is free.",
-      lost: "No word from the kernel for 3 seconds. What you see is old; what you type is kept.",
-      dead: "The kernel was restarted or shut down. Run the cell again to go on; the text here is kept.",
+      busy: "The kernel is busy. Commands are applied as soon as it is free.",
+      lost: "The kernel has not answered for 3 seconds. This view is out of date; your text is kept.",
+      dead: "The kernel was restarted or shut down. Run the cell again to continue; your text is kept.",
     }[link as string];
     words.replaceChildren(
-      ...prose(sentence ?? (reason || "The session is closed. Run the cell again to go on.")),
+      ...prose(sentence ?? (reason || "The session is closed. Run the cell again to continue.")),
     );
   });
   return note;
@@ -51,7 +51,7 @@ function hungNote(lab: Lab): HTMLElement {
     note.hidden = !hung;
     if (hung)
       words.replaceChildren(
-        ...prose(`\`${hung.where}\` has run for ${hung.seconds.toFixed(0)} s and does not return.`),
+        ...prose(`\`${hung.where}\` has run for ${hung.seconds.toFixed(0)} s and has not returned.`),
       );
   });
   return note;
@@ -74,7 +74,7 @@ function heldNote(lab: Lab): HTMLElement {
     }),
     button({
       label: "Revert",
-      title: "Go back to the text that runs",
+      title: "Return to the text of the running program",
       action: "revert",
       onclick: () => void lab.act({ do: "revert" }),
     }),
@@ -94,7 +94,7 @@ function lines(difference: Difference): HTMLElement[] {
       h("li", { "data-kind": kind }, h("span", { "aria-label": kind }, signs[kind]), " ", ...prose(element)),
     ),
   );
-  return items.length ? items : [h("li", {}, "nothing that changes the program")];
+  return items.length ? items : [h("li", {}, "no change to the program")];
 }
 
 function conflictNote(lab: Lab): HTMLElement {
@@ -102,17 +102,17 @@ function conflictNote(lab: Lab): HTMLElement {
   const text = h("pre", { class: "lrp-source", tabindex: "0" });
   const note = h(
     "div",
-    { class: "lrp-note lrp-note-warning", role: "alertdialog", "aria-label": "Two texts" },
+    { class: "lrp-note lrp-note-warning", role: "alertdialog", "aria-label": "Conflicting texts" },
     words,
     button({
-      label: "Take the cell's",
-      title: "The cell's text becomes the program",
+      label: "Use the cell's text",
+      title: "Make the cell's text the program",
       action: "take",
       onclick: () => void lab.act({ do: "take" }),
     }),
     button({
-      label: "Keep this one",
-      title: "The lab's text stays",
+      label: "Keep the lab's text",
+      title: "Ignore the change in the cell",
       action: "keep-text",
       onclick: () => void lab.act({ do: "keep" }),
     }),
@@ -133,7 +133,7 @@ export function restartNotice(lab: Lab): HTMLElement {
   const reason = h("p", {});
   const keep = toggle(
     "Keep running next time",
-    "What an edit of the active state does: restart, or go on",
+    "Do not restart when the active state is edited",
     "keep",
     (on) => void lab.act({ do: "on_active_edit", name: on ? "keep" : "restart" }),
   );

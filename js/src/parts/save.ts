@@ -1,4 +1,4 @@
-/** Saving under a name of one's choice. */
+/** Save the program under a chosen name. */
 
 import type { Lab } from "../session/store";
 import { h } from "../ui/dom";

@@ -111,7 +111,11 @@ class Row {
     if (value || this.text !== undefined) this.spark.add(value?.number ?? null);
     this.text = text;
     setText(this.value, text ?? "—");
-    setAttribute(this.value, "aria-label", `${last(this.path)} is ${text ?? "not alive"}, change`);
+    setAttribute(
+      this.value,
+      "aria-label",
+      `${last(this.path)} ${text === undefined ? "has no value" : `is ${text}`}, change`,
+    );
     this.value.disabled = text === undefined;
   }
 
@@ -149,7 +153,7 @@ class Row {
     let open = true;
     const close = () => {
       if (!open) return;
-      open = false; // taking the field away blurs it, which closes it
+      open = false; // removing the field blurs it, which closes it
       const focused = document.activeElement === input;
       error.remove();
       input.replaceWith(this.value);

@@ -1,5 +1,5 @@
 /**
- * The connection to the kernel: text (one on its way, the newest wins), commands and requests with their
+ * The connection to the kernel: text (one in flight, the newest wins), commands and requests with their
  * replies, credit for frames, and whether the kernel answers. No DOM, no clock of its own.
  */
 
@@ -17,7 +17,7 @@ import type {
 } from "../protocol";
 import type { Link } from "./state";
 
-/** What anywidget gives a view, as far as it is used here. */
+/** The part of anywidget's interface that is used here. */
 export interface Model {
   send(content: unknown, callbacks?: unknown, buffers?: ArrayBuffer[]): void;
   on(event: string, callback: (...args: never[]) => void): void;
@@ -38,17 +38,17 @@ export const realClock: Clock = {
   },
 };
 
-/** Without an answer for so long the kernel is busy; without a word for so long it is lost (ms). */
+/** The kernel is busy without an answer for so long, and lost without any message for so long (ms). */
 export const BUSY_AFTER = 300;
 export const LOST_AFTER = 3000;
 const GONE_AFTER = 1500;
-/** Frames acknowledged at a time, fewer than may be on their way; one that comes so late (ms) alone. */
+/** Frames acknowledged at a time, fewer than may be in flight; a frame this late (ms) is acknowledged alone. */
 const CREDIT_AFTER_FRAMES = 2;
 const CREDIT_AFTER = 500;
 
 /** Each member of a union without the fields that this module fills in. */
 type Without<T, K extends PropertyKey> = T extends unknown ? Omit<T, K> : never;
-/** What a person can have done: the act and its own fields. */
+/** The commands of the page: the act and its own fields. */
 export type Act = Without<Command, "type" | "view" | "id">;
 export type Question = Without<
   CompleteRequest | HoverRequest | ReferencesRequest | InspectRequest,
@@ -56,16 +56,16 @@ export type Question = Without<
 >;
 
 export interface Listener {
-  /** A message for this view, with its buffers: where things are in the world. */
+  /** A message for this view; its buffers hold poses. */
   message(message: FromKernel, buffers: DataView[]): void;
   link(link: Link): void;
-  /** The newest text goes on its way now. */
+  /** The newest text is about to be sent. */
   sending?(): void;
 }
 
 export class Connection {
   readonly view: string;
-  /** Number of the text on its way, 0 if none. */
+  /** Number of the text in flight, 0 if none. */
   inFlight = 0;
   private seq = 0;
   private nextId = 1;
@@ -73,7 +73,7 @@ export class Connection {
   private waitingText: string | null = null;
   private sentText: string | null = null;
   private link: Link = "connecting";
-  /** When the comm was reported to come or go: if no message follows, the kernel is gone. */
+  /** When the comm was reported to open or close: if no message follows, the kernel is gone. */
   private suspectedAt = Number.POSITIVE_INFINITY;
   private lastMessage: number;
   private lastHello: number;
@@ -98,13 +98,13 @@ export class Connection {
     this.hello();
   }
 
-  /** Ask for everything. */
+  /** Request a snapshot. */
   hello(): void {
     this.lastHello = this.clock.now();
     this.post({ type: "hello", view: this.view, part: this.part });
   }
 
-  /** Hand over the whole text; returns whether it is on its way already. */
+  /** Send the whole text; returns whether it was sent at once. */
   text(text: string): boolean {
     if (this.inFlight) {
       this.waitingText = text;
@@ -118,12 +118,12 @@ export class Connection {
     return true;
   }
 
-  /** Have something done and wait for the reply; its `error` is a sentence or null. */
+  /** Send a command and wait for the reply; its `error` is a sentence or null. */
   command(act: Act): Promise<ReplyMessage> {
     return this.wait((id) => ({ type: "command", view: this.view, id, ...act }));
   }
 
-  /** Have something done without a reply, because only the newest counts: a drag, a slider. */
+  /** Send a command without a reply, because only the newest counts: a drag, a slider. */
   send(act: Act): void {
     this.post({ type: "command", view: this.view, id: 0, ...act });
   }
@@ -173,7 +173,7 @@ export class Connection {
     if (message.type === "snapshot") this.restart(message.text);
   };
 
-  /** Every message makes the kernel say "busy" and "idle", which its host draws: acknowledge two at a time. */
+  /** Every message makes the kernel report "busy" and "idle", which its host draws: acknowledge two at once. */
   private credit(frame: number): void {
     this.uncredited += 1;
     if (this.uncredited < CREDIT_AFTER_FRAMES && this.lastMessage - this.credited < CREDIT_AFTER) return;
@@ -202,7 +202,7 @@ export class Connection {
     if (text !== null && text !== this.sentText) this.text(text);
   }
 
-  /** A snapshot came: whatever was on its way before is not answered any more; the newest text is. */
+  /** Handle a snapshot: texts sent before it are no longer answered, so the newest is sent again. */
   private restart(text: string): void {
     const mine = this.waitingText ?? (this.inFlight ? this.sentText : null);
     this.inFlight = 0;

@@ -1,4 +1,4 @@
-/** What a view knows of its session: one value, changed only by `apply`, which returns what changed. */
+/** The state of a view: one value, changed only by `apply`, which returns the changed fields. */
 
 import type { Camera } from "../graph/camera";
 import {
@@ -13,7 +13,7 @@ import {
   type WorldView,
 } from "../protocol";
 
-/** How the kernel answers: not yet, at once, late, not for seconds, never again. */
+/** How the kernel responds: not yet, at once, late, not for seconds, never again. */
 export type Link = "connecting" | "live" | "busy" | "lost" | "dead";
 
 export interface LabState extends ViewState {
@@ -126,7 +126,7 @@ function withoutNull(entries: object): object {
   return Object.fromEntries(Object.entries(entries).filter(([, value]) => value !== null));
 }
 
-/** Show the first machine that there is, when the one shown is gone. */
+/** Show the first machine if the one shown no longer exists. */
 function showAnother(state: LabState): boolean {
   const machines = state.program.machines;
   if (machines.some((machine) => machine.path === state.machine)) return false;

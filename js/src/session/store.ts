@@ -1,4 +1,4 @@
-/** The state of one view and its watchers, which are called once per picture of the screen at most. */
+/** The state of one view, and its watchers, which are called at most once per animation frame. */
 
 import type { ElementKind, ReplyMessage, TextRange } from "../protocol";
 import type { Act, Question } from "./connection";
@@ -12,7 +12,7 @@ export class Store {
   private changed = new Set<Topic>();
   private scheduled = 0;
 
-  /** Call `update` whenever one of these topics changed (and once at the beginning). */
+  /** Call `update` whenever one of these topics has changed, and once at the start. */
   watch(topics: readonly Topic[], update: Update): () => void {
     const watcher = { topics, update };
     this.watchers.add(watcher);
@@ -20,7 +20,7 @@ export class Store {
     return () => this.watchers.delete(watcher);
   }
 
-  /** Note changes; the watchers are called before the next picture. */
+  /** Record changes; the watchers are called before the next animation frame. */
   touch(topics: Iterable<Topic>): void {
     for (const topic of topics) this.changed.add(topic);
     if (this.scheduled || !this.changed.size) return;
@@ -46,12 +46,12 @@ export class Store {
   }
 }
 
-/** What a part of the lab may use: the state, and ways to have things done. */
+/** The interface that the parts of the lab use: the state, commands and requests. */
 export interface Lab {
   readonly store: Store;
-  /** Have something done; resolves to the error, which is also shown (unless quiet), or null. */
+  /** Send a command; resolves to its error, which is also shown (unless quiet), or null. */
   act(act: Act, quiet?: boolean): Promise<string | null>;
-  /** Have something done without a reply. */
+  /** Send a command without a reply. */
   send(act: Act): void;
   ask(question: Question): Promise<ReplyMessage>;
   /** Show the source of an element. */

@@ -1,4 +1,4 @@
-/** Buttons, switches and panel headers, all of one making. */
+/** Buttons, switches and panel headers, in one style. */
 
 import { type Attributes, h } from "./dom";
 import { type IconName, icon } from "./icons";

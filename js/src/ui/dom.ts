@@ -1,4 +1,4 @@
-/** Making elements, without a framework. */
+/** Create and update elements without a framework. */
 
 type Child = Node | string | null | undefined | false;
 type Handlers = { [K in keyof HTMLElementEventMap as `on${K}`]?: (event: HTMLElementEventMap[K]) => void };
@@ -53,7 +53,7 @@ export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
-/** Make the children of an element those of a list, by key: what stays is the same element as before. */
+/** Update the children of an element to match a list, by key: elements that stay are reused. */
 export function reconcile<T>(
   parent: Element,
   items: readonly T[],

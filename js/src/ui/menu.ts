@@ -1,4 +1,4 @@
-/** A menu at a place of the page: by right click, by key, by button; arrows, Enter, Escape work in it. */
+/** A context menu, opened by right click, key or button and operated with arrows, Enter and Escape. */
 
 import { h } from "./dom";
 

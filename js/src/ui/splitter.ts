@@ -1,4 +1,4 @@
-/** A bar between two panels: dragged, or moved with the arrow keys. It sets a variable of the stylesheet. */
+/** A bar between two panels, moved by dragging or with the arrow keys. It sets a CSS variable. */
 
 import { h } from "./dom";
 

@@ -1,5 +1,5 @@
 /**
- * Light or dark, by the background that is really there: in a dark JupyterLab the browser's own
+ * Light or dark, by the actual background: in a dark JupyterLab the browser's own
  * preference may well be light.
  */
 
@@ -36,7 +36,7 @@ function colorScheme(): string {
   return getComputedStyle(document.documentElement).colorScheme;
 }
 
-/** 0 to 255 of a computed colour; null if one can see through it. */
+/** The brightness (0 to 255) of a computed colour; null if it is transparent. */
 export function lightnessOf(color: string): number | null {
   const [red, green, blue, alpha = 1] = (color.match(/[\d.]+/g) ?? []).map(Number);
   if (red === undefined || green === undefined || blue === undefined || alpha < 0.5) return null;

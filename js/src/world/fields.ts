@@ -1,4 +1,4 @@
-/** The fields of a panel that a person fills in. What was typed stays until the bridge has another value. */
+/** The input fields of a panel. Typed values stay until the bridge reports another value. */
 
 import type { PanelField, PanelView } from "../protocol";
 import { h } from "../ui/dom";
@@ -8,11 +8,11 @@ type Input = HTMLInputElement | HTMLSelectElement;
 export interface Inputs {
   element: HTMLElement;
   refresh(panel: PanelView): void;
-  /** Forget texts that the bridge knows nothing of: they were for a button that was pressed. */
+  /** Clear the texts that the bridge does not keep: they were for a button that has been pressed. */
   clear(): void;
 }
 
-/** Everything that is filled in, by key. */
+/** All values filled in, by key. */
 export function values(body: HTMLElement): Record<string, string> {
   const all: Record<string, string> = {};
   for (const input of body.querySelectorAll<Input>("[data-field]")) all[input.dataset.field!] = read(input);
@@ -67,7 +67,7 @@ function freshId(): string {
   return `lrp-choices-${count}-${Math.random().toString(36).slice(2)}`;
 }
 
-/** Those that stand there already, if they are still right: an open list is not disturbed. */
+/** Reuse the present options if they are still correct, so that an open list is not disturbed. */
 function options(choices: string[], list: Element): Element[] {
   const old = [...list.children];
   const same =

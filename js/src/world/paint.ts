@@ -1,4 +1,4 @@
-/** Painting a world: the floor and what stands fast once, robots and what moves for every picture. */
+/** Paint a world: the floor and fixed things once, robots and moving things for every frame. */
 
 import type { Point, Pose, SolidView } from "../protocol";
 import type { FullRobot, FullStroke, FullWorld } from "./complete";
@@ -178,7 +178,7 @@ function paintRobot(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Pale
   c.lineWidth = 0.09 * r;
   c.fill();
   c.stroke();
-  c.beginPath(); // where it looks
+  c.beginPath(); // its heading
   c.moveTo(0.62 * r, 0);
   c.lineTo(0.12 * r, 0.34 * r);
   c.lineTo(0.12 * r, -0.34 * r);

@@ -7,7 +7,7 @@ import { h, prose, setAttribute, setText } from "../ui/dom";
 import { type Inputs, inputs, values } from "./fields";
 import { type Table, tableOf } from "./table";
 
-/** The sentence of the status stands at the head, whatever the bridge. */
+/** The status sentence is always at the top. */
 const AT_THE_HEAD = "status";
 
 export function bridgePanel(lab: Lab): HTMLElement {
@@ -30,7 +30,7 @@ export function bridgePanel(lab: Lab): HTMLElement {
   return body;
 }
 
-/** The form of a panel without its values: while it stays, the elements and what was typed in them stay. */
+/** The structure of a panel without its values: while it is unchanged, elements and typed texts are kept. */
 function shapeOf({ title, fields, tables, buttons, questions }: PanelView): string {
   return JSON.stringify([
     title,
@@ -46,7 +46,7 @@ interface Parts {
   refresh(panel: PanelView): void;
 }
 
-/** From above: the state, the questions, the first table with what is filled in for it, the other tables. */
+/** From top to bottom: status, questions, the first table with its fields, the other tables. */
 function build(panel: PanelView, lab: Lab, body: HTMLElement): Parts {
   const press = async (key: string, row?: string) => {
     const known = row === undefined ? {} : { row };
@@ -95,7 +95,7 @@ function pressable({ key, label }: PanelButton, onclick: () => void): HTMLButton
   return button({ label, title: label, action: `panel-${key}`, onclick });
 }
 
-/** How the connection is, and the runstop; commands that were not sent are listed here. */
+/** The connection's status and the arming switch; lists the commands that were not sent. */
 function head(panel: PanelView, lab: Lab, press: (key: string) => unknown) {
   const dot = h("span", { class: "lrp-dot", "aria-hidden": "true" });
   const sentence = h("p", { class: "lrp-sentence", "data-show": AT_THE_HEAD });
@@ -134,7 +134,7 @@ function head(panel: PanelView, lab: Lab, press: (key: string) => unknown) {
   };
 }
 
-/** What is only to be seen, in a line as long as there is room. */
+/** Read-only values, in one line where there is room. */
 function factList() {
   const element = h("div", { class: "lrp-facts" });
   return {
@@ -154,7 +154,7 @@ function factList() {
   };
 }
 
-/** The dialog for what a bridge has to know: open until it knows the first thing and is connected. */
+/** The dialog with a bridge's questions: open until the first is answered and the robot is connected. */
 function questions(all: PanelQuestion[], lab: Lab) {
   const forms = all.map((question) => questionForm(question, lab));
   const element = h(

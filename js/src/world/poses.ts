@@ -15,7 +15,7 @@ export interface RobotPose {
 export interface Snapshot {
   time: number;
   robots: RobotPose[];
-  /** Of every solid of the world, those that stand fast included. */
+  /** Of every solid of the world, including fixed ones. */
   solids: Pose[];
 }
 

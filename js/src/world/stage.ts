@@ -1,4 +1,4 @@
-/** The canvas of a world: a layer that is painted when the scene changes, and pictures between two poses. */
+/** The canvas of a world: a cached layer for what stands still, and frames interpolated between poses. */
 
 import { Camera } from "../graph/camera";
 import type { Point, StrokeView, WorldView } from "../protocol";
@@ -14,7 +14,7 @@ export class Stage {
   readonly camera = new Camera();
   world: FullWorld | null = null;
   palette: Palette;
-  /** What is being drawn and not yet known to the world. */
+  /** The stroke that is being drawn and not yet part of the world. */
   sketch: FullStroke | null = null;
   private ink: FullStroke[] = [];
   private readonly floor = document.createElement("canvas");
@@ -44,7 +44,7 @@ export class Stage {
     this.repaint();
   }
 
-  /** Ink: keep the first strokes, then come these. */
+  /** Keep the first strokes of ink, then append these. */
   draw(first: number, strokes: StrokeView[]): void {
     const only = first === this.ink.length && !this.floorStale; // the usual case: something is added
     const fresh = strokes.map(completeStroke);
@@ -103,7 +103,7 @@ export class Stage {
     return this.fitted * this.camera.scale;
   }
 
-  /** The place in the world under a point of the canvas. */
+  /** The point of the world at a point of the canvas. */
   inside(x: number, y: number): Point {
     const [wx, wy] = this.camera.inside(x / this.fitted, y / this.fitted);
     return [wx, (this.world?.size[1] ?? 0) - wy];

@@ -1,4 +1,4 @@
-/** What the person does to the world with the pointer and the keys: dragging, turning, drawing, erasing. */
+/** Pointer and keyboard tools for the world: dragging, turning, drawing, erasing. */
 
 import type { Point, Pose } from "../protocol";
 import type { Lab } from "../session/store";
@@ -19,7 +19,7 @@ export interface Target {
   pose: Pose;
 }
 
-/** What stands at a point: robots before solids, the last drawn first. */
+/** The thing at a point: robots before solids, the last drawn first. */
 export function targetAt(world: FullWorld, now: Snapshot, [x, y]: Point): Target | null {
   for (let index = now.robots.length - 1; index >= 0; index--) {
     const pose = now.robots[index]!.pose;
@@ -149,7 +149,7 @@ export function useTools(stage: Stage, lab: Lab, tool: () => Tool): void {
   });
 }
 
-/** Where a key puts the robot: arrows move it, `[` and `]` turn it. */
+/** The pose after a key press: arrows move the robot, `[` and `]` turn it. */
 export function nudged([x, y, theta]: Pose, key: string): Pose | null {
   switch (key) {
     case "ArrowLeft":

@@ -13,7 +13,7 @@ import { type Tool, useTools } from "./tools";
 
 export interface WorldPart {
   element: HTMLElement;
-  /** Poses come by the side of the state: they are many, and only this part wants them. */
+  /** Poses bypass the state: they are many, and only this part needs them. */
   message(message: FromKernel, buffers: DataView[]): void;
 }
 
@@ -32,7 +32,7 @@ export function worldView(lab: Lab): WorldPart {
   }
   const tools = (
     [
-      ["move", "hand", "Move the robot and things; Shift turns"],
+      ["move", "hand", "Move the robot and objects; hold Shift to turn"],
       ["draw", "draw", "Draw line"],
       ["erase", "erase", "Erase line"],
     ] as const
@@ -82,13 +82,13 @@ export function worldView(lab: Lab): WorldPart {
       }),
       button({
         icon: "reset",
-        title: "Reset pose: put the robot back where it began",
+        title: "Reset pose: return the robot to its start",
         action: "reset-pose",
         onclick: () => void lab.act({ do: "reset_pose", index: 0 }),
       }),
       button({
         icon: "world",
-        title: "Reset world: robot, things, trails and drawings as at the beginning",
+        title: "Reset world: robot, objects, trails and drawings",
         action: "reset-world",
         onclick: () => void lab.act({ do: "reset_world" }),
       }),
@@ -142,7 +142,7 @@ export function worldView(lab: Lab): WorldPart {
   };
 }
 
-/** A panel of a robot holds more than a picture of a world, and gets more of its column. */
+/** A robot's panel holds more than the picture of a world, so it gets more of its column. */
 function makeRoom(element: HTMLElement, wanted: boolean): void {
   if (element.hasAttribute("data-roomy") === wanted) return;
   element.toggleAttribute("data-roomy", wanted);

@@ -1,6 +1,6 @@
 /**
- * A kernel that is none: it plays a recording, and answers what the page asks as far as a page can be
- * looked at with it. `?theme=dark&view=graph&case=issues` choose what is shown; `window.sent` is what came.
+ * A fake kernel: it plays a recording, and answers the page's requests as far as the page can be viewed
+ * with it. `?theme=dark&view=graph&case=issues` choose what is shown; `window.sent` holds the messages.
  */
 
 import lab from "../../../lrp_jupyter/static/lab.js";
@@ -53,7 +53,7 @@ const cases = {
         severity: "warning",
         kind: "unknown state",
         element: "transition `follower:tlost`",
-        message: "There is no state `lost`: the transition `tlost` is not taken.",
+        message: "The machine `follower` has no state `lost`.",
         revision: 1,
         finding: "",
         range: range(28, 3, 20),
@@ -64,7 +64,7 @@ const cases = {
         resolved: true,
       },
     },
-    restart: { count: 1, tick: 118, reason: "`moving` is active and its `running` changed" },
+    restart: { count: 1, tick: 118, reason: "`moving` is active and its `running` changed." },
     printed: { 0: "light 212", 1: "light 180", 2: "on the line" },
   },
   busy: {},
@@ -81,7 +81,7 @@ function answer(message) {
       id: "open",
       code: "LRP101",
       severity: "error",
-      message: "This `(` is not closed.",
+      message: "This machine is not closed. Put its `)` at the end of line 30.",
       range: range(lines.length, 1, 2),
       fix: null,
     });
@@ -92,7 +92,7 @@ function answer(message) {
       id: "typo",
       code: "LRP501",
       severity: "error",
-      message: "`lightlin` is defined nowhere; did you mean `lightlim`?",
+      message: "`lightlin` is not defined where this block can see it. Did you mean `lightlim`?",
       range: place,
       fix: { title: "Write `lightlim`", edits: [{ range: place, text: "lightlim" }] },
     });

@@ -1,5 +1,5 @@
 # ruff: noqa: T201  (it is a command)
-"""Look at the lab without a kernel: screenshots in all the cases that matter.
+"""Take screenshots of the lab without a kernel, in all the cases that matter.
 
 ``python js/tests/page/look.py OUTDIR [CASE …]``
 """
@@ -57,7 +57,7 @@ def main(out: Path, cases: tuple[str, ...]) -> None:
 
 
 def prepare(page: Page, case: str) -> None:
-    """Bring the page to what shall be seen."""
+    """Prepare the page for the screenshot."""
     if case == "hold":
         page.locator(".cm-content").click()
         page.keyboard.type(" ")

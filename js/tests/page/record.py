@@ -1,4 +1,4 @@
-"""Record what a kernel sends while the follower drives, for the page that shows the lab without one.
+"""Record the kernel's messages while the follower drives, for the page that shows the lab without one.
 
 ``python js/tests/page/record.py [PROGRAM OUT]`` writes ``recording.json`` beside itself: a snapshot,
 then frames and poses at 10 Hz, published by a real session in virtual time.
