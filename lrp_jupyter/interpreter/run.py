@@ -162,7 +162,7 @@ class Run:
 
     def _emit_change(self, old: Row, edge: Edge, new: Row) -> None:
         self.emit("left", old.path)
-        self.emit("fired", edge.path, edge.data)
+        self.emit("fired", *edge.firing)
         self.emit("entered", new.path)
 
     def row(self, act: Activation, state: StatePlan) -> Row:

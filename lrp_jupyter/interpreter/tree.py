@@ -127,47 +127,51 @@ class Activation(Environment):
 class Edge:
     """A transition as one state of one activation sees it."""
 
-    __slots__ = (
-        "actions",
-        "count",
-        "data",
-        "home",
-        "missing",
-        "next",
-        "path",
-        "row",
-        "site",
-        "target",
-        "test",
-        "tested",
-    )
+    __slots__ = ("actions", "count", "home", "next", "path", "plan", "row", "source", "target", "test")
 
     def __init__(
         self, run: Host, act: Activation, state: StatePlan, plan: EdgePlan, following: Edge | None
     ) -> None:
-        noun = plan.noun
+        self.plan = plan
+        self.path = act.path
+        self.source = state
         self.test = _test(run, act, plan)
         self.next = following
         self.row: Row | None = None
         """Of the destination, once it has fired."""
         self.actions: Action | None = None
         """What is run when it fires: the onexit actions of the source, then the onentry actions of `row`."""
-        home = act.parent if noun.outward else act
+        home = act.parent if plan.noun.outward else act
         self.home = home or act  # whose state it changes
-        destination = str(noun.destination)
-        self.target = home.machine.states.get(destination) if home else None
-        self.count = (
-            run.firing(plan.site.element, Element("state", self.target.path)) if self.target else Count()
-        )
-        self.missing = (
-            f"The machine `{home.machine.name}` has no state `{destination}`."
-            if home
-            else f"`exit` cannot lead to `{destination}`: `{act.machine.name}` is not nested in a state."
-        )
-        self.path = (*act.path, plan.site.element.path[-1])
-        self.data = Firing(state.name, destination, plan.label)
-        self.site = plan.site._replace(ordinal=1)  # 0 is its condition or delay
-        self.tested = plan.test.block.site if isinstance(plan.test, EventPlan) else plan.site
+        self.target = home.machine.states.get(str(plan.noun.destination)) if home else None
+        element = plan.site.element
+        self.count = run.firing(element, Element("state", self.target.path)) if self.target else Count()
+
+    @property
+    def site(self) -> Site:
+        """The transition itself, as a source of faults."""
+        return self.plan.site._replace(ordinal=1)  # 0 is its condition or delay
+
+    @property
+    def tested(self) -> Site:
+        """What is tested: the condition of an event, or its own condition or delay."""
+        test = self.plan.test
+        return test.block.site if isinstance(test, EventPlan) else self.plan.site
+
+    @property
+    def missing(self) -> str:
+        """Why it leads nowhere, if there is no `target`."""
+        destination, machine = self.plan.noun.destination, self.home.machine.name
+        if self.plan.noun.outward and self.home.path == self.path:
+            return f"`exit` cannot lead to `{destination}`: `{machine}` is not nested in a state."
+        return f"The machine `{machine}` has no state `{destination}`."
+
+    @property
+    def firing(self) -> tuple[Path, Firing]:
+        """Path, and what an observer learns when it fires."""
+        plan = self.plan
+        fired = Firing(self.source.name, str(plan.noun.destination), plan.label)
+        return (*self.path, plan.site.element.path[-1]), fired
 
 
 class Action:
