@@ -450,6 +450,18 @@ def test_a_text_can_be_offered_without_waiting_and_tells_what_became_of_it(sessi
     assert [finding.severity for finding in s.findings] == ["error"]
 
 
+def test_a_text_that_a_block_offers_is_answered_when_it_is_applied_after_the_tick(session):
+    text = "(machine m (state a (onentry [edit()]))) (spawn m a)"
+    offered = []
+    s = session(text, namespace={"edit": lambda: offered.append(s.offer(text + "(var n := [1])"))})
+    s.step()
+    [(program, answer)] = offered
+    assert not answer.done()
+    s.step()
+    assert answer.result(0).applied
+    assert s.program is program
+
+
 @pytest.mark.parametrize("fault", [KeyError, TypeError, ValueError])
 def test_a_fault_of_our_own_in_a_command_breaks_the_session_too(session, monkeypatch, fault):
     def mistake(*_):
