@@ -53,7 +53,8 @@ class Layouts:
                 arranged, self._arranged = self._arranged, set()
                 pinned, self._pinned = self._pinned, {}
             shown, last = self.current
-            if frame.program is shown.program:
+            same_program = frame.program is shown.program
+            if same_program:
                 if not (arranged or pinned):
                     return
                 frame = shown
@@ -67,8 +68,12 @@ class Layouts:
                 name = path_text(path)
                 if name in layouts:
                     continue
-                appearance = appearances[name] = _appearance(program, path, machine, starts.get(path, ()))
-                looks_alike = name in last and appearance == self._appearances.get(name)
+                known = self._appearances.get(name)
+                appearance = (
+                    known if same_program else _appearance(program, path, machine, starts.get(path, ()))
+                )
+                appearances[name] = appearance
+                looks_alike = name in last and appearance == known
                 if looks_alike and name not in arranged and name not in pinned:
                     layouts[name] = last[name]
                 else:
