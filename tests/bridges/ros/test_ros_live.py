@@ -6,6 +6,7 @@ import logging
 import os
 import signal
 import threading
+import time
 from collections.abc import Callable
 from typing import Any
 
@@ -52,12 +53,13 @@ def test_what_rostopic_publishes_arrives(real: Any, connect: Connect, until: Any
     ros.subscribe("text", "/chatter", "std_msgs/String")
     with pytest.raises(NoDataYet, match=r"`robot\.text` has no data yet"):
         _ = ros.robot.text
+    before = time.monotonic()
     chatter(real, "hello")
     until(lambda: reading(ros, "text"))
     assert ros.robot.text.data == "hello"
     age = ros.describe("text").age
     assert age is not None
-    assert age < 1.0
+    assert 0 <= age <= time.monotonic() - before
 
 
 def test_rostopic_hears_all_four_forms_of_publishing(real: Any, connect: Connect, until: Any) -> None:

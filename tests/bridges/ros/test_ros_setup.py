@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -267,16 +268,23 @@ def test_a_setup_is_an_answer_too(ros: RosBridge, until: Any, graph: Any) -> Non
 
 
 def test_the_panel_shows_every_connection_with_rate_age_and_value(
-    ros: RosBridge, graph: Any, until: Any
+    ros: RosBridge, graph: Any, until: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    now = 100.0
+    monkeypatch.setattr("lrp_jupyter.bridges.ros.channel.time", SimpleNamespace(monotonic=lambda: now))
     ros.subscribe("light", "/light")
     ros.publish("move", "/cmd_vel")
     assert rows(ros)["light"]["value"] == "no data yet"
+    until(lambda: graph.listeners)
     for value in range(5):
+        now += 0.1
         graph.say("/light", data=value)
-    until(lambda: rows(ros)["light"]["value"] == "4")
-    assert float(rows(ros)["light"]["rate (Hz)"]) > 1
-    assert float(rows(ros)["light"]["age (s)"]) < 2
+        until(lambda: rows(ros)["light"]["value"] == str(value))  # noqa: B023
+    now += 0.5
+    light = rows(ros)["light"]
+    assert (float(light["rate (Hz)"]), float(light["age (s)"])) == (10, 0.5)
+    now += 1
+    assert (rows(ros)["light"]["rate (Hz)"], rows(ros)["light"]["age (s)"]) == ("", "1.5"), "they have ceased"
     ros.robot.move(linear=0.2)
     assert rows(ros)["move"]["value"] == "linear.x=0.2"
     assert rows(ros)["move"]["direction"] == "publisher"
