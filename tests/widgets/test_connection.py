@@ -2,8 +2,15 @@
 
 import json
 import struct
+from threading import Event
 
 import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.live.commands import Call
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.texts import Texts
 
 BLINK = """
 (var count := [0])
@@ -139,6 +146,22 @@ def test_what_is_urgent_comes_15_ms_after_the_last_frame(bench):
     assert frames_in(lab, page, 6) == [6]  # the last one was long enough ago
 
 
+def test_a_robot_that_drives_is_calm_news(bench):
+    lab = bench(MOVER, bridge="sim")
+    page = lab.page()
+    lab.session.run(1)
+    came = []
+
+    def look():
+        lab.session.submit(Call(lambda: None))  # a frame of this tick
+        before = len(page.buffers)
+        lab.publish(after=1 / 32)
+        came.append([buffer is not None for buffer in page.buffers[before:]])
+
+    lab.session.run(1.1, after_tick=look)
+    assert came[2:] == [[], [], [True]] * 3, "after it was told that the program runs"
+
+
 def test_what_is_dragged_while_paused_is_urgent(bench):
     lab = bench(MOVER, bridge="sim")
     page = lab.page()
@@ -219,6 +242,37 @@ def test_a_view_that_is_silent_for_long_is_forgotten_and_may_come_again(bench):
     assert len(gone.messages) == 3
     gone.say("hello", part="lab")
     assert gone.messages[-1]["type"] == "snapshot"
+
+
+@pytest.mark.parametrize(("seconds", "frames"), [(14, 4), (16, 3)])
+def test_after_15_seconds_of_silence_credit_of_a_view_that_owes_it_comes_too_late(bench, seconds, frames):
+    lab = bench(BLINK)
+    page = lab.page(pays=False)
+    for _ in range(2):
+        lab.publish(after=1.0)
+    for _ in range(seconds - 2):
+        lab.publish(after=1.0)
+    page.say("credit", frame=3)
+    lab.publish(after=0.9)
+    assert len(page.frames()) == frames
+
+
+def test_a_view_that_returns_credit_late_is_not_forgotten(bench):
+    lab = bench(BLINK)
+    page = lab.page(pays=False)
+    for _ in range(4):
+        for _ in range(12):
+            lab.publish(after=1.0)
+        page.say("credit", frame=page.frames()[-1]["frame"])
+    lab.publish(after=1.0)
+    assert len(page.frames()) == 4 * 3 + 1
+
+
+def test_a_view_that_owes_nothing_is_not_forgotten_while_the_machine_sleeps(bench):
+    lab = bench(BLINK)
+    page = lab.page()
+    lab.publish(after=3600.0)
+    assert page.all("frame")
 
 
 def test_a_view_that_says_goodbye_hears_nothing_more(bench):
@@ -355,6 +409,110 @@ def test_a_fault_of_the_lab_is_reported_in_the_lab(bench, monkeypatch):
     lab.publish()
     assert "The lab itself failed; the program is not at fault." in page.told("printed").values()
     lab.connection.fault = ""
+
+
+class Counted(Bridge):
+    """A robot that counts how often it is read."""
+
+    name = "counted"
+    stop_timeout = None
+
+    def __init__(self, hardware):
+        self.hardware, self.reads = hardware, 0
+
+    def open_interface(self):
+        self.add_variable("x", self.read)
+
+    def read(self):
+        self.reads += 1
+        return self.reads
+
+
+@pytest.fixture
+def reads(bench):
+    """How often a robot is read in three seconds, for the views of a session that is as it is told."""
+
+    def count(hardware=False, views=1, then=lambda session: None):
+        lab = bench("(machine m (state a)) (spawn m a)", bridge=(robot := Counted(hardware)))
+        for number in range(views):
+            lab.page(f"page {number}")
+        lab.session.step()
+        then(lab.session)
+        before = robot.reads
+        for _ in range(96):
+            lab.publish(after=1 / 32)
+        return robot.reads - before
+
+    return count
+
+
+def test_a_simulator_is_read_five_times_a_second_and_a_real_robot_once(reads):
+    assert 13 <= reads(hardware=False) <= 15
+    assert reads(hardware=True) == 3
+
+
+def test_a_robot_that_nobody_watches_or_that_is_stopped_is_not_read(reads):
+    assert reads(views=0) == 0
+    assert reads(then=lambda session: session.stop()) == 0
+
+
+def test_a_robot_is_not_asked_again_before_it_has_answered(bench):
+    gate, inside = Event(), Event()
+    lab = bench(
+        "(machine m (state a (running [inside.set() or gate.wait(60)]))) (spawn m a)",
+        bridge=(robot := Counted(hardware=False)),
+        namespace={"gate": gate, "inside": inside},
+    )
+    lab.page()
+    lab.session.start()
+    assert inside.wait(60)
+    for _ in range(20):
+        lab.publish()
+    gate.set()
+    lab.session.call(lambda: None)
+    assert robot.reads == 1
+
+
+def test_closing_tells_a_view_without_credit_too(bench):
+    lab = bench(BLINK)
+    page = lab.page(pays=False)
+    for _ in range(5):
+        lab.session.step()
+        lab.publish()
+    lab.connection.close()
+    assert page.last("frame")["status"] == "closed"
+    assert page.told("tick") == 5
+
+
+def test_what_was_asked_before_the_end_is_answered(bench):
+    lab = bench(BLINK)
+    page = lab.page()
+    page.say("command", id=7, do="rate", value=25)
+    lab.connection.close()
+    assert page.last("reply") == {"type": "reply", "view": "page", "id": 7, "error": None}
+
+
+def test_after_a_round_that_failed_the_publisher_goes_on():
+    failed, gone_on = Event(), Event()
+
+    def send(message, buffers):
+        if message["type"] == "frame" and failed.is_set():
+            gone_on.set()
+
+    connection = PageConnection(Session(BLINK), Texts())
+    update = connection.layouts.update
+
+    def fail_once(frame):
+        if not failed.is_set():
+            failed.set()
+            raise RuntimeError("no layout")
+        update(frame)
+
+    connection.layouts.update = fail_once
+    connection.receive(send, {"type": "hello", "view": "page", "part": "lab"})
+    assert gone_on.wait(60)
+    assert "no layout" in connection.fault
+    connection.close()
 
 
 def test_closing_tells_every_view_and_ends_the_session(bench):
