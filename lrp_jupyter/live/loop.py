@@ -323,7 +323,9 @@ class Loop:
         on_time = step is None and now - self.due <= LAG
         self.due = (self.due if on_time else now) + self.period
         if interpreter.paused and self.status == "running":  # at an issue
-            last = max(interpreter.issues, key=lambda issue: issue.last_tick, default=None)
+            last = max(
+                interpreter.issues, key=lambda issue: (issue.last_tick, issue.first_tick), default=None
+            )
             self._stand_still(last.message if last else "")
 
     def run(self, seconds: float, after_tick: Callable[[], object] | None = None) -> bool:

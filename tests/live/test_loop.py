@@ -1,0 +1,291 @@
+"""The edges of the loop: what it tells its bridge, what it refuses, how it stands still and goes on."""
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.errors import BridgeError, LRPError, SessionClosedError
+from lrp_jupyter.live import clock as clocks
+from lrp_jupyter.live.clock import LAG
+
+COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
+DRIVE = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"
+
+
+class Diary(Bridge):
+    """A robot that writes down what a session tells it."""
+
+    name = "diary"
+    stop_timeout = None
+
+    def __init__(self, hardware=False, fails=""):
+        self.hardware, self.fails, self.told = hardware, fails, []
+
+    def open_interface(self):
+        """There is nothing to open."""
+
+    def note(self, what):
+        self.told.append(what)
+        if what == self.fails:
+            raise OSError("the cable is gone")
+
+    def on_start(self):
+        self.note("start")
+
+    def on_pause(self):
+        self.note("pause")
+
+    def on_resume(self):
+        self.note("resume")
+
+    def stop(self):
+        self.note("stop")
+
+    def rewind(self, moment):
+        self.note("rewind")
+
+
+@pytest.fixture
+def wall(monkeypatch):
+    """A wall clock that the test moves by hand."""
+    now = [100.0]
+    monkeypatch.setattr(clocks, "monotonic", lambda: now[0])
+    return now
+
+
+def turn(session, wall, seconds, times=1):
+    """Let time pass on the wall, and the loop do what is due, so many times."""
+    for _ in range(times):
+        wall[0] += seconds
+        session._loop.turn()
+
+
+# -- the bridge
+
+
+def test_a_bridge_is_told_of_the_start_once_and_then_of_pauses(session):
+    running = session(COUNT, diary := Diary())
+    running.resume()
+    running.pause()
+    running.resume()
+    assert diary.told == ["start", "pause", "resume"]
+
+
+def test_a_first_step_is_a_start_for_the_bridge(session):
+    stepped = session(COUNT, diary := Diary())
+    stepped.step()
+    stepped.step()
+    stepped.resume()
+    assert diary.told == ["start", "resume"]
+
+
+def test_a_pause_at_an_issue_is_one_for_the_bridge(session):
+    faulty = session(COUNT.replace("n + 1", "n / 0"), diary := Diary(), on_issue="pause")
+    faulty.run(1)
+    assert diary.told == ["start", "pause"]
+
+
+@pytest.mark.parametrize("hook", ["start", "pause"])
+def test_a_bridge_whose_hook_fails_is_lost_and_its_robot_stopped(session, hook):
+    running = session(COUNT, diary := Diary(fails=hook))
+    running.open()
+    running.resume()
+    running.pause()
+    assert diary.told[diary.told.index(hook) + 1] == "stop"
+    assert diary.status.state == "lost"
+    assert "the cable is gone" in running.frame.bridge
+
+
+def test_an_edit_that_restarts_the_program_stops_the_robot_and_another_does_not(session):
+    running = session(COUNT, diary := Diary())
+    running.run(1)
+    running.edit(COUNT.replace("n := [0]", "n := [5]"))
+    assert "stop" not in diary.told
+    running.edit(COUNT.replace("n + 1", "n + 2"))
+    assert diary.told[-1] == "stop"
+
+
+def test_an_armed_robot_is_not_taken_back_whatever_its_bridge_says(session):
+    running = session(COUNT, diary := Diary(hardware=True))
+    running.run(1)
+    diary.arm()
+    with pytest.raises(BridgeError, match="armed"):
+        running.rewind(3)
+    assert "rewind" not in diary.told
+
+
+# -- time
+
+
+@pytest.mark.parametrize("bridge", ["none", "sim"])
+def test_a_fast_run_may_be_late_by_as_much_of_the_wall_as_any_other(session, wall, bridge):
+    fast = session(COUNT, bridge, speed=10)
+    fast.resume()
+    turn(fast, wall, 0.01, times=5)
+    turn(fast, wall, 0.9 * LAG)
+    turn(fast, wall, 0, times=50)
+    assert fast._loop.now == pytest.approx(10 * (0.05 + 0.9 * LAG), abs=0.1), "no time is lost"
+
+
+@pytest.mark.parametrize("bridge", ["none", "sim"])
+def test_a_program_that_goes_back_while_it_runs_goes_on_from_there(session, wall, bridge):
+    running = session(COUNT, bridge)
+    running.resume()
+    turn(running, wall, 0.1, times=20)
+    running.rewind(7)
+    frame = running.frame
+    assert frame.status == "running"
+    turn(running, wall, 0)
+    assert running.interpreter.tick == frame.tick + 1, "the first tick undone is done again, at once"
+    turn(running, wall, 0.1)
+    assert running._loop.now == pytest.approx(frame.time + 0.1)
+    assert running.interpreter.tick == frame.tick + 2
+
+
+def test_going_back_further_than_the_journal_reaches_changes_nothing(session):
+    edited = session(DRIVE, "sim", world="empty")
+    edited.run(1)
+    for _ in range(310):  # each saves the whole state, and only so many are kept
+        edited.reset()
+        edited.step()
+    before = (edited.frame.tick, edited.frame.time, edited.frame.robot.robots[0].pose)
+    with pytest.raises(ValueError, match=r"cannot go back 315 ticks: 3\d\d are remembered"):
+        edited.rewind(315)
+    assert (edited.frame.tick, edited.frame.time, edited.frame.robot.robots[0].pose) == before
+
+
+def test_after_a_pause_no_time_has_passed_and_the_next_tick_is_not_late(session, wall):
+    paused = session(COUNT)
+    paused.resume()
+    turn(paused, wall, 0.05, times=5)
+    paused.pause()
+    now, tick = paused._loop.now, paused.interpreter.tick
+    turn(paused, wall, 5, times=5)
+    assert (paused._loop.now, paused.interpreter.tick) == (now, tick)
+    paused.resume()
+    turn(paused, wall, 0)
+    assert paused._loop.now == now
+
+
+def test_a_run_in_virtual_time_leaves_the_clock_where_it_ended(session, wall):
+    running = session(COUNT)
+    running.resume()
+    running.run(10)
+    assert running.status == "running"
+    turn(running, wall, 0)
+    assert running.frame.time == pytest.approx(10, abs=0.1)
+    assert running.interpreter.tick == 101
+
+
+# -- status
+
+
+def test_a_pause_names_the_issue_that_caused_it_and_not_one_that_goes_on(session):
+    faulty = session(
+        "(machine old (state a (running [1 / 0])))"
+        "(machine new (state a) (state b (onentry [len(5)])) (ontime 300 a -> b))"
+        "(spawn old a) (spawn new a)",
+        on_issue="pause",
+    )
+    faulty.run(1)
+    assert "division" in faulty.frame.reason
+    faulty.run(1)
+    assert "len()" in faulty.frame.reason
+
+
+def test_a_session_that_is_stopped_stays_so_when_it_is_stepped_and_then_starts_from_the_beginning(session):
+    counting = session(COUNT)
+    counting.run(1)
+    counting.stop()
+    counting.step()
+    assert counting.status == "stopped"
+    counting.run(0.2)
+    assert counting.frame.numbers["n",] == 1
+
+
+def test_a_session_that_is_started_again_without_running_yet_is_ready(session):
+    counting = session(COUNT)
+    counting.run(1)
+    counting.stop()
+    counting.start(paused=True)
+    assert (counting.status, counting.frame.active) == ("ready", ())
+
+
+def test_a_reason_given_later_replaces_that_of_a_pause_and_none_does_not(session):
+    paused = session(COUNT)
+    paused.resume()
+    paused.pause("the first")
+    paused.pause()
+    assert paused.frame.reason == "the first"
+    paused.pause("the second")
+    assert paused.frame.reason == "the second"
+
+
+def test_what_is_closed_cannot_be_stopped_or_started(session):
+    closed = session(COUNT)
+    closed.close()
+    closed.stop()
+    assert closed.status == "closed"
+    with pytest.raises(SessionClosedError):
+        closed.resume()
+    assert closed.status == "closed"
+
+
+def test_a_fault_of_our_own_stops_the_robot_and_is_in_the_frame_at_once(session, monkeypatch):
+    broken = session(COUNT, diary := Diary())
+    broken.run(0.3)
+    frames = []
+    monkeypatch.setattr(type(broken.interpreter), "step", lambda *_: {}["our own mistake"])
+    broken.resume()
+    broken.listen(lambda: frames.append(broken.frame.status))
+    broken._loop.turn()
+    assert diary.told[-1] == "stop"
+    assert frames == ["broken"]
+    with pytest.raises(LRPError, match="broken"):
+        broken.reset()
+
+
+def test_a_session_that_is_stopped_while_it_breaks_stays_stopped(session, monkeypatch):
+    stopped = session(COUNT)
+    stopped.resume()
+
+    def stop_and_fail(*_):
+        stopped._loop.halt("stopped")
+        raise RuntimeError("our own mistake")
+
+    monkeypatch.setattr(type(stopped.interpreter), "step", stop_and_fail)
+    stopped._loop.turn()
+    assert stopped.status == "stopped"
+    assert "our own mistake" in stopped.fault
+
+
+def test_a_keyboard_interrupt_on_the_main_thread_pauses_and_reaches_whoever_turns_the_loop(session):
+    def press():
+        raise KeyboardInterrupt
+
+    running = session("(machine m (state a (onentry [press()]))) (spawn m a)", namespace={"press": press})
+    running.resume()
+    with pytest.raises(KeyboardInterrupt):
+        running._loop.turn()
+    assert running.status == "paused"
+    assert "keyboard" in running.frame.reason
+    assert running.frame.tick == 1, "the tick is whole"
+
+
+def test_the_rate_reached_is_that_of_a_running_program(session, monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("lrp_jupyter.live.loop.perf_counter", lambda: now[0])
+    running = session(COUNT, clock=clocks.VirtualClock())
+    running.resume()
+    for _ in range(30):
+        running._loop.turn()
+        running._loop.clock.rebase(running._loop.clock.now() + 0.1)
+        now[0] += 0.1
+    assert running.frame.achieved_rate == pytest.approx(10, rel=0.2)
+    assert running.frame.achieved_speed == pytest.approx(1, rel=0.2)
+    running.pause()
+    assert (running.frame.achieved_rate, running.frame.achieved_speed) == (0, 0)
+    now[0] += 10
+    running.resume()
+    running._loop.turn()
+    running._loop.publish()
+    assert running.frame.achieved_rate == pytest.approx(10, rel=0.2), "the pause does not count"
