@@ -501,12 +501,26 @@ def test_a_reading_that_has_not_arrived_is_no_fault_of_a_condition():
         def light(self):
             raise NoDataYet("no data yet on /light")
 
-    text = """(machine m (state a (running [robot.light]))
+    text = """(machine m (event bright [robot.light > 3]) (state a (running [robot.light])) (on bright a -> a)
       (on [robot.light > 3] a -> a) (ontime [robot.light] a -> a))(spawn m a)"""
     i = Interpreter(parse(text), Robot())
     for tick in range(3):
         i.step(tick / 10)
     assert [(issue.code, issue.element.kind) for issue in i.issues] == [("LRP610", "running")]
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "is_a_change"),
+    [("0.5", "0.25 * 2", False), ("'ab'", "''.join('ab')", False), ("1", "1.0", True), ("1", "True", True)],
+)
+def test_a_variable_has_changed_if_its_value_or_type_is_another(before, after, is_a_change):
+    text = f"(var n := [{before}])(machine m (state a (running [n = {after}])))(spawn m a)"
+    i = Interpreter(parse(text))
+    i.step(0.0)
+    seen = []
+    i.observe(lambda event: seen.append(event.kind))
+    i.step(0.1)
+    assert seen == ["changed"] * is_a_change
 
 
 def test_an_observer_sees_changes_of_state_that_were_bound_before_it_came_and_after_others_left():

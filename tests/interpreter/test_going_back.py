@@ -260,6 +260,42 @@ def test_what_a_function_writes_is_undone_in_whatever_order_blocks_write_it_too(
         assert i.variables["n"] == left
 
 
+# a function writes `n` from the third tick on; who ticks before and after it writes it too, or not
+LATE = """(var n := [0])(var hook := [None])
+    (machine before (state a (running [%s])))
+    (machine m (state a) (state b (onentry [
+        def hook():
+          nonlocal n
+          n += 10] [hook()]) (running [hook()]))
+      (ontime 200 a -> b))
+    (machine after (state a (running [%s])))
+    (spawn before a)(spawn m a)(spawn after a)"""
+
+
+@pytest.mark.parametrize("before", [0, 1])
+@pytest.mark.parametrize("after", [0, 100])
+def test_what_a_function_of_a_state_entered_later_writes_is_undone_from_its_first_tick_on(before, after):
+    i = started(LATE % ("n += 1" if before else "0", "n += 100" if after else "0"))
+    values = [i.variables["n"]]
+    for tick in range(1, 6):
+        i.step(tick / 10)
+        values.append(i.variables["n"])
+    each = before + after
+    assert values == [0, each, 2 * each + 10, 3 * each + 20, 4 * each + 30, 5 * each + 40]
+    for value in reversed(values[:-1]):
+        i.rewind(1)
+        assert i.variables["n"] == value
+
+
+def test_a_change_in_the_tick_in_which_a_state_is_entered_that_may_write_too_is_an_event():
+    i = started(LATE.replace("[hook()]", "[0]") % ("n += 1", "0"))
+    seen = []
+    i.observe(lambda event: seen.append((event.path, event.data)))
+    for tick in range(1, 5):
+        i.step(tick / 10)
+    assert [value for path, value in seen if path == ("n",)] == [1, 2, 3, 4]
+
+
 def test_what_a_function_writes_is_undone_when_an_observer_has_come_and_gone():
     i = started(
         """(var n := [0])(var hook := [None])
