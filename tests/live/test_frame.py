@@ -54,6 +54,21 @@ def test_counts_go_on_over_restarts_and_rewinds():
     assert (frame.restarts, frame.restart_reason, frame.revision) == (1, "reset", 1)
 
 
+def test_a_state_that_an_edit_removed_has_its_count_again_when_the_edit_is_taken_back():
+    two = "(machine m (state a) (state b) (ontime 100 a -> b) (ontime 100 b -> a))(spawn m a)"
+    i = Interpreter(parse(two))
+    for tick in range(8):
+        i.step(tick / 10)
+    before = make_frame(i, 0.7).visits["m", "b"]
+    i.patch(parse("(machine m (state a))(spawn m a)"))
+    i.patch(parse(two))
+    for tick in range(8, 12):
+        i.step(tick / 10)
+    assert make_frame(i, 1.1).visits["m", "b"] < before, "another state of this name"
+    i.rewind(5)
+    assert make_frame(i, 0.6).visits["m", "b"] == before
+
+
 def test_a_frame_tells_in_which_tick_a_state_was_entered_last_however_late_it_is_made():
     i = Interpreter(parse("(machine m (state a) (state b) (ontime 200 a -> b t))(spawn m a)"))
     for tick in range(10):
