@@ -316,7 +316,7 @@ class _Run:
         head = f"{self.session.frame.time:8.1f} s  saved: "
         program, findings = scan(text, self.source.name)
         if program is None:
-            self.print(Text(f"{head}not a valid program, the last one keeps running", "bold red"))
+            self.print(Text(f"{head}not a valid program; the last one keeps running", "bold red"))
             _report(self.print, self.source.name, text, findings)
             return
         try:

@@ -18,7 +18,7 @@ __all__ = ["Slot", "Writes", "content", "put", "writes_of"]
 
 
 class Slot:
-    """A living variable: its cell, and its value when it was last compared.
+    """An existing variable: its cell, and its value when it was last compared.
 
     Parameters
     ----------
@@ -27,7 +27,7 @@ class Slot:
     Attributes
     ----------
     last : object
-        Up to date only where values are compared: the variable is `leaked`, or the run has observers.
+        Up to date only if values are compared: the variable is `leaked`, or the run has observers.
     leaked : bool
         A function that was defined in a block can write it, long after that block has returned.
     """
@@ -62,9 +62,9 @@ class Writes(NamedTuple):
     Parameters
     ----------
     own : tuple of str
-        Those that it writes itself, while it runs.
+        Those that it writes itself while it runs.
     inner : frozenset of str
-        Those that functions, classes and comprehensions inside it write, perhaps later.
+        Those that functions, classes and comprehensions inside it write, possibly later.
     """
 
     own: tuple[str, ...]
@@ -77,7 +77,7 @@ _WRITING = frozenset({dis.opmap["STORE_DEREF"], dis.opmap["DELETE_DEREF"]})
 
 @lru_cache(maxsize=20_000)
 def writes_of(code: CodeType) -> Writes:
-    """Find the free variables that a code object can write."""
+    """Return the free variables that a code object can write."""
     raw = code.co_code
     own: set[str] = set()
     if not _WRITING.isdisjoint(raw[::2]):

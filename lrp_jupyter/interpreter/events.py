@@ -1,4 +1,4 @@
-"""What an observer is told: one small frozen value per thing that happened."""
+"""Trace events: one small frozen value for each thing that happens in a run."""
 
 from __future__ import annotations
 
@@ -32,11 +32,11 @@ class _Unset:
 
 
 UNSET = _Unset()
-"""The value of a variable that has none."""
+"""Stands for the missing value of a variable."""
 
 
 class Firing(NamedTuple):
-    """From which state to which a transition led, and what it is called where it is shown."""
+    """The source and destination of a transition that fired, and its label."""
 
     source: str
     destination: str
@@ -51,7 +51,7 @@ class TraceEvent(NamedTuple):
     kind : str
         One of :data:`EVENT_KINDS`.
     path : tuple of str
-        What it concerns, as spawned: a state (entered, left, forced), a machine (spawned,
+        The element, as spawned: a state (entered, left, forced), a machine (spawned,
         discarded), a transition (fired: the machine's path and the id), a variable (changed);
         empty for the program as a whole.
     tick : int

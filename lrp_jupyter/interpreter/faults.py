@@ -1,7 +1,7 @@
-"""From an exception of a block to an issue: what it is, what it says, where it stands.
+"""Turn an exception of a block into an issue: its kind, its message, its location.
 
-A pure matter of the exception and the program's text: nothing here runs anything, and what an
-issue means for a run is decided there. Paper: §6.2.
+Depends only on the exception and the program's text: nothing here runs anything, and the consequences of
+an issue are decided by the run. Paper: §6.2.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ __all__ = ["Fault", "kind_and_message", "line_of", "place_of", "traceback_of"]
 
 
 class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter only)
-    """A fault that is none of Python's: it carries its kind."""
+    """A fault that Python does not raise itself; carries its kind."""
 
     def __init__(self, kind: IssueKind, message: str) -> None:
         self.kind = kind
@@ -38,7 +38,7 @@ def kind_and_message(error: BaseException) -> tuple[IssueKind, str]:
 
 
 def line_of(program: Program, error: BaseException | None) -> int:
-    """Line of the program in which an exception came to be, from 1; 0 if that is not known."""
+    """Return the line of the program in which an exception was raised, from 1; 0 if unknown."""
     trace = _innermost(program, error)
     return trace.tb_lineno if trace is not None else 0
 
@@ -68,9 +68,9 @@ def traceback_of(program: Program, error: BaseException | None) -> str:
 
 
 def _first_line(error: BaseException) -> str:
-    """Write the kind and the first line of an exception; not its notes, nor what a SyntaxError quotes.
+    """Return the type and the first line of an exception, without notes or the source of a SyntaxError.
 
-    What this package itself raises is a sentence already, which no kind makes clearer.
+    What this package itself raises is already a sentence, so its type is left out.
     """
     try:
         lines = tracebacks.format_exception_only(error)
@@ -90,7 +90,7 @@ def _name_error(error: NameError) -> str:
 
 
 def _innermost(program: Program, error: BaseException | None) -> TracebackType | None:
-    """Find where a fault came to be, as far in as the program's text goes."""
+    """Return the innermost traceback entry that is in the program's text."""
     found = None
     trace = error.__traceback__ if error is not None else None
     while trace is not None:

@@ -1,8 +1,8 @@
 """Forced states: *transition here* and *teleport here*. Paper: §6.4.
 
 Both touch only what lies below the innermost running machine that contains the target. What is
-missing on the way down is created: enclosing states become active without their spawns, so that
-the way to the target is the only thing that is made.
+missing on the path down is created: enclosing states become active without their spawns, so that
+only the path to the target is created.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ How = Literal["transition", "teleport"]
 
 
 def find_state(run: Run, path: Path) -> StatePlan:
-    """Find a state by its path of definition, or by its path as spawned.
+    """Return a state by its path of definition, or by its path as spawned.
 
     Raises
     ------
@@ -42,17 +42,17 @@ def find_state(run: Run, path: Path) -> StatePlan:
 
 
 def force(run: Run, target: StatePlan, how: How) -> None:
-    """Make `target` active; a transition runs the onexit and onentry actions on the way."""
+    """Make `target` active; a transition runs the onexit and onentry actions on the path."""
     run.remember()
     before = len(run.events)
     _go(run, target, blocks=how == "transition")
-    if run.observers:  # only now it is known which way the target was spawned
+    if run.observers:  # only now is the target's path as spawned known
         where = (*run.live[target.path[:-1]].path, target.name)
         run.events.insert(before, TraceEvent("forced", where, run.ticks, run.now, how))
 
 
 def _go(run: Run, target: StatePlan, *, blocks: bool) -> None:
-    """Leave what is in the way, then enter what lies on it; `blocks`: with their actions."""
+    """Leave the states in the way, then enter those on the path; `blocks`: with their actions."""
     way = [target]
     while (outer := run.plan.state(way[0].path[:-2])) is not None:
         way.insert(0, outer)
@@ -60,7 +60,7 @@ def _go(run: Run, target: StatePlan, *, blocks: bool) -> None:
     act = run.live.get(way[depth].path[:-1]) if depth >= 0 else None
     above = depth < len(way) - 1
     if isinstance(act, Activation) and act.state is way[depth] and above:
-        depth += 1  # the enclosing state is active already and stays
+        depth += 1  # the enclosing state is already active and stays
     elif isinstance(act, Activation):
         (run.leave if blocks else partial(_leave, run))(act)
         _enter(run, act, way[depth], target, blocks)
@@ -88,7 +88,7 @@ def _create(run: Run, state: StatePlan, parent: Activation | None) -> Activation
 
 
 def _enter(run: Run, act: Activation, state: StatePlan, target: StatePlan, blocks: bool) -> None:
-    """Enter a state on the way, or the target: only there the spawns are done."""
+    """Enter a state on the path, or the target; only the target executes its spawns."""
     row = run.row(act, state)
     if blocks and state is target:
         run.enter(act, row)
@@ -97,7 +97,7 @@ def _enter(run: Run, act: Activation, state: StatePlan, target: StatePlan, block
 
 
 def _enter_partly(run: Run, act: Activation, row: Row, *, blocks: bool, spawns: bool) -> None:
-    """Enter a state with only its blocks, or only its spawns (and so on inside), or neither."""
+    """Enter a state with only its blocks, only its spawns (recursively), or neither."""
     run.enter(act, row.bare())
     act.row = row
     actions = row.onentry.chain() if row.onentry is not None else ()
@@ -110,6 +110,6 @@ def _enter_partly(run: Run, act: Activation, row: Row, *, blocks: bool, spawns: 
 
 
 def _leave(run: Run, act: Activation) -> None:
-    """Leave without any onexit."""
+    """Leave a state without running any onexit."""
     run.discard(act, partial(_leave, run))
     run.emit("left", act.row.path)

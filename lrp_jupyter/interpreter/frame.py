@@ -1,7 +1,7 @@
-"""What a view may know of a run: a frozen value, made between two ticks.
+"""Frames: frozen snapshots of a run for views, made between two ticks.
 
-A view sees some of the frames and never all. Whatever must not be lost is therefore counted
-from the beginning (visits, firings, restarts): the difference of two frames tells what happened
+A view sees only some of the frames. Whatever must not be lost is therefore counted
+from the beginning (visits, firings, restarts): the difference of two frames shows what happened
 between them, however many were skipped. The counts are the interpreter's own, so counting
 does not depend on frames being made.
 """
@@ -30,9 +30,9 @@ class Hung:
     Parameters
     ----------
     where : str
-        What runs: a block (``a.running``), or ``the robot``.
+        The block (``a.running``), or ``the robot``.
     seconds : float
-        For how long, of the wall's time.
+        How long it has been running, in wall time.
     """
 
     where: str
@@ -41,7 +41,7 @@ class Hung:
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """One look at a run.
+    """A snapshot of a run.
 
     Parameters
     ----------
@@ -49,11 +49,11 @@ class Frame:
         ``ready`` (not started), ``running``, ``paused``, ``hung`` (a block does not return),
         ``stopped``, ``broken`` (a fault that is not the program's) or ``closed``.
     reason : str
-        Why, in a sentence; may be empty.
+        The reason for the status, a sentence; may be empty.
     tick : int
-        Ticks done; 0 before the first.
+        Number of completed ticks.
     time : float
-        Seconds of the run, pauses left out.
+        Seconds of the run, without pauses.
     active : tuple of paths
         The innermost active states, as spawned.
     variables : mapping of path to str
@@ -67,31 +67,31 @@ class Frame:
         How often each transition fired, and in which tick last, by path of definition: that of its
         machine, then its id. Transitions that never fired are absent.
     events : mapping of path to bool or None
-        What each event was at its last test, None if that failed; empty unless they are watched.
+        The result of each event's last test, None if it failed; empty unless events are watched.
     issues : tuple of Issue
     restarts : int
         How often the program was restarted; `restart_reason` says why the last time.
     revision : int
         How many edits, renames and rewinds have taken effect.
     moved : tuple of (int, Successors)
-        What the last edits and renames made of the elements that have another path now: the revision
-        that each led to, and its map.
+        The last edits and renames that changed paths: for each the revision that it led to, and the map
+        from old elements to new ones.
     patch_reason : str
-        What the last edit has to say, for example why it is not applied yet.
+        A sentence about the last edit, for example why it is not applied yet; may be empty.
     program : Program
         The program that runs.
     rate, achieved_rate : float
-        Ticks per second, wanted (0: as many as possible) and measured.
+        Ticks per second, requested (0: as many as possible) and measured.
     speed, achieved_speed : float
-        Seconds of the run per second of the wall, wanted and measured.
+        Seconds of the run per second of wall time, requested and measured.
     printed : int
         Lines that the blocks have printed.
     bridge : str
-        What the bridge says about its robot, in a sentence.
+        The status of the bridge, a sentence.
     robot : object
-        The bridge's own picture of its robot, frozen too; None when it has none.
+        The bridge's snapshot of its robot, also frozen; None if it has none.
     hung : Hung or None
-        What does not return, while `status` is ``hung``.
+        The block that does not return, while `status` is ``hung``.
     """
 
     status: Status = "ready"
@@ -123,7 +123,7 @@ class Frame:
     hung: Hung | None = None
 
     def is_active(self, state: str | Path) -> bool:
-        """Whether a state is active, at any depth.
+        """Return whether a state is active, at any depth.
 
         Parameters
         ----------
@@ -139,19 +139,19 @@ class Frame:
 
 
 def matches(wanted: str | Path, path: Path) -> bool:
-    """Whether a path is the wanted one; a bare name is wanted wherever it stands."""
+    """Return whether a path is the wanted one; a bare name matches at any depth."""
     if isinstance(wanted, str):
         wanted = tuple(wanted.split("/"))
     return path[-1:] == wanted if len(wanted) == 1 else path == tuple(wanted)
 
 
 def is_active(state: str | Path, active: tuple[Path, ...]) -> bool:
-    """Whether a state is among the active ones, or encloses one of them."""
+    """Return whether a state is among the active ones, or encloses one of them."""
     return any(matches(state, path[:end]) for path in active for end in range(2, len(path) + 1, 2))
 
 
 def definition_of(state: str | Path, program: Program) -> str | Path:
-    """Return the path of definition of a state that is given as spawned; anything else as it is."""
+    """Return the path of definition of a state given as spawned; other paths unchanged."""
     path = tuple(state.split("/")) if isinstance(state, str) else tuple(state)
     plan = link(program)
     machine: MachinePlan | Broken | None = plan.machines.get(path[:1])
@@ -175,11 +175,11 @@ class _Bounded(reprlib.Repr):
 
 _bounded = _Bounded()
 LONGEST = 400
-"""Characters of a rendered value."""
+"""Maximum number of characters of a rendered value."""
 
 
 def render(value: object) -> str:
-    """Write a value as text of bounded depth and length; never raises."""
+    """Return a value as text of bounded depth and length; never raises."""
     try:
         text = _bounded.repr(value)
     except (Exception, SystemExit) as error:

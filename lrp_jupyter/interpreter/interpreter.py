@@ -1,18 +1,18 @@
-"""The interpreter: a program that runs, and that can be changed while it runs.
+"""The interpreter: runs a program that can be changed while it runs.
 
 How it works
 ------------
 *A program is a value, an edit is a diff of two values, a tick is a function of time.* There is
-no clock, no thread and no input or output in here: :meth:`Interpreter.step` is the loop of §5.1
-of the paper and nothing else. Whoever calls it decides when, and passes the time.
+no clock, no thread and no input or output here: :meth:`Interpreter.step` is the loop of §5.1
+of the paper and nothing else. The caller decides when to call it, and passes the time.
 
-Three things stand behind it:
+It is built from three parts:
 
 - a **plan** (``linker``): the program with its names resolved and its blocks compiled. It is
   immutable; every accepted edit links a new one.
-- a **tree of activations** (``tree``): what runs now. One activation per running machine with its
+- a **tree of activations** (``tree``): one activation per running machine, with its
   active state, the time it was entered, and one cell per variable. Blocks are bound to cells as
-  closures are, so a variable is as fast as a local name of Python.
+  closures are, so a variable is as fast as a local variable of Python.
 - a **run** (``run``): the tick over that tree, with entering, leaving, spawning and faults.
 
 A tick walks from the roots down. In each machine the transitions that leave the active state are
@@ -20,11 +20,11 @@ tested in the order of the text; the first that is enabled and leads somewhere f
 state is left (innermost first), the destination is entered, and the tick of that machine is over.
 If none fires, the ``running`` actions run and the machines inside are ticked.
 
-An edit (``patching``) is applied between two ticks: link, decide, swap. What runs is carried over
-by path; only what §6.1 calls an undefined situation restarts. A ``journal`` keeps, for every tick,
-what undoes it. Faults of the program become issues and never raise.
+An edit (``patching``) is applied between two ticks: link, decide, swap. Activations are carried over
+by path; only what §6.1 calls an undefined situation restarts. A ``journal`` records how to undo
+each tick. Faults of the program become issues and never raise.
 
-Everything acts between ticks and before the call returns. An interpreter belongs to one thread.
+Every command takes effect between ticks, before the call returns. An interpreter belongs to one thread.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ from lrp_jupyter.language.rename import rename as renamed_text
 
 __all__ = ["Interpreter", "VariableMapping"]
 
-_KEPT = 20  # edits of which is known what they made of each element
+_KEPT = 20  # number of recent edits whose maps are kept
 
 
 class Interpreter:
@@ -61,17 +61,17 @@ class Interpreter:
     ----------
     program : Program
     robot : object, optional
-        What blocks see as ``robot``.
+        The value of ``robot`` in blocks.
     namespace : dict, optional
-        Names that blocks can read (a notebook's); it is used as it is and never written.
+        Names that blocks can read (a notebook's); never written.
     on_active_edit : {"restart", "keep"}
-        What a change to the actions of an active state does.
+        The effect of a change to the actions of an active state.
     on_issue : {"record", "pause"}
         ``pause``: complete the tick, then pause, at each new issue.
     journal : int
         How many ticks :meth:`rewind` can go back; 0 keeps no journal.
     output : callable, optional
-        What blocks see as ``print``.
+        The function that blocks call as ``print``.
 
     Attributes
     ----------
@@ -81,10 +81,10 @@ class Interpreter:
     revision : int
         How many edits, renames and rewinds have taken effect.
     moved : tuple of (int, Successors)
-        What the last edits and renames made of the elements that have another path now: the revision
-        that each led to, and its map.
+        The last edits and renames that changed paths: for each the revision that it led to, and the map
+        from old elements to new ones.
     patch_reason : str
-        What the last edit has to say, for example why it is not applied yet.
+        A sentence about the last edit, for example why it is not applied yet; may be empty.
 
     Paper: §5.1, §6.
     """
@@ -123,12 +123,12 @@ class Interpreter:
 
     @property
     def active(self) -> tuple[Path, ...]:
-        """Paths of the innermost active states, as spawned."""
+        """The paths of the innermost active states, as spawned."""
         return tuple(path for root in self._run.roots for path in root.leaves())
 
     @property
     def variables(self) -> VariableMapping:
-        """The living variables."""
+        """The existing variables and their values."""
         return VariableMapping(self._run)
 
     @property
@@ -138,12 +138,12 @@ class Interpreter:
 
     @property
     def tick(self) -> int:
-        """How many ticks there were; the number of the last one."""
+        """The number of ticks so far, which is the number of the last one."""
         return self._run.ticks
 
     @property
     def now(self) -> float:
-        """Time of the last tick or command, seconds."""
+        """The time of the last tick or command, in seconds."""
         return self._run.now
 
     @property
@@ -158,7 +158,7 @@ class Interpreter:
         return self._run.last_exception
 
     def entered(self, path: Path | str) -> float | None:
-        """When the active state with this path (as spawned) was entered, seconds; else None."""
+        """Return when the active state with this path (as spawned) was entered, in seconds, or None."""
         wanted = as_path(path)
         acts = (act for root in self._run.roots for act in root.walk())
         return next((act.entered for act in acts if act.full_path == wanted), None)
@@ -175,17 +175,17 @@ class Interpreter:
 
     @property
     def event_values(self) -> Mapping[Path, bool | None]:
-        """What each event was at its last test, by path of definition; see :meth:`watch_events`."""
+        """The result of each event's last test, by path of definition; see :meth:`watch_events`."""
         return self._run.event_values or {}
 
     def watch_events(self) -> None:
-        """Note from now on what each event is when it is tested: for views, at a small cost."""
+        """Record the result of each event's test from now on: for views, at a small cost."""
         if self._run.event_values is None:
             self._run.event_values = {}
             self._run.rebind()
 
     def observe(self, callback: Observer) -> Callable[[], None]:
-        """Call `callback` with every :class:`TraceEvent`; return what ends that.
+        """Call `callback` with every :class:`TraceEvent`; return a function that ends this.
 
         Observers are called in order when a tick or a command is over, on the interpreter's thread.
         """
@@ -375,7 +375,7 @@ class Interpreter:
         Raises
         ------
         UnknownElementError
-            If no such variable lives now.
+            If there is no such variable now.
         Exception
             Whatever the expression raises; the variable keeps its value.
         """
@@ -394,7 +394,7 @@ class Interpreter:
         self._force("transition", path, now)
 
     def teleport_to(self, path: Path | str, now: float | None = None) -> None:
-        """Make a state active without running any action; its spawns are done. Paper: §6.4.
+        """Make a state active without running any action; its spawns are executed. Paper: §6.4.
 
         Raises
         ------
@@ -410,7 +410,7 @@ class Interpreter:
         self._done()
 
     def reset(self, now: float | None = None) -> None:
-        """Restart the program: nothing is active until the next tick, which begins anew."""
+        """Restart the program: nothing is active until the next tick, which starts it again."""
         self._advance(now)
         self._run.remember()
         self._restart("reset")
@@ -419,7 +419,7 @@ class Interpreter:
     def pause(self, now: float | None = None) -> None:
         """Run the ``onpause`` actions, if anything is active. Paper: §6.3.
 
-        A paused interpreter still steps when told to: whoever calls :meth:`step` decides.
+        A paused interpreter still steps when :meth:`step` is called: the caller decides.
         """
         self._advance(now)
         if not self.paused:
@@ -438,16 +438,16 @@ class Interpreter:
         self._done()
 
     def rewind(self, ticks: int) -> None:
-        """Go back to the moment right after the tick that lies `ticks` before the last one.
+        """Return to the moment right after the tick that was `ticks` before the last one.
 
-        Active states, their timers, variables and patches are restored; what was done since then,
-        between ticks as well, is undone. With no tick left nothing is active. Objects that were
-        changed in place stay as they are, and so do issues, unless what they concern is gone.
+        Active states, their timers, variables and patches are restored; everything since then is
+        undone, changes between ticks included. With no tick left, nothing is active. Objects that were
+        changed in place stay as they are, and so do issues, unless their element is gone.
 
         Raises
         ------
         ValueError
-            If the journal does not reach back so far.
+            If the journal does not reach back that far.
         """
         run = self._run
         if run.journal is None:
@@ -481,7 +481,7 @@ class Interpreter:
         return moved
 
     def _restart(self, reason: str) -> None:
-        """Paper: §6.1: no transition is triggered, so no onexit runs; issues stay."""
+        """Restart without any onexit, since no transition fires; issues stay. Paper: §6.1."""
         self.restarts += 1
         self.restart_reason = reason
         self._run.clear()

@@ -43,25 +43,25 @@ ISSUE_CODES: dict[IssueKind, str] = {
 
 @dataclass(frozen=True, slots=True)
 class Issue:
-    """One fault of the program, however often it came.
+    """One fault of the program, however often it occurs.
 
     Parameters
     ----------
     kind : str
         One of :data:`ISSUE_CODES`.
     element : Element
-        What is at fault, by its place in the program.
+        The element at fault.
     message : str
-        One sentence; names in backticks.
+        A sentence; names in backticks.
     line, column : int
-        Where in the text, from 1.
+        Location in the text, from 1.
     traceback : str
-        The Python traceback from the block on; empty when no exception was raised.
+        The Python traceback, starting at the block; empty if no exception was raised.
     first_tick, last_tick : int
     count : int
-        How often it came.
+        How often it occurred.
     resolved : bool
-        Its element is gone, was changed, or ran again without it.
+        Its element is gone, was changed, or ran again without the fault.
     """
 
     kind: IssueKind
@@ -90,12 +90,12 @@ Key = tuple[Element, int, str]
 
 
 class IssueLog(Sequence[Issue]):
-    """The issues of one run, each once, in the order in which they first came."""
+    """The issues of one run, each once, in order of first occurrence."""
 
     def __init__(self) -> None:
         self._all: dict[Key, Issue] = {}
         self.open_blocks: set[tuple[Element, int]] = set()
-        self._last: dict[Key, tuple[str, int]] = {}  # message and line of what came last, in this text
+        self._last: dict[Key, tuple[str, int]] = {}  # message and line of the last occurrence, in this text
 
     @overload
     def __getitem__(self, index: int) -> Issue: ...
@@ -118,7 +118,7 @@ class IssueLog(Sequence[Issue]):
     ) -> Issue | None:
         """Count a fault; return the issue if it is new or reopened, else None.
 
-        The issue tells of what came last: it is made anew if the message, the line or the text is another.
+        The issue describes the last occurrence: it is replaced if the message, the line or the text differs.
         """
         known, last = self._all.get(key), self._last.get(key)
         self._last[key] = message, line
@@ -135,14 +135,14 @@ class IssueLog(Sequence[Issue]):
         return issue
 
     def resolve(self, which: Callable[[Key, Issue], bool]) -> None:
-        """Mark those open issues as resolved for which `which` is true."""
+        """Resolve the open issues for which `which` is true."""
         for key, issue in self._all.items():
             if not issue.resolved and which(key, issue):
                 self._all[key] = replace(issue, resolved=True)
         self.open_blocks = {key[:2] for key, issue in self._all.items() if not issue.resolved}
 
     def move(self, shift: Callable[[Issue], tuple[int, int]], successors: Successors) -> None:
-        """Give every issue its place, and its element, in a new text; those of what is gone stay."""
+        """Update the location and element of every issue for a new text; those of removed elements stay."""
         self._last.clear()
         moved: dict[Key, Issue] = {}
         for (old, ordinal, kind), issue in self._all.items():
@@ -157,7 +157,7 @@ class IssueLog(Sequence[Issue]):
         self.open_blocks = {key[:2] for key, issue in moved.items() if not issue.resolved}
 
     def clear(self) -> None:
-        """Forget all of them; what is still at fault comes again."""
+        """Remove all issues; faults that persist are reported again."""
         self._all.clear()
         self._last.clear()
         self.open_blocks = set()

@@ -1,13 +1,13 @@
-"""Stepping back: a log of what undoes every change of a run.
+"""The journal: an undo log for stepping back.
 
-Whatever changes a run pushes on the log, before it does so, what undoes that: values, then a function
-that pops them and sets them back. The end of a tick is logged as its time, so a tick in which nothing
+Code that changes a run first pushes onto the log how to undo the change: values, then a function
+that pops them and restores them. The end of a tick is logged as its time, so a tick in which nothing
 changed costs one number. What happens between two ticks (an edit, a forced state) is rare and saves
 everything in one saved state. Objects changed in place are not recorded: exact replay is a new run from
 recorded inputs.
 
-The log is one flat list. A tuple per record would cost four times as much: Python's garbage collector
-visits every one that stays.
+The log is one flat list. A tuple per record would cost four times as much, because Python's garbage
+collector visits each of them.
 """
 
 from __future__ import annotations
@@ -41,20 +41,20 @@ def undoes(values: int) -> Callable[[Undo], Undo]:
 
 @undoes(2)
 def undo_write(log: Log) -> None:
-    """Put a value back into a cell."""
+    """Restore the value of a cell."""
     cell = log.pop()
     put(cell, log.pop())
 
 
 EDITS = 300
-"""Saved states that are kept: each holds on to a whole program, and people type for hours."""
+"""Maximum number of saved states: each keeps a whole program alive, and people type for hours."""
 
 
 class Journal:
-    """What undoes the last `bound` ticks, and no more than the last :data:`EDITS` saved states.
+    """The undo log of the last `bound` ticks, with at most the last :data:`EDITS` saved states.
 
-    ``log`` is appended to directly, by whatever changes the run. It begins with the time at which
-    the first tick that can be undone began.
+    Code that changes the run appends to ``log`` directly. The log begins with the time at which the
+    first tick that can be undone began.
     """
 
     __slots__ = ("_bound", "_first", "_mark", "_saved", "log")
@@ -62,7 +62,7 @@ class Journal:
     def __init__(self, bound: int) -> None:
         self._bound = bound
         self._first = 0  # ticks that can no longer be undone
-        self._mark = 0, 0  # a tick, and where in the log it ends
+        self._mark = 0, 0  # a tick, and the index in the log at which it ends
         self._saved: deque[int] = deque()  # the ticks after which they were made
         self.log: Log = [0.0]
 
@@ -71,7 +71,7 @@ class Journal:
         return min(tick - self._first, self._bound)
 
     def save(self, ended: int, make: Callable[[], SavedState]) -> None:
-        """Log a saved state, unless there is one since the last of `ended` ticks: it undoes all after it."""
+        """Log a saved state, unless there is one since tick `ended`, which undoes everything after it."""
         if self._saved and self._saved[-1] == ended:
             return
         self._saved.append(ended)
@@ -80,13 +80,13 @@ class Journal:
             self._drop(self._saved[0] + 1)
 
     def trim(self, tick: int) -> int:
-        """Drop what lies further back than `bound` ticks; return how many ticks later to do so again."""
+        """Drop what is older than `bound` ticks; return after how many ticks to call this again."""
         self._drop(tick - self._bound)
-        self._mark = tick, len(self.log) - 1  # the next time this is where to cut
+        self._mark = tick, len(self.log) - 1  # where to cut the next time
         return self._bound
 
     def _drop(self, first: int) -> None:
-        """Let `first` be the number of ticks that can no longer be undone, if it is not higher already."""
+        """Raise the number of ticks that can no longer be undone to `first`, unless it is already higher."""
         first = max(first, self._first)
         marked, place = self._mark
         cut = place if marked == first else self.ends()[self._first - first - 1]
@@ -97,7 +97,7 @@ class Journal:
             self._saved.popleft()
 
     def ends(self) -> list[int]:
-        """Return where in the log ticks end, the last one first."""
+        """Return the indices in the log at which ticks end, the last one first."""
         ends = []
         place = len(self.log) - 1
         while place >= 0:
@@ -119,12 +119,12 @@ class Journal:
         Returns
         -------
         float
-            The time at which the tick ended that is the last one now.
+            The time at which the tick that is now the last one ended.
 
         Raises
         ------
         ValueError
-            If the journal does not reach back so far.
+            If the journal does not reach back that far.
         """
         if not 0 <= ticks <= self.reach(tick):
             raise ValueError(f"Cannot go back {ticks} ticks: the journal holds {self.reach(tick)}.")
@@ -148,12 +148,12 @@ class Journal:
 
 
 class SavedState:
-    """Attributes of objects, and the contents of cells, at one moment.
+    """A copy of attributes of objects and of the contents of cells.
 
     Parameters
     ----------
     parts : iterable of (object, names)
-        Objects, and which of their attributes to save. A dict is copied.
+        Objects, and the names of the attributes to save. A dict is copied.
     cells : iterable of types.CellType
     """
 
@@ -164,7 +164,7 @@ class SavedState:
         self._values = [(cell, content(cell)) for cell in cells]
 
     def restore(self) -> None:
-        """Set everything back."""
+        """Restore everything."""
         for part, attributes in self._parts:
             for name, value in attributes.items():
                 setattr(part, name, value)

@@ -1,9 +1,9 @@
-"""From a program to a plan: names resolved, blocks compiled, nothing running yet.
+"""The linker: compiles a program to a plan, with names resolved and blocks compiled.
 
 A plan is immutable and belongs to one program. An edit links the whole new program (compiled
 blocks are cached, so this is cheap) and the interpreter swaps plans between two ticks; no plan
-is ever patched in place. What does not resolve is kept as a sentence and becomes an issue when
-the interpreter tries it, never before. Paper: §5.2, §6.2.
+is ever patched in place. An unresolved reference is kept as a sentence and becomes an issue only when
+the interpreter tries it. Paper: §5.2, §6.2.
 """
 
 from __future__ import annotations
@@ -45,14 +45,14 @@ __all__ = [
 
 @dataclass(frozen=True, slots=True)
 class Broken:
-    """Why something does not resolve; an issue once it is tried."""
+    """Why a reference does not resolve; becomes an issue once it is tried."""
 
     kind: IssueKind
     message: str
 
 
 class Site(NamedTuple):
-    """What a fault is charged to: an element, which of its blocks (from 0), where it stands."""
+    """What a fault is attributed to: an element, the index of its block, and the offset in the text."""
 
     element: Element
     ordinal: int
@@ -86,7 +86,7 @@ class EventPlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpawnPlan:
-    """A spawn, its machine resolved lexically; `start` is looked up when it is done."""
+    """A spawn with its machine resolved lexically; `start` is looked up when it is executed."""
 
     site: Site
     start: str
@@ -94,7 +94,7 @@ class SpawnPlan:
 
     @property
     def identity(self) -> tuple[str, str]:
-        """What it spawns, by name."""
+        """The names of the machine and of its start state."""
         return self.site.element.path[-1], self.start
 
     @property
@@ -105,7 +105,7 @@ class SpawnPlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class EdgePlan:
-    """A transition; `test` is the event or block to test, why there is none, or None."""
+    """A transition; `test` is the event or block to test, the reason why there is none, or None."""
 
     site: Site
     label: str
@@ -129,7 +129,7 @@ class StatePlan:
 
 @dataclass(slots=True, eq=False)
 class MachinePlan:
-    """A machine; `outer` is the machine around it (None at the top level)."""
+    """A machine; `outer` is the enclosing machine (None at the top level)."""
 
     name: str
     path: Path
@@ -156,7 +156,7 @@ class Plan:
     places: dict[Element, int] = field(default_factory=dict)
 
     def state(self, path: Path) -> StatePlan | None:
-        """Find the state with this path of definition."""
+        """Return the state with this path of definition, or None."""
         machine = self.machines.get(path[:-1])
         return machine.states.get(path[-1]) if machine else None
 
@@ -164,8 +164,8 @@ class Plan:
 def link(program: Program) -> Plan:
     """Resolve every name of a program and compile its blocks.
 
-    The plan is kept with the program: whoever has a text checked can link it there and then, on a
-    thread of its own, so that the loop stands still only for the swap.
+    The plan is cached with the program: a caller that checks a text on another thread can link it there,
+    so that the loop is blocked only for the swap.
     """
     kept: dict[str, Plan] = program.__dict__
     if "_plan" not in kept:
@@ -175,8 +175,8 @@ def link(program: Program) -> Plan:
 
 def show_in_tracebacks(program: Program) -> None:
     """Register the text with :mod:`linecache`: tracebacks and debuggers show the lines that run."""
-    text = program.text.encode("utf-8", "replace").decode()  # a traceback cannot hold half a character
-    lines = [line.rstrip() + "\n" for line in _LINE_END.split(text)]  # else its carets stand askew
+    text = program.text.encode("utf-8", "replace").decode()  # a traceback cannot contain a lone surrogate
+    lines = [line.rstrip() + "\n" for line in _LINE_END.split(text)]  # otherwise the carets are misaligned
     linecache.cache[program.filename] = (len(program.text), None, lines, program.filename)
 
 
@@ -212,8 +212,8 @@ class _Linker:
         plan.spawns = tuple(self.spawns.get((), {}).values())
         plan.onpause = self._blocks(Element("onpause", ()))
         plan.onresume = self._blocks(Element("onresume", ()))
-        # All copied in one go, the code of blocks lies close together in memory, and not between what
-        # compiling left behind: a ring of 1,000 states runs a third faster.
+        # Copied all at once, the code of the blocks is contiguous in memory instead of scattered among
+        # leftovers of the compiler: a ring of 1,000 states runs a third faster.
         for block in self.blocks:
             if not isinstance(block.code, Broken):
                 block.code = block.code.replace()
@@ -238,7 +238,7 @@ class _Linker:
             state.machines = {inner: self.machines[found] for inner, found in inside.items()}
 
     def _entry(self, element: Element) -> tuple[BlockPlan | SpawnPlan, ...]:
-        """Link what a state does on entry: blocks and spawns, in the order of the text."""
+        """Link the onentry items of a state: blocks and spawns, in the order of the text."""
         blocks = self._blocks(element)
         spawns = self.spawns.get(element.path)
         if spawns is None:
@@ -275,7 +275,9 @@ class _Linker:
         code: CodeType | Broken
         try:
             code = compile_block(block, place.visible, self.plan.program.filename, name)
-        except SyntaxError as error:  # a `nonlocal` whose variable is gone, say: no error of the text
+        except (
+            SyntaxError
+        ) as error:  # such as a `nonlocal` whose variable was removed: not an error of the text
             code = Broken("unknown variable", f"The block cannot be linked: {error.msg}.")
         self.blocks.append(BlockPlan(Site(element, ordinal, block.span.start), code))
         return self.blocks[-1]

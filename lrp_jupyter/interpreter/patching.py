@@ -1,12 +1,12 @@
-"""What an edit does to a running program: decide, then apply.
+"""Live patching: decide the effect of an edit on a running program, then apply it.
 
 :func:`decide` compares what runs with the new plan and changes nothing; :func:`adopt` swaps the
-plans and carries the tree of activations over, and :func:`carry_issues` the issues, by the one map
-from old elements to new ones. All of it happens between two ticks, so an edit is applied as a whole
+plans and carries over the tree of activations, and :func:`carry_issues` the issues, both by one map
+from old elements to new ones. This happens between two ticks, so an edit is applied as a whole
 or not at all. Paper: §6.1.
 
-Deviation: §6.1 restarts whenever the active state is gone. Here the old program runs on until the
-new one can be started, so that a name half typed stops no robot.
+Deviation: §6.1 restarts whenever the active state is gone. Here the old program keeps running
+until the new one can start, so that a half-typed name does not stop the robot.
 """
 
 from __future__ import annotations
@@ -31,16 +31,16 @@ Policy = Literal["restart", "keep"]
 
 @dataclass(frozen=True, slots=True)
 class Patch:
-    """What became of an edit.
+    """The effect of an edit.
 
     Parameters
     ----------
     changes : ChangeSet
-        What the edit changes, by meaning.
+        The differences in meaning.
     applied : bool
-        False: the old program runs on.
+        False: the old program keeps running.
     restarted : bool
-        The program begins anew at the next tick.
+        The program starts again at the next tick.
     reason : str or None
         Why it restarted, was not applied, or was applied only in part: a sentence.
     """
@@ -52,7 +52,7 @@ class Patch:
 
     @property
     def successors(self) -> Successors:
-        """What became of each element of the old program."""
+        """The map from elements of the old program to those of the new one."""
         return self.changes.successors
 
 
@@ -66,7 +66,7 @@ class Decision:
 
 
 def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
-    """Tell what an edit to `plan` must do, in the words of the table of the language reference."""
+    """Decide the effect of an edit to `plan`, by the table in the language reference."""
     startable = any(spawn.resolves for spawn in plan.spawns)
     acts = [act for root in run.roots for act in root.walk()]
     for act in acts:
@@ -141,7 +141,7 @@ def adopt(run: Run, plan: Plan, successors: Successors, *, renamed: bool = False
 
 
 def _spawn_now(successors: Successors, identity: tuple[str, str]) -> tuple[str, str]:
-    """Return what a top-level spawn names now."""
+    """Return the names in a top-level spawn after the edit."""
     machine = successors.path("machine", identity[:1]) or identity
     state = successors.path("state", identity) or identity
     return machine[0], state[-1]
@@ -171,7 +171,7 @@ def _carry(
 
 
 def _added_spawns(old: StatePlan, new: StatePlan) -> list[SpawnPlan]:
-    """Find the machines that `new` spawns and `old` does not; another start state is no other spawn."""
+    """Return the spawns of machines that `old` does not spawn; another start state does not count."""
     known = {item.identity[0] for item in old.onentry if isinstance(item, SpawnPlan)}
     return [item for item in new.onentry if isinstance(item, SpawnPlan) and item.identity[0] not in known]
 
@@ -195,17 +195,17 @@ def carry_issues(
     successors: Successors = Successors(),  # noqa: B008  (a frozen value)
     changed: tuple[Element, ...] = (),
 ) -> None:
-    """Resolve the issues of what is gone, changed or repaired; move the others with the text. Paper: §6.2.
+    """Resolve issues of removed, changed or repaired elements; move the others with the text. Paper: §6.2.
 
     Parameters
     ----------
     issues : IssueLog
     old, plan : Plan
-        Of the text in which the issues stand, and of the one in which they are to stand.
+        The plans before and after the edit.
     successors : Successors
-        What became of the elements of the old one.
+        The map from elements of the old plan to those of the new one.
     changed : tuple of Element
-        What has another content in the new one.
+        The elements whose content differs.
     """
     twice = {site.element: site.offset for site in plan.duplicates}
 

@@ -1,7 +1,7 @@
 """One run of a program: what entering, leaving and spawning mean, faults, counts, and the journal's records.
 
 :class:`Run` is the lower half of the interpreter: everything in it happens inside one tick (or
-inside one command between two ticks) and nothing in it knows of edits. Paper: §5.1.
+inside one command between two ticks), and it knows nothing of edits. Paper: §5.1.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ _new = tuple.__new__  # a third of the time that a NamedTuple's own constructor 
 
 
 class Run:
-    """The mutable half: a tree of activations over an immutable plan."""
+    """The mutable state of a run: a tree of activations over an immutable plan."""
 
     def __init__(
         self,
@@ -72,7 +72,7 @@ class Run:
         self.journal = Journal(journal) if journal > 0 else None
         self.log: Log | None = self.journal.log if self.journal is not None else None
         self.full = journal
-        """The tick after which the journal is trimmed; now and then, as that moves the whole log."""
+        """The tick after which the journal is trimmed; done rarely, because it moves the whole log."""
         self.counts: dict[Element, Count] = {}
         self.firings: dict[tuple[Element, Element], Count] = {}
         """How often a transition has led to a state since that was last added to `counts`: one number to
@@ -91,10 +91,10 @@ class Run:
         self.clear()
 
     def clear(self) -> None:
-        """Let nothing run and no variable live."""
+        """Discard all activations and variables."""
         self.roots: tuple[Activation, ...] = ()
         self.first: Activation | None = None
-        """Of what runs, in the order of a tick; the others follow as their `next`."""
+        """The first activation in the order of a tick; the others are linked by `next`."""
         self.unordered = False
         self.pending: frozenset[tuple[str, str]] = frozenset()
         self.started = False
@@ -113,20 +113,20 @@ class Run:
     # ---- the tick ---------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Spawn what the top level spawns; the first time, initialise the globals before."""
+        """Execute the top-level spawns; the first time, initialise the globals before."""
         self.remember(self.ticks - 1)
         if not self.started:
             self.begin()
         self.spawn_top(None)
 
     def begin(self) -> None:
-        """Initialise the globals: the program has started."""
+        """Start the program: initialise the globals."""
         self.started = True
         self.emit("started", ())
         self.initialise(self.globals, self.plan.variables, self.base)
 
     def spawn_top(self, only: frozenset[tuple[str, str]] | None) -> None:
-        """Do the top-level spawns in order, in a tick: all, or `only` some of them."""
+        """Execute the top-level spawns in order, in a tick: all, or `only` some of them."""
         self.remember(self.ticks - 1)
         self.pending = frozenset()
         for spawn in self.plan.spawns:
@@ -134,7 +134,7 @@ class Run:
                 self.spawn(None, spawn)
 
     def judge(self, edge: Edge, value: object) -> bool:
-        """Whether a condition that is neither True nor False holds: only numpy's True does."""
+        """Return whether a condition that is neither True nor False holds: only numpy's True does."""
         if is_boolean(value):
             return bool(value)
         self.report(
@@ -166,7 +166,7 @@ class Run:
         self.emit("entered", new.path)
 
     def row(self, act: Activation, state: StatePlan) -> Row:
-        """Look up what a state does, bound to this activation; bind it the first time."""
+        """Return the row of a state in this activation; bind it the first time."""
         row = act.rows.get(state.name)
         if row is None:
             row = act.rows[state.name] = bind_row(self, act, state)
@@ -183,7 +183,7 @@ class Run:
         self._do(row.onentry)
 
     def leave(self, act: Activation) -> None:
-        """Leave the active state, what it contains first, innermost first. Paper: §5.1, step 6."""
+        """Leave the active state, innermost states first. Paper: §5.1, step 6."""
         if self.log is not None:
             self.log += (act.children, act.entered, act.state, act, undo_change)
         if act.children:
@@ -202,12 +202,12 @@ class Run:
             action = action.next
 
     def discard(self, act: Activation, leave: Callable[[Activation], None]) -> None:
-        """Leave and discard the machines inside, the last one spawned first."""
+        """Leave and discard the nested machines, the last one spawned first."""
         for child in reversed(act.children):
             leave(child)
             child.row = child.row.bare()
             if self.watched:
-                if self.log is not None:  # a function may write them when they are no longer compared
+                if self.log is not None:  # a function may write them after they are no longer compared
                     for slot in child.own.values():
                         if slot.leaked:
                             self.log += (slot.last, slot.cell, undo_write)
@@ -225,7 +225,7 @@ class Run:
         plan: SpawnPlan,
         enter: Callable[[Activation, Row], None] | None = None,
     ) -> None:
-        """Do a spawn, or report why it cannot be done."""
+        """Execute a spawn, or report why it cannot be executed."""
         machine = plan.target
         if isinstance(machine, Broken):
             self.report(plan.site, machine.kind, machine.message)
@@ -276,7 +276,7 @@ class Run:
             environment.visible[variable.name] = environment.own[variable.name] = slot
 
     def evaluate(self, variable: VariablePlan, visible: Mapping[str, Slot], slot: Slot) -> None:
-        """Run an initialiser; if it fails, the variable keeps what it holds."""
+        """Run an initialiser; if it fails, the variable keeps its value."""
         try:
             slot.cell.cell_contents = bind_block(self, variable.initial, visible)()
         except BaseException as error:
@@ -318,25 +318,25 @@ class Run:
         self.fault(site, Fault(kind, message))
 
     def recovered(self, site: Site, value: object) -> None:
-        """Resolve the issues of a site that just ran without fault and gave `value`."""
+        """Resolve the issues of a site that has just run without a fault and returned `value`."""
         boolean = is_boolean(value)
         self.issues.resolve(lambda key, _: key[:2] == site[:2] and (boolean or key[2] != "not boolean"))
         self.stale = self.attention = True
 
     def rebind(self) -> None:
-        """Throw all rows away: what they were bound to has changed."""
+        """Discard all rows, because what they were bound to has changed."""
         self.stale = False
         for act in self._walk():
             act.rows.clear()
             act.row = act.rows[act.state.name] = bind_row(self, act, act.state)
 
     def _walk(self) -> Iterator[Activation]:
-        """Visit all that runs, outer machines before inner ones, in the order of spawning."""
+        """Yield all activations, outer machines before inner ones, in the order of spawning."""
         for root in self.roots:
             yield from root.walk()
 
     def refresh(self) -> None:
-        """Bring up to date what is computed from the tree of activations; between two ticks."""
+        """Update what is computed from the tree of activations; between two ticks."""
         while self.stale:  # binding may find that a variable leaks, after others were bound to it
             self.rebind()
         if self.unordered:
@@ -393,7 +393,7 @@ class Run:
         self.firings = {}
 
     def observe(self, callback: Observer) -> Callable[[], None]:
-        """Tell `callback` of every event from now on; return what ends that."""
+        """Call `callback` with every event from now on; return a function that ends this."""
         if not self.observers:
             for environment in self.live.values():
                 environment.sync()
@@ -410,19 +410,19 @@ class Run:
         return unsubscribe
 
     def emit(self, kind: str, path: Path, data: object = None) -> None:
-        """Note an event for the observers; they are told when the tick or command is over."""
+        """Queue an event for the observers, which are called when the tick or command is over."""
         if self.observers:
             self.events.append(_new(TraceEvent, (kind, path, self.ticks, self.now, data)))
 
     # ---- the journal ------------------------------------------------------------------------
 
     def remember(self, ended: int | None = None) -> None:
-        """Save the whole state, before a change that is not one of a tick.
+        """Save the whole state before a change outside a tick.
 
         Parameters
         ----------
         ended : int, optional
-            How many ticks are over; all, unless it is done inside one.
+            Number of completed ticks; all, unless this is called inside a tick.
         """
         if self.journal is not None:
             self.journal.save(self.ticks if ended is None else ended, self._saved_state)
@@ -439,12 +439,12 @@ class Run:
         )
 
     def trim(self) -> None:
-        """Drop the records that lie further back than the journal is bound to reach."""
+        """Drop the records that are older than the journal's bound."""
         if self.journal is not None:
             self.full = self.ticks + self.journal.trim(self.ticks)
 
     def undo(self, ticks: int) -> None:
-        """Go back to the end of the tick that lies `ticks` before the last one."""
+        """Return to the end of the tick that was `ticks` before the last one."""
         assert self.journal is not None
         self._add_firings()
         counts = self.counts  # they are not undone, but what they count may have its old name again
@@ -464,17 +464,19 @@ class Run:
         """Compare a variable after every tick from now on: a function inside a block writes it."""
         if not slot.leaked:
             slot.leaked = self.leaking = self.watched = self.attention = self.stale = True
-            self.log_cell(slot.cell)  # what is bound already logs it as before, until the end of the tick
+            self.log_cell(
+                slot.cell
+            )  # blocks that are already bound log it as before, until the end of the tick
             if not self.observers:
                 slot.last = content(slot.cell)
 
     def log_cell(self, cell: CellType) -> None:
-        """Log what a cell contains, before it is written."""
+        """Log the content of a cell before it is written."""
         if self.log is not None:
             self.log += (content(cell), cell, undo_write)
 
     def settle(self, environments: Iterable[Environment]) -> None:
-        """Compare the variables that may have changed unseen, for the journal and the observers."""
+        """Compare the variables that may have changed unnoticed, for the journal and the observers."""
         for environment in environments:
             for name, slot in environment.own.items():
                 if not (slot.leaked or self.observers):

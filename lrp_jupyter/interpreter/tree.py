@@ -1,10 +1,10 @@
-"""What runs: a small tree of activations, and the bound rows that a tick reads.
+"""The tree of activations, and the bound rows that a tick follows.
 
 An activation is one running machine: its active state, when that state was entered, one cell
 per variable, and the machines that the state spawned. A row is what one state of one activation
-does, its blocks bound to the cells once, when the state is first entered: so a tick follows chains of
-bound callables and looks nothing up. Rows are thrown away whenever something about them
-changes (a patch, a fault that begins or ends); they are cheap to make again.
+does, its blocks bound to the cells once, when the state is first entered: a tick follows chains of
+bound callables without any lookup. Rows are discarded whenever something about them
+changes (a patch, a fault that begins or ends); they are cheap to create again.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class Count:
 
 
 class Environment:
-    """Variables, by name: `own` are those of its machine, `visible` all that its blocks see."""
+    """Variables by name: `own` are those of its machine, `visible` all that its blocks can access."""
 
     __slots__ = ("own", "path", "visible")
 
@@ -74,7 +74,7 @@ class Environment:
         self.own: dict[str, Slot] = {}
 
     def sync(self) -> None:
-        """Store the present values as those that were last compared."""
+        """Store the present values for the next comparison."""
         for slot in self.own.values():
             slot.last = content(slot.cell)
 
@@ -102,12 +102,12 @@ class Activation(Environment):
         self.rows: dict[str, Row] = {}
         self.entered = 0.0
         self.next: Activation | None = None
-        """What is ticked after it."""
+        """The next activation in the order of a tick."""
         self.children: tuple[Activation, ...] = ()
 
     @property
     def full_path(self) -> Path:
-        """Path of the active state, as spawned."""
+        """The path of the active state, as spawned."""
         return (*self.path, self.state.name)
 
     def leaves(self) -> Iterator[Path]:
@@ -118,14 +118,14 @@ class Activation(Environment):
             yield from child.leaves()
 
     def walk(self) -> Iterator[Activation]:
-        """Itself, then what runs inside, in the order of spawning."""
+        """Yield itself, then the nested activations, in the order of spawning."""
         yield self
         for child in self.children:
             yield from child.walk()
 
 
 class Edge:
-    """A transition as one state of one activation sees it."""
+    """A transition, bound to one state of one activation."""
 
     __slots__ = ("actions", "count", "home", "next", "path", "plan", "row", "source", "target", "test")
 
@@ -175,10 +175,10 @@ class Edge:
 
 
 class Action:
-    """A bound block or a spawn, what its faults are charged to, and the action after it.
+    """A bound block or a spawn, the site of its faults, and the action after it.
 
-    A chain of actions is run by following `next`: for one or two of them, which is what most states
-    have, to begin a `for` loop costs as much as a block.
+    A chain of actions is run by following `next`: most states have one or two actions, and starting a
+    `for` loop costs as much as running a block.
     """
 
     __slots__ = ("call", "cell", "next", "site")
@@ -191,7 +191,7 @@ class Action:
         self.next = following
 
     def chain(self) -> Iterator[Action]:
-        """Itself, then the actions after it."""
+        """Yield itself, then the actions after it."""
         action: Action | None = self
         while action is not None:
             yield action
@@ -199,7 +199,7 @@ class Action:
 
 
 class Row:
-    """What one state of one activation does: its first transition, and the first of each kind of actions."""
+    """The behaviour of one state of an activation: its first transition, its first action of each kind."""
 
     __slots__ = ("count", "edge", "onentry", "onexit", "path", "running", "state")
 
@@ -227,13 +227,13 @@ class Row:
 
 
 def is_boolean(value: object) -> bool:
-    """Whether a value is a truth value, Python's or numpy's."""
+    """Return whether a value is a boolean of Python or numpy."""
     kind = type(value)
     return kind is bool or (kind.__module__ == "numpy" and kind.__name__ in ("bool", "bool_"))
 
 
 def short(value: object) -> str:
-    """Write a value in a few characters, for a message."""
+    """Return a value as a short text, for a message."""
     try:
         text = repr(value)
     except (Exception, SystemExit):
@@ -242,7 +242,7 @@ def short(value: object) -> str:
 
 
 class Host(Protocol):
-    """What bound blocks and conditions use of the run that they belong to."""
+    """The interface of a run that bound blocks and conditions use."""
 
     namespace: dict[str, Any]
     now: float
@@ -260,20 +260,20 @@ class Host(Protocol):
         """Return the count of firings of a transition that lead to a state."""
 
     def spawn(self, parent: Activation | None, plan: SpawnPlan) -> None:
-        """Do a spawn."""
+        """Execute a spawn."""
 
     def recovered(self, site: Site, value: object) -> None:
-        """Resolve the issues of a site that just ran without fault."""
+        """Resolve the issues of a site that has just run without a fault."""
 
     def leak(self, slot: Slot) -> None:
         """Compare a variable after every tick."""
 
     def log_cell(self, cell: CellType) -> None:
-        """Log what a cell contains, before it is written."""
+        """Log the content of a cell before it is written."""
 
 
 def broken(reason: Broken) -> Call:
-    """Make a callable that fails with `reason`."""
+    """Return a callable that fails with `reason`."""
 
     def fail() -> object:
         raise Fault(reason.kind, reason.message)
@@ -282,7 +282,7 @@ def broken(reason: Broken) -> Call:
 
 
 def bind_code(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> Call:
-    """Bind a compiled block to variables; what it writes is logged before it runs."""
+    """Bind a compiled block to variables; the cells that it writes are logged before it runs."""
     call, cell = _bind(run, code, visible)
     return call if cell is None else _logged(run, cell, call)
 
@@ -313,13 +313,13 @@ def _logged(run: Host, cell: CellType, call: Call) -> Call:
 
 
 def bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> Call:
-    """Bind a block that is no action of a state; what it writes is logged before it runs."""
+    """Bind a block outside a state's actions; the cells that it writes are logged before it runs."""
     call, cell = _bind_block(run, plan, visible)
     return call if cell is None else _logged(run, cell, call)
 
 
 def _bind_block(run: Host, plan: BlockPlan, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
-    """Bind a block to variables; while it has an open issue, a run without fault resolves that."""
+    """Bind a block to variables; while it has an open issue, a run without a fault resolves it."""
     if isinstance(plan.code, Broken):
         return broken(plan.code), None
     call, cell = _bind(run, plan.code, visible)
@@ -338,7 +338,7 @@ def _bind_actions(run: Host, act: Activation, plans: tuple[BlockPlan | SpawnPlan
 
 
 def watched(run: Host, site: Site, call: Call) -> Call:
-    """Wrap a call whose site has an open issue: a run without fault resolves it."""
+    """Wrap a call whose site has an open issue, which a run without a fault resolves."""
 
     def again() -> object:
         value = call()
@@ -349,7 +349,7 @@ def watched(run: Host, site: Site, call: Call) -> Call:
 
 
 def bind_row(run: Host, act: Activation, state: StatePlan) -> Row:
-    """Bind everything that `state` does in `act`."""
+    """Bind the blocks and transitions of `state` to `act`."""
     edge = None
     for plan in reversed(state.edges):
         edge = Edge(run, act, state, plan, edge)
@@ -365,7 +365,7 @@ def bind_row(run: Host, act: Activation, state: StatePlan) -> Row:
 
 
 def noted(values: dict[Path, bool | None], event: Path, call: Call) -> Call:
-    """Wrap the condition of an event: note what it was at its last test, None if it had no truth."""
+    """Wrap the condition of an event to record the result of its last test, None if it was not boolean."""
 
     def test() -> object:
         values[event] = None
@@ -440,7 +440,7 @@ _TESTS: dict[type[Trigger], Callable[[Host, Activation, EdgePlan], Call]] = {
 
 
 TOLERANCE = 1e-6
-"""Milliseconds: sums of periods such as 0.1 s are not exact, and a tick must not be missed for that."""
+"""Milliseconds: sums of periods such as 0.1 s are not exact, and that must not cost a tick."""
 
 
 def _reader(name: str, cell: CellType) -> Call:

@@ -1,4 +1,4 @@
-"""The variables of a run, by path: to look at, and to assign from outside."""
+"""The variables of a run, by path: read and assigned from outside."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["VariableMapping", "as_path", "assign", "find_variable"]
 
 
 class VariableMapping(Mapping[Path, object]):
-    """The living variables and their values, by path: ``("follower", "nobump")``.
+    """The existing variables and their values, by path: ``("follower", "nobump")``.
 
     A path may also be written as text, ``"follower/nobump"``. Variables that have no value (their
     initialiser failed) are absent.
@@ -48,17 +48,17 @@ class VariableMapping(Mapping[Path, object]):
 
 
 def as_path(path: Path | str) -> Path:
-    """Give a path that may be written as text."""
+    """Return a path as a tuple; it may be given as text."""
     return tuple(path.split("/")) if isinstance(path, str) else tuple(path)
 
 
 def find_variable(run: Run, path: Path | str) -> tuple[Environment, str]:
-    """Find the living environment of a variable and its name.
+    """Return the environment that holds a variable now, and the variable's name.
 
     Raises
     ------
     UnknownElementError
-        If no such variable lives now.
+        If there is no such variable now.
     """
     *where, name = as_path(path) or ("",)
     for key, environment in run.live.items():
@@ -75,7 +75,7 @@ def assign(run: Run, path: Path | str, expression: str) -> None:
     Raises
     ------
     UnknownElementError
-        If no such variable lives now.
+        If there is no such variable now.
     Exception
         Whatever the expression raises; the variable keeps its value.
     """

@@ -127,7 +127,7 @@ def setup_as_dict(wires: Iterable[Wire]) -> dict[str, Any]:
     return setup
 
 
-def setup_from_dict(setup: object, where: str = "the set-up") -> tuple[Wire, ...]:
+def setup_from_dict(setup: object, where: str = "The set-up") -> tuple[Wire, ...]:
     """Read a set-up.
 
     Raises
