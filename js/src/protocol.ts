@@ -6,7 +6,7 @@
 
 export type PartName = "lab" | "controls" | "editor" | "tree" | "graph" | "variables" | "issues" | "world";
 
-/** A view opens, shows this part, and wants a snapshot. Sent again when it lost the connection. */
+/** A view opens, shows this part, and needs a snapshot. Sent again after a lost connection. */
 export interface HelloMessage {
   view: string;
   type: "hello";
@@ -28,7 +28,7 @@ export interface TextMessage {
   text: string;
 }
 
-/** The frame with this number arrived, and with it all before it. */
+/** The frame with this number has arrived, and all frames before it. */
 export interface CreditMessage {
   view: string;
   type: "credit";
@@ -44,7 +44,7 @@ export interface CompleteRequest {
   scope: string;
 }
 
-/** Ask what a dotted name (``robot.light.data``) is in a scope. Answered by `hover`. */
+/** Describe a dotted name (``robot.light.data``) in a scope. Answered by `hover`. */
 export interface HoverRequest {
   view: string;
   id: number;
@@ -53,7 +53,7 @@ export interface HoverRequest {
   scope: string;
 }
 
-/** Ask whose name stands at a place of the last text sent. Answered by `references`. */
+/** Find the element named at a place of the last text sent. Answered by `references`. */
 export interface ReferencesRequest {
   view: string;
   id: number;
@@ -74,7 +74,7 @@ export interface InspectRequest {
   into: string[];
 }
 
-/** Run, or resume; after a stop from the beginning. */
+/** Start or resume the program; after a stop, from the beginning. */
 export interface RunCommand {
   view: string;
   type: "command";
@@ -92,7 +92,7 @@ export interface PauseCommand {
 
 export type Ticks = number;
 
-/** Run so many ticks. */
+/** Run this number of ticks. */
 export interface StepCommand {
   view: string;
   type: "command";
@@ -101,7 +101,7 @@ export interface StepCommand {
   value?: Ticks;
 }
 
-/** Go back by so many ticks. */
+/** Step back by this number of ticks. */
 export interface StepBackCommand {
   view: string;
   type: "command";
@@ -146,7 +146,7 @@ export interface SpeedCommand {
   value: Positive;
 }
 
-/** Let commands move the robot, or not. */
+/** Arm or disarm the robot. */
 export interface ArmedCommand {
   view: string;
   type: "command";
@@ -175,7 +175,7 @@ export interface PanelCommand {
   values?: Record<string, string>;
 }
 
-/** Let texts wait for `apply`, or not; what was held runs when it is switched off. */
+/** Switch holding of edits on or off; a held text is applied when it is switched off. */
 export interface HoldCommand {
   view: string;
   type: "command";
@@ -184,7 +184,7 @@ export interface HoldCommand {
   on: boolean;
 }
 
-/** Let the held text run. */
+/** Apply the held text. */
 export interface ApplyCommand {
   view: string;
   type: "command";
@@ -192,7 +192,7 @@ export interface ApplyCommand {
   do: "apply";
 }
 
-/** Go back to the text that runs. */
+/** Return to the text of the running program. */
 export interface RevertCommand {
   view: string;
   type: "command";
@@ -200,7 +200,7 @@ export interface RevertCommand {
   do: "revert";
 }
 
-/** Make a bundled program the text. */
+/** Replace the text by a bundled program. */
 export interface LoadCommand {
   view: string;
   type: "command";
@@ -254,7 +254,7 @@ export interface TransitionCommand {
   path: string;
 }
 
-/** Be in a state; no action runs. */
+/** Make a state active without running any action. */
 export interface TeleportCommand {
   view: string;
   type: "command";
@@ -284,7 +284,7 @@ export interface SetVariableCommand {
 
 export type OnActiveEdit = "restart" | "keep";
 
-/** Let an edit of the active state restart the program, or keep it running. */
+/** Set whether an edit of the active state restarts the program. */
 export interface OnActiveEditCommand {
   view: string;
   type: "command";
@@ -293,7 +293,7 @@ export interface OnActiveEditCommand {
   name: OnActiveEdit;
 }
 
-/** Whether a new issue pauses the program. */
+/** Set whether a new issue pauses the program. */
 export interface PauseOnIssueCommand {
   view: string;
   type: "command";
@@ -302,7 +302,7 @@ export interface PauseOnIssueCommand {
   on: boolean;
 }
 
-/** Forget the issues of the run. */
+/** Clear the issues of the run. */
 export interface ClearIssuesCommand {
   view: string;
   type: "command";
@@ -314,7 +314,7 @@ export type Index = number;
 
 export type Pose = [number, number, number];
 
-/** Put a robot elsewhere; sent while it is dragged. */
+/** Move a robot; sent while it is dragged. */
 export interface DragRobotCommand {
   view: string;
   type: "command";
@@ -324,7 +324,7 @@ export interface DragRobotCommand {
   pose: Pose;
 }
 
-/** Put a solid elsewhere; sent while it is dragged. */
+/** Move a solid; sent while it is dragged. */
 export interface DragSolidCommand {
   view: string;
   type: "command";
@@ -361,7 +361,7 @@ export interface EraseCommand {
   width?: Width;
 }
 
-/** Put a robot back where it began. */
+/** Return a robot to its start. */
 export interface ResetPoseCommand {
   view: string;
   type: "command";
@@ -370,7 +370,7 @@ export interface ResetPoseCommand {
   index: Index;
 }
 
-/** Reset the world as it was, without trails and drawings. */
+/** Reset the world to its start, without trails and drawings. */
 export interface ResetWorldCommand {
   view: string;
   type: "command";
@@ -387,7 +387,7 @@ export interface WorldCommand {
   name: string;
 }
 
-/** Put a node of a machine's graph where it was dragged, in px. */
+/** Pin a node of a machine's graph to the place where it was dragged, in px. */
 export interface PinCommand {
   view: string;
   type: "command";
@@ -657,7 +657,7 @@ export interface PanelTable {
   buttons: PanelButton[];
 }
 
-/** Something that the bridge needs to know before it connects, an address for example. */
+/** A question that the bridge needs answered before it connects, for example an address. */
 export interface PanelQuestion {
   key: string;
   text: string;
@@ -736,7 +736,7 @@ export interface QuickFix {
   edits: TextEdit[];
 }
 
-/** A static finding of `check`; `id` tells it from the others of its text. */
+/** A static finding of `check`; `id` identifies it among the others of its text. */
 export interface FindingView {
   id: string;
   code: string;
@@ -746,7 +746,7 @@ export interface FindingView {
   fix: QuickFix | null;
 }
 
-/** What a held text would change, each element in words (``str(element)``). */
+/** The changes in a held text, each element as text (``str(element)``). */
 export interface Difference {
   added: string[];
   removed: string[];
@@ -754,7 +754,7 @@ export interface Difference {
   moved: string[];
 }
 
-/** The session has read a text, and how it took it. */
+/** The answer to a text that the session has read. */
 export interface AnswerMessage {
   type: "answer";
   view: string;
@@ -775,13 +775,13 @@ export interface ChoicesView {
   programs: string[];
 }
 
-/** What the light sensor sees. */
+/** The floor, as the light sensor sees it. */
 export interface FloorView {
   grey?: number;
   strokes?: StrokeView[];
 }
 
-/** Something to bump into. `box`: centre and size; `angle` in rad; `push`: a number if pushable. */
+/** A solid. `box`: centre and size; `angle` in rad; `push`: a number if pushable. */
 export interface SolidView {
   box?: number[];
   circle?: Pose;
@@ -799,13 +799,13 @@ export interface RobotShape {
   distance?: Point[];
 }
 
-/** A region that a challenge speaks of. */
+/** A region that a challenge refers to. */
 export interface ZoneView {
   circle?: Pose;
   box?: number[];
 }
 
-/** The world as `World.to_dict` writes it (what is usual left out); the page fills it in. */
+/** The world as `World.to_dict` writes it, without default values, which the page fills in. */
 export interface WorldView {
   version: number;
   name?: string;
@@ -818,7 +818,7 @@ export interface WorldView {
   zones: Record<string, ZoneView>;
 }
 
-/** Everything, for a view that has just come. */
+/** Everything, for a view that has just opened. */
 export interface SnapshotMessage {
   type: "snapshot";
   view: string;
@@ -833,7 +833,7 @@ export interface SnapshotMessage {
   frame: FrameMessage;
 }
 
-/** The world changed other than by movement and ink (or there is none any more). */
+/** The world has changed other than by movement and ink, or no longer exists. */
 export interface WorldMessage {
   type: "world";
   view: string;

@@ -1,7 +1,7 @@
-"""Where a session's time comes from: the only clocks of the package.
+"""The clocks of sessions, the only ones in the package.
 
-Seconds, as float. A session asks a clock for the time and lets it wait; whether that waiting
-takes wall time is the clock's affair. So one loop serves a robot, a test and a grader.
+Times are seconds, as float. A session reads the time from a clock and waits by it; whether waiting
+takes wall time is up to the clock. So the same loop serves a robot, a test and a grader.
 """
 
 from __future__ import annotations
@@ -14,25 +14,25 @@ from typing import Protocol
 __all__ = ["LAG", "Clock", "MonotonicClock", "VirtualClock"]
 
 LAG = 0.25
-"""Wall seconds by which a host may fall behind before the pacing starts again from the present."""
+"""Wall seconds by which a host may fall behind before pacing restarts from the present."""
 
 
 class Clock(Protocol):
-    """What a session needs of time. Only the thread that drives the session calls it."""
+    """The interface of a clock. Only the thread that drives the session calls it."""
 
     speed: float
 
     def now(self) -> float:
-        """Seconds since the clock was made, without those spent paused."""
+        """Return the seconds since the clock was created, without pauses."""
 
     def sleep_until(self, t: float, wake: Event) -> None:
-        """Return when it is `t`, or as soon as `wake` is set."""
+        """Wait until time `t`, or until `wake` is set."""
 
     def delay(self, t: float) -> float:
-        """Wall seconds until `t`; 0 when it has passed. Waiting elsewhere needs it (asyncio)."""
+        """Return the wall seconds until `t`, 0 if it has passed; used by asyncio to wait."""
 
     def rebase(self, t: float) -> None:
-        """Make it `t` now."""
+        """Set the time to `t`."""
 
     def pause(self) -> None:
         """Stop the time; idempotent."""
@@ -42,7 +42,7 @@ class Clock(Protocol):
 
 
 class VirtualClock:
-    """A virtual clock: its time passes only when it is waited for, and then it jumps.
+    """A virtual clock: its time advances only when it is waited for, by jumping.
 
     Parameters
     ----------
@@ -60,21 +60,21 @@ class VirtualClock:
         return self._now
 
     def sleep_until(self, t: float, wake: Event) -> None:
-        """Make it `t` at once, unless `wake` is set or the wait has no end."""
+        """Set the time to `t` at once, unless `wake` is set or `t` is infinite."""
         if t == math.inf:
             wake.wait()
         elif not wake.is_set():
             self._now = max(self._now, t)
 
     def delay(self, t: float) -> float:
-        """Return 0: there is nothing to wait for. The time becomes `t`."""
+        """Set the time to `t`; return 0, because there is nothing to wait for."""
         if t == math.inf:
             return math.inf
         self._now = max(self._now, t)
         return 0.0
 
     def rebase(self, t: float) -> None:
-        """Make it `t`."""
+        """Set the time to `t`."""
         self._now = t
 
     def pause(self) -> None:
@@ -90,18 +90,18 @@ class MonotonicClock:
     Parameters
     ----------
     speed : float
-        Seconds of this clock per second of the wall; `math.inf` never waits.
+        Seconds of this clock per second of wall time; `math.inf` never waits.
 
     Notes
     -----
     It never jumps by itself: a session that finds itself more than :data:`LAG` behind calls
-    :meth:`rebase` and goes on from there, instead of racing through what it missed.
+    :meth:`rebase` and continues from there, instead of racing through what it missed.
     """
 
     def __init__(self, speed: float = 1.0) -> None:
         self._speed = _checked(speed)
         self._base = 0.0  # the time …
-        self._since: float | None = monotonic()  # … at this moment of the wall; None while paused
+        self._since: float | None = monotonic()  # … at this wall time; None while paused
 
     @property
     def speed(self) -> float:
@@ -121,7 +121,7 @@ class MonotonicClock:
         return self._base + (monotonic() - self._since) * self._speed
 
     def delay(self, t: float) -> float:
-        """Wall seconds until `t`; infinite while paused."""
+        """Return the wall seconds until `t`; infinite while paused."""
         if t == math.inf or self._since is None:
             return math.inf
         if self._speed == math.inf:
@@ -138,19 +138,19 @@ class MonotonicClock:
             wake.wait(delay)
 
     def rebase(self, t: float) -> None:
-        """Make it `t` now; a paused clock stays paused."""
+        """Set the time to `t`; a paused clock stays paused."""
         self._base = t
         if self._since is not None:
             self._since = monotonic()
 
     def pause(self) -> None:
-        """Stand still from now on."""
+        """Stop the time."""
         if self._since is not None:
             self._base = self.now()
             self._since = None
 
     def resume(self) -> None:
-        """Go on from where it stands."""
+        """Continue from the present time."""
         if self._since is None:
             self._since = monotonic()
 

@@ -1,4 +1,4 @@
-"""What a session can be asked to do, as frozen values; each knows how it is applied to a loop.
+"""The commands of a session: frozen values, each of which can be applied to a loop.
 
 They come from any thread, are queued in the loop's inbox, and are applied by one thread between two
 ticks. Nothing else crosses from the views to the interpreter.
@@ -87,7 +87,7 @@ class Rename(Command):
 
 @dataclass(frozen=True, slots=True)
 class Rewind(Command):
-    """Go back by so many ticks."""
+    """Step back by this number of ticks."""
 
     misuse: ClassVar[tuple[type[Exception], ...]] = _ARGUMENTS
     ticks: int
@@ -173,7 +173,7 @@ class SetPolicy(Command):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Call(Command):
-    """Call a function between two ticks: the world is dragged, drawn on, reset by these."""
+    """Call a function between two ticks; used to drag, draw on and reset the world."""
 
     misuse: ClassVar[tuple[type[Exception], ...]] = (Exception,)  # it runs code of the caller
     function: Callable[[], Any]

@@ -1,14 +1,14 @@
-"""Who drives a loop: a thread, an asyncio task or the caller; and the monitor that watches it.
+"""Drivers of a loop (a thread, an asyncio task or the caller), and the monitor that watches it.
 
 A :class:`Driver` decides which thread may run the loop, and lets other threads submit commands to
 it. A command is applied
 
-* by the driver's thread where there is one; the caller waits, for a second at most;
-* by the caller where nothing else drives the loop;
-* after the tick, without waiting, where a block of the program itself asks.
+* by the driver's thread if there is one; the caller waits, for at most a second;
+* by the caller if nothing else drives the loop;
+* after the tick, without waiting, if the call comes from a block of the program.
 
-Every driver does the same: a turn of the loop, then waiting as long as the turn says. They differ in
-how they wait.
+Every driver alternates between a turn of the loop and waiting for the time that the turn returns. They
+differ in how they wait.
 
 The monitor is a second thread. A block that does not return holds up its loop and nothing else: the
 monitor reports which block it is, stops the robot, and can interrupt the block. It also feeds the
@@ -63,14 +63,14 @@ class LoopThread:
         self._loop = loop
         self._turning = turning
         self._ended = False
-        self._suspended = 0  # by so many callers who drive the loop themselves
+        self._suspended = 0  # number of callers that drive the loop themselves
         # The context is copied, or output of the thread would be routed to the cell run last.
         context = contextvars.copy_context()
         self._thread = threading.Thread(target=context.run, args=(self._run,), name=name, daemon=True)
 
     @property
     def ident(self) -> int | None:
-        """Identity of the thread that drives the loop; None when nothing does."""
+        """The identity of the thread that drives the loop, or None."""
         return self._thread.ident if self._thread.is_alive() else None
 
     def start(self) -> None:
@@ -82,7 +82,7 @@ class LoopThread:
         self._suspended += 1
 
     def unsuspend(self) -> None:
-        """Continue, once it was called as often as :meth:`suspend`."""
+        """Continue, once called as often as :meth:`suspend`."""
         self._suspended -= 1
         self._loop.inbox.notify()
 
@@ -126,10 +126,10 @@ class LoopTask:
         self._task: asyncio.Task[None] | None = None
         self._wake = asyncio.Event()
         self.ident: int | None = None
-        """Identity of the thread that drives the loop; None when nothing does."""
+        """The identity of the thread that drives the loop, or None."""
 
     def start(self) -> None:
-        """Make the task; an event loop must be running."""
+        """Create the task; an event loop must be running."""
         home = asyncio.get_running_loop()
 
         def notify() -> None:
@@ -178,7 +178,7 @@ class Driver:
     ----------
     loop : Loop
     name : str
-        Of the session, for its threads.
+        Name of the session, for its threads.
     """
 
     def __init__(self, loop: Loop, name: str) -> None:
@@ -191,7 +191,7 @@ class Driver:
 
     @property
     def running(self) -> bool:
-        """Whether a thread or a task drives the loop."""
+        """Return whether a thread or a task drives the loop."""
         return self._motor is not None and self._motor.ident is not None
 
     @property
@@ -273,14 +273,14 @@ class Driver:
         Raises
         ------
         SessionTimeoutError
-            It is not applied yet; the message says what blocks it. It stays in the queue.
+            The command is not applied yet and stays in the queue; the message names what blocks it.
         """
         if self._inside_block:
             return None
         try:
             return answer.result(PATIENCE)
         except FutureTimeout:
-            if answer.done():  # the command itself failed so
+            if answer.done():  # the error is the command's own
                 raise
             raise self._blocked(what) from None
 
@@ -296,7 +296,7 @@ class Driver:
 
     @contextmanager
     def exclusive(self, what: str) -> Iterator[None]:
-        """Drive the loop on the calling thread for a while; the driver's own thread stands by.
+        """Drive the loop on the calling thread for a while; the driver's own thread is suspended.
 
         Raises
         ------
@@ -368,7 +368,7 @@ class Monitor:
             self._thread.join(5)
 
     def seen(self) -> None:
-        """Reset the dead man's switch: a view that a person watches has answered."""
+        """Reset the dead man's switch: a view has answered."""
         self._seen = monotonic()
 
     def _run(self) -> None:
@@ -386,7 +386,7 @@ class Monitor:
         if loop.status != "running":
             self._seen = wall
             return
-        if loop.bridge.time_step is None:  # where time is the session's own, it stands still too
+        if loop.bridge.time_step is None:  # a simulated time stands still, too
             loop.bridge.check_watchdog(loop.clock.now())
         if self._dead_man is not None and wall - self._seen > self._dead_man:
             self._seen = wall
@@ -410,7 +410,7 @@ class Monitor:
 
 
 def _running_block(loop: Loop, thread: int | None) -> str:
-    """Return the name of the block that a thread runs, ``moving.running``; empty when it runs none."""
+    """Return the name of the block that a thread is running (``moving.running``), or an empty text."""
     if thread is None or not loop.ticking:
         return ""
     frame = sys._current_frames().get(thread)
@@ -426,7 +426,7 @@ def _running_block(loop: Loop, thread: int | None) -> str:
 def _interrupt(thread: int) -> bool:
     """Raise :class:`Interrupted` in a thread, at its next bytecode; return whether there is such a thread.
 
-    Inside a call of C nothing can be raised; it comes when that call returns.
+    Nothing can be raised inside a call of C; the exception is raised when that call returns.
     """
     raised: int = ctypes.pythonapi.PyThreadState_SetAsyncExc(
         ctypes.c_ulong(thread), ctypes.py_object(Interrupted)

@@ -1,7 +1,7 @@
 """The loop of §5.1 with everything around a tick: commands, time, robot, frames.
 
-There is one loop body, :meth:`Loop.turn`. Whoever drives the loop (a thread, asyncio, the caller)
-calls it and then waits as long as it says. A turn
+There is one loop body, :meth:`Loop.turn`. The driver (a thread, asyncio, the caller)
+calls it and then waits until the time that it returns. A turn
 
 1. applies the commands that are queued,
 2. advances the time, up to the next tick at most: a simulated world moves by whole physics steps,
@@ -9,7 +9,7 @@ calls it and then waits as long as it says. A turn
 3. ticks, if a tick is due: latch the sensors, one step of the interpreter, flush the commands,
 4. publishes a frame, at most sixty times a second.
 
-*Commands.* A :class:`Command` is a frozen value that knows how it is applied. It waits in the
+*Commands.* A :class:`Command` is a frozen value with an `apply` method. It waits in the
 :class:`Inbox`, and is applied between two ticks, as a whole, on the thread that drives the loop.
 
 *Time.* With a simulated robot the clock only paces: a tick's time is the one it was due at, and if
@@ -17,12 +17,12 @@ the host is too slow the clock is set back. With a real robot the clock is the t
 has the real time. A tick comes *before* its period: ``run(1)`` at 10 Hz ticks at 0, 0.1, … 0.9
 and ends at 1.0, and ten single steps do the same.
 
-*Rewinding.* Before each tick the loop notes the time and the bridge's moment. Rewinding restores the
+*Rewinding.* Before each tick the loop records the time and the bridge's moment. Rewinding restores the
 interpreter by its journal, and the world to the moment before the first tick undone; the next step
 repeats that tick.
 
-*Status.* :attr:`Loop.status` and :attr:`Loop.hung` are the only record of how a run stands; a
-session shows them in its frames.
+*Status.* :attr:`Loop.status` and :attr:`Loop.hung` are the only record of the state of a run; a
+session copies them into its frames.
 
 Owned by the thread that drives it. Other threads use :attr:`Loop.inbox`, set :attr:`Loop.hung` (the
 monitor) or end the loop (:meth:`Loop.halt`), and read `frame`, `ticking`, `status` and `interpreter.tick`.
@@ -58,7 +58,7 @@ STEP = 0.01
 """Seconds from tick to tick at rate 0 where time is virtual."""
 
 SLOWEST = 0.01
-"""Ticks per second, at least: a step waits for its period."""
+"""The lowest rate, in ticks per second: a step waits for its period."""
 
 _FREE = 0.0005  # wall seconds that a free-running loop keeps the interpreter lock
 _FRAMES = 60.0  # frames per wall second, at most
@@ -67,7 +67,7 @@ _ROUNDING = 1e-6  # s
 
 
 class Interrupted(BaseException):
-    """A person interrupted a block that did not return. It becomes an issue of that block."""
+    """The user interrupted a block that did not return. Becomes an issue of that block."""
 
     def __str__(self) -> str:
         return "The block did not return and was interrupted."
@@ -79,10 +79,10 @@ class Command(ABC):
     __slots__ = ()
 
     misuse: ClassVar[tuple[type[Exception], ...]] = (LRPError,)
-    """Errors of :meth:`apply` that are the caller's; any other one is a fault of this package."""
+    """Errors of :meth:`apply` that are the caller's mistakes; any other error is a fault of this package."""
 
     newest_wins: ClassVar[bool] = False
-    """Whether it replaces a command of its class that is queued right before it."""
+    """Whether it replaces a command of the same class queued directly before it."""
 
     @abstractmethod
     def apply(self, loop: Loop) -> Any:
@@ -99,10 +99,10 @@ class Inbox:
     def __init__(self) -> None:
         self.wake = threading.Event()
         self.notify: Callable[[], object] = self.wake.set
-        """Called after every put; a driver that does not wait for `wake` puts its own in here."""
+        """Called after every put; a driver that does not wait for `wake` sets its own function here."""
         self.queued: deque[tuple[Command, Future[Any]]] = deque()
-        """Only its truth value is for others: whether anything is queued costs no lock."""
-        self._lock = threading.Lock()  # among those who put: the last entry may be replaced
+        """Others may only test whether it is empty, which needs no lock."""
+        self._lock = threading.Lock()  # held by every put, which may replace the last entry
 
     def put(self, command: Command) -> Future[Any]:
         """Queue a command; the future gets its result, or its error."""
@@ -138,7 +138,7 @@ class Loop:
     changed : callable
         Called after every new :attr:`frame`, and whenever :attr:`hung` has changed.
     remembered : int
-        Ticks that can be rewound.
+        Number of ticks that can be rewound.
     printed : callable
         Returns the number of lines printed so far.
     """
@@ -160,20 +160,20 @@ class Loop:
         self.status: Status = "ready"
         self.reason = ""
         self.hung: Hung | None = None
-        """The block that does not return, while there is one; set by the monitor."""
+        """The block that does not return, or None; set by the monitor."""
         self.fault = ""
-        """The traceback of what broke the session; empty while nothing has."""
+        """The traceback of the fault that broke the session, or an empty text."""
         self.ticking = False
         self._step = bridge.time_step  # seconds; None where time passes by itself
         self.changed = changed
         self._printed = printed
         self.moments: deque[tuple[float, object]] = deque(maxlen=remembered)
-        """Before each tick: the time, and what the bridge calls that moment."""
+        """For each tick: the time before it, and the bridge's moment."""
         self._steps = 0
         self.now = 0.0
         """Seconds of the run."""
         self.due = 0.0
-        """When the next tick is due."""
+        """The time at which the next tick is due."""
         self._published = -math.inf  # wall time of the last frame
         self._measured: tuple[float, int, float] | None = None  # wall time, tick, time
         self._achieved = (0.0, 0.0)  # ticks per second, seconds per second
@@ -198,7 +198,7 @@ class Loop:
         step = self._step
         self.rate = float(rate)
         self.free = rate == 0 and step is None
-        """Whether ticks follow each other at once, without waiting for a time."""
+        """Whether ticks follow each other without waiting."""
         if rate == 0:
             self.period = step or STEP
             """Seconds from one tick to the next."""
@@ -219,7 +219,7 @@ class Loop:
         self.clock.speed = speed
 
     def advance(self, seconds: float) -> None:
-        """Advance the time, without a tick; a simulated world moves by whole steps."""
+        """Advance the time without a tick; a simulated world moves by whole steps."""
         if self._step is None:
             self.now = round((self.now + seconds) * 1e12) / 1e12  # half the time of round(…, 12)
         elif (steps := math.floor(seconds / self._step + 1e-6)) > 0:
@@ -228,13 +228,13 @@ class Loop:
             self.now = round(self._steps * self._step, 9)
 
     def _catch_up(self) -> None:
-        """Advance the time to that of the clock, up to the next tick at most."""
+        """Advance the time to that of the clock, at most to the next tick."""
         clock = self.clock.now()
         if self._step is None:
             self.now = max(clock, self.now)
             return
         if clock - self.due > LAG * min(self.clock.speed, 1e9):
-            clock = self.due  # never a larger step, never a skipped one: the run goes slower instead
+            clock = self.due  # never a larger or a skipped step: the run becomes slower instead
             self.clock.rebase(clock)
         self.advance(min(clock, self.due) - self.now)
 
@@ -252,13 +252,13 @@ class Loop:
     # -- the loop body ---------------------------------------------------------------------------
 
     def turn(self) -> float:
-        """Do what is due now.
+        """Apply commands, advance the time and tick if a tick is due.
 
         Returns
         -------
         float
-            The time (of the clock) until which there is nothing to do unless a command comes;
-            infinite when only a command can change anything.
+            The time (of the clock) until which there is nothing to do unless a command arrives;
+            infinite if only a command can change anything.
         """
         try:
             if self.inbox.queued:
@@ -277,7 +277,7 @@ class Loop:
             if perf_counter() - self._published >= 1 / _FRAMES:
                 self.publish()
             return self._next_turn()
-        except Interrupted:  # it came too late: the block had returned
+        except Interrupted:  # too late: the block had returned
             return self.now
         except KeyboardInterrupt:
             self.pause("The run was interrupted from the keyboard.")
@@ -300,7 +300,7 @@ class Loop:
         self._measure()
 
     def _next_turn(self) -> float:
-        """Compute the time of the next turn: of the next tick, or of a picture of the world before it."""
+        """Return the time of the next turn: that of the next tick, or of a frame of the world before it."""
         if self.free:
             return self.now
         if self._step is None:
@@ -310,7 +310,7 @@ class Loop:
         return self.now + ahead / max(1, parts)
 
     def tick(self) -> None:
-        """Tick once, now; the next tick is due a period later."""
+        """Run one tick now; the next one is due a period later."""
         interpreter, bridge, now, step = self.interpreter, self.bridge, self.now, self._step
         self.moments.append((now, None if step is None else bridge.moment()))
         self.ticking = True
@@ -329,10 +329,10 @@ class Loop:
             self._stand_still(last.message if last else "")
 
     def run(self, seconds: float, after_tick: Callable[[], object] | None = None) -> bool:
-        """Tick in virtual time, without waiting, for so many seconds at most.
+        """Tick in virtual time, without waiting, for at most this number of seconds.
 
-        Afterwards the loop has the status it had before: running if a driver turns it, else paused,
-        without the pause actions.
+        Afterwards the loop has its earlier status: running if a driver drives it, else paused, without
+        the pause actions.
 
         Parameters
         ----------
@@ -343,7 +343,7 @@ class Loop:
         Returns
         -------
         bool
-            Whether `after_tick` ended the run; a pause ends it early, too.
+            Whether `after_tick` ended the run; a pause also ends it.
         """
         self._check_whole()
         was_running = self.status == "running"
@@ -384,7 +384,7 @@ class Loop:
     # -- frames ----------------------------------------------------------------------------------
 
     def publish(self) -> None:
-        """Publish a frame of this moment."""
+        """Publish a frame of the present state."""
         self._published = perf_counter()
         self.frame = self.make_frame()
         self.changed()
@@ -431,7 +431,7 @@ class Loop:
         )
 
     def is_active(self, state: str | Path) -> bool:
-        """Whether a state is active now, at any depth."""
+        """Return whether a state is active now, at any depth."""
         return is_active(state, self.interpreter.active)
 
     # -- commands --------------------------------------------------------------------------------
@@ -462,7 +462,7 @@ class Loop:
                     self.bridge.stop_all()
         if answers:
             self.publish()
-        for answer, result, refusal in answers:  # whoever waited finds the new frame
+        for answer, result, refusal in answers:  # a waiting caller finds the new frame
             if refusal is None:
                 answer.set_result(result)
             else:
@@ -513,16 +513,16 @@ class Loop:
         self.clock.rebase(self.now)
 
     def rewind(self, ticks: int) -> None:
-        """Go back by so many ticks: program, world, time.
+        """Step back by this number of ticks: program, world and time.
 
-        The world goes to the moment before the first tick undone, so that the next step repeats it.
+        The world returns to the moment before the first undone tick, so that the next step repeats it.
 
         Raises
         ------
         BridgeError
             A real robot is armed, or the world cannot go back so far.
         ValueError
-            So many ticks are not remembered.
+            Fewer ticks can be undone.
         """
         bridge, interpreter = self.bridge, self.interpreter
         if bridge.hardware and bridge.safety.armed:
@@ -556,12 +556,12 @@ class Loop:
     # -- the end ---------------------------------------------------------------------------------
 
     def halt(self, status: Literal["stopped", "closed"]) -> None:
-        """Set the status for good (``closed``), or until the next start; from any thread."""
+        """Set the status, permanently (``closed``) or until the next start; from any thread."""
         if self.status != "closed":
             self.status = status
 
     def break_down(self, fault: str) -> None:
-        """Stop for good because of a fault that is not the program's."""
+        """Stop permanently because of a fault that is not the program's."""
         self.fault = fault
         self.reason = f"The session itself failed, not the program: {fault.strip().splitlines()[-1]}."
         if self.status not in ("stopped", "closed"):

@@ -1,6 +1,6 @@
-"""A running program that can be changed while it runs: the object that everyone holds.
+"""Sessions: running programs that can be changed while they run.
 
-The interpreter is a function of time: no clock, no thread, no robot. All of these are here, in
+The interpreter is a function of time: it has no clock, no thread and no robot. A session adds them, in
 three parts:
 
 * the :class:`~lrp_jupyter.live.loop.Loop` ticks, advances the time, and applies commands between
@@ -10,25 +10,25 @@ three parts:
 * the :class:`Session`, this file, may be called from any thread.
 
 *In.* A call of a session becomes a command, a frozen value in a queue; the loop applies it between
-two ticks, as a whole. The caller waits for that, a second at most: then an error says which block
-holds things up, and the command stays in the queue. ``submit`` does not wait. A call from inside a
-block of the program itself does not wait either, because the block would wait for its own end. When
-no driver is at work, the caller applies the command itself.
+two ticks, as a whole. The caller waits for that, at most a second: then an error names the block
+that is in the way, and the command stays in the queue. ``submit`` does not wait. A call from inside a
+block of the program itself does not wait either, because the block would wait for its own end. If
+no driver is active, the caller applies the command itself.
 
 *Out.* After a tick the loop makes a frozen frame, and stores it by one assignment.
 Readers get the newest one; what must not be missed is counted in it. No view ever touches the
 interpreter.
 
-*Edits.* Checking a text is the caller's work, so that a keystroke costs the robot nothing. A text
-that is not a program is kept, and the last program continues to run. What runs is
-:attr:`Session.program`, what was typed is :attr:`Session.text`.
+*Edits.* The caller's thread checks a text, so that a keystroke costs the robot nothing. A text
+that is not a valid program is kept, and the last program continues to run. :attr:`Session.program` is
+the running program, :attr:`Session.text` the typed text.
 
 *Faults.* Faults of the program are issues, and nothing stops. A fault of this package stops the robot
 and the session, which then is ``broken`` and keeps the traceback; it never looks like a fault of the
 program. A bridge that fails is ``lost``, and the loop continues.
 
 *The end.* ``close`` stops the robot first, then ends and joins the threads; it may be called
-twice. What is still open when Python exits is closed then.
+twice. Sessions that are still open when Python exits are closed then.
 
 Paper: §5.1 (the loop and its rate), §6 (live programming), §6.3 (pause), §6.4 (forcing states).
 """
@@ -67,7 +67,7 @@ from lrp_jupyter.live.output import Output
 __all__ = ["Session", "Until"]
 
 Until = str | Path | Callable[[Frame], object]
-"""What a run or a wait ends at: a state, by bare name or path, or a condition on a frame."""
+"""The end of a run or a wait: a state, by bare name or path, or a condition on a frame."""
 
 _open_sessions: weakref.WeakSet[Session] = weakref.WeakSet()
 
@@ -78,26 +78,26 @@ class Session:
     Parameters
     ----------
     program : Program or str
-        A text that is not a program raises; to begin with one, make an empty session and pass the
+        A text that is not a valid program raises; to start with one, create an empty session and pass the
         text to :meth:`edit`.
     bridge : str or Bridge
-        By name (``"none"``, ``"sim"``, …; `options` go to it), or one that was made.
+        A name (``"none"``, ``"sim"``, …; `options` are passed to it), or an existing bridge.
     clock : Clock, optional
         A :class:`~lrp_jupyter.live.clock.VirtualClock` never waits; by default wall time.
     rate : float
         Ticks per second; 0 for as many as possible.
     namespace : dict, optional
-        Names that blocks see (a notebook's ``user_ns``), used as it is, never written into.
+        Names that blocks can read (a notebook's ``user_ns``); never written.
     on_active_edit : {"restart", "keep"}
     on_issue : {"record", "pause"}
     name : str
         Appears in tracebacks and names the threads.
     journal : int
-        Ticks that can be rewound.
+        Number of ticks that can be rewound.
     speed : float
         Seconds of the session per wall second; ``math.inf``: never wait.
     driver : {"thread", "asyncio"}
-        What drives the loop after :meth:`start`.
+        The kind of driver after :meth:`start`.
     hung_after : float
         Wall seconds after which a block that does not return is reported.
     dead_man : float, optional
@@ -108,7 +108,7 @@ class Session:
     Raises
     ------
     LRPSyntaxError
-        The text is not a program.
+        The text is not a valid program.
     BridgeError
         There is no such bridge.
     """
@@ -137,7 +137,7 @@ class Session:
         self.namespace = {} if namespace is None else namespace
         self.output = Output()
         self.findings: tuple[Finding, ...] = ()
-        """What the checks found in the last text."""
+        """The findings of the checks about the last text."""
         self._text = program.text
         self.bridge = make_bridge(bridge, **options) if isinstance(bridge, str) else bridge
         interpreter = Interpreter(
@@ -150,7 +150,7 @@ class Session:
             output=self.output.print,
         )
         self._changed = threading.Condition()
-        self._version = 0  # grows with everything that a waiting caller must check again
+        self._version = 0  # incremented whenever waiting callers must check again
         self._listeners: tuple[Callable[[], None], ...] = ()
         self._loop = Loop(
             interpreter,
@@ -209,12 +209,12 @@ class Session:
 
     @property
     def text(self) -> str:
-        """The last text, whether it is a program or not."""
+        """The last text, whether it is a valid program or not."""
         return self._text
 
     @property
     def fault(self) -> str:
-        """The traceback of what broke the session; empty while nothing has."""
+        """The traceback of the fault that broke the session, or an empty text."""
         return self._loop.fault
 
     @property
@@ -230,7 +230,7 @@ class Session:
         self.bridge.open()
 
     def start(self, paused: bool = False) -> None:
-        """Run; after :meth:`stop`, from the beginning. Does nothing while the program runs."""
+        """Start or resume; after :meth:`stop`, from the beginning. Does nothing while the program runs."""
         self.open()
         if not self._driver.running:
             self._leave_stop()
@@ -263,7 +263,7 @@ class Session:
         self._driver.do(do.Reset())
 
     def stop_robot(self) -> None:
-        """Stop the robot, at once, whatever the program does; then pause."""
+        """Stop the robot at once, whatever the program does, then pause."""
         self.bridge.stop_all()
         self.submit(do.Pause("The robot was stopped."))
 
@@ -294,7 +294,7 @@ class Session:
         return self._driver.interrupt()
 
     def seen(self) -> None:
-        """Reset the dead man's switch: a person watches the robot."""
+        """Reset the dead man's switch: the robot is being watched."""
         self._driver.seen()
 
     def run(
@@ -305,17 +305,17 @@ class Session:
     ) -> bool:
         """Run on the caller's thread, in virtual time, without waiting.
 
-        A thread of the session stands by meanwhile. A pause of the program ends the run.
+        The session's own thread is suspended meanwhile. A pause of the program ends the run.
 
         Parameters
         ----------
         seconds : float, optional
-            At most so long, in seconds of the session.
+            The longest duration, in seconds of the session.
         until : str, path or callable, optional
             A state to be entered, or a condition on the frame; checked after every tick.
         after_tick : callable, optional
-            Called after every tick instead of `until`; a true result ends the run. It costs less, as
-            no frame is made.
+            Called after every tick instead of `until`; a true result ends the run. It is cheaper, because
+            no frame is created.
 
         Returns
         -------
@@ -335,7 +335,7 @@ class Session:
             return ended if ends is not None else self._loop.now >= end - 1e-6
 
     def _watch(self, until: Until) -> Callable[[], bool]:
-        """Make the check that :meth:`run` does after every tick."""
+        """Return the check that :meth:`run` calls after every tick."""
         loop = self._loop
         if callable(until):
             return lambda: bool(until(loop.make_frame()))
@@ -349,12 +349,12 @@ class Session:
         Returns
         -------
         Frame
-            The one in which it was so.
+            The frame in which that was the case.
 
         Raises
         ------
         SessionTimeoutError
-            It did not happen in `timeout` seconds.
+            It did not happen within `timeout` seconds.
         LRPError
             It cannot happen: the session is stopped, broken or closed, or nothing drives its loop.
         """
@@ -385,7 +385,7 @@ class Session:
         Returns
         -------
         tuple of Finding
-            What the checks found. If the text is not a program, the last program continues to run.
+            The findings of the checks. If the text is not a valid program, the last program keeps running.
         """
         _, answer = self.offer(text)
         try:
@@ -403,9 +403,9 @@ class Session:
         Returns
         -------
         Program or None
-            None if the text is not a program; :attr:`findings` says why.
+            None if the text is not a valid program; see :attr:`findings`.
         Future
-            Of the :class:`~lrp_jupyter.interpreter.patching.Patch`; of None if the text is not a program.
+            Its result is the :class:`~lrp_jupyter.interpreter.patching.Patch`, or None without a program.
         """
         self._driver.check_open()
         program, findings = scan(text, f"<lrp {self.name}>")
@@ -422,12 +422,12 @@ class Session:
     def _check(self, program: Program) -> tuple[Finding, ...]:
         try:
             return check(program, self.namespace)
-        except Exception as error:  # a fault of the checks, reported as such; it holds up no edit
+        except Exception as error:  # a fault of the checks is reported as such and does not block the edit
             message = f"The checks themselves failed, not the program: {type(error).__name__}: {error}."
             return (Finding("LRP699", "warning", message, 1, 1, 1, 1),)
 
     def save(self, path: str | FilePath) -> None:
-        """Write the text to a file, line ends as they are."""
+        """Write the text to a file, with its own line ends."""
         FilePath(path).write_bytes(self._text.encode())
 
     def rename(self, kind: str, path: str | Path, new_name: str) -> str:
@@ -438,7 +438,7 @@ class Session:
         UnknownElementError
             There is no such element.
         ValueError
-            The name cannot be used, or the text is not a program at the moment.
+            The name cannot be used, or the text is not a valid program at the moment.
         """
         if self._text != self.program.text and any(f.severity == "error" for f in self.findings):
             raise ValueError("The text is not a valid program at the moment. Correct it first, then rename.")
@@ -469,7 +469,7 @@ class Session:
 
     @property
     def on_active_edit(self) -> str:
-        """``restart`` or ``keep``: what a change to an active state does; may be set at any time."""
+        """The effect of a change to an active state, ``restart`` or ``keep``; may be set at any time."""
         return self.interpreter.on_active_edit
 
     @on_active_edit.setter
@@ -478,7 +478,7 @@ class Session:
 
     @property
     def on_issue(self) -> str:
-        """``record`` or ``pause``: what a new issue does; may be set at any time."""
+        """The effect of a new issue, ``record`` or ``pause``; may be set at any time."""
         return self.interpreter.on_issue
 
     @on_issue.setter
@@ -492,7 +492,7 @@ class Session:
         self._driver.do(do.Force(_path(state)))
 
     def teleport_to(self, state: str | Path) -> None:
-        """Be in a state; no action runs. An unknown one is an issue. Paper: §6.4."""
+        """Make a state active without any action. An unknown one is an issue. Paper: §6.4."""
         self._driver.do(do.Force(_path(state), teleport=True))
 
     def set_variable(self, variable: str | Path, expression: str) -> None:
@@ -501,7 +501,7 @@ class Session:
         Raises
         ------
         UnknownElementError
-            The variable does not live now.
+            There is no such variable now.
         """
         self._driver.do(do.SetVariable(_path(variable), expression))
 
@@ -511,19 +511,19 @@ class Session:
         Raises
         ------
         ValueError
-            So many are not remembered.
+            Fewer ticks can be undone.
         BridgeError
             A real robot is armed.
         """
         before = self.program
         self._driver.do(do.Rewind(ticks))
-        if self.program is not before:  # edits were taken back, too
+        if self.program is not before:  # edits were undone, too
             self._text = self.program.text
 
     # -- commands, events and frames -------------------------------------------------------------
 
     def call(self, function: Callable[[], Any]) -> Any:
-        """Call a function between two ticks, where the robot's world may be touched."""
+        """Call a function between two ticks, when the robot's world may be changed."""
         return self._driver.do(do.Call(function))
 
     def submit(self, command: Command) -> Future[Any]:
@@ -536,7 +536,7 @@ class Session:
         return self._driver.ask(command)
 
     def observe(self, observer: Observer) -> Callable[[], None]:
-        """Subscribe a function to every event of the interpreter; return what ends that.
+        """Subscribe a function to every event of the interpreter; return a function that ends this.
 
         It is called on the thread that drives the loop, when a tick or a command is over.
         """
@@ -544,7 +544,7 @@ class Session:
         return unsubscribe
 
     def listen(self, callback: Callable[[], None]) -> Callable[[], None]:
-        """Subscribe a function to new frames; return what ends that.
+        """Subscribe a function to new frames; return a function that ends this.
 
         It is called on the thread that publishes the frame, and must not wait there.
         """

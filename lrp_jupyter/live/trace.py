@@ -1,6 +1,6 @@
-r"""A run as JSON Lines: one object per event.
+r"""Traces: a run as JSON Lines, one object per event.
 
-Every line has ``tick`` (the first is 1), ``time`` (seconds) and ``event``, and what it concerns::
+Every line has ``tick`` (the first is 1), ``time`` (seconds), ``event``, and the event's own fields::
 
     {"tick":1,"time":0.0,"event":"spawned","machine":"follower"}
     {"tick":1,"time":0.0,"event":"entered","state":"follower/moving"}

@@ -1,7 +1,7 @@
-"""Everything that a person can have done from a page: one class for each act, with its own fields.
+"""The commands of a page: one class for each act, with its own fields.
 
 `apply` runs on the thread that delivers messages. It queues a command of the session and returns its future,
-or does at once what may be done from any thread, or leaves to the worker what has to wait.
+does at once what any thread may do, or hands to the worker what has to wait.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ Positive = Annotated[float, Between(0, 1e6)]
 
 @dataclass(frozen=True)
 class RunCommand(PageCommand, do="run"):
-    """Run, or resume; after a stop from the beginning."""
+    """Start or resume the program; after a stop, from the beginning."""
 
     patience: ClassVar[float] = 20.0  # it may have to connect to a robot
 
@@ -56,7 +56,7 @@ class PauseCommand(PageCommand, do="pause"):
 
 @dataclass(frozen=True)
 class StepCommand(PageCommand, do="step"):
-    """Run so many ticks."""
+    """Run this number of ticks."""
 
     value: Ticks = 1
 
@@ -69,7 +69,7 @@ class StepCommand(PageCommand, do="step"):
 
 @dataclass(frozen=True)
 class StepBackCommand(PageCommand, do="step_back"):
-    """Go back by so many ticks."""
+    """Step back by this number of ticks."""
 
     value: Ticks = 1
 
@@ -116,7 +116,7 @@ class SpeedCommand(PageCommand, do="speed"):
 
 @dataclass(frozen=True)
 class ArmedCommand(PageCommand, do="armed"):
-    """Let commands move the robot, or not."""
+    """Arm or disarm the robot."""
 
     on: bool
 
@@ -168,7 +168,7 @@ class PanelCommand(PageCommand, do="panel"):
 
 @dataclass(frozen=True)
 class HoldCommand(PageCommand, do="hold"):
-    """Let texts wait for `apply`, or not; what was held runs when it is switched off."""
+    """Switch holding of edits on or off; a held text is applied when it is switched off."""
 
     on: bool
 
@@ -184,7 +184,7 @@ class HoldCommand(PageCommand, do="hold"):
 
 @dataclass(frozen=True)
 class ApplyCommand(PageCommand, do="apply"):
-    """Let the held text run."""
+    """Apply the held text."""
 
     def apply(self, opened: OpenProgram) -> Applied:
         opened.texts.apply()
@@ -193,7 +193,7 @@ class ApplyCommand(PageCommand, do="apply"):
 
 @dataclass(frozen=True)
 class RevertCommand(PageCommand, do="revert"):
-    """Go back to the text that runs."""
+    """Return to the text of the running program."""
 
     def apply(self, opened: OpenProgram) -> Applied:
         opened.texts.write(opened.session.program.text)
@@ -202,7 +202,7 @@ class RevertCommand(PageCommand, do="revert"):
 
 @dataclass(frozen=True)
 class LoadCommand(PageCommand, do="load"):
-    """Make a bundled program the text."""
+    """Replace the text by a bundled program."""
 
     name: str
 
@@ -274,7 +274,7 @@ class TransitionCommand(PageCommand, do="transition"):
 
 @dataclass(frozen=True)
 class TeleportCommand(PageCommand, do="teleport"):
-    """Be in a state; no action runs."""
+    """Make a state active without running any action."""
 
     path: str
 
@@ -318,7 +318,7 @@ class SetVariableCommand(PageCommand, do="set_variable"):
 
 @dataclass(frozen=True)
 class OnActiveEditCommand(PageCommand, do="on_active_edit"):
-    """Let an edit of the active state restart the program, or keep it running."""
+    """Set whether an edit of the active state restarts the program."""
 
     name: OnActiveEdit
 
@@ -328,7 +328,7 @@ class OnActiveEditCommand(PageCommand, do="on_active_edit"):
 
 @dataclass(frozen=True)
 class PauseOnIssueCommand(PageCommand, do="pause_on_issue"):
-    """Whether a new issue pauses the program."""
+    """Set whether a new issue pauses the program."""
 
     on: bool
 
@@ -344,7 +344,7 @@ def _set(opened: OpenProgram, policy: do.SetPolicy) -> Applied:
 
 @dataclass(frozen=True)
 class ClearIssuesCommand(PageCommand, do="clear_issues"):
-    """Forget the issues of the run."""
+    """Clear the issues of the run."""
 
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.session.ask(do.Call(opened.session.interpreter.issues.clear))
@@ -361,13 +361,13 @@ def _world(opened: OpenProgram) -> SimBridge:
 
 
 def _publish(opened: OpenProgram) -> Applied:
-    """Have a frame made of what was done to the world, also while nothing ticks."""
+    """Publish a frame of the changed world, also while nothing ticks."""
     return opened.session.ask(do.Call(lambda: None, "publish"))
 
 
 @dataclass(frozen=True)
 class DragRobotCommand(PageCommand, do="drag_robot"):
-    """Put a robot elsewhere; sent while it is dragged."""
+    """Move a robot; sent while it is dragged."""
 
     index: Index
     pose: Pose
@@ -379,7 +379,7 @@ class DragRobotCommand(PageCommand, do="drag_robot"):
 
 @dataclass(frozen=True)
 class DragSolidCommand(PageCommand, do="drag_solid"):
-    """Put a solid elsewhere; sent while it is dragged."""
+    """Move a solid; sent while it is dragged."""
 
     index: Index
     pose: Pose
@@ -416,7 +416,7 @@ class EraseCommand(PageCommand, do="erase"):
 
 @dataclass(frozen=True)
 class ResetPoseCommand(PageCommand, do="reset_pose"):
-    """Put a robot back where it began."""
+    """Return a robot to its start."""
 
     index: Index
 
@@ -430,7 +430,7 @@ class ResetPoseCommand(PageCommand, do="reset_pose"):
 
 @dataclass(frozen=True)
 class ResetWorldCommand(PageCommand, do="reset_world"):
-    """Reset the world as it was, without trails and drawings."""
+    """Reset the world to its start, without trails and drawings."""
 
     def apply(self, opened: OpenProgram) -> Applied:
         _world(opened).reset_world(drawings=True)
@@ -453,7 +453,7 @@ class WorldCommand(PageCommand, do="world"):
 
 @dataclass(frozen=True)
 class PinCommand(PageCommand, do="pin"):
-    """Put a node of a machine's graph where it was dragged, in px."""
+    """Pin a node of a machine's graph to the place where it was dragged, in px."""
 
     path: str
     name: str

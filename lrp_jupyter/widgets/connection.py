@@ -50,13 +50,13 @@ class PageConnection:
     ----------
     session : Session
     texts : Texts
-        What was typed, and what became of it.
+        The typed texts and their answers.
     reopen : callable, optional
-        Makes a session of the same program with another bridge, given its name and options.
+        Creates a session of the same program with another bridge, given its name and options.
     options : mapping, optional
-        Those of the bridge.
+        The options of the bridge.
     clock : callable
-        Seconds on the wall.
+        Returns the wall time in seconds.
     """
 
     def __init__(
@@ -72,7 +72,7 @@ class PageConnection:
         self.options = dict(options or {})
         self._reopen = reopen
         self.fault = ""
-        """The last traceback of the lab itself; empty while all is well."""
+        """The last traceback of the lab itself, or an empty text."""
         self.closed = False
         self._clock = clock
         self._lock = threading.RLock()  # of `closed` and the worker, and of which session it is
@@ -82,12 +82,12 @@ class PageConnection:
 
     @property
     def session(self) -> Session:
-        """The one that is shown."""
+        """The session that is shown."""
         return self._publisher.session
 
     @property
     def name(self) -> str:
-        """Of the session."""
+        """The name of the session."""
         return self.session.name
 
     # -- in: any thread ----------------------------------------------------------------------------
@@ -100,7 +100,7 @@ class PageConnection:
                 self._publisher.welcome(message.view, message.part, send)
                 self.start()
             elif not self._publisher.knows(message.view):
-                return  # forgotten, or never opened: it says hello when it gets no message for a while
+                return  # forgotten, or never opened: it sends hello when it gets no message for a while
             elif isinstance(message, ByeMessage):
                 self._publisher.forget(message.view)
             elif isinstance(message, CreditMessage):
@@ -134,7 +134,7 @@ class PageConnection:
         patience: float = 1.0,
         fields_of: Callable[[Any], Mapping[str, Any]] = lambda _: {},
     ) -> None:
-        """Begin what was asked for; reply when its future is done, or at once if it cannot begin."""
+        """Start a command or request; reply when its future is done, or at once if it cannot start."""
         answer: Future[Any] | None
         try:
             answer = begin()
@@ -156,7 +156,7 @@ class PageConnection:
         BridgeError
             There is no such bridge, or its robot cannot be reached; the old one stays.
         SessionClosedError
-            It was closed meanwhile.
+            It has been closed in the meantime.
         """
         if self._reopen is None:
             raise BridgeError("This session was created elsewhere, so its bridge cannot be changed here.")
@@ -169,7 +169,7 @@ class PageConnection:
             self.use(session)
             self.options = options
             old.close()
-            if text != self.texts.text:  # it was held, or no program, or typed meanwhile
+            if text != self.texts.text:  # it was held, not a valid program, or typed meanwhile
                 self.texts.write(text)
 
     def use(self, session: Session) -> None:
@@ -213,15 +213,15 @@ class PageConnection:
         self._publisher.start()
 
     def wake(self) -> None:
-        """Have the views updated at once."""
+        """Update the views at once."""
         self._publisher.wake()
 
     def publish(self) -> None:
-        """Send what there is to send, on this thread; waits for no view."""
+        """Send everything that is due, on this thread; waits for no view."""
         self._publisher.publish()
 
     def close(self) -> None:
-        """Close the session, send the views its end, and end the threads; a second call does nothing."""
+        """Close the session, notify the views, and end the threads; a second call does nothing."""
         with self._lock:
             if self.closed:
                 return

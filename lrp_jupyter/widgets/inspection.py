@@ -173,7 +173,7 @@ def _variable(session: Session, program: Program, path: Path, into: Sequence[str
 
 
 def _inside(value: object) -> Iterator[tuple[str, str, object]]:
-    """Yield what a value holds: the step into it, its label, itself."""
+    """Yield the parts of a value: the step to the part, its label, the part itself."""
     if isinstance(value, _PLAIN):
         return
     if isinstance(value, Mapping):

@@ -40,7 +40,7 @@ class Part(anywidget.AnyWidget):
     Parameters
     ----------
     session : Session, str or Lab
-        What it shows: a session, the name of an open program, or another part of the same lab.
+        The session, the name of an open program, or another part of the same lab.
     """
 
     _esm = _STATIC / "lab.js"
@@ -69,7 +69,7 @@ class Part(anywidget.AnyWidget):
         self.on_msg(self._receive)
 
     def __del__(self) -> None:
-        """Leave everything as it is: a widget that is forgotten stops no robot."""
+        """Do nothing: a widget that is garbage collected does not stop a robot."""
 
     def _receive(self, _widget: object, content: Any, _buffers: object) -> None:
         self._connection.receive(self.send, content)
@@ -87,7 +87,7 @@ class Part(anywidget.AnyWidget):
         return {**bundle, **_pictures(self._connection)}, metadata
 
     def snapshot(self) -> None:
-        """Store a picture of what is there now as the output: it is read without a kernel."""
+        """Store a picture of the present state as the output, to be viewed without a kernel."""
         from IPython.display import display
 
         self._connection.publish()  # an edit made a moment ago is in the picture
@@ -103,16 +103,16 @@ class Lab(Part):
     Parameters
     ----------
     program : str, Program or Session
-        A text, the name of a bundled or open program, or a session that was made elsewhere. A text that
-        is not a program is shown with its errors.
+        A text, the name of a bundled or open program, or an existing session. A text that is not a valid
+        program is shown with its errors.
     bridge : str, optional
-        The simulator unless given.
+        Default: the simulator.
     name : str, optional
-        Of the program; unless given that of its first machine.
+        The name of the program; default: that of its first machine.
     rate : float, optional
         Ticks per second.
     namespace : dict, optional
-        Names that blocks see; the notebook's unless given.
+        Names that blocks can read; default: the notebook's.
     **options
         For the bridge: ``world="line"``.
 
@@ -148,7 +148,7 @@ class Lab(Part):
 
     @property
     def program(self) -> Program:
-        """The program that runs."""
+        """The running program."""
         return self.session.program
 
     @property
@@ -162,7 +162,7 @@ class Lab(Part):
 
     @property
     def active(self) -> tuple[Path, ...]:
-        """Paths of the innermost active states."""
+        """The paths of the innermost active states."""
         return self.session.frame.active
 
     @property
@@ -172,12 +172,12 @@ class Lab(Part):
 
     @property
     def variables(self) -> LiveVariables:
-        """The living variables, by path (``"follower/nobump"``) or by a name that only one has."""
+        """The existing variables, by path (``"follower/nobump"``) or by an unambiguous name."""
         return LiveVariables(self._connection)
 
     @property
     def fault(self) -> str:
-        """The last traceback of the lab itself; empty while all is well."""
+        """The last traceback of the lab itself, or an empty text."""
         return self._connection.fault or self.session.fault
 
     def save(self, path: str | os.PathLike[str]) -> None:
@@ -185,7 +185,7 @@ class Lab(Part):
         FilePath(path).write_bytes(self.text.encode())
 
     def close(self) -> None:
-        """Stop robot, program and threads; close the page's connection. Doing it twice does nothing."""
+        """Stop robot, program and threads, and close the page's connection. A second call does nothing."""
         registry.forget(self._connection)
         super().close()
 
@@ -311,7 +311,7 @@ def _name_of(text: str) -> str:
 
 
 def _pictures(connection: PageConnection) -> dict[str, str]:
-    """Draw the graph and the world as they are now; as plain text the program."""
+    """Return pictures of the present graph and world; as plain text the program."""
     state = connection.view_state()
     last: dict[str, tuple[int, str]] = {}
     for name, seen in state["fired"].items():
@@ -329,7 +329,7 @@ def _world(connection: PageConnection) -> str:
     try:
         now: str = connection.session.call(lambda: world_svg(bridge.simulation, _STILL_WIDTH))
         return now
-    except LRPError:  # the loop is held up or has ended: the world as it began
+    except LRPError:  # the loop is blocked or has ended: the world as it began
         return world_svg(bridge.world, _STILL_WIDTH)
 
 

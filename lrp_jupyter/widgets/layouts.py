@@ -19,9 +19,9 @@ __all__ = ["Layouts"]
 class Layouts:
     """Lays out the machines of the running program; only what would be drawn differently is laid out again.
 
-    Only :meth:`update` computes, and may take long: call it with no lock held that others wait for. The
-    other methods return at once, from any thread. A layout once made is never changed, so views compare
-    them by identity.
+    Only :meth:`update` computes, and may take long: call it without holding a lock that others wait for. The
+        other methods return at once, from any thread. A layout once made is never changed, so views compare
+        them by identity.
     """
 
     def __init__(self, clock: Callable[[], float] = monotonic) -> None:
@@ -36,7 +36,7 @@ class Layouts:
         self._gone: dict[str, Layout] = {}  # of machines that are not in the text at the moment
 
     def pin(self, machine: str, state: str, x: float, y: float) -> None:
-        """Put a node where a person dragged it, with the next update; it stays there."""
+        """Pin a node to the place where it was dragged, with the next update."""
         with self._lock:
             self._pinned.setdefault(machine, {})[state] = x, y
 
@@ -47,7 +47,7 @@ class Layouts:
             self._pinned.pop(machine, None)
 
     def update(self, frame: Frame) -> None:
-        """Compute the layouts of a frame's program, and what was pinned or arranged since the last update."""
+        """Compute the layouts of a frame's program, and those pinned or arranged since the last update."""
         with self._computing:
             with self._lock:
                 arranged, self._arranged = self._arranged, set()
@@ -101,7 +101,7 @@ def _carried(layouts: Mapping[str, Layout], successors: Successors) -> dict[str,
 
 
 def _appearance(program: Program, path: Path, machine: Machine, starts: tuple[str, ...]) -> Hashable:
-    """Everything that a layout depends on, without the blocks of states."""
+    """Return everything that a layout depends on, without the blocks of states."""
     names = events_in_scope(program, path)
     return (
         tuple(

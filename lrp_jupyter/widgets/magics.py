@@ -1,4 +1,4 @@
-"""``%%lrp`` and ``%lrp``: a cell whose text is a program, and the words that go with it.
+"""The magics: ``%%lrp``, a cell whose text is a program, and ``%lrp`` with its commands.
 
 Errors are printed as one sentence, as IPython does for its own magics.
 """
@@ -45,7 +45,7 @@ NAME may be left out while only one program is open.\
 
 
 class _Parser(argparse.ArgumentParser):
-    """A parser that raises sentences instead of leaving Python."""
+    """A parser that raises a sentence instead of exiting Python."""
 
     def error(self, message: str) -> NoReturn:
         raise UsageError(f"%%lrp: {message}. Write `%%lrp NAME [--world …] [--bridge …] [--rate …]`.")
@@ -270,7 +270,7 @@ WORDS: Mapping[str, Callable[[LRPMagics, list[str]], object]] = {
         *(LRPMagics.graph, LRPMagics.save, LRPMagics.debug, LRPMagics.bridge),
     )
 }
-"""What can follow ``%lrp``, apart from the name of a program."""
+"""The commands of ``%lrp``, by name."""
 
 
 def completions(shell: InteractiveShell, event: Any) -> list[str]:
@@ -291,7 +291,7 @@ def completions(shell: InteractiveShell, event: Any) -> list[str]:
 
 
 def open_body(lines: list[str]) -> list[str]:
-    """Give a cell that is nothing but ``%%lrp NAME`` a body, or IPython refuses it: it opens an empty lab."""
+    """Add a body to a cell that is only ``%%lrp NAME``, which IPython refuses; it opens an empty lab."""
     if lines and lines[0].startswith("%%lrp") and not "".join(lines[1:]):
         return [lines[0].rstrip("\n") + "\n", "\n"]
     return lines

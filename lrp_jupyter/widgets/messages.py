@@ -39,11 +39,11 @@ __all__ = [
 
 
 class MessageError(LRPError):
-    """A message of a page that does not have the form of its type."""
+    """A message of a page does not match its type."""
 
 
 class OpenProgram(Protocol):
-    """What commands and requests act upon: a session with its texts, layouts and views."""
+    """The interface for commands and requests: a session with its texts, layouts and views."""
 
     texts: Texts
     layouts: Layouts
@@ -62,12 +62,12 @@ class OpenProgram(Protocol):
         """Continue with another bridge."""
 
     def wake(self) -> None:
-        """Have the views updated at once."""
+        """Update the views at once."""
 
 
 @dataclass(frozen=True)
 class PageMessage:
-    """Any message of a page. `view` is the name that the sending view gave itself."""
+    """Base class of the messages of a page. `view` is the sending view's own name."""
 
     view: str
 
@@ -83,7 +83,7 @@ class PageMessage:
 
 @dataclass(frozen=True)
 class HelloMessage(PageMessage, type="hello"):
-    """A view opens, shows this part, and wants a snapshot. Sent again when it lost the connection."""
+    """A view opens, shows this part, and needs a snapshot. Sent again after a lost connection."""
 
     part: PartName
 
@@ -104,7 +104,7 @@ class TextMessage(PageMessage, type="text"):
 
 @dataclass(frozen=True)
 class CreditMessage(PageMessage, type="credit"):
-    """The frame with this number arrived, and with it all before it."""
+    """The frame with this number has arrived, and all frames before it."""
 
     frame: int
 
@@ -122,7 +122,7 @@ class PageRequest(PageMessage, ABC):
 
 @dataclass(frozen=True)
 class PageCommand(PageMessage, ABC, type="command"):
-    """Something that the person wants done; with `id` 0 no reply is sent."""
+    """A command of the user; with `id` 0 no reply is sent."""
 
     id: int
 
@@ -136,8 +136,8 @@ class PageCommand(PageMessage, ABC, type="command"):
         Returns
         -------
         Future or None
-            A future where the session or the worker applies it later, None if it is done. What is raised,
-            here or by the future, is the error of the reply.
+            A future if the session or the worker applies it later, None if it is done. An exception,
+            raised here or by the future, is the error of the reply.
         """
 
 
@@ -152,7 +152,7 @@ class Between:
     high: float
 
 
-_COUNT = Between(0, 2**53)  # an int counts something; more than that JavaScript cannot count
+_COUNT = Between(0, 2**53)  # an int counts something; JavaScript cannot count further
 _NUMBER = Between(-1e6, 1e6)
 _LONGEST = 10_000  # items of a list
 
@@ -192,7 +192,7 @@ def _kind(
 
 @cache
 def _hints(kind: Any) -> dict[str, tuple[Any, bool]]:
-    """Return the type of each field, and whether it must be there."""
+    """Return the type of each field, and whether it is required."""
     hints = get_type_hints(kind, include_extras=True)
     return {
         field.name: (hints[field.name], field.default is MISSING and field.default_factory is MISSING)

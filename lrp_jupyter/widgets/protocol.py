@@ -1,23 +1,23 @@
-"""The messages from the kernel to a page, what they speak of, and how the two sides work together.
+"""The messages from the kernel to a page, their parts, and how the two sides cooperate.
 
 This module and the page's messages (`messages`, `commands`, `requests`, `inspection`) are the protocol;
 ``js/src/protocol.ts`` is generated from them (``npm run protocol``). All messages are JSON objects sent as
-custom messages of the widget, told apart by ``type``. Fields that may be missing are `NotRequired`.
+custom messages of the widget, distinguished by ``type``. Fields that may be missing are `NotRequired`.
 
-**Views.** Every picture of a lab in a page gives itself a random name, the ``view`` of every message. A
+**Views.** Every view of a lab in a page has a random name of its own, the ``view`` of every message. A
 comm's messages reach all views of its widget, so each keeps those with its own name. The
 kernel keeps for each view what it has sent and how much credit is left, and forgets it at ``bye``.
 
 **Flow.** A view sends `HelloMessage` and gets one `SnapshotMessage`. From then on it gets `FrameMessage`,
 at most 30 a second, each holding what changed in the `ViewState` since the last one *sent to this view*
 (and a `WorldMessage`, if it shows a world that changed). Every frame carries a number, which the page sends
-back as `CreditMessage` for it and all before it; the kernel sends only while fewer than three are on their
-way. The page acknowledges two at a time, because the kernel reports itself busy and idle for each message
+back as `CreditMessage` for it and all before it; the kernel sends only while fewer than three are in
+flight. The page acknowledges two at a time, because the kernel reports itself busy and idle for each message
 that it gets, and the host draws that; a frame that comes alone is acknowledged at once. While nothing
 changes, an empty frame once a second is the heartbeat. Everything that must not be lost in a frame left out
 is cumulative: counts of entries, firings, issues, restarts; what moved is listed by revision.
 
-**Text.** A view sends the whole text with a number of its own, ``seq``; one is on its way at a time, the
+**Text.** A view sends the whole text with a number of its own, ``seq``; one is in flight at a time, the
 newest wins. The kernel gives each text a revision and answers to *all* views of the session: with ``seq``
 and without the text to the sender, with ``seq`` 0 and the text to the others. It never sends a view the
 text which that view typed. The program that results and its layouts come with the next frame.
@@ -76,7 +76,7 @@ class QuickFix(TypedDict):
 
 
 class FindingView(TypedDict):
-    """A static finding of `check`; `id` tells it from the others of its text."""
+    """A static finding of `check`; `id` identifies it among the others of its text."""
 
     id: str
     code: str
@@ -153,7 +153,7 @@ class ProgramView(TypedDict):
 
 
 class Difference(TypedDict):
-    """What a held text would change, each element in words (``str(element)``)."""
+    """The changes in a held text, each element as text (``str(element)``)."""
 
     added: list[str]
     removed: list[str]
@@ -258,7 +258,7 @@ class PanelTable(TypedDict):
 
 
 class PanelQuestion(TypedDict):
-    """Something that the bridge needs to know before it connects, an address for example."""
+    """A question that the bridge needs answered before it connects, for example an address."""
 
     key: str
     text: str
@@ -288,14 +288,14 @@ class StrokeView(TypedDict):
 
 
 class FloorView(TypedDict):
-    """What the light sensor sees."""
+    """The floor, as the light sensor sees it."""
 
     grey: NotRequired[float]
     strokes: NotRequired[list[StrokeView]]
 
 
 class SolidView(TypedDict):
-    """Something to bump into. `box`: centre and size; `angle` in rad; `push`: a number if pushable."""
+    """A solid. `box`: centre and size; `angle` in rad; `push`: a number if pushable."""
 
     box: NotRequired[list[float]]
     circle: NotRequired[Pose]
@@ -315,14 +315,14 @@ class RobotShape(TypedDict):
 
 
 class ZoneView(TypedDict):
-    """A region that a challenge speaks of."""
+    """A region that a challenge refers to."""
 
     circle: NotRequired[Pose]
     box: NotRequired[list[float]]
 
 
 class WorldView(TypedDict):
-    """The world as `World.to_dict` writes it (what is usual left out); the page fills it in."""
+    """The world as `World.to_dict` writes it, without default values, which the page fills in."""
 
     version: int
     name: NotRequired[str]
@@ -378,8 +378,8 @@ class ViewState(TypedDict):
     ``lit``       every active state by its path in the text, outer ones too: what the page marks
     ``entered``   state path -> entries, so that a visit too short to see leaves an afterglow
     ``fired``     transition -> firings; the one with the newest tick in its machine is marked
-    ``variables`` path -> value, of those that are alive
-    ``events``    path -> value at its last test, of those whose test gave one
+    ``variables`` path -> value, of those that exist now
+    ``events``    path -> value at its last test, of those whose test returned one
     ``members``   member of `robot` -> its value now, as text
     ``issues``    number -> issue
     ``printed``   number of the line since the session began -> line; the last ones
@@ -420,7 +420,7 @@ class FrameMessage(ViewState, total=False):
     """What changed in the view state since the last frame sent to this view.
 
     A field that is missing has not changed. Of an object only the changed entries are sent, None for one
-    that is gone (see `difference` in `view_state`); anything else is sent in full. `ink` are new trails and
+    that is gone (see `difference` in `view_state`); other fields are sent in full. `ink` are new trails and
     drawings of the world. If something moved in the world, one buffer comes with it: where everything is
     now, made by `pack_poses`; 36 bytes for one robot.
     """
@@ -432,7 +432,7 @@ class FrameMessage(ViewState, total=False):
 
 
 class AnswerMessage(TypedDict):
-    """The session has read a text, and how it took it.
+    """The answer to a text that the session has read.
 
     `seq` is the receiver's own, or 0 where another view, a rename, a load or a cell brought the text, which
     then comes along. `accepted`: it is a program; `applied`: it runs now; `reason` is why not, or why it
@@ -452,9 +452,9 @@ class AnswerMessage(TypedDict):
 
 
 class SnapshotMessage(TypedDict):
-    """Everything, for a view that has just come.
+    """Everything, for a view that has just opened.
 
-    `running` is the text that runs, `text` the editor's. Its frame is acknowledged like any other.
+    `running` is the running text, `text` the editor's. Its frame is acknowledged like any other.
     """
 
     type: Literal["snapshot"]
@@ -471,7 +471,7 @@ class SnapshotMessage(TypedDict):
 
 
 class WorldMessage(TypedDict):
-    """The world changed other than by movement and ink (or there is none any more)."""
+    """The world has changed other than by movement and ink, or no longer exists."""
 
     type: Literal["world"]
     view: str
@@ -559,7 +559,7 @@ def range_of(text: str, start: int, end: int) -> TextRange:
 
 
 def offset_of(text: str, line: int, column: int) -> int:
-    """Convert a line and a column to a character offset; what lies outside the text becomes its end."""
+    """Convert a line and a column to a character offset, clamped to the end of the text."""
     starts = line_starts(text)
     if line > len(starts):
         return len(text)
@@ -567,12 +567,12 @@ def offset_of(text: str, line: int, column: int) -> int:
 
 
 def id_of(kind: str, path: Path) -> str:
-    """Write an element's path as the page does: a transition's last name comes after a colon."""
+    """Return an element's path as the page writes it: a transition's last name comes after a colon."""
     return f"{path_text(path[:-1])}:{path[-1]}" if kind == "transition" else path_text(path)
 
 
 def path_of(kind: str, text: str) -> Path:
-    """Read an element's path as the page writes it."""
+    """Return an element's path from the form in which the page writes it."""
     if kind == "transition":
         machine, _, label = text.partition(":")
         return (*machine.split("/"), label)

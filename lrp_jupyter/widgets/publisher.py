@@ -1,4 +1,4 @@
-"""Publish a session to its views: everything that they are sent, by one thread.
+"""Publish a session to its views: one thread sends them everything.
 
 The publisher sends answers and replies as soon as they are known, and then to each view what changed since
 the last frame *sent to that view*, while the view has credit. It is woken by a new frame of the session,
@@ -6,8 +6,8 @@ and never waits for a view: one that is slow, hidden or gone costs the others no
 take long, are computed between the answers and the frames with no lock held: messages of the page, a stop
 among them, go through meanwhile.
 
-*Pacing.* What a person did or must see at once is urgent and goes out with the next round. What comes with
-every tick is calm: its frames keep a distance, for each of them costs the page a picture.
+*Pacing.* What the user did or must see at once is urgent and is sent in the next round. What changes with
+every tick is calm: its frames are spaced out, because each of them costs the page a repaint.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ _ROUND, _REST = 0.01, 0.1  # s until the next round if something urgent is owed,
 _REFRESH, _REFRESH_HARDWARE = 0.2, 1.0  # s between two readings of what no program reads
 
 WINDOW = 3
-"""Frames that may be on their way to a view."""
+"""Frames that may be in flight to a view."""
 _PER_SECOND, _BURST = 30.0, 3.0  # frames
 _GONE_AFTER = 15.0  # s without a credit while the window is full
 
@@ -51,18 +51,18 @@ Send = Callable[[Any, "list[bytes] | None"], None]
 
 
 class View:
-    """One picture of a lab in a page: what has been sent to it, and its credit.
+    """One view of a lab in a page: what has been sent to it, and its credit.
 
     Parameters
     ----------
     name : str
-        The page made it up.
+        A random name, chosen by the page.
     part : str
-        Which part of the lab it shows.
+        The part of the lab that it shows.
     send : callable
         Sends a message (and buffers) on the comm of its widget.
     now : float
-        Seconds on the wall.
+        The wall time in seconds.
     """
 
     def __init__(self, name: str, part: str, send: Send, now: float) -> None:
@@ -89,11 +89,11 @@ class View:
         self._heard = now
 
     def is_gone(self, now: float) -> bool:
-        """Whether it cannot be reached, or has been silent for so long that it must be closed."""
+        """Return whether it cannot be reached, or has been silent for so long that it must be closed."""
         return bool(self.fault) or (not self.has_credit and now - self._heard > _GONE_AFTER)
 
     def may(self, now: float) -> bool:
-        """Whether a frame may be sent now: there is credit, and not too much came before."""
+        """Return whether a frame may be sent now: there is credit, and not too many were sent just before."""
         tokens, since = self._tokens
         self._tokens = min(_BURST, tokens + (now - since) * _PER_SECOND), now
         return self.has_credit and self._tokens[0] >= 1.0
@@ -107,7 +107,7 @@ class View:
         return self._number
 
     def send(self, message: Any, buffers: list[bytes] | None = None) -> None:
-        """Send a message to this view; one that fails does not keep the others from theirs."""
+        """Send a message to this view; a failure does not affect other views."""
         try:
             self._send({**message, "view": self.name}, buffers)
         except Exception:
@@ -121,13 +121,13 @@ class PendingReply:
     Parameters
     ----------
     view : str
-        Which one asked.
+        The view that sent it.
     id : int
     answer : Future
     deadline : float
-        When it is answered with what holds it up.
+        When it is answered with the reason for the delay.
     fields_of : callable
-        Makes the reply's fields of the result.
+        Converts the result to the reply's fields.
     """
 
     view: str
@@ -157,9 +157,9 @@ class Publisher:
     texts : Texts
     layouts : Layouts
     report : callable
-        Gets the traceback of a fault of the lab itself.
+        Called with the traceback of a fault of the lab itself.
     clock : callable
-        Seconds on the wall.
+        Returns the wall time in seconds.
     """
 
     def __init__(
@@ -194,7 +194,7 @@ class Publisher:
             self._unlisten = session.listen(self._wake.set)
             with suppress(SessionClosedError):
                 session.ask(do.Call(session.interpreter.watch_events))
-            self._refreshed = float("-inf"), None  # what was asked of another may never be answered
+            self._refreshed = float("-inf"), None  # a request to another session may never be answered
             self._texts.attach(session, self.wake, self._clock)
             self._view_states = ViewStates(session, self._texts, self._layouts)
             for view in self._views.values():
@@ -212,12 +212,12 @@ class Publisher:
         self.wake()
 
     def knows(self, name: str) -> bool:
-        """Whether a view said hello, and is not forgotten since."""
+        """Return whether a view has said hello and has not been forgotten since."""
         with self._lock:
             return name in self._views
 
     def forget(self, name: str) -> None:
-        """Send a view nothing more."""
+        """Remove a view; nothing more is sent to it."""
         with self._lock:
             self._views.pop(name, None)
 
@@ -251,11 +251,11 @@ class Publisher:
             self._thread.start()
 
     def wake(self) -> None:
-        """Have a round begin at once."""
+        """Start a round at once."""
         self._wake.set()
 
     def end(self) -> None:
-        """End the thread, send every view how the session ended, and save what is not saved."""
+        """End the thread, send every view the session's end, and save unsaved texts."""
         with self._lock:
             self._unlisten()
             self._ended = True
@@ -285,7 +285,7 @@ class Publisher:
     # -- a round -------------------------------------------------------------------------------------
 
     def publish(self) -> None:
-        """Send what there is to send; waits for no view."""
+        """Send everything that is due; waits for no view."""
         now = self._clock()
         with self._lock:
             for written in self._texts.answers(now):
@@ -385,7 +385,7 @@ class Publisher:
         )
 
     def _refresh(self, now: float) -> None:
-        """Have the robot's members read, also those that no program reads."""
+        """Request a reading of the robot's members, including those that no program reads."""
         session, (when, running) = self.session, self._refreshed
         pause = _REFRESH_HARDWARE if session.bridge.hardware else _REFRESH
         if not self._views or now - when < pause or (running is not None and not running.done()):
@@ -395,7 +395,7 @@ class Publisher:
                 self._refreshed = now, session.ask(do.Call(session.bridge.refresh))
 
     def _send_end(self) -> None:
-        """Send every view how it ended, whether it has credit or not, and save what is not saved."""
+        """Send every view the end of the session, with or without credit, and save unsaved texts."""
         self.publish()
         with self._lock:
             state = self.view_state()

@@ -1,7 +1,7 @@
 """The programs that run in this kernel, by name.
 
 Widgets live as long as the kernel, so a cell that is run again must find what it opened before: the same
-name is the same running program. What a cell brings and what was typed in the lab since are reconciled here.
+name is the same running program. The text of a cell and what was typed in the lab are reconciled here.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from lrp_jupyter.widgets.texts import Texts
 __all__ = ["FOLDER", "connection_of", "find", "forget", "names", "open_program", "running"]
 
 FOLDER = ".lrp"
-"""Where accepted texts are kept, beside the notebook."""
+"""The folder of accepted texts, beside the notebook."""
 DEAD_MAN = 5.0
 """Wall seconds without a view after which the program of a real robot pauses."""
 
@@ -30,7 +30,7 @@ _connections: dict[str, PageConnection] = {}
 
 
 def names() -> list[str]:
-    """Names of the programs that are open, the oldest first."""
+    """Return the names of the open programs, the oldest first."""
     return [name for name, connection in _connections.items() if not connection.closed]
 
 
@@ -41,12 +41,12 @@ def find(name: str) -> PageConnection | None:
 
 
 def running() -> Iterator[PageConnection]:
-    """Yield what is open."""
+    """Yield the connections of the open programs."""
     yield from (connection for connection in _connections.values() if not connection.closed)
 
 
 def connection_of(session: Session) -> PageConnection:
-    """Return the connection of a session; one that was made elsewhere is shown as it is."""
+    """Return the connection of a session; one that was created elsewhere is shown as it is."""
     for connection in running():
         if connection.session is session:
             return connection
@@ -60,7 +60,7 @@ def connection_of(session: Session) -> PageConnection:
 
 
 def forget(connection: PageConnection) -> None:
-    """Close a program for good."""
+    """Close a program and forget it."""
     connection.close()
     for name in [name for name, known in _connections.items() if known is connection]:
         del _connections[name]
@@ -76,21 +76,21 @@ def open_program(
     folder: str | os.PathLike[str] | None = None,
     **options: Any,
 ) -> PageConnection:
-    """Open a program, or go on with the one of that name; it runs at once.
+    """Open a program, or continue with the open one of that name; it runs at once.
 
     Parameters
     ----------
     name : str
     text : str or None
-        The text of the cell; None: whatever the lab has.
+        The text of the cell; None: the lab's text.
     bridge : str, optional
-        The simulator unless given; of an open program, the one that it has.
+        Default: that of the open program, else the simulator.
     namespace : dict, optional
-        Names that blocks see.
+        Names that blocks can read.
     rate : float, optional
         Ticks per second.
     folder : path, optional
-        The directory beside which texts are kept, the current one unless given.
+        The directory in which texts are kept; default: the current one.
     **options
         For the bridge: ``world="line"``.
 
@@ -156,7 +156,7 @@ def _reopen(old: Session, bridge: str, **options: Any) -> Session:
 
 
 def _first_text(texts: Texts, name: str, text: str | None) -> str:
-    """Return the text to begin with: the lab's of before, unless only the cell was changed since."""
+    """Return the initial text: the lab's earlier one, unless only the cell was changed since."""
     lab, cell = texts.kept(name, ".lrp"), texts.kept(name, ".cell")
     if lab is None:
         return text or ""
@@ -164,7 +164,7 @@ def _first_text(texts: Texts, name: str, text: str | None) -> str:
 
 
 def _reconcile(connection: PageConnection, text: str) -> None:
-    """Bring the cell's text and the lab's together: the one that was changed wins; both: ask."""
+    """Reconcile the texts of the cell and the lab: the changed one wins; if both changed, ask."""
     texts, name = connection.texts, connection.name
     before = texts.kept(name, ".cell")
     texts.conflict = None

@@ -1,7 +1,7 @@
 """Requests of an editor: completion, hover, references.
 
 They are answered on the worker's thread. Live values are read between two ticks, on the interpreter's
-thread; only what comes of them, texts of bounded length, leaves it.
+thread, which passes on only texts of bounded length.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ _ARGUMENT = re.compile(r"[(,]\s*(\w+)")
 
 
 class _NothingError(Exception):
-    """A name means nothing here."""
+    """A name has no meaning here."""
 
 
 @dataclass(frozen=True)
@@ -54,7 +54,7 @@ class CompleteRequest(PageRequest, type="complete"):
 
 @dataclass(frozen=True)
 class HoverRequest(PageRequest, type="hover"):
-    """Ask what a dotted name (``robot.light.data``) is in a scope. Answered by `hover`."""
+    """Describe a dotted name (``robot.light.data``) in a scope. Answered by `hover`."""
 
     chain: str
     scope: str
@@ -66,7 +66,7 @@ class HoverRequest(PageRequest, type="hover"):
 
 @dataclass(frozen=True)
 class ReferencesRequest(PageRequest, type="references"):
-    """Ask whose name stands at a place of the last text sent. Answered by `references`."""
+    """Find the element named at a place of the last text sent. Answered by `references`."""
 
     line: int
     column: int
@@ -80,7 +80,7 @@ class ReferencesRequest(PageRequest, type="references"):
 
 
 def _completions(session: Session, prefix: str, scope: str) -> list[Option]:
-    """Complete a name, or a member of what stands before the last dot.
+    """Complete a name, or a member of the expression before the last dot.
 
     ``robot.move().`` asks for the fields of the message that a command sends, ``robot.move(`` for its
     arguments.
@@ -124,7 +124,7 @@ def _members(value: object, begun: str) -> list[Option]:
             member = inspect.getattr_static(value, name)
             if not isinstance(member, property):
                 member = getattr(value, name)
-        except Exception:  # it is listed all the same
+        except Exception:  # it is listed anyway
             member = None
         options.append(_option(name, member))
     return options
@@ -145,7 +145,7 @@ def _option(name: str, value: object) -> Option:
 
 
 def _hover(session: Session, chain: str, scope: str) -> HoverView | None:
-    """Return what a dotted name is, and its value now."""
+    """Return a description of a dotted name, with its present value."""
     if keyword.iskeyword(chain):
         return None
     robot = chain.removeprefix("robot.")
@@ -190,7 +190,7 @@ def _doc(value: object) -> str:
 
 
 def _value_of(session: Session, chain: str, scope: str) -> object:
-    """Find what a dotted name means in the scope of a machine; between two ticks."""
+    """Return the value of a dotted name in the scope of a machine; between two ticks."""
     first, *rest = chain.split(".")
     value = _root(session, first, scope)
     for name in rest:
@@ -294,7 +294,7 @@ def _leaves(member: Member) -> Iterator[Member]:
 
 
 def _references(text: str, line: int, column: int) -> ReferencesView | None:
-    """Return the element whose name stands at a place of the text."""
+    """Return the element named at a place of the text."""
     program, _ = scan(text)
     if program is None:
         raise LRPError(

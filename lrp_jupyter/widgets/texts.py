@@ -1,7 +1,7 @@
-"""The texts of a session: what was typed, what of it runs, what is held back, and where it is kept.
+"""The texts of a session: the typed, the running, the held and the saved one.
 
-The kernel never types into an editor: it gives each text a revision and answers what became of it. Every text
-that is a program is saved at once, so that no work is lost.
+The kernel never types into an editor: it assigns each text a revision and answers with the result. Every text
+that is a valid program is saved at once, so that no work is lost.
 """
 
 from __future__ import annotations
@@ -27,13 +27,13 @@ from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, 
 __all__ = ["Texts", "Written", "finding_id"]
 
 _KEPT = 50  # texts whose revision is known
-_LATE = 0.25  # s after which a text is answered though it is not applied yet
+_LATE = 0.25  # s after which a text is answered even if it is not applied yet
 _SHOWING = 0.1  # s in which an applied program appears in a frame
 
 
 @dataclass(eq=False)
 class Written:
-    """A text that came, and what is known of it; the fields of an `AnswerMessage`."""
+    """A text that arrived, with its result; the fields of an `AnswerMessage`."""
 
     view: str
     seq: int
@@ -52,7 +52,7 @@ class Written:
 
     @property
     def accepted(self) -> bool:
-        """Whether it is a program."""
+        """Whether it is a valid program."""
         return self.noun is not None
 
 
@@ -77,7 +77,7 @@ class Texts:
         self._lock = RLock()
         self._saving = Lock()
         self._session: Session
-        self._answered = Program()  # the program that the views know to run
+        self._answered = Program()  # the running program, as known to the views
         self._revisions: dict[str, int] = {}
         self._saved: str | None = None
         self._unsaved: str | None = None
@@ -85,7 +85,7 @@ class Texts:
     def attach(
         self, session: Session, wake: Callable[[], None], clock: Callable[[], float] = monotonic
     ) -> None:
-        """Belong to this session from now on; its text is the text.
+        """Attach to a session and use its text.
 
         Parameters
         ----------
@@ -93,7 +93,7 @@ class Texts:
         wake : callable
             Called when a text can be answered.
         clock : callable
-            Seconds on the wall.
+            Returns the wall time in seconds.
         """
         with self._lock:
             self._session = session
@@ -115,9 +115,9 @@ class Texts:
         ----------
         text : str
         view : str
-            The view in which it was typed, empty if a cell, a bundled program or a file brought it.
+            The view in which it was typed; empty if it came from a cell, a bundled program or a file.
         seq : int
-            The number that the view gave it.
+            The number assigned by the view.
         """
         with self._lock:
             answer: Future[Any] = Future()
@@ -128,7 +128,7 @@ class Texts:
                 else:
                     self._judge(text)
                     answer.set_result(None)
-            except SessionClosedError as error:  # the text is kept all the same
+            except SessionClosedError as error:  # the text is kept anyway
                 self._judge(text)
                 answer.set_exception(error)
             self._number(text)
@@ -137,7 +137,7 @@ class Texts:
         return written
 
     def apply(self) -> None:
-        """Let the held text run."""
+        """Apply the held text."""
         with self._lock:
             held, self.hold = self.hold, False
             try:
@@ -154,7 +154,7 @@ class Texts:
         UnknownElementError
             There is no such element.
         ValueError
-            The name cannot be had, or the text is not the program that runs.
+            The name cannot be used, or the text is not the running program.
         """
         with self._lock:
             if self.text != self._session.program.text:
@@ -180,7 +180,7 @@ class Texts:
             del self._revisions[next(iter(self._revisions))]
 
     def _judge(self, text: str) -> None:
-        """Read a text that is not offered to the session."""
+        """Check a text that is not offered to the session."""
         self.noun, self.findings = scan(text, f"<lrp {self._session.name}>")
         if self.noun is not None:
             self.findings = check(self.noun, self._session.namespace)
@@ -189,11 +189,11 @@ class Texts:
 
     @property
     def running_revision(self) -> int:
-        """Revision of the text that runs."""
+        """Return the revision of the running text."""
         return self._revisions.get(self._session.program.text, 0)
 
     def answers(self, now: float) -> list[Written]:
-        """Return the texts that can be answered, or must be by now; and what changed without a text."""
+        """Return the texts that can be answered, or must be by now, and changes that came without a text."""
         with self._lock:
             ready = []
             while self.waiting and self._is_decided(self.waiting[0], now):
@@ -209,7 +209,7 @@ class Texts:
             return ready
 
     def _is_decided(self, written: Written, now: float) -> bool:
-        """Whether the session has applied or refused a text, and shows it if it runs."""
+        """Return whether the session has applied or refused a text, and shows it if it is running."""
         answer = written.answer
         if not answer.done():
             if now < written.deadline:
@@ -236,7 +236,7 @@ class Texts:
         return not patch.applied or shown or now - written.done > _SHOWING
 
     def _came_from_elsewhere(self) -> bool:
-        """Whether the session has a text that no view brought: another cell's edit, a rename, a rewind."""
+        """Return whether the session's text came from no view: another cell's edit, a rename, a rewind."""
         is_other = not self.hold and self._session.text != self.text
         return is_other and self._session.status != "closed"  # which accepts no text any more
 
@@ -268,7 +268,7 @@ class Texts:
     # -- files -------------------------------------------------------------------------------------
 
     def kept(self, name: str, ending: str) -> str | None:
-        """Return what is kept: the lab's text (``.lrp``), or the cell's that it came from (``.cell``)."""
+        """Return a saved text: the lab's (``.lrp``), or that of the cell it came from (``.cell``)."""
         if self.folder is None:
             return None
         try:
@@ -277,11 +277,11 @@ class Texts:
             return None
 
     def keep_cell(self, text: str) -> None:
-        """Remember the cell's text, so that it is known later whether it was changed."""
+        """Save the cell's text, to detect later whether it was changed."""
         self._write(text, ".cell")
 
     def end_conflict(self) -> str | None:
-        """Remember the cell's text as known; return it, or None if there was no conflict."""
+        """Save the cell's text as known; return it, or None if there was no conflict."""
         conflict, self.conflict = self.conflict, None
         if conflict is None:
             return None
@@ -290,7 +290,7 @@ class Texts:
 
     def save(self) -> None:
         """Save the newest accepted text, if it is not saved yet."""
-        with self._saving:  # or one would move away the fresh file of the other
+        with self._saving:  # otherwise one thread could move the other's new file away
             text = self._unsaved
             if text is not None and text != self._saved:
                 self._write(text, ".lrp")
@@ -303,7 +303,7 @@ class Texts:
         file = self.folder / f"{self._session.name}{ending}"
         fresh = file.with_name(f"{file.name}~")
         fresh.write_bytes(text.encode())
-        fresh.replace(file)  # the old one is there until the new one is whole
+        fresh.replace(file)  # the old file exists until the new one is complete
 
 
 def finding_id(finding: Finding) -> str:
@@ -335,7 +335,7 @@ def _finding_view(finding: Finding, text: str) -> FindingView:
 
 
 def _difference_view(old: Program, new: Program) -> Difference:
-    """Return what an edit would change."""
+    """Return the changes that an edit would make."""
     changes = diff(old, new)
     return {
         "added": [str(element) for element in changes.added],

@@ -53,7 +53,7 @@ _UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown 
 
 
 class ViewStates:
-    """Makes the view states of one session. Used by one thread at a time.
+    """Creates the view states of one session. Used by one thread at a time.
 
     Parameters
     ----------
@@ -138,7 +138,7 @@ class ViewStates:
 
     def _last_restart(self, frame: Frame) -> RestartView:
         if frame.restarts != self._restarts:
-            if frame.restart_reason != "reset":  # the person wanted that one
+            if frame.restart_reason != "reset":  # the user requested that one
                 count = self._restart["count"] + frame.restarts - self._restarts
                 self._restart = {"count": count, "tick": frame.tick, "reason": frame.restart_reason}
             self._restarts = frame.restarts
@@ -193,7 +193,7 @@ def difference(before: Mapping[str, Any], now: ViewState) -> dict[str, Any]:
 
 
 def is_urgent(changes: Mapping[str, Any]) -> bool:
-    """Whether a person should see these changes at once: not those that come with every tick."""
+    """Return whether the user should see these changes at once, unlike those that come with every tick."""
     return not changes.keys() <= _CALM
 
 
@@ -279,7 +279,7 @@ def _issue_view(
 
 
 def _same_finding(issue: Issue, place: TextRange, findings: Iterable[Finding]) -> Finding | None:
-    """Find the finding of the checks that names the fault of an issue: the same name in the same form."""
+    """Return the finding of the checks about the fault of an issue: the same name in the same form."""
     if issue.kind not in _UNKNOWN_NAMES:
         return None
     begin, end = (place["line"], place["column"]), (place["end_line"], place["end_column"])
@@ -306,12 +306,12 @@ def _word_at(text: str, line: int, column: int) -> TextRange:
 
 
 def _value_view(text: str, number: float | None) -> ValueView:
-    """Return a value, as a number too where JSON has it."""
+    """Return a value as text, and also as a number if JSON can represent it."""
     return {"text": text, "number": number if number is not None and math.isfinite(number) else None}
 
 
 def _bridge_view(bridge: Bridge, members: Iterable[Member]) -> BridgeView:
-    """Return how a bridge is connected to its robot, and what `robot` offers."""
+    """Return the status of a bridge and the members of `robot`."""
     status = bridge.status
     return {
         "name": bridge.name,
@@ -333,7 +333,7 @@ def _member_values(members: Iterable[Member]) -> dict[str, str]:
 
 
 def listed_members(bridge: Bridge) -> Iterator[Member]:
-    """Yield what `robot` offers, and the fields of its readings."""
+    """Yield the members of `robot`, and the fields of its readings."""
 
     def inside(member: Member, depth: int) -> Iterator[Member]:
         yield member

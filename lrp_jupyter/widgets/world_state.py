@@ -1,4 +1,4 @@
-"""The simulated world as messages: its description, where everything is now, what pens have drawn.
+"""The simulated world as messages: its description, the poses, and the trails of pens.
 
 Everything here is read from frozen values and from lists that only grow, so it may be read on any thread;
 the physics stays with the interpreter's.
@@ -24,7 +24,7 @@ _DISTANCE = 0.1  # s between two descriptions, at least
 
 
 class WorldCursor:
-    """What one view has been sent of the world, and what of it is new."""
+    """Tracks what one view has been sent of the world, and what is new."""
 
     def __init__(self) -> None:
         self._scene: object = None
@@ -45,12 +45,12 @@ class WorldCursor:
         return _scene_of(session) != self._scene and now - self._described >= _DISTANCE
 
     def has_moved(self, session: Session) -> bool:
-        """Whether something moved, or was drawn."""
+        """Return whether something moved or was drawn."""
         picture = session.frame.robot
         return isinstance(picture, SimPicture) and picture != self._picture
 
     def advance(self, session: Session) -> tuple[dict[str, InkView], list[bytes]]:
-        """Return what a frame holds of the movement: a field for new ink, and the buffer of the poses."""
+        """Return the movement for a frame: a field for new ink, and the buffer of the poses."""
         bridge, picture = session.bridge, session.frame.robot
         assert isinstance(bridge, SimBridge)
         assert isinstance(picture, SimPicture)
@@ -64,7 +64,7 @@ class WorldCursor:
 
 
 def _scene_of(session: Session) -> object:
-    """Return what is another value when the world must be described again; None where there is no world."""
+    """Return a value that changes when the world must be described again; None without a world."""
     bridge = session.bridge
     if not isinstance(bridge, SimBridge):
         return None
@@ -131,7 +131,7 @@ def _zone(zone: Zone) -> ZoneView:
 
 
 def _poses(bridge: SimBridge, picture: SimPicture) -> bytes:
-    """Write where everything is as the buffer of a `FrameMessage`."""
+    """Return the poses of everything, as the buffer of a `FrameMessage`."""
     robots: list[Any] = []
     for robot, spec in zip(picture.robots, bridge.world.robots, strict=False):
         lights: list[float] = [*robot.lights, *[math.nan] * len(spec.light)]
@@ -155,7 +155,7 @@ def _poses(bridge: SimBridge, picture: SimPicture) -> bytes:
 
 
 def _strokes_of(marks: Sequence[Mark]) -> list[StrokeView]:
-    """Join pieces of trails and drawings to strokes: those that continue each other are one."""
+    """Join connected pieces of trails and drawings into strokes."""
     strokes: list[StrokeView] = []
     before: tuple[Paint, float, float] | None = None
     for _, paint, piece in marks:
@@ -180,11 +180,11 @@ def pack_poses(
     robots: Iterable[tuple[float, float, float, bool, bool, float, Sequence[float], Sequence[float]]],
     solids: Iterable[tuple[float, float, float]] = (),
 ) -> bytes:
-    """Write the buffer of a `FrameMessage`.
+    """Pack poses into the buffer of a `FrameMessage`.
 
     Little endian: the world's time as float64, then float32: for each robot x, y (m), theta (rad), flags,
     speed (m/s), its light values, its distances (m, inf for nothing); then for each solid with `push`, in
-    the order of the world, x, y, theta. How many there are the page knows from the world.
+    the order of the world, x, y, theta. The page knows their number from the world.
 
     Parameters
     ----------
