@@ -73,7 +73,7 @@ def layout(
         The last layout of the same machine: its states keep their places. Without it everything is
         arranged again, except for what is moved.
     program : Program, optional
-        The program around it; it tells start states, events in scope and where an ``exit`` leads.
+        The program that contains it; provides start states, events in scope and where an ``exit`` leads.
     path : tuple of str, optional
         The machine's path, by default its name alone.
     moved : mapping of str to (x, y), optional
