@@ -27,7 +27,7 @@ class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter
 
 
 def kind_and_message(error: BaseException) -> tuple[IssueKind, str]:
-    """Return what a fault is, and a sentence about it for who wrote the program."""
+    """Return the kind of a fault, and a sentence for the author of the program."""
     if isinstance(error, Fault):
         return error.kind, str(error)
     if isinstance(error, NoDataYet):
@@ -44,7 +44,7 @@ def line_of(program: Program, error: BaseException | None) -> int:
 
 
 def place_of(program: Program, site: Site, error: BaseException | None) -> tuple[int, int]:
-    """Return the line and column where a fault stands: where it came to be if known, else at its element."""
+    """Return the line and column of a fault, or those of its element if they are unknown."""
     trace, place = _innermost(program, error), None
     if trace is not None:
         positions = trace.tb_frame.f_code.co_positions()
@@ -54,7 +54,7 @@ def place_of(program: Program, site: Site, error: BaseException | None) -> tuple
 
 
 def traceback_of(program: Program, error: BaseException | None) -> str:
-    """Write the traceback of a fault from its block on; empty where there is none to write."""
+    """Return the traceback of a fault, starting at its block; empty without an exception."""
     if error is None:
         return ""
     show_in_tracebacks(program)  # another program may have the same name

@@ -58,7 +58,7 @@ class Patch:
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """What to do with a new plan."""
+    """The decision what to do with a new plan."""
 
     apply: bool = True
     restart: bool = False

@@ -464,9 +464,7 @@ class Run:
         """Compare a variable after every tick from now on: a function inside a block writes it."""
         if not slot.leaked:
             slot.leaked = self.leaking = self.watched = self.attention = self.stale = True
-            self.log_cell(
-                slot.cell
-            )  # blocks that are already bound log it as before, until the end of the tick
+            self.log_cell(slot.cell)  # bound blocks log it as before, until the end of the tick
             if not self.observers:
                 slot.last = content(slot.cell)
 

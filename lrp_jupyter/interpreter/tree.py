@@ -140,7 +140,7 @@ class Edge:
         self.row: Row | None = None
         """Of the destination, once it has fired."""
         self.actions: Action | None = None
-        """What is run when it fires: the onexit actions of the source, then the onentry actions of `row`."""
+        """The actions of its firing: the onexit actions of the source, then the onentry actions of `row`."""
         home = act.parent if plan.noun.outward else act
         self.home = home or act  # whose state it changes
         self.target = home.machine.states.get(str(plan.noun.destination)) if home else None
@@ -154,7 +154,7 @@ class Edge:
 
     @property
     def tested(self) -> Site:
-        """What is tested: the condition of an event, or its own condition or delay."""
+        """The site of its test: the condition of an event, or its own condition or delay."""
         test = self.plan.test
         return test.block.site if isinstance(test, EventPlan) else self.plan.site
 

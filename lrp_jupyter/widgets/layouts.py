@@ -20,8 +20,8 @@ class Layouts:
     """Lays out the machines of the running program; only what would be drawn differently is laid out again.
 
     Only :meth:`update` computes, and may take long: call it without holding a lock that others wait for. The
-        other methods return at once, from any thread. A layout once made is never changed, so views compare
-        them by identity.
+    other methods return at once, from any thread. A layout is never changed after its creation, so views
+    compare them by identity.
     """
 
     def __init__(self, clock: Callable[[], float] = monotonic) -> None:
