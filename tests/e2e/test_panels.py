@@ -202,7 +202,7 @@ def test_what_cannot_be_connected_is_said(open_ros):
     field(lab, "variable").fill("my light")
     field(lab, "topic").fill("/light")
     press(lab, "subscribe")
-    lab.reads(".lrp-toast", "cannot be written after")
+    lab.reads(".lrp-toast", "is not a valid name")
     assert field(lab, "variable").input_value() == "my light", "it can be corrected"
 
 
