@@ -233,7 +233,7 @@ def find(things: tuple, name: str) -> Machine | State | None:
 
 
 class GlobalNames(ast.NodeTransformer):
-    """Where production says nonlocal, a throwaway dict of globals says global."""
+    """Uses a throwaway dict of globals where production code uses nonlocal."""
 
     def visit_Nonlocal(self, node):
         return ast.copy_location(ast.Global(node.names), node)

@@ -80,7 +80,7 @@ def robot() -> SimpleNamespace:
 
 
 def run_until(step, story: Expectations, bot, look, first: int = 1, last: int | None = None) -> None:
-    """Step through the ticks of a story; `look(tick)` gives what is active and the variables."""
+    """Step through the ticks of a story; `look(tick)` returns the active states and the variables."""
     for tick in range(first, (last or story.last_tick) + 1):
         for name, value in story.inputs.get(tick, ()):
             setattr(bot, name, value)

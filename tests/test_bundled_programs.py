@@ -73,7 +73,7 @@ def test_a_bundled_program_has_no_findings(name):
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_bundled_program_says_what_it_does_and_where(name):
+def test_a_bundled_program_describes_what_it_does_and_where(name):
     heading = programs.heading(programs.load(name))
     assert heading.description.endswith(".")
     assert len(heading.description) <= 100

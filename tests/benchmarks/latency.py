@@ -239,7 +239,7 @@ class Bench:
         self.kernel("1")  # waits for the cell's end
 
     def count_at_full_speed(self, seconds: float) -> None:
-        """Nothing is lost at 1,000 ticks/s: what the page was told adds up to what happened."""
+        """Nothing is lost at 1,000 ticks/s: the counts sent to the page add up to what happened."""
         with self.rate(100):  # as often as the simulator moves on; its time runs ten times as fast
             self.kernel("setattr(session, 'speed', 10)")
             self.page.wait_for_timeout(seconds * 1e3)
@@ -337,7 +337,7 @@ class Bench:
 
 
 def few(times: int) -> int:
-    """How often something is done that takes its time."""
+    """The number of repetitions for something slow."""
     return max(2, times // 12)
 
 

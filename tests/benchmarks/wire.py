@@ -6,7 +6,7 @@ from typing import Any
 
 
 class Wire:
-    """Counts the messages that reach a page, and adds up what they tell of firings."""
+    """Counts the messages that reach a page, and adds up their counts of firings."""
 
     def __init__(self, page: Any) -> None:
         self.count = self.size = self.largest = 0

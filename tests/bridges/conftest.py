@@ -13,7 +13,7 @@ from lrp_jupyter.bridges.bridge import Bridge
 
 
 class Cart(Bridge):
-    """A cart that writes down what it is told: about what a student writes."""
+    """A cart that records its commands: about what a student writes."""
 
     name = "test-cart"
 
@@ -38,7 +38,7 @@ class Cart(Bridge):
     def beep(self, seconds: float, *, tone: int = 440) -> str:
         """Sound a tone.
 
-        As long as it is told.
+        It lasts for the given time.
         """
         return f"{tone} Hz for {seconds} s"
 

@@ -43,7 +43,7 @@ def test_a_program_reads_and_commands_through_robot(cart: Any) -> None:
     assert cart.sent == [(0.2, 0.0), (0.1, 1)]
 
 
-def test_a_method_gives_what_the_bridge_gives(cart: Any) -> None:
+def test_a_method_returns_what_the_bridge_returns(cart: Any) -> None:
     assert cart.robot.beep(2) == "440 Hz for 2 s"
 
 
@@ -63,7 +63,7 @@ def test_an_unknown_member_is_an_attribute_error_and_one_of_ours(cart: Any) -> N
     assert issubclass(MemberError, LRPError)
 
 
-def test_robot_without_members_says_why() -> None:
+def test_robot_without_members_explains_why() -> None:
     with pytest.raises(BridgeError, match="the bridge `none` offers no members"):
         NullBridge().robot.move(linear=1)
 
@@ -144,7 +144,7 @@ def test_a_name_is_a_member_or_a_part_not_both(bare: Bare) -> None:
     assert dir(bare.robot) == ["light", "sound"]
 
 
-def test_removing_a_part_removes_all_in_it_and_the_last_member_takes_its_part_along(bare: Bare) -> None:
+def test_removing_a_part_removes_all_in_it_and_removing_its_last_member_removes_the_part(bare: Bare) -> None:
     for name in ("arm.left.x", "arm.left.y", "arm.right", "leg.x"):
         bare.add_variable(name, lambda: 1)
     bare.remove_member("leg.x")
@@ -247,7 +247,7 @@ def test_members_are_json_whatever_their_values(bare: Bare) -> None:
     assert len(text) < 5000
 
 
-def test_members_may_come_and_go_while_other_threads_look(bare: Bare) -> None:
+def test_members_may_change_while_other_threads_read_them(bare: Bare) -> None:
     failures: list[BaseException] = []
     done = threading.Event()
 
@@ -272,13 +272,13 @@ def test_members_may_come_and_go_while_other_threads_look(bare: Bare) -> None:
 # -- readings -------------------------------------------------------------------------------------
 
 
-def test_a_reading_that_is_not_there_yet_is_no_fault(cart: Any) -> None:
+def test_a_reading_that_is_not_there_yet_is_not_a_fault(cart: Any) -> None:
     cart.light = None
     with pytest.raises(NoDataYet, match=r"`robot\.light\.data` has no data yet"):
         cart.robot.light.data  # noqa: B018
 
 
-def test_a_getter_may_say_itself_that_there_is_no_data(bare: Bare) -> None:
+def test_a_getter_may_report_itself_that_there_is_no_data(bare: Bare) -> None:
     def getter() -> int:
         raise NoDataYet
 
@@ -298,7 +298,7 @@ def test_a_getter_that_fails_is_a_bridge_error_with_its_cause(bare: Bare) -> Non
     assert not isinstance(error.value, AttributeError), "it must not look as if the member did not exist"
 
 
-def test_a_getter_that_says_what_is_wrong_is_believed(bare: Bare) -> None:
+def test_the_sentence_of_a_failing_getter_is_kept(bare: Bare) -> None:
     def getter() -> int:
         raise BridgeError("the sensor is not plugged in")
 
@@ -376,7 +376,7 @@ def test_a_method_without_message_cannot_be_filled(cart: Any) -> None:
         pass
 
 
-def test_a_callable_without_signature_takes_anything(bare: Bare) -> None:
+def test_a_callable_without_signature_accepts_anything(bare: Bare) -> None:
     bare.add_method("lowest", min, "the smallest of numbers", command=False)
     assert bare.robot.lowest(3, 1, 2) == 1
 
@@ -413,7 +413,7 @@ class Noted(Bridge):
             raise self.fail
 
 
-def test_opening_connects_once_and_gives_the_panel() -> None:
+def test_opening_connects_once_and_returns_the_panel() -> None:
     bridge = Noted()
     assert bridge.status.state is ConnectionState.DISCONNECTED
     assert bridge.open() == bridge.open() == Panel("Noted")
@@ -447,7 +447,7 @@ def test_a_robot_that_is_not_there_is_a_bridge_error_and_a_status() -> None:
     assert bridge.status.state is ConnectionState.DISCONNECTED
 
 
-def test_closing_goes_on_when_the_bridge_fails() -> None:
+def test_closing_continues_when_the_bridge_fails() -> None:
     bridge = Noted()
     bridge.open()
     bridge.fail = OSError("gone")
@@ -456,7 +456,7 @@ def test_closing_goes_on_when_the_bridge_fails() -> None:
     assert bridge.safety.notices[-1].text == "Closing `test-noted` failed: OSError: gone."
 
 
-def test_a_bridge_that_fails_in_a_tick_is_lost_and_stopped_and_the_loop_goes_on() -> None:
+def test_a_bridge_that_fails_in_a_tick_is_lost_and_stopped_and_the_loop_continues() -> None:
     bridge = Noted()
     bridge.open()
     bridge.fail = BridgeError("the server is gone")
@@ -472,7 +472,7 @@ def test_a_bridge_that_fails_in_a_tick_is_lost_and_stopped_and_the_loop_goes_on(
     assert bridge.safety.notices[-1].text == "`sense` raised ValueError: a mistake in sense."
 
 
-def test_a_bridge_says_itself_how_it_stands() -> None:
+def test_a_bridge_sets_its_own_status() -> None:
     class Asking(Noted):
         name = "test-asking"
 

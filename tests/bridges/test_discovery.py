@@ -77,7 +77,7 @@ def test_a_class_is_found_as_soon_as_it_is_defined(registry: dict[str, type[Brid
     assert find_bridges()["mybot"].origin == "defined here"
 
 
-def test_a_cell_that_is_run_again_defines_the_bridge_anew(registry: dict[str, type[Bridge]]) -> None:
+def test_a_cell_that_is_run_again_redefines_the_bridge(registry: dict[str, type[Bridge]]) -> None:
     def cell() -> type[Bridge]:
         class MyBot(Bridge):
             name = "mybot"
@@ -124,7 +124,7 @@ def test_the_names_of_the_defaults_cannot_be_taken(registry: dict[str, type[Brid
     assert find_bridges()[taken].origin == "lrp-jupyter"
 
 
-def test_the_default_is_chosen_unless_somebody_names_another(registry: dict[str, type[Bridge]]) -> None:
+def test_the_default_is_chosen_unless_another_is_named(registry: dict[str, type[Bridge]]) -> None:
     class MyBot(Bridge):
         def open_interface(self) -> None:
             """Nothing."""
@@ -198,7 +198,7 @@ def test_options_go_to_the_bridge_and_unknown_ones_are_refused() -> None:
         make_bridge("none", host="10.0.0.7")
 
 
-def test_a_bridge_may_take_any_option(registry: dict[str, type[Bridge]]) -> None:
+def test_a_bridge_may_accept_any_option(registry: dict[str, type[Bridge]]) -> None:
     class Free(Bridge):
         def __init__(self, **options: object) -> None:
             self.options = options
@@ -221,7 +221,7 @@ def test_an_option_that_is_missing_is_a_bridge_error(registry: dict[str, type[Br
         make_bridge("needy")
 
 
-def test_a_class_an_object_and_nothing_are_taken_as_they_are() -> None:
+def test_a_class_an_object_and_nothing_are_used_as_they_are() -> None:
     assert isinstance(make_bridge(), NullBridge)
     assert isinstance(make_bridge(NullBridge), NullBridge)
     bridge = NullBridge()

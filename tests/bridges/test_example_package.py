@@ -96,7 +96,7 @@ def test_it_passes_the_public_conformance_tests(python: Command) -> None:
     assert checked.returncode == 0, checked.stdout + checked.stderr
 
 
-def test_where_it_is_not_installed_there_is_no_such_bridge(ride: Path) -> None:
+def test_where_it_is_not_installed_the_bridge_is_unknown(ride: Path) -> None:
     command = [sys.executable, "-m", "lrp_jupyter", "run", str(ride), "--bridge", "lift"]
     done = subprocess.run(command, capture_output=True, text=True, timeout=180)
     assert done.returncode == 2

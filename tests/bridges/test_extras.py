@@ -56,7 +56,7 @@ def test_the_core_is_installed_without_them() -> None:
         (("--option", "backend=rospy"), "rospy"),
     ],
 )
-def test_where_a_library_is_missing_the_error_says_what_to_install(
+def test_where_a_library_is_missing_the_error_names_what_to_install(
     bare_lrp: Start, tmp_path: Path, options: tuple[str, ...], sentence: str
 ) -> None:
     program = tmp_path / "wait.lrp"

@@ -116,7 +116,7 @@ def test_only_finite_numbers_are_numbers(rover: Rover, value: object) -> None:
 
 
 @pytest.mark.parametrize("value", [1, 1.0, Fraction(1), numpy.float32(1), numpy.int64(1), numpy.float64(1)])
-def test_every_real_number_is_taken_as_a_float(rover: Rover, value: object) -> None:
+def test_every_real_number_is_converted_to_a_float(rover: Rover, value: object) -> None:
     rover.robot.move(linear=value)
     assert rover.sent == [twist(1.0)]
     assert type(rover.sent[0]["linear"]["x"]) is float

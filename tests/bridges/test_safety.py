@@ -166,7 +166,7 @@ def test_a_velocity_that_is_not_repeated_ends_after_half_a_second(cart: Any) -> 
     assert len(cart.sent) == 2, "a robot that stands still needs no stop"
 
 
-def test_a_velocity_that_is_repeated_goes_on(cart: Any) -> None:
+def test_a_velocity_that_is_repeated_continues(cart: Any) -> None:
     for number in range(30):
         cart.begin_tick(number / 10, 0.1)
         cart.robot.move(linear=0.2)
@@ -240,7 +240,7 @@ def test_a_block_that_comes_back_after_the_stop_does_not_start_the_robot_again(c
     assert cart.check_watchdog(1.2) is None
 
 
-def test_without_ticks_nobody_is_watched(cart: Any) -> None:
+def test_without_ticks_nothing_is_watched(cart: Any) -> None:
     assert cart.check_watchdog(100.0) is None
     tick(cart, 0.0)
     cart.safety.rest()
@@ -268,7 +268,7 @@ def test_patience_is_half_a_second_or_three_periods(period: float) -> None:
 # -- stop_all -------------------------------------------------------------------------------------
 
 
-def test_a_person_who_drives_by_hand_goes_on_after_a_stop(cart: Any) -> None:
+def test_driving_by_hand_continues_after_a_stop(cart: Any) -> None:
     cart.robot.move(linear=0.2)
     assert cart.stop_all() is True
     cart.robot.move(linear=0.3)
@@ -280,7 +280,7 @@ def test_the_stop_is_sent_while_disarmed(disarmed: Any) -> None:
     assert disarmed.sent == [(0.0, 0.0)]
 
 
-def test_a_stop_that_fails_does_not_raise_and_says_so() -> None:
+def test_a_stop_that_fails_does_not_raise_but_reports_it() -> None:
     class Broken(Bridge):
         name = "test-broken-stop"
 

@@ -98,7 +98,7 @@ def fill(robot: Robot) -> None:
         lambda robot: fill(robot),
     ],
 )
-def test_every_way_to_say_move_moves_alike(sim: SimBridge, how: Callable[[Robot], object]) -> None:
+def test_every_spelling_of_move_moves_alike(sim: SimBridge, how: Callable[[Robot], object]) -> None:
     sim.begin_tick(0.0, PERIOD)
     how(sim.robot)
     assert sim.picture.robots[0].command == (0.1, 0.5)
@@ -276,7 +276,7 @@ def test_another_world_can_be_chosen_before_it_is_opened() -> None:
     assert sim.robot.light.data == 255
 
 
-def test_an_unknown_world_or_noise_is_said_in_a_sentence() -> None:
+def test_an_unknown_world_or_noise_is_reported_in_a_sentence() -> None:
     with pytest.raises(BridgeError, match=r"There is no world `lin`.*Did you mean `line`"):
         SimBridge("lin")
     with pytest.raises(BridgeError, match=r"no noise `engine`\. Choose one of motor"):
@@ -298,7 +298,7 @@ def test_noise_is_that_of_the_seed() -> None:
     assert run(1) != run(2)
 
 
-def test_members_tell_unit_doc_and_value(sim: SimBridge) -> None:
+def test_members_have_unit_doc_and_value(sim: SimBridge) -> None:
     sim.begin_tick(2.0, PERIOD)
     sim.refresh()
     member = sim.describe("robot.distance.data")
@@ -319,7 +319,7 @@ def test_pause_freezes_and_stops(sim: SimBridge) -> None:
     assert sim.picture.robots[0].command == (0.0, 0.0)
 
 
-def test_a_program_that_stops_its_robot_hears_nothing_of_the_command_watchdog(sim: SimBridge) -> None:
+def test_a_program_that_stops_its_robot_gets_no_notice_of_the_command_watchdog(sim: SimBridge) -> None:
     drive(sim, ticks=3)
     sim.begin_tick(3 * PERIOD, PERIOD)
     sim.robot.stop()

@@ -41,7 +41,7 @@ def program(tmp_path):
 
 @pytest.fixture
 def process():
-    """Start the command as a process of its own; none is left behind, and none keeps a test for ever."""
+    """Start the command as a process of its own, which ends with the test."""
     started, timers = [], []
 
     def start(*arguments, **options):
@@ -62,7 +62,7 @@ def process():
 
 
 def wait_for(condition, what):
-    """Wait until a condition gives something; its value."""
+    """Wait until a condition returns something; return that."""
     end = time.monotonic() + PATIENCE
     while time.monotonic() < end:
         if value := condition():

@@ -58,7 +58,7 @@ def test_an_issue_is_shown_with_its_line_and_a_caret():
     assert lines[place + 2].endswith("^")
 
 
-def test_the_map_stands_beside_in_a_wide_terminal_and_below_in_a_narrow_one():
+def test_the_map_is_beside_in_a_wide_terminal_and_below_in_a_narrow_one():
     state = state_after(0.1, map=["  →", "###"])
     wide, narrow = text_of(state, 100), text_of(state, 60)
     assert any("outer" in line and "┌───┐" in line for line in wide)
@@ -66,7 +66,7 @@ def test_the_map_stands_beside_in_a_wide_terminal_and_below_in_a_narrow_one():
     assert all(len(line) < 60 for line in narrow)
 
 
-def test_the_header_says_what_is_unusual():
+def test_the_header_shows_what_is_unusual():
     from dataclasses import replace
 
     state = state_after(0.1)

@@ -34,7 +34,7 @@ def test_warnings_alone_do_not_fail(lrp, program):
     assert "LRP401" in result.stdout
 
 
-def test_a_text_that_is_no_program_fails(lrp, program):
+def test_a_text_that_is_not_a_program_fails(lrp, program):
     assert lrp("check", program(BROKEN)).exit_code == 1
 
 
@@ -46,7 +46,7 @@ def test_an_unreadable_file_is_a_sentence_and_the_others_are_checked(lrp, progra
     assert all(line.startswith("lrp: ") for line in result.stderr.splitlines())
 
 
-def test_bytes_that_are_no_text_are_a_sentence(lrp, tmp_path):
+def test_bytes_that_are_not_text_are_reported_in_a_sentence(lrp, tmp_path):
     path = tmp_path / "my.lrp"
     path.write_bytes(b"; caf\xe9")
     result = lrp("check", path)

@@ -3,7 +3,7 @@ from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.program import Finding
 
 
-def test_carets_stand_below_what_is_meant():
+def test_carets_are_below_what_is_meant():
     assert excerpt("a\n  (on bumb)\n", 2, 7, 2, 11) == ["    2 |   (on bumb)", "      |       ^^^^"]
 
 

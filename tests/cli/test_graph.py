@@ -21,7 +21,7 @@ def test_one_machine_is_drawn_by_its_path(lrp):
     ("name", "begins"),
     [("g.dot", "digraph"), ("g.gv", "digraph"), ("g.mmd", "stateDiagram-v2"), ("g.svg", "<svg")],
 )
-def test_the_name_of_the_output_says_what_it_is(lrp, tmp_path, name, begins):
+def test_the_name_of_the_output_determines_the_format(lrp, tmp_path, name, begins):
     result = lrp("graph", "stopwatch", "-o", tmp_path / name)
     assert (result.exit_code, result.stdout) == (0, "")
     assert (tmp_path / name).read_text(encoding="utf-8").startswith(begins)
@@ -50,7 +50,7 @@ def test_a_machine_that_does_not_exist_is_a_sentence(lrp):
     assert "`follower`" in result.stderr
 
 
-def test_a_text_that_is_no_program_is_not_drawn(lrp, program):
+def test_a_text_that_is_not_a_program_is_not_drawn(lrp, program):
     result = lrp("graph", program("(machine m"))
     assert result.exit_code == 1
     assert "LRP101" in result.stderr

@@ -30,7 +30,7 @@ def test_every_notebook_is_shipped():
 
 
 def status(url):
-    """Status of an answer; the server says where it is a moment before it listens."""
+    """Return the status of an answer; the server prints its address a moment before it listens."""
     deadline = monotonic() + 110
     while True:
         try:

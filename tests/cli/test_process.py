@@ -24,14 +24,14 @@ def events_of(path, kind):
 def test_two_processes_write_identical_traces(process):
     arguments = ("run", "follower", "--world", "line", "--speed", "max", "--for", "300", "--trace", "-")
     runs = [process(*arguments) for _ in range(2)]
-    (first, told), (second, _) = (run.communicate() for run in runs)
+    (first, output), (second, _) = (run.communicate() for run in runs)
     assert [run.returncode for run in runs] == [0, 0]
     assert first == second
     last = json.loads(first.splitlines()[-1])
     assert (last["event"], last["state"]) == ("entered", "follower/end")
     assert 35 < last["time"] < 60
-    assert "follower: 300.0 s, 3000 ticks; follower/end active; " in told
-    assert "times real time" in told
+    assert "follower: 300.0 s, 3000 ticks; follower/end active; " in output
+    assert "times real time" in output
 
 
 @pytest.mark.parametrize("kind", [signal.SIGINT, signal.SIGTERM])
@@ -72,7 +72,7 @@ def test_a_reader_that_goes_away_ends_the_run(process, program, text):
     assert "Traceback" not in run.stderr.read()
 
 
-def test_a_reader_that_goes_away_at_the_end_is_no_mistake_of_the_run(process, program):
+def test_a_reader_that_closes_at_the_end_is_not_a_fault_of_the_run(process, program):
     for _ in range(3):  # before or after the last look
         run = process("run", program(WAIT), "--speed", "max", "--for", "0.1", "--trace", "-")
         assert json.loads(run.stdout.readline())["event"] == "started"
@@ -83,8 +83,8 @@ def test_a_reader_that_goes_away_at_the_end_is_no_mistake_of_the_run(process, pr
 
 def test_every_save_changes_the_running_program(process, program, tmp_path, waiting):
     text = "(var n := [1])\n" + WAIT
-    path, trace, told = program(text), tmp_path / "trace.jsonl", tmp_path / "told"
-    with told.open("w") as out:
+    path, trace, output = program(text), tmp_path / "trace.jsonl", tmp_path / "output"
+    with output.open("w") as out:
         run = process("run", path, "--watch", "--set", "n=5", "--trace", trace, stdout=out)
     waiting(lambda: events_of(trace, "entered"), "the start")
 
@@ -95,7 +95,7 @@ def test_every_save_changes_the_running_program(process, program, tmp_path, wait
     path.write_text(text + "(var m := [7)\n")  # no program: nothing changes …
     other = tmp_path / "other"
     other.write_text(text.replace("0.1", "0.2"))
-    waiting(lambda: "LRP103" in told.read_text(), "the error")
+    waiting(lambda: "LRP103" in output.read_text(), "the error")
     os.replace(other, path)  # … and as many editors save
     waiting(lambda: events_of(trace, "restarted"), "the restart")
 
@@ -103,7 +103,7 @@ def test_every_save_changes_the_running_program(process, program, tmp_path, wait
     assert run.wait() == 130
     values = [e["value"] for e in events_of(trace, "changed") if e["variable"] == "m"]
     assert values == [7]  # 5 + 2: what was set stays set
-    out = told.read_text()
+    out = output.read_text()
     assert "saved: applied while it runs: variable `m` added" in out
     assert "saved: not a valid program; the last one keeps running" in out
     assert "(var m := [7)\n" in out
@@ -111,7 +111,7 @@ def test_every_save_changes_the_running_program(process, program, tmp_path, wait
     assert "saved: restarted: `a` is active and its `running` changed." in out
 
 
-def test_a_file_that_is_no_program_yet_waits_for_its_first_save(process, program, tmp_path, waiting):
+def test_a_file_that_is_not_a_program_yet_waits_for_its_first_save(process, program, tmp_path, waiting):
     path, trace = program("(machine m"), tmp_path / "trace.jsonl"
     run = process("run", path, "--watch", "--trace", trace)
     assert "error LRP101" in run.stderr.readline()
@@ -121,7 +121,7 @@ def test_a_file_that_is_no_program_yet_waits_for_its_first_save(process, program
     assert run.wait() == 130
 
 
-def test_a_save_lets_a_run_go_on_that_paused_at_an_issue(process, program, tmp_path, waiting):
+def test_a_save_resumes_a_run_that_paused_at_an_issue(process, program, tmp_path, waiting):
     bad = "(machine m (state a (running [1 / 0])) (state b) (ontime 500 a -> b)) (spawn m a)"
     path, trace = program(bad), tmp_path / "trace.jsonl"
     run = process("run", path, "--watch", "--on-issue", "pause", "--trace", trace)

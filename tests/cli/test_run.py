@@ -30,7 +30,7 @@ def trace_of(result):
     return [json.loads(line) for line in result.stdout.splitlines()]
 
 
-def test_a_run_is_told_line_by_line(lrp, program):
+def test_a_run_is_traced_line_by_line(lrp, program):
     result = lrp("run", program(COUNT), "--speed", "max", "--for", "1", "--bridge", "none")
     assert result.exit_code == 0
     assert result.stdout.splitlines()[:-1] == [
@@ -116,12 +116,12 @@ def test_a_run_until_a_state_ends_in_it(lrp, program):
     assert (result.exit_code, trace_of(result)[-1]["state"]) == (0, "counter/two")
 
 
-def test_a_state_that_does_not_come_is_a_failure(lrp, program):
+def test_a_state_that_is_not_entered_is_a_failure(lrp, program):
     assert lrp("run", program(COUNT), "--speed", "max", "--until", "two", "--for", "0.2").exit_code == 1
 
 
 @pytest.mark.parametrize("variable", ["forward", "maxlook"])
-def test_a_variable_begins_with_another_value(lrp, variable):
+def test_a_variable_starts_with_another_value(lrp, variable):
     result = lrp(
         "run", "follower", "--speed", "max", "--for", "1", "--set", f"{variable}=7 * 10", "--trace", "-"
     )
@@ -171,7 +171,7 @@ def test_what_cannot_be_meant_is_a_sentence_and_exit_code_2(lrp, arguments, sent
     assert "Traceback" not in result.stderr
 
 
-def test_a_text_that_is_no_program_is_shown_with_its_errors_and_does_not_run(lrp, program):
+def test_a_text_that_is_not_a_program_is_shown_with_its_errors_and_does_not_run(lrp, program):
     result = lrp("run", program("(machine m\n(spawn m a)"))
     assert (result.exit_code, result.stdout) == (1, "")
     assert "LRP101" in result.stderr
@@ -195,20 +195,20 @@ def test_an_issue_is_shown_once_at_its_place(lrp, program):
 
 
 @pytest.mark.parametrize("speed", ["max", "1"])
-def test_an_issue_ends_the_run_when_nobody_could_let_it_go_on(lrp, program, speed):
+def test_an_issue_ends_the_run_when_it_cannot_be_resumed(lrp, program, speed):
     result = lrp("run", program(FAULTY), "--speed", speed, "--for", "30", "--on-issue", "pause")
     assert result.exit_code == 1
     assert "ZeroDivisionError" in result.stdout
     assert "0.1 s, 2 ticks" in result.stdout
 
 
-def test_what_the_robot_has_to_say_is_told_once(lrp, program):
+def test_a_notice_of_the_robot_is_printed_once(lrp, program):
     text = "(machine m (state a (onentry [robot.move(linear=0.1)]))) (spawn m a)"
     result = lrp("run", program(text), "--speed", "max", "--for", "3")
     assert result.stdout.count("No command for 0.5 s. Put `move` into `running`.") == 1
 
 
-def test_the_text_itself_says_where_it_runs(lrp, program, tmp_path):
+def test_the_text_itself_names_its_world(lrp, program, tmp_path):
     (tmp_path / "mine.json").write_text(lrp("worlds", "--json", "boxes").stdout)
     look = "(machine m (state a (onentry [print(robot.distance.data)]))) (spawn m a)"
     near = lrp("run", program(f"; world: mine.json\n{look}"), "--speed", "max", "--for", "0.2").stdout
@@ -296,7 +296,7 @@ def test_hardware_that_is_named_is_armed_and_ctrl_c_stops_it(lrp, program):
         (["--seed", "2"], "--seed is for the simulator"),
     ],
 )
-def test_what_a_robot_does_not_take_is_a_sentence(lrp, program, arguments, sentence):
+def test_what_a_robot_does_not_accept_is_reported_in_a_sentence(lrp, program, arguments, sentence):
     result = lrp("run", program(DRIVE), "--bridge", "recorder", *arguments)
     assert result.exit_code == 2
     assert sentence in " ".join(result.stderr.replace("│", " ").split())

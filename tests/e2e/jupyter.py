@@ -37,12 +37,12 @@ CONFIG = "from lrp_jupyter.cli.lab import send_at_once; send_at_once()"  # as `l
 
 
 def chromium():
-    """Path of the browser, None if there is none."""
+    """Return the path of the browser, or None."""
     return shutil.which("chromium")
 
 
 def lacking():
-    """Say what this machine lacks; empty if nothing."""
+    """Return what this machine lacks, or an empty text."""
     missing = [name for name in ("jupyterlab", "notebook", "playwright") if find_spec(name) is None]
     return ", ".join(missing + ([] if chromium() else ["chromium"]))
 

@@ -6,7 +6,7 @@ APP = "window.jupyterapp?.shell?.currentWidget"
 
 
 def close_all(page):
-    """Close everything in JupyterLab without asking; tell whether it can be gone on with."""
+    """Close everything in JupyterLab without asking; return whether it is still usable."""
     if page.is_closed() or "/lab" not in page.url:
         return False
     page.evaluate(
@@ -106,7 +106,7 @@ class LabPage:
         return self.root.locator(selector)
 
     def sees(self, selector):
-        """Wait until something is there, and give it."""
+        """Wait until something is there, and return it."""
         found = self.find(selector).first
         found.wait_for(state="attached")
         return found
@@ -189,7 +189,7 @@ class LabPage:
         self.misses(".cm-search")
 
     def type_after(self, text, typed):
-        """Put the cursor behind a piece of the program and type."""
+        """Put the cursor after a piece of the program and type."""
         self.select(text)
         self.page.keyboard.press("ArrowRight")
         self.page.keyboard.type(typed)

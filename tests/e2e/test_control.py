@@ -1,4 +1,4 @@
-"""The program is told what to do: by buttons, menus, keys, fields and the hand."""
+"""The program is controlled by buttons, menus, keys, fields and the mouse."""
 
 from e2e.programs import COUNTER, EYE, FOLLOWER, LONG, VISITS
 
@@ -66,7 +66,7 @@ def test_a_state_is_gone_to_and_a_transition_fired_by_keys_alone(open_lab):
     lab.has_value("visits", "2")
 
 
-def test_a_variable_is_changed_in_place_and_a_mistake_is_said_at_its_field(open_lab):
+def test_a_variable_is_changed_in_place_and_a_mistake_is_shown_at_its_field(open_lab):
     lab = open_lab(VISITS)
     row = lab.sees('[data-lrp-variable="visits"]')
     row.locator(".lrp-value").click()

@@ -33,7 +33,7 @@ PATIENCE = 20  # s for what the test's side hears of the page
 
 
 class RosRobot:
-    """Topics in memory that somebody publishes, and the server that a bridge finds them by."""
+    """Topics in memory that are published, and the server by which a bridge finds them."""
 
     def __init__(self):
         self.graph = MemoryGraph(dict(KNOWN))
@@ -52,8 +52,8 @@ class RosRobot:
 
     def _speak(self):
         while not self._gone.wait(0.1):
-            self.graph.say("/light", data=self.light)
-            self.graph.say("/odom", pose={"pose": {"position": {"x": 1.25, "y": 0.5, "z": 0.0}}})
+            self.graph.send("/light", data=self.light)
+            self.graph.send("/odom", pose={"pose": {"position": {"x": 1.25, "y": 0.5, "z": 0.0}}})
 
     @property
     def speeds(self):
@@ -197,7 +197,7 @@ def test_a_topic_is_picked_its_type_filled_in_and_the_row_removed_again(open_ros
     wait_until(lambda: {topic for topic, _ in ros.graph.listeners} == {"/light"}, "the end of /odom")
 
 
-def test_what_cannot_be_connected_is_said(open_ros):
+def test_what_cannot_be_connected_is_reported(open_ros):
     lab = open_ros(COUNTER, connected=False)
     field(lab, "variable").fill("my light")
     field(lab, "topic").fill("/light")

@@ -63,7 +63,7 @@ def test_where_cell_and_lab_both_changed_the_lab_asks_which_text_it_is(open_lab)
     lab.misses('[data-lrp-state="m/typed"]')
 
 
-def test_a_restarted_kernel_is_told_and_the_cell_goes_on_with_the_typed_text(open_lab):
+def test_a_restarted_kernel_is_reported_and_the_cell_continues_with_the_typed_text(open_lab):
     lab = open_lab(COUNTER)
     lab.type_after("(state rest)", " (state third)")
     lab.sees('[data-lrp-state="m/third"]')
@@ -79,7 +79,7 @@ def test_a_restarted_kernel_is_told_and_the_cell_goes_on_with_the_typed_text(ope
     assert "(state third)" in lab.text
 
 
-def test_a_saved_and_reopened_notebook_goes_on_with_the_typed_text(open_lab, server):
+def test_a_saved_and_reopened_notebook_continues_with_the_typed_text(open_lab, server):
     lab = open_lab(COUNTER)
     lab.type_after("(state rest)", " (state third)")
     lab.sees('[data-lrp-state="m/third"]')

@@ -213,7 +213,7 @@ def test_a_program_a_session_and_a_text_are_graded_alike():
         grade(3, "first move")
 
 
-def test_a_fault_of_our_own_is_no_failing_grade(monkeypatch):
+def test_a_fault_of_our_own_is_not_a_failing_grade(monkeypatch):
     monkeypatch.setattr(Interpreter, "step", lambda *_: {}["our own mistake"])
     with pytest.raises(LRPError, match="our own mistake"):
         grade(DRIVE, "first move")
@@ -247,7 +247,7 @@ def test_whether_a_run_may_end_early_is_known_without_searching_all_ticks_at_eve
     assert ticks.searched <= 1
 
 
-def test_what_is_missing_in_an_order_is_told_with_when_the_one_before_it_came():
+def test_what_is_missing_in_an_order_is_reported_with_the_time_of_the_one_before():
     world = World(
         size=(2, 1),
         robots=(RobotSpec((0.3, 0.5, 0)),),
@@ -255,13 +255,13 @@ def test_what_is_missing_in_an_order_is_told_with_when_the_one_before_it_came():
         zones={"start": CircleZone((0.3, 0.5, 0.05)), "near": CircleZone((0.8, 0.5, 0.05))},
         name="mine",
     )
-    told = {
+    expected = {
         visits("start", "near"): "it was there after 2.4 s",
         visits("near", "start"): "it never came to `start` after 2.4 s",
         touches("ball"): "it touched it after 5.2 s",
         touches("ball", "wall"): "it never touched the wall after 5.2 s",
         touches("wall"): "it never touched the wall",
     }
-    result = grade(DRIVE, world, criteria=list(told), seconds=8)
+    result = grade(DRIVE, world, criteria=list(expected), seconds=8)
     *reasons, _ = (verdict.reason for verdict in result.attempts[0].verdicts)  # without "no issue"
-    assert reasons == list(told.values())
+    assert reasons == list(expected.values())

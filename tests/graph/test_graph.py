@@ -33,7 +33,7 @@ def test_every_state_is_a_node_with_its_path(follower):
     assert graph.nodes[*LOOKALGO, "lookleft"]["machine"] == LOOKALGO
 
 
-def test_an_edge_says_what_kind_it_is_and_when_it_is_taken(follower):
+def test_an_edge_has_its_kind_and_condition(follower):
     graph = state_graph(follower)
     edge = graph.edges[("follower", "moving"), ("follower", "looking"), "tlooking"]
     assert edge == {
@@ -71,7 +71,7 @@ def test_spawns_are_edges_from_the_program_and_from_states(follower):
     }
 
 
-def test_a_missing_state_is_a_node_and_the_edge_says_why_it_dangles():
+def test_a_missing_state_is_a_node_and_the_edge_has_the_reason():
     graph = state_graph(parse("(machine m (state a) (event e [True]) (on e a -> b)) (spawn m a)"))
     assert graph.nodes["m", "b"]["kind"] == "missing"
     assert graph.edges[("m", "a"), ("m", "b"), "e:a->b"]["dangling"] == "There is no state `b`."

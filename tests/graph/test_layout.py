@@ -153,13 +153,13 @@ def test_arrows_between_the_same_states_pass_what_is_between_them_together():
     assert abs(ways[0].points[SAMPLES // 2][0] - ways[1].points[SAMPLES // 2][0]) == pytest.approx(22, abs=1)
 
 
-def test_states_stand_in_the_middle_whatever_stands_beside_them():
+def test_states_are_in_the_middle_whatever_is_beside_them():
     places = positions(lay(THREE.format(more="(on e a -> b)")))
     assert places["a"][0] == pytest.approx(places["b"][0], abs=1)
     assert abs(places["a"][0] - places["c"][0]) < 200
 
 
-def test_loops_stand_on_top_side_by_side_each_with_its_label_outside(programs):
+def test_loops_are_on_top_side_by_side_each_with_its_label_outside(programs):
     drawing = drawings(programs["kinds"])[0]
     state = shape_of(drawing, "drive")
     loops = [arrow for arrow in drawing["transitions"] if arrow["source"] == arrow["destination"]]
@@ -193,12 +193,12 @@ def test_a_transition_with_several_sources_has_several_arrows_of_one_id(programs
     assert len({arrow["id"] for arrow in arrows}) == 1
 
 
-def test_a_wildcard_with_exceptions_says_so(programs):
+def test_a_wildcard_with_exceptions_shows_them(programs):
     texts = {arrow["label"]["text"] for arrow in drawings(programs["kinds"])[0]["transitions"]}
     assert "panic (not docking)" in texts
 
 
-def test_long_names_end_in_an_ellipsis_and_stand_in_full_in_the_title(programs):
+def test_long_names_end_in_an_ellipsis_and_are_complete_in_the_title(programs):
     (drawing,) = drawings(programs["long names"])
     shape = drawing["states"][1]
     assert shape["label"].endswith("…")
@@ -260,7 +260,7 @@ def test_an_edit_leaves_every_state_where_it_is(more):
     assert not [(a, b) for i, a in enumerate(boxes) for b in boxes[:i] if a.overlaps(b, 10.0, 10.0)]
 
 
-def test_a_new_state_stands_near_its_neighbour():
+def test_a_new_state_is_placed_near_its_neighbour():
     text = (
         "(machine m " + " ".join(f"(state s{i}) (eps s{i} -> s{i + 1})" for i in range(8)) + "(state s8){})"
     )
@@ -274,7 +274,7 @@ def test_a_new_state_stands_near_its_neighbour():
     assert near == "s8"
 
 
-def test_the_fictional_state_comes_in_at_the_left():
+def test_the_fictional_state_is_added_at_the_left():
     before = lay(THREE.format(more="(on e a -> b) (on e b -> c)"))
     after = lay(THREE.format(more="(on e a -> b) (on e b -> c) (on e *-> b)"), before)
     assert positions(after)["*"][0] < min(x for x, _ in positions(before).values())
@@ -301,7 +301,7 @@ def test_a_removed_state_finds_its_place_again_within_30_seconds():
     assert "b" not in forgotten["places"]
 
 
-def test_the_place_of_a_removed_state_is_not_given_away():
+def test_the_place_of_a_removed_state_is_not_reused():
     before = lay("(machine m (state a) (state b) (eps a -> b)) (spawn m a)")
     gone = lay("(machine m (state a)) (spawn m a)", before, now=1.0)
     after = lay(
@@ -432,7 +432,7 @@ def test_an_edit_of_a_large_machine_compares_the_new_state_with_those_near_it_on
     assert spent[1] < 5.5 * spent[0]
 
 
-def test_an_order_takes_account_of_the_shortest_edges_as_far_as_its_work_allows(monkeypatch):
+def test_an_order_considers_the_shortest_edges_as_far_as_its_work_allows(monkeypatch):
     level = {"a": 0, "b": 0, "c": 1, "d": 1, "x": 2, "y": 2}
     links = [("a", "y"), ("b", "c"), ("b", "d"), ("c", "x"), ("d", "x")]
     assert PASSED >= 1

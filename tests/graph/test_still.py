@@ -30,7 +30,7 @@ def test_a_picture_is_well_formed_and_has_a_title_and_a_description(program):
     assert root.find(f"{NS}title").text
 
 
-def test_the_description_tells_what_the_picture_shows(follower):
+def test_the_description_describes_the_picture(follower):
     text = picture(follower, ACTIVE, machine_path=("follower",)).find(f"{NS}desc").text
     assert "It starts in looking." in text
     assert "looking is active." in text

@@ -27,7 +27,7 @@ def test_a_block_writes_what_it_assigns_in_whatever_way():
     assert writes("a.x = 1; b[0] = 2") == ("", "")
 
 
-def test_what_a_function_in_a_block_writes_is_told_apart():
+def test_what_a_function_in_a_block_writes_is_distinguished():
     assert writes("def f():\n  nonlocal a\n  a = 1\nb = f") == ("b", "a")
     assert writes("def f():\n  def g():\n    nonlocal a\n    a = 1") == ("", "a")
     assert writes("def f():\n  a = 1\n  def g():\n    nonlocal a\n    a = 2") == ("", "")
@@ -43,7 +43,7 @@ def test_a_block_with_more_variables_than_fit_into_one_byte():
 
 
 @given(program)
-def test_what_blocks_write_is_what_the_disassembler_says(text):
+def test_what_blocks_write_agrees_with_the_disassembler(text):
     for machine in link(parse(text)).machines.values():
         for state in machine.states.values():
             for plan in (*state.onentry, *state.running, *state.onexit):

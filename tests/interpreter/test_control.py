@@ -140,7 +140,7 @@ def test_a_forced_state_can_be_named_by_its_path_as_spawned():
 
 @pytest.mark.parametrize("path", ["h/q", "m/a/h/q"])
 @pytest.mark.parametrize("force", [Interpreter.transition_to, Interpreter.teleport_to])
-def test_a_forced_state_is_told_by_its_path_as_spawned_and_first(force, path):
+def test_a_forced_state_is_reported_first_by_its_path_as_spawned(force, path):
     i = started("(machine h (state p) (state q))(machine m (state a (onentry (spawn h p))))(spawn m a)")
     seen = []
     i.observe(seen.append)
@@ -163,7 +163,7 @@ def test_spawns_that_wait_for_the_next_tick_go_with_a_rename():
     assert not i.patch(parse(i.program.text + "; the same")).restarted
 
 
-def test_discarded_variables_are_told_without_a_journal_too():
+def test_discarded_variables_are_reported_without_a_journal_too():
     i, seen = started(journal=0), []
     i.transition_to("m/b/n/y")
     i.observe(lambda event: seen.append((event.kind, event.path[-1])))
@@ -195,7 +195,7 @@ def test_what_an_onexit_writes_is_an_event_before_its_machine_is_discarded():
     ]  # fmt: skip
 
 
-def test_a_spawn_that_waits_and_is_removed_does_not_begin():
+def test_a_spawn_that_is_removed_while_it_waits_does_not_start():
     i = started(ticks=0)
     i.transition_to("m/c")
     i.patch(parse(NESTED.replace("(spawn other o)", "(spawn other p)")))
@@ -207,7 +207,7 @@ def test_a_spawn_that_waits_and_is_removed_does_not_begin():
     assert active(i) == ["m/c"]
 
 
-def test_reset_runs_no_onexit_and_begins_anew_at_the_next_tick():
+def test_reset_runs_no_onexit_and_starts_again_at_the_next_tick():
     i = started()
     i.reset()
     assert i.active == ()
@@ -329,7 +329,7 @@ def test_an_lrp_variable_wins_over_a_name_of_the_namespace():
     assert i.variables["gain"] == 2
 
 
-def test_print_goes_where_it_is_told():
+def test_print_writes_to_the_given_output():
     said = []
     started(
         '(machine m (state a (onentry [print("hello", 3)])))(spawn m a)',
@@ -338,7 +338,7 @@ def test_print_goes_where_it_is_told():
     assert said == [("hello", 3)]
 
 
-def test_every_kind_of_event_is_told_in_order():
+def test_every_kind_of_event_is_reported_in_order():
     i = Interpreter(parse(PAUSE.replace("[1 / 0]", "[nope]")), robot())
     seen = []
     stop = i.observe(seen.append)
@@ -360,7 +360,7 @@ def test_every_kind_of_event_is_told_in_order():
     assert len(seen) == 14
 
 
-def test_an_observer_that_comes_late_hears_only_what_is_new():
+def test_a_late_observer_gets_only_what_is_new():
     i = started(
         "(var n := [0])(var k := [1])(machine m (state a (running [n += 1])))(spawn m a)", 3, journal=0
     )
@@ -480,7 +480,7 @@ def test_what_cannot_be_shown_is_an_issue_all_the_same():
     assert odd.endswith("Odd: <exception str() failed>")
 
 
-def test_an_exception_that_never_enters_the_block_stands_at_the_element():
+def test_an_exception_that_never_enters_the_block_is_located_at_the_element():
     i = started("(machine m\n  (state a\n    (running [len()])))(spawn m a)", 2)
     (issue,) = i.issues
     assert (issue.line, issue.column) == (3, 15)
@@ -495,7 +495,7 @@ def test_a_nonlocal_whose_variable_is_gone_is_an_issue_when_it_runs():
     assert [issue.code for issue in i.issues] == ["LRP606"]
 
 
-def test_a_reading_that_has_not_arrived_is_no_fault_of_a_condition():
+def test_a_reading_that_has_not_arrived_is_not_a_fault_of_a_condition():
     class Robot:
         @property
         def light(self):
@@ -565,7 +565,7 @@ def test_an_edit_moves_an_issue_with_its_text():
     assert (issue.line, issue.column, issue.resolved) == (3, 34, False)
 
 
-def test_a_definition_given_twice_is_an_issue_until_it_is_gone():
+def test_a_repeated_definition_is_an_issue_until_it_is_removed():
     twice = "(var n := [1])(var n := [2])(machine m (state a) (state a (onentry [n = 5])))(spawn m a)"
     i = started(twice, 2)
     assert [(issue.code, issue.element.kind) for issue in i.issues] == [
@@ -653,7 +653,7 @@ def test_an_exit_in_a_root_machine_leads_nowhere():
     assert active(i) == ["m/a"]
 
 
-def test_the_journal_tells_how_far_back_it_reaches():
+def test_the_journal_knows_how_far_back_it_reaches():
     i = started(ticks=4, journal=3)
     assert i.journal == 3
     assert started(journal=0).journal == 0
@@ -669,7 +669,7 @@ def test_an_unset_variable_shows_itself():
     assert i.variables["n"] == 1
 
 
-def test_reading_a_variable_whose_initialiser_failed_says_so():
+def test_reading_a_variable_whose_initialiser_failed_is_reported():
     i = started("(var n := [1 / 0])(machine m (state a (running [n])))(spawn m a)", 2)
     assert i.issues[1].message == "`n` has no value. Assign one first."
 
@@ -684,7 +684,7 @@ def test_a_condition_that_holds_does_not_hide_a_missing_destination():
     assert [(issue.count, issue.resolved) for issue in i.issues] == [(3, False)]
 
 
-def test_a_fault_in_a_function_of_the_namespace_stands_where_the_block_calls_it():
+def test_a_fault_in_a_function_of_the_namespace_is_located_where_the_block_calls_it():
     def fail():
         raise OSError("no robot")
 
@@ -693,7 +693,7 @@ def test_a_fault_in_a_function_of_the_namespace_stands_where_the_block_calls_it(
     assert (issue.line, issue.column, issue.message) == (3, 2, "OSError: no robot")
 
 
-def test_forcing_through_states_whose_actions_fail_goes_on():
+def test_forcing_through_states_whose_actions_fail_continues():
     text = (
         "(machine m (state z) (state a (onentry [1 / 0]) (machine n (state x) (state y))))(spawn m nowhere)"
     )

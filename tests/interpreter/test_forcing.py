@@ -26,7 +26,7 @@ def test_timers_of_all_states_on_the_way_start_now(force):
 
 
 @BOTH
-def test_a_timer_of_an_enclosing_state_that_stays_goes_on(force):
+def test_a_timer_of_an_enclosing_state_that_stays_continues(force):
     i = started(DEEP)
     force(i, "m/a", now=1.0)
     force(i, "m/a/k/s", now=1.09)
@@ -79,7 +79,7 @@ def test_a_target_in_a_helper_stays_in_the_helper(force):
 
 
 @BOTH
-def test_leaving_by_force_discards_in_reverse_order_of_spawning_and_is_told(force):
+def test_leaving_by_force_discards_in_reverse_order_of_spawning_and_is_reported(force):
     i, seen = started(DEEP), []
     force(i, "m/a/k/s/j/t")
     i.observe(lambda event: seen.append(f"{event.kind} {'/'.join(event.path)}"))

@@ -40,7 +40,7 @@ def test_the_time_after_going_back_is_that_of_the_last_tick_left():
     assert (i.now, i.tick, i.active) == (0.0, 0, ())
 
 
-def test_a_timer_goes_on_from_where_it_was():
+def test_a_timer_continues_from_where_it_was():
     i = started(TIMED, 4)
     assert active(i) == ["m/a/k/t"]
     i.rewind(1)
@@ -111,7 +111,7 @@ def test_top_level_spawns_that_wait_for_the_next_tick_wait_again():
     assert active(i) == ["m/a", "k/s"]
 
 
-def test_variables_of_a_discarded_machine_come_back_though_a_closure_went_on_changing_them():
+def test_variables_of_a_discarded_machine_are_restored_though_a_closure_changed_them_later():
     i = started(
         """(var hook := [None])
         (machine m
@@ -155,7 +155,7 @@ def test_many_commands_without_a_tick_are_remembered_as_one():
     assert (i.variables["n"], i.program.text) == (1, TIMED)
 
 
-def test_pausing_is_not_undone_and_stepping_goes_on_while_paused():
+def test_pausing_is_not_undone_and_stepping_works_while_paused():
     i = started(TIMED, 3)
     i.pause()
     i.rewind(2)
@@ -164,7 +164,7 @@ def test_pausing_is_not_undone_and_stepping_goes_on_while_paused():
     assert (i.paused, i.tick) == (True, 2)
 
 
-def test_an_observer_hears_of_a_second_run_as_of_the_first():
+def test_an_observer_gets_a_second_run_like_the_first():
     i, seen = started(TIMED, 2), []
     i.observe(seen.append)
     for tick in range(2, 7):

@@ -1,4 +1,4 @@
-"""The life of an issue: where it stands, what it says, when it is over, and how it goes with edits."""
+"""The life of an issue: its location, its message, when it is resolved, and how edits affect it."""
 
 import pytest
 from story import active, started
@@ -6,7 +6,7 @@ from story import active, started
 from lrp_jupyter.language.parser import parse
 
 
-def told(i):
+def summary(i):
     return [(issue.code, issue.count, issue.resolved) for issue in i.issues]
 
 
@@ -15,7 +15,7 @@ def with_running(block):
 
 
 @pytest.mark.parametrize("end", ["", "\n", "\r\n", "\r"])
-def test_columns_are_counted_in_characters_whatever_stands_before_in_the_line(end):
+def test_columns_are_counted_in_characters_whatever_precedes_in_the_line(end):
     line = "  (machine é (state ß)) (machine m (state a (running ['ü'; 1 / 0])))(spawn m a) "
     text = f"(var é := [0]){end}{line}{end}"
     (issue,) = started(text, 2).issues
@@ -27,7 +27,7 @@ def test_columns_are_counted_in_characters_whatever_stands_before_in_the_line(en
 
 def test_half_a_character_in_the_line_of_a_fault_stops_nothing():
     i = started("(machine m (state a (running [1 / 0]))) ; \ud800\n(spawn m a)", 2)
-    assert told(i) == [("LRP601", 1, False)]
+    assert summary(i) == [("LRP601", 1, False)]
 
 
 def test_a_line_of_another_program_of_the_same_name_is_not_shown():
@@ -37,7 +37,7 @@ def test_a_line_of_another_program_of_the_same_name_is_not_shown():
     assert "1 / 0; one" in one.issues[0].traceback
 
 
-def test_a_fault_in_a_function_of_an_older_text_stands_at_the_block_that_calls_it():
+def test_a_fault_in_a_function_of_an_older_text_is_located_at_the_block_that_calls_it():
     i = started("\n\n\n(var f := [\ndef f(): 1 / 0\nf])(machine m (state a))(spawn m a)", 2)
     i.patch(parse("(var f := [def f(): 1 / 0\nf])(machine m (on [f()] a -> a) (state a))(spawn m a)"))
     i.step(0.2)
@@ -74,7 +74,7 @@ def test_the_message_is_the_kind_and_first_line_of_the_exception(block, code, me
         ("Mute", "<exception str() failed>"),
     ],
 )
-def test_what_this_package_raises_is_said_in_its_own_sentence(how, message):
+def test_what_this_package_raises_keeps_its_own_sentence(how, message):
     block = f"""
  from lrp_jupyter.errors import BridgeError
  class Mute(BridgeError):
@@ -85,7 +85,7 @@ def test_what_this_package_raises_is_said_in_its_own_sentence(how, message):
 
 def test_an_exception_of_no_module_is_an_issue_too():
     i = started(with_running("raise type('Odd', (ValueError,), {})('because')"), 2)
-    assert told(i) == [("LRP601", 1, False)]
+    assert summary(i) == [("LRP601", 1, False)]
     assert i.issues[0].message == "Odd"
     assert "raise type('Odd'" in i.issues[0].traceback
 
@@ -97,7 +97,7 @@ def test_what_ends_the_program_when_it_is_shown_is_an_issue():
     assert all("not a Odd that cannot be shown" in issue.message for issue in i.issues)
 
 
-def test_an_issue_tells_of_the_last_time_that_it_came():
+def test_an_issue_describes_its_last_occurrence():
     i = started(with_running("\n n += 1\n if n < 3: 1 / 0\n {}[n]"), 2)
     assert i.issues[0].line == 3
     i.step(0.2)
@@ -109,7 +109,7 @@ def test_an_issue_tells_of_the_last_time_that_it_came():
     assert "KeyError: 4" in issue.traceback
 
 
-def test_an_issue_stands_right_again_when_a_comment_in_its_block_moves_it():
+def test_an_issue_is_located_correctly_when_a_comment_in_its_block_moves_it():
     i = started(with_running("\n n\n 1 / 0"), 2)
     i.patch(parse(with_running("\n n # a comment\n # another\n 1 / 0")))
     i.step(0.2)
@@ -153,7 +153,7 @@ def test_a_second_definition_keeps_its_place_when_text_comes_between():
     assert [(issue.line, issue.resolved) for issue in i.issues] == [(4, False)]
 
 
-def test_every_kind_of_name_can_be_given_twice():
+def test_every_kind_of_name_can_be_repeated():
     text = """(var n := [1]) (var n := [2]) (event e [True]) (event e [False])
     (machine m (event e [True]) (event e [False]) (state a (machine k) (machine k)) (state a) (state b)
       (on e a -> b))
@@ -175,18 +175,18 @@ def test_a_condition_that_is_true_for_numpy_ends_the_issue():
     text = """(var n := [0])
       (machine m (state a) (on [n += 1; return 5 if n < 2 else np.bool_(0)] a -> a))(spawn m a)"""
     i = started(text, 2, namespace={"np": numpy})
-    assert told(i) == [("LRP602", 1, False)]
+    assert summary(i) == [("LRP602", 1, False)]
     i.step(0.2)
-    assert told(i) == [("LRP602", 1, True)]
+    assert summary(i) == [("LRP602", 1, True)]
 
 
-def test_a_condition_that_comes_to_no_value_does_not_end_the_issue():
+def test_a_condition_without_a_value_does_not_resolve_the_issue():
     text = "(var n := [0])(machine m (state a) (on [n += 1; return 5 if n == 1 else None] a -> a))(spawn m a)"
     i = started(text, 4)
-    assert told(i) == [("LRP602", 3, False)]
+    assert summary(i) == [("LRP602", 3, False)]
 
 
-def test_issues_of_what_a_rewind_takes_away_are_over_and_the_others_go_back_with_the_text():
+def test_issues_of_what_a_rewind_removes_are_resolved_and_the_others_go_back_with_the_text():
     i = started(with_running("1 / 0"), 2)
     i.patch(parse("(machine k (state x (running [nope])))(spawn k x)\n" + with_running("1 / 0")))
     i.step(0.2)
@@ -230,10 +230,10 @@ def test_an_issue_of_a_renamed_definition_is_over_when_that_runs_well():
     i.rename("variable", "n", "number")
     i.set_variable("number", "1")
     i.step(0.2)
-    assert told(i) == [("LRP601", 1, True)]
+    assert summary(i) == [("LRP601", 1, True)]
 
 
-def test_pause_on_issue_comes_again_when_an_issue_is_reopened():
+def test_pause_on_issue_pauses_again_when_an_issue_is_reopened():
     i = started(with_running("n += 1; 1 / (n % 2)"), 3, on_issue="pause")
     assert i.paused
     i.resume()
@@ -243,7 +243,7 @@ def test_pause_on_issue_comes_again_when_an_issue_is_reopened():
     assert (i.paused, i.issues[0].resolved, i.issues[0].count) == (True, False, 2)
 
 
-def test_pause_on_issue_comes_with_the_traceback_at_hand_and_the_actions_of_a_pause():
+def test_pause_on_issue_keeps_the_traceback_and_runs_the_actions_of_a_pause():
     seen = []
     i = started(with_running("1 / 0") + "(onpause [n = 7])", on_issue="pause")
     i.observe(lambda event: seen.append(event.kind))

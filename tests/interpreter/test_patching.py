@@ -21,7 +21,7 @@ def edited(i, old, new, **options):
     return i.patch(parse(i.program.text.replace(old, new)), **options)
 
 
-def test_a_restart_runs_no_onexit_says_why_and_keeps_issues_and_the_pause():
+def test_a_restart_runs_no_onexit_has_a_reason_and_keeps_issues_and_the_pause():
     i, seen = started(TEXT, 2), []
     i.observe(lambda event: seen.append((event.kind, event.data)))
     log = i.variables["log"]
@@ -54,7 +54,7 @@ def test_an_edit_while_paused_is_applied_at_once():
 
 
 @pytest.mark.parametrize("before", [lambda i: None, Interpreter.reset])
-def test_an_edit_while_nothing_runs_is_no_restart(before):
+def test_an_edit_while_nothing_runs_does_not_restart(before):
     i = started(TEXT, 0)
     before(i)
     patch = edited(i, "(state a", "(state begin")
@@ -192,7 +192,7 @@ def test_an_issue_of_a_transition_shows_its_label_and_is_kept_by_its_identity():
     assert [(issue.count, issue.resolved) for issue in i.issues] == [(3, False)]
 
 
-def test_issues_of_transitions_that_share_a_name_are_not_taken_for_each_other():
+def test_issues_of_transitions_that_share_a_name_are_not_confused():
     i = started(
         "(machine m (state a) (state b)  (on [one] a -> b t)\n  (on [two] {a b} -> a t)) (spawn m a)",
         2,

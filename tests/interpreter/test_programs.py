@@ -20,7 +20,7 @@ def words(paths):
     return tuple("/".join(path) for path in paths)
 
 
-def test_a_program_does_what_it_says(story):
+def test_a_program_does_what_its_comments_expect(story):
     bot, seen = robot(), []
     i = Interpreter(parse(story.text), bot)
     i.observe(lambda e: seen.append((e.tick, f"{e.kind} {'/'.join(e.path)}")) if e.kind in ORDINARY else None)
@@ -30,13 +30,13 @@ def test_a_program_does_what_it_says(story):
     assert {(issue.code, issue.line) for issue in i.issues} == story.issues
 
 
-def test_a_program_does_the_same_when_nobody_watches(story):
+def test_a_program_does_the_same_without_observers(story):
     bot = robot()
     i = Interpreter(parse(story.text), bot, journal=0)
     run_until(i.step, story, bot, lambda: (words(i.active), i.variables))
 
 
-def test_the_reference_does_what_it_says(story):
+def test_the_reference_interpreter_meets_the_expectations(story):
     bot = robot()
     i = Reference(parse(story.text), bot)
     run_until(i.step, story, bot, lambda: (words(i.active), i.variables))

@@ -25,7 +25,7 @@ def end_of(text: str, finding: Finding) -> int:
 
 
 def message(text: str, names: Collection[str] = ()) -> str:
-    """Return what the one finding of a text says."""
+    """Return the message of the only finding of a text."""
     (finding,) = check(text, names)
     return finding.message
 

@@ -43,7 +43,7 @@ def run(text: str, namespace: dict[str, Any] | None = None, **variables: Any) ->
 
 
 @pytest.mark.parametrize("case", CORPUS, ids=[case["name"] for case in CORPUS])
-def test_a_block_ends_where_the_corpus_says(case: dict[str, Any]) -> None:
+def test_a_block_ends_where_the_corpus_expects(case: dict[str, Any]) -> None:
     assert block_end(case["text"], 0) == case["end"]
 
 

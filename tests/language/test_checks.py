@@ -56,7 +56,7 @@ def _code_of(path: Path) -> str:
     return "" if path.parent.name == "checks" and path.name in ("findings.py", "examples.py") else text
 
 
-def test_a_text_that_is_no_program_has_the_parsers_findings_only() -> None:
+def test_a_text_that_is_not_a_program_has_the_parsers_findings_only() -> None:
     assert found("(machine m (state a)\n(spawn nobody a)") == [("LRP101", "(machine")]
 
 
@@ -90,7 +90,7 @@ def test_a_second_definition_is_an_error_at_the_second_place(text: str, repeated
     assert text.rindex(repeated + (" " if f"{repeated} " in text[20:] else ""), 0, finding.end_column)
 
 
-def test_a_second_definition_says_where_the_first_one_is() -> None:
+def test_a_second_definition_names_the_line_of_the_first_one() -> None:
     text = (
         "(machine m\n (event e [True])\n (event e [False])\n (state a) (state b) (on e a -> b))\n(spawn m a)"
     )
@@ -100,7 +100,7 @@ def test_a_second_definition_says_where_the_first_one_is() -> None:
     )
 
 
-def test_what_is_inside_a_second_definition_is_not_looked_at() -> None:
+def test_what_is_inside_a_second_definition_is_ignored() -> None:
     assert found("(machine m (state a) (state a (running [nonsense])))(spawn m a)") == [("LRP201", "a")]
 
 
@@ -123,7 +123,7 @@ def test_a_hidden_outer_variable_is_found_at_the_inner_one() -> None:
     assert "line 1" in message(text)
 
 
-def test_transitions_with_equal_names_and_ends_are_told_apart_by_order_only() -> None:
+def test_transitions_with_equal_names_and_ends_are_distinguished_by_order_only() -> None:
     text = (
         "(var x := [1])(machine m (state a) (state b) (on [x > 1] a -> b t) (on [x > 2] a -> b t))(spawn m a)"
     )
@@ -137,7 +137,7 @@ def test_a_program_without_machines_needs_no_spawn() -> None:
 
 
 @pytest.mark.parametrize("newline", ["\n", "\r\n", "\r"])
-def test_a_missing_spawn_stands_at_the_first_line_and_is_added_where_it_is_certain(newline: str) -> None:
+def test_a_missing_spawn_is_reported_at_the_first_line_and_added_where_it_is_certain(newline: str) -> None:
     text = f"; a robot{newline}(machine m (state a))"
     assert found(text) == [("LRP206", "; a robot")]
     assert fixed(text) == f"{text}{newline}(spawn m a){newline}"
@@ -396,7 +396,7 @@ def test_an_event_is_used_by_the_transitions_of_inner_machines_and_by_exits() ->
         ("(ontime 900 a -> b)(ontime 500 a -> b x)", "(ontime 600 a -> c)"),
     ],
 )
-def test_a_transition_behind_one_that_always_fires_first_is_never_tested(first: str, second: str) -> None:
+def test_a_transition_after_one_that_always_fires_first_is_never_tested(first: str, second: str) -> None:
     frame = (
         "(var v := [100])(event e [robot.b])(machine m (state a) (state b) (state c) {}"
         "(on [robot.u] *-> c u) (on e b -> c v) (ontime v b -> a w)) (spawn m a)"
@@ -450,7 +450,7 @@ def test_two_states_may_chase_each_other() -> None:
     assert check("(machine m (state a) (state b) (eps a -> b) (eps b -> a))(spawn m a)") == ()
 
 
-def test_a_wildcard_may_have_nothing_left_to_stand_for() -> None:
+def test_a_wildcard_may_match_no_state() -> None:
     text = "(machine m (state a) (state b) (on [robot.b] *-{a} -> b)(ontime 5 a -> b))(spawn m a)"
     assert found(text) == [("LRP406", "(on [robot.b] *-{a} -> b)")]
 

@@ -309,7 +309,7 @@ def test_a_variable_that_ends_in_a_statement_is_none() -> None:
         "lambda: flag",
     ],
 )
-def test_a_literal_that_is_no_truth_value_is_no_condition(block: str) -> None:
+def test_a_literal_that_is_not_a_truth_value_is_not_a_condition(block: str) -> None:
     assert found(condition(block)) == [("LRP508", block)]
 
 

@@ -61,7 +61,7 @@ def element(kind: str, *path: str) -> tuple[Element, ...]:
     return (Element(kind, path),)
 
 
-def test_layout_and_comments_are_no_change() -> None:
+def test_layout_and_comments_are_not_a_change() -> None:
     old = program(machine(states=[state("a", running=[Block("x = 1")])]))
     new = program(machine(states=[state("a", running=[Block("\n  x=1  # one\n")])]))
     assert diff(old, new) == ChangeSet()
@@ -159,7 +159,7 @@ def test_the_order_of_sources_means_nothing() -> None:
     assert not diff(two("a", "b"), two("b", "a"))
 
 
-def test_equal_transitions_are_told_apart_by_their_order() -> None:
+def test_equal_transitions_are_distinguished_by_their_order() -> None:
     old = with_transitions(on("e", "a", "b", "t"), on("f", "a", "b", "t"))
     assert diff(old, with_transitions(on("e", "a", "b", "t"))).removed == (
         Element("transition", ("m", "t#2")),

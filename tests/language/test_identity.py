@@ -35,7 +35,7 @@ def test_an_edit_of_its_trigger_keeps_a_transition(old: str, new: str, id_: str)
     assert edit(old, new).of(transition(id_)) == transition(id_)
 
 
-def test_the_order_of_sources_is_no_part_of_a_transition() -> None:
+def test_the_order_of_sources_is_not_part_of_a_transition() -> None:
     successors = edit("(eps {on off} -> on)", "(eps {off on} -> on)")
     assert successors.of(transition("eps:{on off}->on")) == transition("eps:{off on}->on")
 
@@ -50,7 +50,7 @@ def test_of_two_transitions_with_one_name_each_keeps_its_own() -> None:
     assert successors.of(transition("t#2")) == transition("t")
 
 
-def test_the_label_is_shown_and_is_no_part_of_the_identity() -> None:
+def test_the_label_is_shown_and_is_not_part_of_the_identity() -> None:
     old = parse(BLINK.format(transitions="(ontime 100 on -> off)"))
     new = parse(BLINK.format(transitions="(ontime 300 on -> off)"))
     (element,) = diff(old, new).changed
@@ -98,7 +98,7 @@ def test_what_is_inside_a_machine_that_is_gone_is_gone() -> None:
     assert successors.path("state", ("m", "a", "n", "x")) is None
 
 
-def test_a_typed_name_takes_all_that_was_inside_with_it() -> None:
+def test_a_typed_name_renames_everything_inside() -> None:
     old, new = parse(NESTED), parse(NESTED.replace("(state a", "(state first"))
     successors = diff(old, new).successors
     assert successors.path("state", ("m", "a")) is None
@@ -106,7 +106,7 @@ def test_a_typed_name_takes_all_that_was_inside_with_it() -> None:
     assert successors.of(transition("on:a->b")) == transition("on:a->b")
 
 
-def test_a_variable_that_is_gone_takes_no_state_of_the_same_name_with_it() -> None:
+def test_a_removed_variable_does_not_remove_a_state_of_the_same_name() -> None:
     old = parse("(machine m (var a := [1]) (state a (running [1])))")
     successors = diff(old, parse("(machine m (state a (running [1])))")).successors
     assert successors.path("variable", ("m", "a")) is None

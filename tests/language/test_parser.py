@@ -34,7 +34,7 @@ def test_the_listing_printed_in_the_paper_has_wrong_brackets_in_lines_19_33_and_
     ]
 
 
-def test_a_text_that_is_no_program_raises_all_its_errors_at_once() -> None:
+def test_a_text_that_is_not_a_program_raises_all_its_errors_at_once() -> None:
     with pytest.raises(LRPSyntaxError) as caught:
         parse("(var x [1])\n(var y := [1 +])")
     assert [finding.line for finding in caught.value.findings] == [1, 2]
@@ -243,7 +243,7 @@ def test_only_layout_and_comments_differ_between_equal_programs() -> None:
         ("(var x := [global x])", "LRP501", "x])", "`x` is a variable of the program"),
     ],
 )
-def test_an_error_is_told_once_at_its_place(text: str, code: str, at: str, words: str) -> None:
+def test_an_error_is_reported_once_at_its_place(text: str, code: str, at: str, words: str) -> None:
     findings = [finding for finding in scan(text)[1] if (finding.code, code) != ("LRP108", "LRP104")]
     (finding,) = findings
     assert finding.code == code
@@ -251,14 +251,14 @@ def test_an_error_is_told_once_at_its_place(text: str, code: str, at: str, words
     assert text.split("\n")[finding.line - 1][finding.column - 1 :].startswith(at)
 
 
-def test_a_global_of_a_variable_in_scope_is_an_error_wherever_it_stands() -> None:
+def test_a_global_of_a_variable_in_scope_is_an_error_anywhere() -> None:
     text = "(machine m (var a := [1]) (state s (running [def f():\n  global a, b])))\n"
     text += "(var b := [2])(var c := [3])"
     assert places(text) == [("LRP501", 2, 10), ("LRP501", 2, 13)]
     assert places(text.replace("(var a := [1])", "").replace("b := ", "d := ")) == []
 
 
-def test_every_broken_form_is_told_and_no_other() -> None:
+def test_every_broken_form_is_reported_and_no_other() -> None:
     text = FOLLOWER.replace(":= [limit]", "= [limit]").replace("-> end", "end").replace("] *->", "] ->")
     assert [(code, line) for code, line, _ in places(text)] == [
         ("LRP104", 10),
@@ -268,7 +268,7 @@ def test_every_broken_form_is_told_and_no_other() -> None:
     ]
 
 
-def test_errors_in_unknown_forms_are_told_as_well() -> None:
+def test_errors_in_unknown_forms_are_reported_as_well() -> None:
     assert places("(machine m\n (staet a (running [1 +]) (machine b (var x))))") == [
         ("LRP106", 2, 3),
         ("LRP501", 2, 24),
@@ -276,7 +276,7 @@ def test_errors_in_unknown_forms_are_told_as_well() -> None:
     ]
 
 
-def test_a_form_nested_too_deeply_is_told_alone() -> None:
+def test_a_form_nested_too_deeply_is_the_only_error_reported() -> None:
     deep = "(machine m (state s " * (DEEPEST // 2)
     assert places(deep + "))" * (DEEPEST // 2)) == []
     finding = only(deep + "(machine m" + "))" * (DEEPEST // 2))
@@ -293,7 +293,7 @@ ALL = [
 
 
 @pytest.mark.parametrize("offset", ALL)
-def test_one_missing_bracket_is_told_in_its_line_or_at_what_it_leaves_open(offset: int) -> None:
+def test_one_missing_bracket_is_reported_in_its_line_or_at_what_it_leaves_open(offset: int) -> None:
     if FOLLOWER[offset] == "]" and FOLLOWER[offset - 1] == '"':
         return  # it is in a string
     text = FOLLOWER[:offset] + FOLLOWER[offset + 1 :]
@@ -320,7 +320,7 @@ def openings(offset: int) -> list[int]:
 
 
 @pytest.mark.parametrize("offset", ALL)
-def test_one_extra_bracket_is_told_in_its_line(offset: int) -> None:
+def test_one_extra_bracket_is_reported_in_its_line(offset: int) -> None:
     bracket = FOLLOWER[offset]
     if bracket == "]" and FOLLOWER[offset - 1] == '"':
         return
@@ -333,13 +333,13 @@ def test_one_extra_bracket_is_told_in_its_line(offset: int) -> None:
     assert {finding.line for finding in findings} <= {line}
 
 
-def test_an_unclosed_form_is_told_where_it_opens() -> None:
+def test_an_unclosed_form_is_reported_where_it_opens() -> None:
     finding = only(FOLLOWER.replace("robot.move(limit)]))", "robot.move(limit)])"))
     assert (finding.code, finding.line, finding.column, finding.end_column) == ("LRP101", 4, 3, 9)
     assert finding.message == "This `(state` is not closed. Put its `)` at the end of line 6."
 
 
-def test_an_unclosed_bracket_without_a_keyword_is_told() -> None:
+def test_an_unclosed_bracket_without_a_keyword_is_reported() -> None:
     assert places("(machine m)\n(") == [("LRP101", 2, 1), ("LRP106", 2, 1)]
 
 
@@ -348,13 +348,13 @@ def test_a_bracket_at_the_margin_of_a_deep_text_is_not_searched_for_long() -> No
     assert {code for code, _, _ in places(f"{deep}  )\n(event")} <= {"LRP101", "LRP108"}
 
 
-def test_a_keyword_that_lost_its_bracket_is_told() -> None:
+def test_a_keyword_that_lost_its_bracket_is_reported() -> None:
     finding = only(FOLLOWER.replace("(event", "event"))
     assert (finding.code, finding.line, finding.column) == ("LRP101", 15, 3)
     assert finding.message == "A `(` is missing before `event`. Insert it."
 
 
-def test_several_wrong_brackets_are_told_each_at_its_place() -> None:
+def test_several_wrong_brackets_are_reported_each_at_its_place() -> None:
     text = (
         FOLLOWER.replace("go()])", "go()]))")
         .replace("2 * time]", "2 * time")
@@ -367,7 +367,7 @@ def test_several_wrong_brackets_are_told_each_at_its_place() -> None:
     ]
 
 
-def test_a_string_that_swallows_the_end_of_a_block_is_told_in_its_line() -> None:
+def test_a_string_that_swallows_the_end_of_a_block_is_reported_in_its_line() -> None:
     assert {line for _, line, _ in places(FOLLOWER.replace('print("]")', 'print("])'))} == {8}
     assert {line for _, line, _ in places(FOLLOWER.replace("2 * time]", "2 * time # ]"))} == {12}
 
@@ -424,7 +424,7 @@ def test_the_places_of_forms_are_those_of_the_grammar() -> None:
         assert legal == LEGAL.get(around, set())
 
 
-def test_every_form_can_be_written_as_its_usage_says() -> None:
+def test_every_form_can_be_written_as_in_its_usage() -> None:
     for keyword, usage in USAGE.items():
         form = usage.replace("…", "").replace("milliseconds", "5")
         around = {"onentry": "(machine m (state s {}))", "running": "(machine m (state s {}))"}

@@ -19,7 +19,7 @@ def test_printing_a_printed_program_changes_nothing(program: Program) -> None:
     assert to_source(parse(source)) == source
 
 
-def test_a_block_that_is_no_python_is_printed_to_the_letter() -> None:
+def test_a_block_that_is_not_python_is_printed_to_the_letter() -> None:
     assert to_source(Program(onpause=(Block("1 +\n  2 +"),))) == "(onpause [1 +\n  2 +])\n"
 
 
@@ -41,7 +41,7 @@ def test_a_block_is_laid_out_below_its_first_line() -> None:
     )
 
 
-def test_items_that_fit_stand_in_one_line() -> None:
+def test_items_that_fit_are_in_one_line() -> None:
     text = "(machine m (state s (onentry (spawn n a) [b] (spawn o c))))"
     assert "    (onentry (spawn n a) [b] (spawn o c))" in to_source(parse(text))
     long = parse(text.replace("b", "b" * 80))

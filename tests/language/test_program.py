@@ -47,7 +47,7 @@ def test_a_block_is_equal_to_nothing_but_a_block_that_means_the_same():
     assert Block("a+1") != "a+1"
 
 
-def test_a_block_put_together_by_hand_that_is_no_python_means_its_text():
+def test_a_block_put_together_by_hand_that_is_not_python_means_its_text():
     assert Block("a +") == Block("a +")
     assert Block("a +") != Block("a  +")
     assert Block("a +").meaning == "a +"

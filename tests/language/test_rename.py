@@ -90,7 +90,7 @@ def test_a_definition_and_what_refers_to_it_change_together(kind: str, path: str
 
 
 @pytest.mark.parametrize(("kind", "path", "text"), CASES)
-def test_the_inverse_rename_gives_the_text_back(kind: str, path: str, text: str) -> None:
+def test_the_inverse_rename_restores_the_text(kind: str, path: str, text: str) -> None:
     before, after = marked(text)
     outer = path.rpartition("/")[0]
     assert renamed(after, kind, f"{outer}/new" if outer else "new", "old") == before
@@ -188,7 +188,7 @@ def test_a_rename_that_would_change_a_meaning_is_refused(
     ("kind", "path"),
     [("state", "m/b"), ("state", "m"), ("machine", "m/a/n"), ("running", "m/a"), ("transition", "m/t")],
 )
-def test_an_unknown_element_is_told(kind: str, path: str) -> None:
+def test_an_unknown_element_is_reported(kind: str, path: str) -> None:
     with pytest.raises(UnknownElementError):
         renamed("(machine m (state a (running [1])))", kind, path, "x")
 

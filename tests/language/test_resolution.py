@@ -51,7 +51,7 @@ def test_an_exit_leads_into_every_machine_whose_states_spawn_its_own() -> None:
     assert homes[("m", "a", "n")] == homes[("tool",)] == (machine,)
 
 
-def test_a_spawn_says_why_it_means_nothing() -> None:
+def test_an_unresolved_spawn_has_a_reason() -> None:
     names = resolve(parse(NESTED))
     assert [spawning.unresolved for spawning in names.spawns] == [
         None,

@@ -7,7 +7,7 @@ from lrp_jupyter.live.session import Session
 
 @pytest.fixture
 def session():
-    """Make sessions that are closed in the end, and leave no thread behind."""
+    """Make sessions that are closed in the end and leave no thread."""
     before = set(threading.enumerate())
     made = []
 

@@ -15,7 +15,7 @@ def wall(monkeypatch):
     return now
 
 
-def test_a_virtual_clock_jumps_to_where_somebody_waits():
+def test_a_virtual_clock_jumps_to_the_time_waited_for():
     clock = VirtualClock()
     clock.sleep_until(217.1, Event())
     assert clock.now() == 217.1
@@ -27,7 +27,7 @@ def test_a_virtual_clock_never_goes_back_by_waiting():
     assert clock.now() == 5
 
 
-def test_a_virtual_clock_stays_where_it_is_when_somebody_is_woken():
+def test_a_virtual_clock_does_not_jump_when_the_wait_is_interrupted():
     clock, wake = VirtualClock(), Event()
     wake.set()
     clock.sleep_until(3, wake)
@@ -80,7 +80,7 @@ def test_at_infinite_speed_nothing_waits(wall):
     assert (clock.now(), clock.delay(300)) == (217.1, 0)
 
 
-def test_a_rebased_clock_goes_on_from_there(wall):
+def test_a_rebased_clock_continues_from_there(wall):
     clock = MonotonicClock()
     wall[0] += 9
     clock.rebase(2)

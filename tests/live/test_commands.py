@@ -10,7 +10,7 @@ def commands(inbox):
     return entries
 
 
-def test_commands_are_taken_in_the_order_in_which_they_came():
+def test_commands_are_applied_in_the_order_in_which_they_were_queued():
     inbox = Inbox()
     for command in (Pause(), Step(), Pause("again")):
         inbox.put(command)

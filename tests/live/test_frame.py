@@ -40,7 +40,7 @@ def test_machines_and_other_states_are_not_active_states(state):
     assert not Frame(active=(LOOKLEFT,)).is_active(state)
 
 
-def test_counts_go_on_over_restarts_and_rewinds():
+def test_counts_continue_over_restarts_and_rewinds():
     i = Interpreter(parse("(machine m (state a) (on [True] a -> a t))(spawn m a)"))
     for tick in range(3):
         i.step(tick / 10)
@@ -69,7 +69,7 @@ def test_a_state_that_an_edit_removed_has_its_count_again_when_the_edit_is_taken
     assert make_frame(i, 0.6).visits["m", "b"] == before
 
 
-def test_a_frame_tells_in_which_tick_a_state_was_entered_last_however_late_it_is_made():
+def test_a_frame_records_in_which_tick_a_state_was_entered_last_however_late_it_is_made():
     i = Interpreter(parse("(machine m (state a) (state b) (ontime 200 a -> b t))(spawn m a)"))
     for tick in range(10):
         i.step(tick / 10)
@@ -171,7 +171,7 @@ def test_a_restart_by_an_edit_drops_the_counts_of_what_is_gone():
     assert make_frame(i, 0.1).visits == {("m", "b"): 1}
 
 
-def test_going_back_over_a_rename_gives_counts_their_old_names_and_undoes_none():
+def test_going_back_over_a_rename_restores_old_names_and_keeps_counts():
     i = Interpreter(parse(COUNTED))
     for tick in range(3):
         i.step(tick / 10)
@@ -183,7 +183,7 @@ def test_going_back_over_a_rename_gives_counts_their_old_names_and_undoes_none()
     assert make_frame(i, 0.2).visits == {("m", "a"): 3, ("m", "b"): 2}
 
 
-def test_going_back_over_renames_tells_what_the_elements_were_and_keeps_their_issues():
+def test_going_back_over_renames_maps_elements_and_keeps_their_issues():
     text = "(machine m (state a (running [1 / 0])) (state b) (on [False] a -> b t)) (spawn m a)"
     i = Interpreter(parse(text))
     i.step(0.0)
@@ -257,7 +257,7 @@ def test_a_frame_shows_a_moment_of_a_run_and_what_happened_since_the_beginning()
     assert frame.tick == 4
 
 
-def test_edits_that_took_effect_are_counted_and_others_say_why_they_did_not():
+def test_applied_edits_are_counted_and_others_have_a_reason():
     i = Interpreter(parse(PROGRAM), robot())
     i.step(0.0)
     i.patch(parse(PROGRAM + "; the same"))
@@ -316,7 +316,7 @@ def test_huge_and_deep_values_are_bounded(value):
     assert len(render(value)) <= LONGEST
 
 
-def test_a_frame_tells_what_each_event_was_at_its_last_test_once_they_are_watched():
+def test_a_frame_records_the_last_test_of_each_event_once_they_are_watched():
     program = parse(
         "(var n := [0]) (event outer [n > 1])"
         "(machine m (event mine [n == 1]) (event bad [1 / 0]) (event unused [True])"

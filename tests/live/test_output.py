@@ -35,7 +35,7 @@ def test_a_reader_gets_each_line_once():
     assert output.since(3) == (3, ())
 
 
-def test_cleared_lines_are_gone_and_the_count_goes_on():
+def test_cleared_lines_are_gone_and_the_count_continues():
     output = Output()
     output.print("a")
     output.clear()

@@ -80,11 +80,11 @@ def test_a_run_ends_at_the_state_it_runs_to(session):
     assert blinking.frame.time == 0.5
 
 
-def test_a_run_that_does_not_get_there_says_so(session):
+def test_a_run_that_does_not_get_there_reports_it(session):
     assert not session(BLINK).run(0.4, until=OFF)
 
 
-def test_a_state_that_is_active_only_between_two_looks_ends_a_run(session):
+def test_a_state_that_is_active_only_between_two_frames_ends_a_run(session):
     passing = session(
         "(machine m (state a) (state b (onentry (spawn n x)) (machine n (state x))) (eps a -> b)) (spawn m a)"
     )
@@ -137,7 +137,7 @@ def test_a_step_is_one_tick_and_one_period(session):
     assert (counting.frame.tick, counting.frame.time, counting.frame.status) == (2, 0.5, "paused")
 
 
-def test_who_listens_is_told_that_there_is_a_new_frame_until_he_goes(session):
+def test_a_listener_is_notified_of_new_frames_until_it_unsubscribes(session):
     lab = session(BLINK)
     ticks = []
     unlisten = lab.listen(lambda: ticks.append(lab.frame.tick))
@@ -192,7 +192,7 @@ def test_on_issue_pause_completes_the_tick_and_pauses(session):
 # -- edits
 
 
-def test_an_edit_goes_on_from_where_the_program_is(session):
+def test_an_edit_continues_from_where_the_program_is(session):
     blinking = session(BLINK)
     blinking.run(0.6)
     assert blinking.edit(BLINK.replace("200 off", "[150 + 50] off")) == ()
@@ -200,7 +200,7 @@ def test_an_edit_goes_on_from_where_the_program_is(session):
     assert (blinking.frame.restarts, blinking.frame.revision) == (0, 1)
 
 
-def test_a_text_that_is_no_program_leaves_the_old_one_running(session):
+def test_a_text_that_is_not_a_program_leaves_the_old_one_running(session):
     blinking = session(BLINK)
     blinking.run(0.6)
     broken = BLINK.replace("(spawn light on)", "(spawn light on")
@@ -237,7 +237,7 @@ def test_with_the_policy_keep_nothing_restarts(session):
     assert blinking.frame.restarts == 0
 
 
-def test_names_of_the_namespace_are_no_findings(session):
+def test_names_of_the_namespace_are_not_findings(session):
     text = "(machine m (state a (running [helpful()]))) (spawn m a)"
     assert session("", namespace={"helpful": print}).edit(text) == ()
     assert session("").edit(text) != ()
@@ -254,7 +254,7 @@ def test_the_namespace_is_used_as_it_is_and_never_written(session):
     assert names == {"start": 10}
 
 
-def test_a_session_does_not_begin_with_a_text_that_is_no_program():
+def test_a_session_does_not_start_with_a_text_that_is_not_a_program():
     with pytest.raises(LRPSyntaxError):
         Session("(machine")
 
@@ -280,7 +280,7 @@ def test_a_rename_changes_the_text_and_restarts_nothing(session):
     assert blinking.frame.restarts == 0
 
 
-def test_nothing_is_renamed_in_a_text_that_is_no_program(session):
+def test_nothing_is_renamed_in_a_text_that_is_not_a_program(session):
     blinking = session(BLINK)
     blinking.edit(BLINK + "(")
     with pytest.raises(ValueError, match="not a valid program"):
@@ -344,7 +344,7 @@ def test_rewinding_and_running_again_is_the_same_run(session):
     assert (blinking.frame.active, blinking.frame.variables, blinking.frame.time) == before
 
 
-def test_rewinding_takes_edits_back_and_the_text_with_them(session):
+def test_rewinding_undoes_edits_and_restores_the_text(session):
     blinking = session(BLINK)
     blinking.run(0.5)
     blinking.edit(BLINK.replace("200", "300"))
@@ -402,7 +402,7 @@ def test_a_session_closes_at_the_end_of_a_with_statement():
     assert blinking.status == "closed"
 
 
-def test_a_fault_of_our_own_breaks_the_session_and_says_so(session, monkeypatch):
+def test_a_fault_of_our_own_breaks_the_session_and_reports_it(session, monkeypatch):
     blinking = session(BLINK)
     blinking.run(0.3)
     monkeypatch.setattr(type(blinking.interpreter), "step", lambda *_: {}["our own mistake"])
@@ -420,7 +420,7 @@ def test_an_unknown_bridge_is_refused_by_name():
         Session(BLINK, "simm")
 
 
-def test_frames_do_not_change_when_the_run_goes_on(session):
+def test_frames_do_not_change_when_the_run_continues(session):
     blinking = session(BLINK)
     blinking.run(0.6)
     before = blinking.frame
@@ -438,7 +438,7 @@ def test_a_virtual_clock_serves_a_session(session):
     assert clock.now() == 1
 
 
-def test_a_text_can_be_offered_without_waiting_and_tells_what_became_of_it(session):
+def test_a_text_can_be_offered_without_waiting_for_its_patch(session):
     s = session("(machine m (state a)) (spawn m a)")
     s.step()
     program, answer = s.offer("(machine m (state a) (state b)) (spawn m a)")
@@ -488,7 +488,7 @@ def test_a_fault_of_our_own_in_a_queued_command_breaks_the_session_too(session, 
     assert "our own mistake" in blinking.fault
 
 
-def test_a_fault_of_the_checks_holds_up_no_edit_and_is_told_as_ours(session, monkeypatch):
+def test_a_fault_of_the_checks_blocks_no_edit_and_is_reported_as_ours(session, monkeypatch):
     blinking = session("")
     monkeypatch.setattr(sessions, "check", lambda *_: {}["our own mistake"])
     (finding,) = blinking.edit(BLINK)

@@ -81,14 +81,14 @@ def test_a_started_program_runs_by_itself(session):
     assert blinking.wait_for("m/a", LONG).status == "running"
 
 
-def test_waiting_for_a_state_that_does_not_come_ends_with_a_sentence(session):
+def test_waiting_for_a_state_that_is_not_entered_ends_with_a_sentence(session):
     blinking = session(BLINK, rate=100)
     blinking.start()
     with pytest.raises(SessionTimeoutError, match=r"`c` did not come within 0.01 s"):
         blinking.wait_for("c", 0.01)
 
 
-def test_waiting_for_what_nobody_runs_is_refused(session):
+def test_waiting_while_nothing_runs_is_refused(session):
     with pytest.raises(LRPError, match="start"):
         session(BLINK).wait_for("b")
 
@@ -180,7 +180,7 @@ def test_submitting_does_not_wait(session, gates):
     assert (holding.frame.status, holding.frame.reason) == ("paused", "later")
 
 
-def test_commands_are_carried_out_between_ticks_only(session, gates):
+def test_commands_are_applied_between_ticks_only(session, gates):
     holding = session(GATED, namespace=gates)
     holding.start()
     assert gates["entered"].wait(LONG)
@@ -203,7 +203,7 @@ def test_a_block_that_does_not_return_is_shown_and_stops_the_robot(session, gate
     assert holding.wait_for(lambda frame: frame.status == "running", LONG).hung is None
 
 
-def test_an_interrupted_block_becomes_an_issue_and_the_program_goes_on(session, gates):
+def test_an_interrupted_block_becomes_an_issue_and_the_program_continues(session, gates):
     endless = session(ENDLESS, namespace=gates, rate=100)
     endless.start()
     assert gates["entered"].wait(LONG)
@@ -314,7 +314,7 @@ def test_a_run_suspends_the_thread_and_hands_back_to_it(session, gates):
     assert counting.wait_for(lambda frame: frame.tick > tick + 2, LONG).status == "running"
 
 
-def test_calls_from_other_threads_are_carried_out_within_a_run(session):
+def test_calls_from_other_threads_are_executed_within_a_run(session):
     done = threading.Event()
     counting = session(COUNT)
 
@@ -344,7 +344,7 @@ def test_what_a_block_asks_of_its_own_session_is_done_after_the_tick(session, ga
     assert gates["after"].is_set()
 
 
-def test_a_fault_of_our_own_in_the_thread_stops_the_robot_and_is_told(session, pushcart, monkeypatch):
+def test_a_fault_of_our_own_in_the_thread_stops_the_robot_and_is_reported(session, pushcart, monkeypatch):
     counting = session(COUNT, pushcart, rate=100)
     counting.start()
     counting.wait_for("a", LONG)
@@ -404,7 +404,7 @@ def test_a_session_closes_from_inside_one_of_its_blocks(session, gates):
         closing.wait_for("nothing", LONG)
 
 
-def test_a_pause_at_an_issue_is_seen_by_whoever_looks(session):
+def test_a_pause_at_an_issue_is_visible_in_the_frame(session):
     failing = session("(machine m (state a (running [1 / 0]))) (spawn m a)", on_issue="pause", rate=1000)
     failing.start()
     frame = failing.wait_for(lambda frame: frame.status == "paused", LONG)

@@ -28,7 +28,7 @@ def poses(session):
 
 @pytest.fixture
 def trace():
-    """Write down what observers are told, and give it as text."""
+    """Record the events of an observer as text."""
     lines = []
 
     def follow(session):
@@ -81,7 +81,7 @@ def test_stepping_and_stepping_back_leaves_everything_where_it_was(session):
     assert (poses(bouncing), bouncing.frame.time, bouncing.frame.tick) == before
 
 
-def test_rewinding_takes_back_what_a_hand_did_to_the_world(session):
+def test_rewinding_undoes_changes_of_the_world_by_hand(session):
     bouncing = session(BOUNCE, "sim", world="boxes")
     bouncing.run(3)
     before = poses(bouncing)
@@ -199,7 +199,7 @@ def test_a_stall_of_the_host_makes_a_simulated_run_slower_and_skips_nothing(sess
     assert loop.interpreter.tick == pytest.approx(loop.now * 10, abs=1.01)
 
 
-def test_an_armed_robot_cannot_be_taken_back_and_a_disarmed_one_can(session):
+def test_an_armed_robot_cannot_be_rewound_and_a_disarmed_one_can(session):
     class Barrow(Bridge):
         def open_interface(self):
             self.add_method("move", lambda linear: None)
@@ -222,7 +222,7 @@ def test_an_armed_robot_cannot_be_taken_back_and_a_disarmed_one_can(session):
     Bridge.registry.pop("barrow")
 
 
-def test_a_bridge_that_fails_is_lost_and_the_loop_goes_on(session):
+def test_a_bridge_that_fails_is_lost_and_the_loop_continues(session):
     class Wreck(Bridge):
         hardware = False
         stop_timeout = None

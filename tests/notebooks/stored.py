@@ -48,7 +48,7 @@ def sources(notebook: Node, kind: str) -> list[str]:
 
 
 def opened_program(source: str) -> str | None:
-    """The name that a ``%%lrp`` cell gives to its program."""
+    """The name of the program in a ``%%lrp`` cell."""
     found = re.match(r"%%lrp +([\w-]+)", source)
     return found[1] if found else None
 

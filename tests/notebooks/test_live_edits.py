@@ -9,7 +9,7 @@ from lrp_jupyter import Session
 
 
 class Typist:
-    """Types into the lab of a notebook what its prose says, in the order of the tables."""
+    """Types the edits in the tables of a notebook into its lab, in their order."""
 
     def __init__(self, name: str) -> None:
         notebook = read(NOTEBOOKS / f"{name}.ipynb")
@@ -36,7 +36,7 @@ class Typist:
         return self.session.bridge.picture.robots[0].pose[0]
 
 
-def test_the_first_robot_goes_on_at_half_the_speed():
+def test_the_first_robot_continues_at_half_the_speed():
     hello = Typist("00-hello-live-robot")
     hello.session.run(1)
     hello.type("0.1", instead_of="0.2")
@@ -46,7 +46,7 @@ def test_the_first_robot_goes_on_at_half_the_speed():
     assert hello.session.frame.restarts == 0
 
 
-def test_the_first_robot_learns_to_rest_and_to_go_on():
+def test_the_first_robot_learns_to_rest_and_to_continue():
     hello = Typist("00-hello-live-robot")
     hello.session.run(1)
     hello.type("(state resting (onentry [robot.stop()]))", before="(on black")

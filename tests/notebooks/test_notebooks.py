@@ -1,4 +1,4 @@
-"""The notebooks: they run from top to bottom, and what they say is so."""
+"""The notebooks run from top to bottom, and what they claim is true."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ def _solving(notebook: Node) -> str:
 @pytest.mark.slow
 def test_every_stored_text_is_what_comes_out(run: Run):
     for stored, fresh in zip(run.stored.cells, run.fresh.cells, strict=True):
-        again = "python tests/notebooks/execution.py stores it anew"
+        again = "python tests/notebooks/execution.py stores it again"
         assert texts_of(stored) == texts_of(fresh), f"{stored.id}: {again}"
         assert data_of(stored, "text/markdown") == data_of(fresh, "text/markdown"), f"{stored.id}: {again}"
 

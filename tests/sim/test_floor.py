@@ -20,7 +20,7 @@ def test_the_middle_of_a_line_is_as_dark_as_the_line():
     assert light(1, 1, PathStroke(((0, 1), (2, 1)), grey=40)) == 40
 
 
-def test_half_the_spot_on_the_edge_gives_the_mean():
+def test_half_the_spot_on_the_edge_reads_the_mean():
     assert light(1, 1.015, PathStroke(((0, 1), (2, 1)), width=0.03)) == pytest.approx(127.5)
 
 

@@ -19,7 +19,7 @@ def test_every_world_has_a_self_contained_picture(name):
     assert len(picture) < 10_000
 
 
-def test_the_picture_says_what_it_shows():
+def test_the_picture_describes_the_world_in_words():
     simulation = Simulation("line")
     simulation.step(150)
     simulation.latch()

@@ -158,7 +158,7 @@ def test_rewinding_undoes_a_reset():
     assert simulation.floor.light(1.6, 1) == 0
 
 
-def test_rewinding_takes_back_what_was_drawn():
+def test_rewinding_undoes_drawings():
     simulation = Simulation("empty")
     moment = simulation.moment
     simulation.draw(((1, 1), (2, 1)))

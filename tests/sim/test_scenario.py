@@ -84,7 +84,7 @@ def test_the_follower_goes_there_and_back():
     assert simulation.robot.memory.touched == {0}
 
 
-def test_the_constants_of_the_paper_take_it_there_and_back():
+def test_it_goes_there_and_back_with_the_constants_of_the_paper():
     # On a real clock 0.1 s have not quite passed after one loop of 0.1 s: looking begins with two.
     _, follower = run(search=0.2, look=0.2)
     there, back = follower.bumps

@@ -88,7 +88,7 @@ def test_a_short_bump_is_latched_for_one_loop():
     assert simulation.latch().bumper == 0
 
 
-def test_reading_twice_in_one_step_says_the_same():
+def test_reading_twice_in_one_step_returns_the_same():
     simulation = room((1, 1, 0), solids=[BoxSolid((1.132, 1, 0.1, 0.3))])
     simulation.drive(0.2)
     simulation.step(10)
@@ -136,7 +136,7 @@ def test_odometry_does_not_notice_being_carried():
     assert simulation.robot.readings.gyro == pytest.approx(2)  # the gyro does
 
 
-def test_noise_is_as_large_as_told_and_drawn_once_per_loop():
+def test_noise_is_as_large_as_configured_and_drawn_once_per_loop():
     noise = Noise(light=20, distance=0.05, gyro=0.1)
     simulation = room(strokes=[PathStroke(((1.06, 1),), width=0.1, grey=128)], noise=noise)
     readings = [simulation.latch() for _ in range(500)]

@@ -60,7 +60,7 @@ def test_a_speed_must_be_a_number(speeds):
         room().drive(*speeds)
 
 
-def test_a_wall_stops_a_robot_and_stands_fast():
+def test_a_wall_stops_a_robot_and_does_not_move():
     simulation = room(BoxSolid((2, 1, 0.1, 1)))
     simulation.drive(0.5)
     simulation.step(500)
@@ -126,7 +126,7 @@ def test_ten_steps_at_once_are_ten_steps():
     assert [thing.pose for thing in one.solids] == [thing.pose for thing in ten.solids]
 
 
-def test_bodies_that_are_let_sleep_move_as_wakeful_ones(monkeypatch):
+def test_sleeping_bodies_move_like_awake_ones(monkeypatch):
     def drive():
         simulation = Simulation("boxes")
         for loop in range(150):
@@ -314,7 +314,7 @@ def test_the_revision_grows_when_a_drawing_of_the_scene_has_become_wrong():
     assert simulation.revision == seen[-1]
 
 
-def test_zones_tell_where_a_robot_is():
+def test_zones_name_where_a_robot_is():
     simulation = Simulation("line")
     assert simulation.zones() == set()
     simulation.place((0.5, 0.5, 0))

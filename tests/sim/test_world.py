@@ -108,7 +108,7 @@ def test_a_world_is_loaded_from_a_file(tmp_path):
     assert load(path) == load(str(path)) == load("line")
 
 
-def test_a_world_that_is_one_already_is_taken_as_it_is():
+def test_an_existing_world_is_used_as_it_is():
     world = load("oval")
     assert load(world) is world
 
@@ -211,7 +211,7 @@ def test_an_unknown_name_is_answered_with_a_suggestion():
         load("lime")
 
 
-def test_what_is_no_world_at_all_is_refused():
+def test_what_is_not_a_world_at_all_is_refused():
     with pytest.raises(WorldError, match="A world is a name, a file, a dict or a World, not int"):
         load(7)  # type: ignore[arg-type]
     with pytest.raises(WorldError, match="`world`: Expected an object, not a list"):

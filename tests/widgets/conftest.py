@@ -1,4 +1,4 @@
-"""A session, its connection and pages, without a kernel, a thread or a clock of the wall."""
+"""A session, its connection and pages, without a kernel, a thread or a real clock."""
 
 from itertools import count
 
@@ -10,7 +10,7 @@ from lrp_jupyter.widgets.texts import Texts
 
 
 class Wall:
-    """A clock that stands until it is told to go on."""
+    """A clock that stands still until a test moves it."""
 
     def __init__(self):
         self.now = 100.0
@@ -20,19 +20,19 @@ class Wall:
 
 
 class Unpublished(PageConnection):
-    """A connection whose publisher is the test."""
+    """A connection that publishes only when the test calls it."""
 
     def start(self):
         pass
 
 
 class Page:
-    """What a view in a page does: say hello, give credit back, keep what it is told."""
+    """A view in a page: sends hello, returns credit, keeps the messages that it receives."""
 
     def __init__(self, lab, name, part, pays):
         self.lab, self.name, self.pays = lab, name, pays
         self.messages, self.buffers, self.ids = [], [], count(1)
-        self.say("hello", part=part)
+        self.send("hello", part=part)
 
     def __call__(self, message, buffers):
         if message["view"] != self.name:
@@ -42,25 +42,25 @@ class Page:
         frame = message["frame"] if message["type"] == "frame" else None
         frame = message["frame"]["frame"] if message["type"] == "snapshot" else frame
         if frame is not None and self.pays:
-            self.say("credit", frame=frame)
+            self.send("credit", frame=frame)
 
-    def say(self, kind, /, **fields):
+    def send(self, kind, /, **fields):
         self.lab.connection.receive(self, {"type": kind, "view": self.name, **fields})
 
     def do(self, act, **details):
-        """Have something done; give the reply's error."""
+        """Send a command; return the error of its reply."""
         return self.ask("command", do=act, **details)["error"]
 
     def ask(self, kind, /, **fields):
         number = next(self.ids)
-        self.say(kind, id=number, **fields)
-        self.lab.settle()
+        self.send(kind, id=number, **fields)
+        self.lab.finish()
         return next(m for m in self.messages if m["type"] == "reply" and m["id"] == number)
 
     def type(self, text, seq=1):
-        """Type a text; give its answer."""
+        """Type a text; return its answer."""
         before = len(self.messages)
-        self.say("text", seq=seq, base=0, text=text)
+        self.send("text", seq=seq, base=0, text=text)
         self.lab.publish()
         return next(m for m in self.messages[before:] if m["type"] == "answer")
 
@@ -71,16 +71,18 @@ class Page:
         return self.all(kind)[-1]
 
     def frames(self):
-        """All frames that came, that of the snapshot too."""
-        told = {"frame": lambda message: message, "snapshot": lambda message: message["frame"]}
-        return [told[message["type"]](message) for message in self.messages if message["type"] in told]
+        """Return all frames received, including that of the snapshot."""
+        frame_of = {"frame": lambda message: message, "snapshot": lambda message: message["frame"]}
+        return [
+            frame_of[message["type"]](message) for message in self.messages if message["type"] in frame_of
+        ]
 
-    def told(self, field):
-        """The last value of a frame's field that came, in the snapshot or later."""
+    def latest(self, field):
+        """Return the last value received for a field of a frame, in the snapshot or later."""
         return next(frame[field] for frame in reversed(self.frames()) if field in frame)
 
-    def knows(self, field):
-        """A field of the view state as the page puts it together from all frames."""
+    def merged(self, field):
+        """Return a field of the view state, merged from all frames as the page does."""
         value = None
         for frame in self.frames():
             new = frame.get(field, value)
@@ -103,12 +105,12 @@ class Bench:
         return Page(self, name, part, pays)
 
     def publish(self, after=0.5):
-        """Let time pass on the wall, and the publisher do its round."""
+        """Advance the wall time, and let the publisher do a round."""
         self.wall.now += after
         self.connection.publish()
 
-    def settle(self):
-        """Publish, after what was left to the worker."""
+    def finish(self):
+        """Wait for the worker, then publish."""
         self.connection.work(lambda: None).result(60)
         self.publish()
 

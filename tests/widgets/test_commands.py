@@ -44,7 +44,7 @@ def test_run_and_pause(lab, page):
     assert page.do("run") is None
     assert lab.session.status == "running"
     assert page.do("pause") is None
-    assert page.told("status") == "paused"
+    assert page.latest("status") == "paused"
     lab.session.stop()
     assert page.do("run") is None
     assert lab.session.status == "running"
@@ -55,7 +55,7 @@ def test_step_is_exactly_so_many_ticks_and_back_again(lab, page):
     assert page.do("step", value=3) is None
     assert lab.session.frame.tick == 5
     assert page.do("step_back", value=2) is None
-    assert page.told("tick") == 3
+    assert page.latest("tick") == 3
 
 
 def test_stop_stops_the_robot_then_pauses(lab, page):
@@ -63,7 +63,7 @@ def test_stop_stops_the_robot_then_pauses(lab, page):
     assert page.do("stop") is None
     lab.session.wait_for(lambda frame: frame.status == "paused", 60)
     lab.publish()
-    assert page.told("reason") == "The robot was stopped."
+    assert page.latest("reason") == "The robot was stopped."
 
 
 def test_rate_and_speed(lab, page):
@@ -71,7 +71,7 @@ def test_rate_and_speed(lab, page):
     assert page.do("speed", value=0) is None
     assert lab.session.rate == 25
     assert lab.session.speed == math.inf
-    assert page.told("speed")["wanted"] == 0
+    assert page.latest("speed")["wanted"] == 0
     assert page.do("rate", value=-1)
 
 
@@ -81,7 +81,7 @@ def test_transition_and_teleport_lead_to_a_state_by_its_path_in_the_text(lab, pa
     assert page.do("teleport", path="m/b") is None
     assert active(lab) == ["m/b"]
     assert page.do("transition", path="m/nowhere") is None  # an issue of the run, as in a program
-    assert page.told("issues")["1"]["code"] == "LRP604"
+    assert page.latest("issues")["1"]["code"] == "LRP604"
 
 
 def test_a_transition_can_be_fired_whatever_its_condition(lab, page):
@@ -97,7 +97,7 @@ def test_a_transition_can_be_fired_whatever_its_condition(lab, page):
 
 def test_a_variable_gets_the_value_of_an_expression_or_the_reason_why_not(lab, page):
     assert page.do("set_variable", path="m/a/inner/v", expression="limit * 2") is None
-    assert page.told("variables")["m/a/inner/v"] == {"text": "10", "number": 10.0}
+    assert page.latest("variables")["m/a/inner/v"] == {"text": "10", "number": 10.0}
     assert "division by zero" in page.do("set_variable", path="limit", expression="1/0")
     assert "SyntaxError" in page.do("set_variable", path="limit", expression="1 +")
     assert "no variable `m/x`" in page.do("set_variable", path="m/x", expression="1")
@@ -107,7 +107,7 @@ def test_policies_are_shared_by_all_views(lab, page):
     other = lab.page("other")
     assert page.do("on_active_edit", name="keep") is None
     assert page.do("pause_on_issue", on=True) is None
-    assert other.knows("settings") == {"hold": False, "on_active_edit": "keep", "pause_on_issue": True}
+    assert other.merged("settings") == {"hold": False, "on_active_edit": "keep", "pause_on_issue": True}
     assert page.do("on_active_edit", name="perhaps")
 
 
@@ -122,7 +122,7 @@ def test_the_pose_and_the_world_can_be_reset(lab, page):
     assert "no robot 3" in page.do("reset_pose", index=3)
 
 
-def test_another_world_is_drawn_and_the_program_goes_on(lab, page):
+def test_another_world_is_drawn_and_the_program_continues(lab, page):
     assert page.do("world", name="maze") is None
     assert page.last("world")["world"]["name"] == "maze"
     assert lab.session.frame.tick == 1
@@ -139,13 +139,13 @@ def test_a_robot_without_a_world_refuses_what_is_done_to_worlds(bench):
 
 def test_a_dragged_state_stays_where_it_was_put_until_all_is_arranged(lab, page):
     assert page.do("pin", path="m", name="b", x=300, y=40) is None
-    layout = page.told("layouts")
+    layout = page.latest("layouts")
     assert layout.keys() == {"m"}
     assert layout["m"]["places"]["b"] == {"x": 300.0, "y": 40.0}
     page.type(NEST.replace("(state b)", "(state b) (state c)"))
-    assert page.told("layouts")["m"]["places"]["b"]["x"] == 300.0
+    assert page.latest("layouts")["m"]["places"]["b"]["x"] == 300.0
     assert page.do("arrange", path="m") is None
-    assert page.told("layouts")["m"]["places"]["b"]["x"] != 300.0
+    assert page.latest("layouts")["m"]["places"]["b"]["x"] != 300.0
 
 
 class Toy(Bridge):
@@ -173,11 +173,11 @@ class Toy(Bridge):
         self.stops += 1
 
 
-def test_a_panel_is_told_and_its_buttons_and_questions_come_back(bench):
+def test_a_panel_is_sent_and_its_buttons_and_questions_are_answered(bench):
     toy = Toy()
     lab = bench(NEST, bridge=toy)
     page = lab.page()
-    assert page.told("panel")["title"] == "Toy"
+    assert page.latest("panel")["title"] == "Toy"
     assert page.do("panel", key="beep", values={"loud": "true"}) is None
     assert toy.pressed == [("beep", "", {"loud": "true"})]
     assert page.do("panel", key="host", values={"host": "10.0.0.2"}) is None
@@ -187,22 +187,22 @@ def test_a_panel_is_told_and_its_buttons_and_questions_come_back(bench):
     assert toy.stops > stops
 
 
-def test_hardware_is_told_to_be_disarmed_and_can_be_armed(bench):
+def test_hardware_is_shown_as_disarmed_and_can_be_armed(bench):
     lab = bench(NEST, bridge=Toy())
     page = lab.page()
-    assert page.told("bridge")["hardware"]
-    assert not page.told("bridge")["armed"]
+    assert page.latest("bridge")["hardware"]
+    assert not page.latest("bridge")["armed"]
     assert page.do("armed", on=True) is None
-    assert page.told("bridge")["armed"]
+    assert page.latest("bridge")["armed"]
 
 
 def test_a_session_made_elsewhere_keeps_its_bridge(lab, page):
     assert "created elsewhere" in page.do("bridge", name="none")
 
 
-def test_a_command_that_nobody_waits_for_gets_no_reply(lab, page):
-    page.say("command", id=0, do="rate", value=50)
-    lab.settle()
+def test_a_command_without_an_id_gets_no_reply(lab, page):
+    page.send("command", id=0, do="rate", value=50)
+    lab.finish()
     assert not page.all("reply")
     assert lab.session.rate == 50
 

@@ -78,13 +78,13 @@ def test_a_view_without_credit_gets_nothing_and_loses_nothing(bench):
         lab.publish()
     assert len(slow.messages) == 3
     assert len(quick.messages) > 20
-    slow.say("credit", frame=slow.last("frame")["frame"])
+    slow.send("credit", frame=slow.last("frame")["frame"])
     lab.publish()
-    assert slow.last("frame")["entered"] == quick.told("entered") | {"m/off": {"count": 10, "tick": 19}}
+    assert slow.last("frame")["entered"] == quick.latest("entered") | {"m/off": {"count": 10, "tick": 19}}
     assert slow.last("frame")["tick"] == 20
 
 
-def test_a_view_that_looks_late_hears_in_which_tick_a_state_was_entered_last(bench):
+def test_a_late_view_gets_the_tick_in_which_a_state_was_entered_last(bench):
     lab = bench("(machine m (state a) (state b) (ontime 200 a -> b t))(spawn m a)")
     page = lab.page("graph")
     lab.session.run(seconds=2)
@@ -94,7 +94,7 @@ def test_a_view_that_looks_late_hears_in_which_tick_a_state_was_entered_last(ben
 
 
 def frames_in(lab, page, milliseconds):
-    """Publish every 6 ms; give the milliseconds at which the page got a frame."""
+    """Publish every 6 ms; return the milliseconds at which the page got a frame."""
     came, before = [], len(page.all("frame"))
     for now in range(6, milliseconds + 1, 6):
         lab.publish(after=0.006)
@@ -103,8 +103,8 @@ def frames_in(lab, page, milliseconds):
     return came
 
 
-def tell_all(lab):
-    """Publish until there is nothing new to tell; the last frame, a heartbeat, comes now."""
+def publish_all(lab):
+    """Publish until nothing is new; the last frame is a heartbeat."""
     for _ in range(4):
         lab.publish(after=1.0)
 
@@ -113,7 +113,7 @@ def test_what_comes_with_every_tick_keeps_a_distance_of_80_ms(bench):
     lab = bench(CALM)
     page = lab.page()
     lab.session.step()
-    tell_all(lab)
+    publish_all(lab)
     lab.session.step()
     assert frames_in(lab, page, 60) == []
     lab.session.step()
@@ -124,11 +124,11 @@ def test_what_comes_with_every_tick_keeps_a_distance_of_80_ms(bench):
     assert page.last("frame").keys() == {"type", "view", "frame", "tick", "time", "variables"}
 
 
-def test_calm_news_after_a_rest_come_at_once(bench):
+def test_calm_changes_after_a_rest_are_sent_at_once(bench):
     lab = bench(CALM)
     page = lab.page()
     lab.session.step()
-    tell_all(lab)
+    publish_all(lab)
     assert frames_in(lab, page, 120) == []
     lab.session.step()
     assert frames_in(lab, page, 120) == [6]
@@ -138,7 +138,7 @@ def test_what_is_urgent_comes_15_ms_after_the_last_frame(bench):
     lab = bench(BLINK)
     page = lab.page()
     lab.session.step()
-    tell_all(lab)
+    publish_all(lab)
     lab.session.step()
     assert frames_in(lab, page, 60) == [18]
     assert page.last("frame")["lit"] == ["m/on"]
@@ -167,9 +167,9 @@ def test_what_is_dragged_while_paused_is_urgent(bench):
     page = lab.page()
     lab.session.step()
     assert lab.session.status == "paused"
-    tell_all(lab)
+    publish_all(lab)
     for x in (1.0, 1.25):
-        page.say("command", id=0, do="drag_robot", index=0, pose=[x, 0.5, 0.0])
+        page.send("command", id=0, do="drag_robot", index=0, pose=[x, 0.5, 0.0])
         assert frames_in(lab, page, 18) == [18]
         assert struct.unpack_from("<dff", page.buffers[-1][0])[1:] == (x, 0.5)
 
@@ -178,10 +178,10 @@ def test_what_is_urgent_for_one_view_stays_calm_for_another(bench):
     lab = bench(CALM, bridge="sim")
     graph, world = lab.page("graph", part="graph"), lab.page("world", part="world")
     lab.session.step()
-    tell_all(lab)
+    publish_all(lab)
     before = len(graph.messages)
     lab.session.step()
-    world.say("command", id=0, do="drag_robot", index=0, pose=[1.0, 0.5, 0.0])
+    world.send("command", id=0, do="drag_robot", index=0, pose=[1.0, 0.5, 0.0])
     assert frames_in(lab, world, 60) == [18]
     assert len(graph.messages) == before
     assert frames_in(lab, graph, 60) == [84 - 60]
@@ -195,19 +195,19 @@ def test_credit_for_a_later_frame_pays_for_all_before_it(bench):
         lab.publish()
     snapshot, *frames = page.messages
     assert [snapshot["frame"]["frame"], *(frame["frame"] for frame in frames)] == [1, 2, 3]
-    page.say("credit", frame=2)
+    page.send("credit", frame=2)
     lab.session.step()
     lab.publish()
     lab.session.step()
     lab.publish()
     assert [frame["frame"] for frame in page.all("frame")] == [2, 3, 4, 5]
-    page.say("credit", frame=1)  # it came late, and pays for nothing more
+    page.send("credit", frame=1)  # it came late, and pays for nothing more
     lab.session.step()
     lab.publish()
     assert page.last("frame")["frame"] == 5
 
 
-def test_a_view_without_credit_hears_nothing_of_the_world_either(bench):
+def test_a_view_without_credit_gets_no_world_either(bench):
     lab = bench(MOVER, bridge="sim", world="boxes")
     slow, quick = lab.page("slow", pays=False), lab.page("quick")
     for x in range(6):
@@ -217,12 +217,12 @@ def test_a_view_without_credit_hears_nothing_of_the_world_either(bench):
         quick.do("drag_solid", index=0, pose=[2.0 + x / 10, 0.5, 0.0])
     assert len(slow.messages) == before
     assert quick.last("world")["world"]["solids"][0]["box"][:2] == [2.5, 0.5]
-    slow.say("credit", frame=slow.last("frame")["frame"])
+    slow.send("credit", frame=slow.last("frame")["frame"])
     lab.publish()
     assert slow.last("world") == quick.last("world") | {"view": "slow"}
 
 
-def test_while_nothing_changes_a_heartbeat_comes_once_a_second(bench):
+def test_while_nothing_changes_a_heartbeat_is_sent_once_a_second(bench):
     lab = bench(BLINK)
     page = lab.page()
     lab.publish(after=2.0)
@@ -234,13 +234,13 @@ def test_while_nothing_changes_a_heartbeat_comes_once_a_second(bench):
     assert all(beat.keys() == {"type", "view", "frame"} for beat in beats)
 
 
-def test_a_view_that_is_silent_for_long_is_forgotten_and_may_come_again(bench):
+def test_a_view_that_is_silent_for_long_is_forgotten_and_may_return(bench):
     lab = bench(BLINK)
     gone = lab.page("gone", pays=False)
     for _ in range(40):
         lab.publish(after=1.0)
     assert len(gone.messages) == 3
-    gone.say("hello", part="lab")
+    gone.send("hello", part="lab")
     assert gone.messages[-1]["type"] == "snapshot"
 
 
@@ -252,7 +252,7 @@ def test_after_15_seconds_of_silence_credit_of_a_view_that_owes_it_comes_too_lat
         lab.publish(after=1.0)
     for _ in range(seconds - 2):
         lab.publish(after=1.0)
-    page.say("credit", frame=3)
+    page.send("credit", frame=3)
     lab.publish(after=0.9)
     assert len(page.frames()) == frames
 
@@ -263,7 +263,7 @@ def test_a_view_that_returns_credit_late_is_not_forgotten(bench):
     for _ in range(4):
         for _ in range(12):
             lab.publish(after=1.0)
-        page.say("credit", frame=page.frames()[-1]["frame"])
+        page.send("credit", frame=page.frames()[-1]["frame"])
     lab.publish(after=1.0)
     assert len(page.frames()) == 4 * 3 + 1
 
@@ -275,16 +275,16 @@ def test_a_view_that_owes_nothing_is_not_forgotten_while_the_machine_sleeps(benc
     assert page.all("frame")
 
 
-def test_a_view_that_says_goodbye_hears_nothing_more(bench):
+def test_a_view_that_says_goodbye_gets_no_more_messages(bench):
     lab = bench(BLINK)
     page = lab.page()
-    page.say("bye")
+    page.send("bye")
     lab.session.step()
     lab.publish()
     assert len(page.messages) == 1
 
 
-def test_credit_of_a_view_shows_that_somebody_watches(bench):
+def test_credit_of_a_view_shows_that_it_is_watched(bench):
     lab = bench(MOVER, dead_man=0.05, rate=100)
     lab.session.start()
     assert lab.session.wait_for(lambda frame: frame.status == "paused", 60)
@@ -350,7 +350,7 @@ def test_trails_and_drawings_come_as_ink_that_is_added_to(bench):
     assert "ink" not in page.last("frame")
 
 
-def test_what_blocks_print_is_told_once_and_in_order(bench):
+def test_what_blocks_print_is_sent_once_and_in_order(bench):
     lab = bench("(machine m (state a (running [print('hello')]))) (spawn m a)")
     page = lab.page()
     for _ in range(4):
@@ -360,41 +360,41 @@ def test_what_blocks_print_is_told_once_and_in_order(bench):
     assert told == [{"0": "hello"}, {"1": "hello"}, {"2": "hello"}]
 
 
-def test_issues_are_told_with_their_place_and_gone_when_they_are_cleared(bench):
+def test_issues_are_sent_with_their_place_and_gone_when_they_are_cleared(bench):
     lab = bench("(machine m (state a (running [1 / 0]))) (spawn m a)")
     page = lab.page()
     for _ in range(3):
         lab.session.step()
     lab.publish()
-    (issue,) = page.told("issues").values()
+    (issue,) = page.latest("issues").values()
     assert issue["code"] == "LRP601"
     assert issue["count"] == 2
     assert "ZeroDivisionError" in issue["traceback"]
     assert (issue["range"]["line"], issue["range"]["column"]) == (1, 31)
     assert page.do("clear_issues") is None
-    assert page.told("issues") == {str(issue["id"]): None}
+    assert page.latest("issues") == {str(issue["id"]): None}
 
 
-def test_a_restart_by_an_edit_is_told_with_its_reason(bench):
+def test_a_restart_by_an_edit_is_reported_with_its_reason(bench):
     lab = bench(MOVER, bridge="sim")
     page = lab.page()
     lab.session.step()
     page.type(MOVER.replace("0.2", "0.3"))
     lab.publish()
-    assert page.told("restart")["count"] == 1
-    assert "`a` is active" in page.told("restart")["reason"]
+    assert page.latest("restart")["count"] == 1
+    assert "`a` is active" in page.latest("restart")["reason"]
     page.do("reset")
-    assert page.told("restart")["count"] == 1  # a reset is no restart by an edit
+    assert page.latest("restart")["count"] == 1  # a reset is no restart by an edit
 
 
-def test_values_of_the_robots_members_are_told_though_no_program_reads_them(bench):
+def test_values_of_the_robots_members_are_sent_though_no_program_reads_them(bench):
     lab = bench("(machine m (state a)) (spawn m a)", bridge="sim")
     page = lab.page()
     lab.session.step()
     lab.publish()
     lab.publish()
-    assert page.told("members")["light.data"].isdigit()
-    members = {member["name"]: member for member in page.told("bridge")["members"]}
+    assert page.latest("members")["light.data"].isdigit()
+    members = {member["name"]: member for member in page.latest("bridge")["members"]}
     assert members["move"]["insert"] == "robot.move(linear=0.0, angular=0.0)"
     assert members["distance.data"]["unit"] == "m"
 
@@ -403,11 +403,11 @@ def test_a_fault_of_the_lab_is_reported_in_the_lab(bench, monkeypatch):
     lab = bench(BLINK)
     page = lab.page()
     monkeypatch.delattr(lab.connection, "texts")
-    page.say("text", seq=1, base=0, text="")
+    page.send("text", seq=1, base=0, text="")
     monkeypatch.undo()
     assert "AttributeError" in lab.connection.fault
     lab.publish()
-    assert "The lab itself failed; the program is not at fault." in page.told("printed").values()
+    assert "The lab itself failed; the program is not at fault." in page.latest("printed").values()
     lab.connection.fault = ""
 
 
@@ -481,13 +481,13 @@ def test_closing_tells_a_view_without_credit_too(bench):
         lab.publish()
     lab.connection.close()
     assert page.last("frame")["status"] == "closed"
-    assert page.told("tick") == 5
+    assert page.latest("tick") == 5
 
 
 def test_what_was_asked_before_the_end_is_answered(bench):
     lab = bench(BLINK)
     page = lab.page()
-    page.say("command", id=7, do="rate", value=25)
+    page.send("command", id=7, do="rate", value=25)
     lab.connection.close()
     assert page.last("reply") == {"type": "reply", "view": "page", "id": 7, "error": None}
 
@@ -515,7 +515,7 @@ def test_after_a_round_that_failed_the_publisher_goes_on():
     connection.close()
 
 
-def test_closing_tells_every_view_and_ends_the_session(bench):
+def test_closing_notifies_every_view_and_ends_the_session(bench):
     lab = bench(BLINK)
     page = lab.page()
     lab.session.start()
@@ -525,7 +525,7 @@ def test_closing_tells_every_view_and_ends_the_session(bench):
     assert lab.session.status == "closed"
 
 
-def test_a_path_as_spawned_is_told_as_the_path_of_the_text(bench):
+def test_a_path_as_spawned_is_converted_to_the_path_of_the_text(bench):
     lab = bench(
         "(machine shared (var v := [1]) (state x))"
         "(machine m (state a (onentry (spawn shared x)))) (spawn m a)"
@@ -534,5 +534,5 @@ def test_a_path_as_spawned_is_told_as_the_path_of_the_text(bench):
     lab.session.step()
     lab.publish()
     assert lab.session.frame.active == (("m", "a", "shared", "x"),)
-    assert page.told("lit") == ["m/a", "shared/x"]
-    assert page.told("variables").keys() == {"shared/v"}
+    assert page.latest("lit") == ["m/a", "shared/x"]
+    assert page.latest("variables").keys() == {"shared/v"}

@@ -10,7 +10,7 @@ from lrp_jupyter.widgets.view_state import listed_members
 
 
 class Far(Bridge):
-    """A robot that has not said anything."""
+    """A robot that has not sent anything."""
 
     name = "test-far"
 
@@ -67,7 +67,7 @@ def test_other_chains_are_not_known_here(far):
     assert fields_of(far, "robot.light.data") is None, "a number: Python knows it better"
 
 
-def test_a_command_takes_its_arguments_in_short_and_in_long(far):
+def test_a_command_accepts_short_and_long_names_of_its_arguments(far):
     names = labels(arguments_of(far, "robot.move"))
     assert {"linear_x=", "angular_z="} <= set(names)
     assert labels(arguments_of(far, "robot.motor.turn")) == ["speed=", "brake="]

@@ -22,7 +22,7 @@ class Kernel:
 
     def page(self, comm):
         """Show the widget of a comm, as its only view."""
-        self.comm, self.told, self.fields, self.kinds, self.subshell = comm, [], {}, {}, None
+        self.comm, self.messages, self.fields, self.kinds, self.subshell = comm, [], {}, {}, None
 
     def run(self, code):
         """Run a cell to its end."""
@@ -30,15 +30,17 @@ class Kernel:
         self.until(lambda: message in self.idle)
 
     def until(self, condition, seconds=SECONDS):
-        """Listen until something is so; give back credits as a page does."""
+        """Receive until a condition holds; return credit as a page does."""
         end = time.monotonic() + seconds
         while not condition():
             try:
-                self.take(self.client.get_iopub_msg(timeout=max(0.01, end - time.monotonic())))
+                self.process(self.client.get_iopub_msg(timeout=max(0.01, end - time.monotonic())))
             except Empty:
-                raise AssertionError(f"it did not come; last was {self.told[-1:]}") from None
+                raise AssertionError(
+                    f"the condition was not met; the last message was {self.messages[-1:]}"
+                ) from None
 
-    def take(self, message):
+    def process(self, message):
         kind, content = message["msg_type"], message["content"]
         assert kind != "error", "\n".join(content["traceback"])
         if kind == "status" and content["execution_state"] == "idle":
@@ -48,24 +50,24 @@ class Kernel:
         elif kind == "stream":
             self.streams.append(content["text"])
         elif kind == "comm_msg" and content["comm_id"] == self.comm and content["data"].get("content"):
-            self.hear(content["data"]["content"])
+            self.receive(content["data"]["content"])
 
-    def hear(self, told):
-        self.told.append(told)
-        self.kinds[told["type"]] = told
-        frame = told["frame"] if told["type"] == "snapshot" else told
+    def receive(self, message):
+        self.messages.append(message)
+        self.kinds[message["type"]] = message
+        frame = message["frame"] if message["type"] == "snapshot" else message
         if "frame" in frame:
             self.fields.update(frame)
-            self.say({"type": "credit", "view": "v", "frame": frame["frame"]})
+            self.send({"type": "credit", "view": "v", "frame": frame["frame"]})
 
-    def say(self, content):
+    def send(self, content):
         content = {"comm_id": self.comm, "data": {"method": "custom", "content": content}}
         message = self.client.session.msg("comm_msg", content)
         message["header"]["subshell_id"] = self.subshell
         self.client.shell_channel.send(message)
 
     def busy(self):
-        """Run a cell until it is ended; what is said then goes to a subshell, as JupyterLab does it."""
+        """Run a cell until it is ended; messages sent meanwhile go to a subshell, as in JupyterLab."""
         message = self.client.session.msg("create_subshell_request", {})
         self.client.control_channel.send(message)
         self.subshell = self.client.get_control_msg(timeout=SECONDS)["content"]["subshell_id"]
@@ -97,7 +99,7 @@ def lab(kernel):
     before = len(kernel.comms)
     kernel.run(f"%%lrp mine\n{PROGRAM}")
     kernel.page(kernel.comms[before:][-1])  # that of the widget's layout was opened before
-    kernel.say({"type": "hello", "view": "v", "part": "lab"})
+    kernel.send({"type": "hello", "view": "v", "part": "lab"})
     kernel.until(lambda: "snapshot" in kernel.kinds)
     yield kernel
     kernel.end.touch()
@@ -113,7 +115,7 @@ def test_pause_acts_and_is_answered_while_a_cell_runs(lab):
     lab.busy()
     tick = lab.fields["tick"]
     lab.until(lambda: lab.fields["tick"] > tick)  # the thread has published since the cell began
-    lab.say({"type": "command", "view": "v", "id": 1, "do": "pause"})
+    lab.send({"type": "command", "view": "v", "id": 1, "do": "pause"})
     lab.until(lambda: "reply" in lab.kinds and lab.fields["status"] == "paused")
     assert lab.kinds["reply"]["error"] is None
     assert lab.cell not in lab.idle
@@ -122,7 +124,7 @@ def test_pause_acts_and_is_answered_while_a_cell_runs(lab):
 def test_a_text_is_answered_while_a_cell_runs(lab):
     lab.busy()
     text = PROGRAM.replace("n + 1", "n + 2")
-    lab.say({"type": "text", "view": "v", "seq": 1, "base": 1, "text": text})
+    lab.send({"type": "text", "view": "v", "seq": 1, "base": 1, "text": text})
     lab.until(lambda: "answer" in lab.kinds)
     assert lab.kinds["answer"]["applied"]
     assert lab.cell not in lab.idle
@@ -130,7 +132,7 @@ def test_a_text_is_answered_while_a_cell_runs(lab):
 
 def test_what_blocks_print_goes_to_the_lab_and_not_to_a_cell(lab):
     text = PROGRAM.replace("n = n + 1", "print('from a block')")
-    lab.say({"type": "text", "view": "v", "seq": 1, "base": 1, "text": text})
+    lab.send({"type": "text", "view": "v", "seq": 1, "base": 1, "text": text})
     lab.until(lambda: "from a block" in lab.fields.get("printed", {}).values())
     lab.run("print('from a cell')")
     lab.until(lambda: "from a cell\n" in lab.streams)
@@ -147,7 +149,7 @@ def test_running_the_cell_again_leaves_one_thread_of_each_kind(lab):
     )
 
 
-def test_closing_tells_the_page_and_leaves_no_thread(lab):
+def test_closing_notifies_the_page_and_leaves_no_thread(lab):
     lab.run("import threading, lrp_jupyter; lrp_jupyter.Lab('mine').close()")
     lab.until(lambda: lab.fields["status"] == "closed")
     lab.run("assert not [t for t in threading.enumerate() if t.name.startswith('lrp mine')]")

@@ -104,7 +104,7 @@ def test_a_text_is_saved_to_a_file_of_ones_choice(make, tmp_path):
     assert (tmp_path / "f.lrp").read_text() == PROGRAM
 
 
-def test_closing_ends_the_run_and_the_next_lab_begins_anew(make):
+def test_closing_ends_the_run_and_the_next_lab_starts_again(make):
     lab = make(PROGRAM)
     lab.close()
     lab.close()
@@ -118,7 +118,7 @@ def test_a_part_that_is_closed_leaves_the_program_running(make):
     assert lab.session.status == "running"
 
 
-def test_beside_the_widget_stand_pictures_and_the_text(make):
+def test_the_output_has_pictures_and_the_text_beside_the_widget(make):
     lab = make(PROGRAM, rate=100)
     lab.session.wait_for("x", 60)
     bundle, _ = lab._repr_mimebundle_()
@@ -173,7 +173,7 @@ class Unreachable(Wheels):
         raise BridgeError("The robot does not answer; is it switched on?")
 
 
-def test_hardware_opens_disarmed_and_pauses_when_nobody_watches(make, monkeypatch):
+def test_hardware_opens_disarmed_and_pauses_when_it_is_not_watched(make, monkeypatch):
     monkeypatch.setattr(registry, "DEAD_MAN", 0.1)
     lab = make("(machine m (state a (running [robot.move(linear=1)]))) (spawn m a)", "wheels")
     assert not lab.session.bridge.safety.armed

@@ -37,7 +37,7 @@ def shell(one_shell, tmp_path, monkeypatch):
 
 @pytest.fixture
 def run(shell, capsys):
-    """Run a line; give what it prints."""
+    """Run a line; return what it prints."""
 
     def run(line):
         shell.run_line_magic("lrp", line)
@@ -69,7 +69,7 @@ def test_blocks_see_the_notebooks_names_and_write_none(shell):
     assert not lab.session.findings
 
 
-def test_a_cell_that_is_no_program_opens_the_lab_all_the_same(shell):
+def test_a_cell_that_is_not_a_program_opens_the_lab_anyway(shell):
     lab = cell(shell, "mine", "(machine m")
     assert lab._connection.texts.findings
 
@@ -151,7 +151,7 @@ def test_there_is_nothing_to_debug_before_a_block_fails(shell, run):
         ("bridge wings", "There is no bridge `wings`"),
     ],
 )
-def test_mistakes_are_said_in_a_sentence(shell, line, sentence):
+def test_mistakes_are_reported_in_a_sentence(shell, line, sentence):
     cell(shell, "follower", A)
     with pytest.raises(UsageError) as error:
         shell.run_line_magic("lrp", line)
@@ -172,7 +172,7 @@ def test_mistakes_are_said_in_a_sentence(shell, line, sentence):
         ("mine --bridge none --world line", "`--world` is for the simulator"),
     ],
 )
-def test_mistakes_in_the_head_of_a_cell_are_said_in_a_sentence(shell, line, sentence):
+def test_mistakes_in_the_head_of_a_cell_are_reported_in_a_sentence(shell, line, sentence):
     with pytest.raises(UsageError) as error:
         cell(shell, line, A)
     assert sentence in str(error.value)
@@ -181,9 +181,9 @@ def test_mistakes_in_the_head_of_a_cell_are_said_in_a_sentence(shell, line, sent
 
 def test_a_mistake_shows_no_traceback(shell, capsys):
     shell.run_cell("%lrp nothing")
-    told = capsys.readouterr()
-    assert "Traceback" not in told.out + told.err
-    assert "UsageError: %lrp: There is no command or program `nothing`" in told.out + told.err
+    output = capsys.readouterr()
+    assert "Traceback" not in output.out + output.err
+    assert "UsageError: %lrp: There is no command or program `nothing`" in output.out + output.err
 
 
 def test_words_names_and_options_complete(shell):
@@ -204,6 +204,6 @@ def test_words_names_and_options_complete(shell):
 
 
 def test_help_lists_every_word(shell, run):
-    told = run("help")
-    assert all(word in told for word in WORDS.keys() - {"show"})
+    output = run("help")
+    assert all(word in output for word in WORDS.keys() - {"show"})
     assert "%lrp rate HZ" in shell.find_line_magic("lrp").__doc__

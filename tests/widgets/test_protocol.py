@@ -49,7 +49,7 @@ def test_every_class_is_explained():
                 assert ast.get_docstring(node), node.name
 
 
-def test_what_a_message_says_is_read_with_its_types():
+def test_a_message_is_decoded_with_its_types():
     message = decode({"type": "command", "view": "v", "id": 3, "do": "stroke", "points": POINTS})
     assert message.points == [(0.5, 0.5), (1.0, 0.5)]
     assert (message.id, message.width, message.grey) == (3, 0.03, 0)
@@ -149,12 +149,12 @@ def test_columns_count_characters_outside_the_basic_plane_once():
     assert protocol.range_of("𝄞𝄞x", 2, 3) == {"line": 1, "column": 3, "end_line": 1, "end_column": 4}
 
 
-def test_a_place_behind_the_text_is_its_end():
+def test_a_place_after_the_text_is_its_end():
     assert protocol.offset_of("ab\ncd", 9, 1) == 5
     assert protocol.offset_of("ab\ncd", 2, 99) == 5
 
 
-def test_the_poses_of_one_robot_take_36_bytes():
+def test_the_poses_of_one_robot_are_36_bytes():
     robot = (0.5, 1.0, 0.25, True, True, 0.125, [128.0], [float("inf")])
     buffer = pack_poses(7.5, [robot])
     assert len(buffer) == 36

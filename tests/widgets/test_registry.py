@@ -16,7 +16,7 @@ BROKEN = "(machine m (state a)"
 
 @pytest.fixture
 def cell(tmp_path):
-    """Run a cell with a text, as often as wanted; leave no thread behind."""
+    """Run a cell with a text, as often as wanted; leave no thread."""
     before = set(threading.enumerate())
 
     def run(text, name="mine", **options):
@@ -85,14 +85,14 @@ def test_the_answer_to_a_conflict_holds(cell, act, text):
     assert connection.texts.text == text
 
 
-def test_a_text_that_is_no_program_opens_the_lab_with_its_errors(cell):
+def test_a_text_that_is_not_a_program_opens_the_lab_with_its_errors(cell):
     connection = cell(BROKEN)
     assert connection.texts.text == BROKEN
     assert connection.texts.findings
     assert connection.session.status == "running"
 
 
-def test_after_a_restart_an_unchanged_cell_goes_on_with_the_labs_text(cell, restart_kernel):
+def test_after_a_restart_an_unchanged_cell_continues_with_the_labs_text(cell, restart_kernel):
     cell(A).texts.write(B)
     next(registry.running()).publish()
     restart_kernel()
@@ -116,7 +116,7 @@ def test_after_a_restart_two_changed_texts_are_asked_about(cell, restart_kernel)
     assert connection.texts.conflict["text"] == C
 
 
-def test_another_bridge_begins_anew_with_the_same_program(cell):
+def test_another_bridge_starts_again_with_the_same_program(cell):
     first = cell(A)
     old = first.session
     cell(A, bridge="none")
@@ -126,7 +126,7 @@ def test_another_bridge_begins_anew_with_the_same_program(cell):
     assert old.status == "closed"
 
 
-def test_a_text_that_is_no_program_survives_a_change_of_bridge(cell):
+def test_a_text_that_is_not_a_program_survives_a_change_of_bridge(cell):
     connection = cell(A)
     connection.texts.write(BROKEN)
     connection.change_bridge("none")
@@ -141,7 +141,7 @@ def test_a_bridge_that_does_not_exist_changes_nothing(cell):
     assert connection.session.status == "running"
 
 
-def test_another_world_begins_anew_and_the_same_one_does_not(cell):
+def test_another_world_starts_again_and_the_same_one_does_not(cell):
     connection = cell(A, world="oval")
     session = connection.session
     cell(A, world="oval", rate=50)

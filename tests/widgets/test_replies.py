@@ -30,7 +30,7 @@ def test_a_command_that_a_block_holds_up_is_answered_after_a_second_with_what_it
     page = lab.page()
     lab.session.start()
     lab.session.wait_for(lambda frame: frame.status == "hung", 60)
-    page.say("command", id=1, do="rate", value=25)
+    page.send("command", id=1, do="rate", value=25)
     lab.publish(after=0.9)
     assert not page.all("reply")
     lab.publish(after=0.2)
@@ -45,7 +45,7 @@ def test_a_command_that_another_one_holds_up_is_not_explained_by_an_old_pause(be
     assert lab.session.wait_for(lambda frame: frame.status == "paused", 60).reason
     lab.session.submit(Call(lambda: inside.set() or gate.wait(60)))
     assert inside.wait(60)
-    page.say("command", id=1, do="rate", value=25)
+    page.send("command", id=1, do="rate", value=25)
     lab.publish(after=1.1)
     assert page.last("reply")["error"] == "This waits: the session is busy."
 
@@ -53,9 +53,9 @@ def test_a_command_that_another_one_holds_up_is_not_explained_by_an_old_pause(be
 def test_an_answer_for_a_view_that_is_gone_keeps_none_from_others(bench):
     lab = bench(NAMED)
     gone, page = lab.page("gone"), lab.page()
-    gone.say("command", id=1, do="rate", value=20)
-    page.say("command", id=2, do="rate", value=25)
-    gone.say("bye")
+    gone.send("command", id=1, do="rate", value=20)
+    page.send("command", id=2, do="rate", value=25)
+    gone.send("bye")
     lab.publish()
     assert page.last("reply")["id"] == 2
     assert not gone.all("reply")

@@ -17,7 +17,7 @@ PROGRAM = """\
 
 
 def twice(x):
-    """Give twice as much."""
+    """Return twice as much."""
     return 2 * x
 
 
@@ -43,7 +43,7 @@ def test_names_of_the_notebook_of_python_and_its_words_complete(page):
         "label": "twice",
         "kind": "function",
         "detail": "(x)",
-        "info": "Give twice as much.",
+        "info": "Return twice as much.",
     }
     assert options(page, "ma").keys() >= {"math", "map", "max", "match"} - {"match"}
     assert options(page, "whi")["while"]["kind"] == "keyword"
@@ -60,13 +60,13 @@ def test_members_complete_by_the_living_value(page):
     assert options(page, "nothing.at.all") == {}
 
 
-def test_hover_tells_kind_value_and_documentation(page):
+def test_hover_shows_kind_value_and_documentation(page):
     def card(chain, scope=""):
         return page.ask("hover", chain=chain, scope=scope)["hover"]
 
     assert card("speed", "m") == {"title": "speed", "type": "float", "value": "0.25", "doc": ""}
     assert card("twice")["title"] == "twice(x)"
-    assert card("twice")["doc"] == "Give twice as much."
+    assert card("twice")["doc"] == "Return twice as much."
     assert card("robot.light.data")["type"] == "int"
     assert card("robot.move")["title"] == "robot.move(linear=0.0, angular=0.0)"
     assert card("while") is None
@@ -94,7 +94,7 @@ def inspect(page, kind, path="", *into):
     return page.ask("inspect", kind=kind, path=path, into=list(into))
 
 
-def test_a_variable_is_looked_into_step_by_step(page):
+def test_a_variable_is_inspected_step_by_step(page):
     view = inspect(page, "variable", "table")["inspect"]
     assert view["type"] == "dict"
     assert view["source"] == '(var table := [{"near": [1, 2], "far": math.pi}])'
@@ -132,7 +132,7 @@ def test_states_transitions_machines_events_and_the_robot_can_be_inspected(lab, 
         assert "no" in inspect(page, kind, path)["error"]
 
 
-def test_what_a_command_takes_and_sends_completes_before_it_is_sent(page):
+def test_arguments_and_fields_of_a_command_complete_before_it_is_sent(page):
     assert {"linear", "angular"} <= options(page, "robot.move().").keys()
     assert options(page, "robot.move().linear.").keys() == {"x", "y", "z"}
     assert "linear_x=" in options(page, "robot.move(lin")

@@ -15,7 +15,7 @@ def test_a_text_is_answered_with_its_number_and_runs(bench):
     assert answer["seq"] == 7
     assert answer["text"] is None
     assert (answer["accepted"], answer["applied"], answer["reason"]) == (True, True, "")
-    assert [state["path"] for state in page.told("program")["machines"][0]["states"]] == ["m/a", "m/b"]
+    assert [state["path"] for state in page.latest("program")["machines"][0]["states"]] == ["m/a", "m/b"]
     assert page.last("frame")["layouts"].keys() == {"m"}
     assert lab.session.program.text == B
 
@@ -29,7 +29,7 @@ def test_other_views_get_the_text_and_number_nought(bench):
     assert not [message for message in writer.all("answer") if message["text"] is not None]
 
 
-def test_a_text_that_is_no_program_is_answered_with_its_errors_and_changes_nothing(bench):
+def test_a_text_that_is_not_a_program_is_answered_with_its_errors_and_changes_nothing(bench):
     lab = bench(A)
     page = lab.page()
     answer = page.type(BROKEN)
@@ -39,7 +39,7 @@ def test_a_text_that_is_no_program_is_answered_with_its_errors_and_changes_nothi
     assert lab.session.program.text == A
     lab.publish()
     assert not [frame for frame in page.all("frame") if "program" in frame]
-    assert page.told("revision") < answer["revision"]
+    assert page.latest("revision") < answer["revision"]
 
 
 def test_white_space_changes_neither_program_nor_layouts(bench):
@@ -58,7 +58,7 @@ def test_a_block_that_hangs_holds_up_no_answer(bench):
     lab.session.submit(hanging := Hang())
     hanging.reached.wait(60)
     try:
-        page.say("text", seq=1, base=0, text=B)
+        page.send("text", seq=1, base=0, text=B)
         lab.publish()
         answer = page.last("answer")
         assert (answer["accepted"], answer["applied"]) == (True, False)
@@ -68,7 +68,7 @@ def test_a_block_that_hangs_holds_up_no_answer(bench):
     lab.session.call(lambda: None)
     lab.publish()
     assert page.last("answer")["applied"]
-    assert len(page.told("program")["machines"][0]["states"]) == 2
+    assert len(page.latest("program")["machines"][0]["states"]) == 2
 
 
 def Hang():
@@ -98,7 +98,7 @@ def test_an_edit_by_another_cell_reaches_the_views(bench):
     lab.publish()
     answer = page.last("answer")
     assert (answer["seq"], answer["text"], answer["applied"]) == (0, B, True)
-    assert len(page.told("program")["machines"][0]["states"]) == 2
+    assert len(page.latest("program")["machines"][0]["states"]) == 2
 
 
 def test_a_rename_reaches_all_views_and_what_is_drawn_keeps_its_place(bench):
@@ -108,7 +108,7 @@ def test_a_rename_reaches_all_views_and_what_is_drawn_keeps_its_place(bench):
     assert page.do("rename", kind="state", path="m/c", name="far") is None
     answer = page.last("answer")
     assert answer["text"] == C.replace(" c)", " far)")
-    assert page.told("layouts")["m"]["places"]["far"] == before
+    assert page.latest("layouts")["m"]["places"]["far"] == before
     assert "taken" in page.do("rename", kind="state", path="m/far", name="a")
 
 
@@ -121,21 +121,21 @@ NESTED = """(machine m
 
 
 def moved(page):
-    """All that the page was told to have another path, as (kind, old path, new path)."""
-    every = [element for each in page.knows("moved").values() for element in each]
+    """Return all elements sent to the page with another path, as (kind, old path, new path)."""
+    every = [element for each in page.merged("moved").values() for element in each]
     return [(element["kind"], element["old"], element["new"]) for element in every]
 
 
 def test_an_edited_delay_leaves_the_transition_what_it_was(bench):
     lab = bench(NESTED)
     page = lab.page()
-    before = [shape["id"] for shape in page.told("layouts")["m"]["transitions"]]
+    before = [shape["id"] for shape in page.latest("layouts")["m"]["transitions"]]
     lab.session.run(seconds=1)
     page.type(NESTED.replace("100", "300"))
-    after = page.told("layouts")["m"]["transitions"]
+    after = page.latest("layouts")["m"]["transitions"]
     assert [shape["id"] for shape in after] == before
     assert "300" in after[0]["label"]["text"]
-    assert page.knows("fired")[before[0]]["count"] == 2
+    assert page.merged("fired")[before[0]]["count"] == 2
     assert moved(page) == []
 
 
@@ -155,7 +155,7 @@ def test_a_page_learns_which_paths_a_rename_has_changed(bench):
     assert moved(late) == moved(page)
 
 
-def test_stepping_back_over_a_rename_gives_elements_their_old_paths_and_states_their_places(bench):
+def test_stepping_back_over_a_rename_restores_paths_and_places(bench):
     lab = bench(NESTED)
     page = lab.page()
     lab.session.run(seconds=0.2)
@@ -165,7 +165,7 @@ def test_stepping_back_over_a_rename_gives_elements_their_old_paths_and_states_t
     page.do("pin", path="m", name="z", x=12, y=34)
     page.do("step_back")
     assert {("machine", "m/z/inner", "m/a/inner"), ("state", "m/z", "m/a")} <= set(moved(page))
-    assert page.knows("layouts")["m"]["places"]["a"] == {"x": 12.0, "y": 34.0}
+    assert page.merged("layouts")["m"]["places"]["a"] == {"x": 12.0, "y": 34.0}
 
 
 def test_what_moved_comes_with_the_layouts_that_it_belongs_to(bench):
@@ -183,7 +183,7 @@ def test_a_dragged_state_stays_in_its_place_when_the_state_around_its_machine_is
     page.do("pin", path="m/a/inner", name="y", x=321, y=123)
     lab.session.rename("state", "m/a", "z")  # by a cell, not by the page
     lab.publish()
-    assert page.knows("layouts")["m/z/inner"]["places"]["y"] == {"x": 321.0, "y": 123.0}
+    assert page.merged("layouts")["m/z/inner"]["places"]["y"] == {"x": 321.0, "y": 123.0}
 
 
 def test_places_are_kept_over_several_edits_that_come_at_once(bench):
@@ -194,16 +194,16 @@ def test_places_are_kept_over_several_edits_that_come_at_once(bench):
     lab.session.edit(lab.session.text.replace("(state b)", "(state c) (state b)"))
     lab.session.rename("state", "m/y", "z")
     lab.publish()
-    assert page.knows("layouts")["m"]["places"]["z"] == {"x": 321.0, "y": 123.0}
+    assert page.merged("layouts")["m"]["places"]["z"] == {"x": 321.0, "y": 123.0}
 
 
 def test_a_renamed_state_keeps_its_place_though_one_is_reserved_for_its_new_name(bench):
     lab = bench(NESTED.replace("(state b)", "(state b) (state far)"))
     page = lab.page()
-    places = page.told("layouts")["m"]["places"]
+    places = page.latest("layouts")["m"]["places"]
     page.type(NESTED)
     assert page.do("rename", kind="state", path="m/b", name="far") is None
-    assert page.knows("layouts")["m"]["places"]["far"] == places["b"] != places["far"]
+    assert page.merged("layouts")["m"]["places"]["far"] == places["b"] != places["far"]
 
 
 def test_nothing_is_renamed_while_the_text_is_not_what_runs(bench):
@@ -229,7 +229,7 @@ def test_held_texts_wait_and_the_difference_is_shown(bench):
     lab = bench(A)
     page = lab.page()
     assert page.do("hold", on=True) is None
-    assert page.told("settings")["hold"]
+    assert page.latest("settings")["hold"]
     answer = page.type(B)
     assert (answer["accepted"], answer["applied"]) == (True, False)
     assert answer["pending"] == {"added": ["state `m/b`"], "removed": [], "changed": [], "moved": []}
@@ -241,7 +241,7 @@ def test_held_texts_wait_and_the_difference_is_shown(bench):
     assert lab.session.program.text == B
 
 
-def test_held_texts_can_be_given_up(bench):
+def test_held_texts_can_be_reverted(bench):
     lab = bench(A)
     page = lab.page()
     page.do("hold", on=True)
@@ -297,7 +297,7 @@ def test_a_bundled_program_becomes_the_text(bench):
 
 
 @pytest.mark.parametrize("text", ["", "(machine m (state a))", A, B, BROKEN])
-def test_a_snapshot_says_what_the_answers_said(bench, text):
+def test_a_snapshot_repeats_the_last_answer(bench, text):
     lab = bench(A)
     page = lab.page()
     answer = page.type(text)

@@ -73,7 +73,7 @@ def test_two_changes_of_the_bridge_at_once_leave_one_session_open():
 
 
 class Fading(NullBridge):
-    """Somebody else closes its session just when it is to be read."""
+    """Its session is closed by another thread just when it is to be read."""
 
     session = None
 
@@ -83,7 +83,7 @@ class Fading(NullBridge):
         return lambda: None
 
 
-def test_a_session_that_is_closed_while_a_round_goes_on_is_no_fault_of_the_lab(bench):
+def test_a_session_that_is_closed_during_a_round_is_not_a_fault_of_the_lab(bench):
     lab = bench(A, bridge=(bridge := Fading()))
     lab.session.step()
     bridge.session = lab.session
@@ -110,7 +110,7 @@ def test_a_robot_is_read_though_the_one_before_it_hung(bench):
         lab.publish()
         lab.publish()
         gate.set()
-        assert page.told("members")["light.data"].isdigit()
+        assert page.latest("members")["light.data"].isdigit()
 
 
 def test_a_view_that_cannot_be_reached_costs_the_others_nothing(bench):
@@ -124,21 +124,21 @@ def test_a_view_that_cannot_be_reached_costs_the_others_nothing(bench):
     assert page.type(A.replace("state a", "state a)(state b"))["applied"]
     lab.session.step()
     lab.publish()
-    assert page.told("active") == ["m/a"]
+    assert page.latest("active") == ["m/a"]
     assert "the comm is gone" in lab.connection.fault
     lab.connection.fault = ""
     lab.publish()
     assert lab.connection.fault == ""  # it is forgotten, until it says hello
-    broken.say("hello", part="lab")
+    broken.send("hello", part="lab")
     assert broken.last("snapshot")["frame"]["active"] == ["m/a"]
 
 
-def test_a_view_that_comes_too_late_is_told_how_it_ended(bench):
+def test_a_view_that_opens_too_late_gets_the_end(bench):
     lab = bench(A)
     lab.connection.close()
     page = lab.page()
     assert page.last("snapshot")["frame"]["status"] == "closed"
-    page.say("command", id=1, do="run")
+    page.send("command", id=1, do="run")
     lab.publish()
     assert len(page.messages) == 1
 

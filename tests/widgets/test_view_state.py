@@ -50,14 +50,14 @@ def test_a_view_state_has_all_fields_of_its_type(bench):
     }
 
 
-def test_an_entry_is_told_with_its_own_tick_however_late_a_view_hears_of_it(bench):
+def test_an_entry_is_reported_with_its_own_tick_however_late_a_view_gets_it(bench):
     lab = bench(COUNT)
     page = lab.page()
     for _ in range(5):
         lab.session.step()
     lab.publish()
-    assert page.told("tick") == 5
-    assert page.told("entered") == {"m/a": {"count": 1, "tick": 1}}
+    assert page.latest("tick") == 5
+    assert page.latest("entered") == {"m/a": {"count": 1, "tick": 1}}
     said = {
         f["label"]: f["text"]
         for f in page.ask("inspect", kind="state", path="m/a", into=[])["inspect"]["facets"]
@@ -65,16 +65,16 @@ def test_an_entry_is_told_with_its_own_tick_however_late_a_view_hears_of_it(benc
     assert said["entered"] == "1 time, last in tick 1"
 
 
-def test_a_block_that_hangs_is_told_as_data_whatever_the_sentence_says(bench, monkeypatch):
+def test_a_block_that_hangs_is_sent_as_data_whatever_the_sentence(bench, monkeypatch):
     lab = bench(COUNT)
     page = lab.page()
     frame = replace(lab.session.frame, status="hung", reason="Wait.", hung=Hung("moving.running", 2.5))
     monkeypatch.setattr(type(lab.session), "frame", frame)
     lab.publish()
-    assert page.told("hung") == {"where": "moving.running", "seconds": 2.5}
+    assert page.latest("hung") == {"where": "moving.running", "seconds": 2.5}
     monkeypatch.undo()
     lab.publish()
-    assert page.told("hung") is None
+    assert page.latest("hung") is None
 
 
 def test_an_issue_names_the_finding_about_the_same_fault_until_it_is_resolved(bench):
@@ -84,28 +84,28 @@ def test_an_issue_names_the_finding_about_the_same_fault_until_it_is_resolved(be
     lab.session.step()
     lab.session.step()
     lab.publish()
-    (issue,) = page.knows("issues").values()
+    (issue,) = page.merged("issues").values()
     assert (finding["code"], issue["code"]) == ("LRP301", "LRP603")
     assert issue["finding"] == finding["id"]
     page.type(LOST.replace("(on nowhere a -> b)", ""))
     lab.publish()
-    (issue,) = page.knows("issues").values()
+    (issue,) = page.merged("issues").values()
     assert issue["resolved"]
     assert issue["finding"] == ""
 
 
-def test_an_exception_is_no_finding(bench):
+def test_an_exception_is_not_a_finding(bench):
     lab = bench(COUNT.replace("count + 1", "1 / 0"))
     page = lab.page()
     lab.session.step()
     lab.session.step()
     lab.publish()
-    (issue,) = page.knows("issues").values()
+    (issue,) = page.merged("issues").values()
     assert issue["finding"] == ""
 
 
 @pytest.mark.parametrize("act", ["stop", "pause"])
-def test_a_layout_that_takes_long_keeps_no_command_from_the_session(bench, monkeypatch, act):
+def test_a_long_layout_delays_no_command(bench, monkeypatch, act):
     lab = bench(COUNT)
     page = lab.page()
     lab.session.start()
@@ -117,13 +117,13 @@ def test_a_layout_that_takes_long_keeps_no_command_from_the_session(bench, monke
         return layout(*arguments, **options)
 
     monkeypatch.setattr(layouts, "layout", slow)
-    page.say("text", seq=1, base=0, text=COUNT.replace("(state a", "(state b) (state a"))
+    page.send("text", seq=1, base=0, text=COUNT.replace("(state a", "(state b) (state a"))
     lab.session.call(lambda: None)
     publisher = Thread(target=lab.publish)
     publisher.start()
     try:
         assert entered.wait(20)
-        sender = Thread(target=page.say, args=["command"], kwargs={"id": 0, "do": act})
+        sender = Thread(target=page.send, args=["command"], kwargs={"id": 0, "do": act})
         sender.start()
         assert lab.session.wait_for(lambda frame: frame.status == "paused", 5)
         sender.join(5)
@@ -132,4 +132,4 @@ def test_a_layout_that_takes_long_keeps_no_command_from_the_session(bench, monke
     finally:
         go.set()
         publisher.join(20)
-    assert len(page.knows("layouts")["m"]["states"]) == 2
+    assert len(page.merged("layouts")["m"]["states"]) == 2

@@ -64,12 +64,12 @@ RANGES = {
 
 
 class RefusedError(Exception):
-    """The brick cannot carry this out."""
+    """The brick cannot execute this."""
 
 
 @dataclass
 class EmulatedMotor:
-    """A motor whose angle follows from when it was started: no time step, no drift."""
+    """A motor whose angle is computed from its start time: no time step, no drift."""
 
     clock: Callable[[], float]
     type: int = 7
@@ -173,11 +173,11 @@ class Brick:
     # what a person does to it
 
     def unplug(self) -> None:
-        """The WiFi stick is pulled: nothing is said, nothing is heard, the motors turn on."""
+        """The WiFi stick is unplugged: nothing is sent or received, and the motors keep turning."""
         self._do(self._stop_services)
 
     def plug_in(self) -> None:
-        """The WiFi stick is back: connections are forgotten, the beacon starts anew."""
+        """The WiFi stick is back: connections are forgotten, and the beacon restarts."""
         self._do(self._start_services)
 
     def hang_up(self) -> None:
@@ -363,7 +363,7 @@ class Brick:
 
 
 def run_code(brick: Brick, code: bytes, size: int) -> bytes:
-    """Decode and carry out a byte code; give the globals that it wrote."""
+    """Decode and execute a byte code; return the globals that it wrote."""
     results = bytearray(size)
     at = 0
     while at < len(code):
@@ -421,7 +421,7 @@ def decode_parameter(code: bytes, at: int) -> tuple[str, int, int]:
 
 
 class Operations:
-    """What the operations do: each takes the brick and its constants, and gives its results."""
+    """The operations: each gets the brick and its constants, and returns its results."""
 
     @staticmethod
     def _chosen(brick: Brick, ports: int) -> list[EmulatedMotor]:

@@ -27,7 +27,7 @@ def within_a_second(match: str | None = None) -> Iterator[None]:
 
 @pytest.fixture
 def stranger() -> Iterator[Callable[[bytes | None], int]]:
-    """Make TCP servers that are no bricks; each says one thing (None: nothing) and keeps the line."""
+    """Make TCP servers that are not bricks; each sends one message (None: nothing) and stays connected."""
     servers: list[socket.socket] = []
     threads: list[threading.Thread] = []
 
@@ -63,7 +63,7 @@ def test_the_unlocking_text_is_that_of_the_documentation(client: BrickClient, br
     assert brick.greetings == [b"GET /target?sn= VMTP1.0\r\nProtocol: EV3"]
 
 
-def test_a_command_is_carried_out_without_an_answer(client: BrickClient, brick: Any) -> None:
+def test_a_command_is_executed_without_an_answer(client: BrickClient, brick: Any) -> None:
     client.command(protocol.start_speed(0b0101, 40))
     client.request(*NAME)
     assert [motor.turning for motor in brick.motors] == [40, 0, 40, 0]
@@ -134,7 +134,7 @@ def test_a_closed_connection_delivers_what_was_sent_before(brick: Any, until: Ca
     assert all(motor.braked for motor in brick.motors)
 
 
-def test_a_brick_that_takes_no_more_bytes_is_lost(client: BrickClient, brick: Any) -> None:
+def test_a_brick_that_accepts_no_more_bytes_is_lost(client: BrickClient, brick: Any) -> None:
     brick.unplug()
     with within_a_second("accepts no commands"):
         for _ in range(10_000):  # until every buffer between here and the brick is full
@@ -188,7 +188,7 @@ def test_many_threads_share_a_connection(client: BrickClient, brick: Any) -> Non
 
 
 @pytest.mark.parametrize("answer", [None, b"", b"HTTP/1.1 400 Bad Request\r\n\r\n", b"Accept:EV3", b"A" * 16])
-def test_a_host_that_is_no_brick_is_told_within_a_second(
+def test_a_host_that_is_not_a_brick_is_reported_within_a_second(
     stranger: Callable[[bytes | None], int], answer: bytes | None, free_udp_port: int
 ) -> None:
     port = stranger(answer)
@@ -196,7 +196,7 @@ def test_a_host_that_is_no_brick_is_told_within_a_second(
         connect("127.0.0.1", port=port, beacon_port=free_udp_port)
 
 
-def test_a_host_that_hangs_up_again_and_again_is_told_within_a_second(
+def test_a_host_that_hangs_up_again_and_again_is_reported_within_a_second(
     free_udp_port: int, brick: Any, client: BrickClient
 ) -> None:
     client.request(*NAME)  # the brick serves somebody: it hangs up on others
@@ -230,7 +230,7 @@ def test_a_search_can_be_cancelled(free_udp_port: int) -> None:
 
 
 @pytest.mark.parametrize("address", ["", "ev3.local", "1.2.3", "1.2.3.4.5", "300.1.1.1", "[::1]"])
-def test_what_is_no_address_is_refused_at_once(address: str) -> None:
+def test_what_is_not_an_address_is_refused_at_once(address: str) -> None:
     with within_a_second("is not the address of a brick"):
         check_address(address)
 
@@ -266,7 +266,7 @@ def test_where_an_address_is_given_tcp_needs_no_beacon(brick: Any, free_udp_port
     client.close()
 
 
-def test_a_beacon_that_cannot_be_heard_is_told(free_udp_port: int) -> None:
+def test_a_beacon_that_cannot_be_received_is_reported(free_udp_port: int) -> None:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as other_program:
         other_program.bind(("", free_udp_port))
         with within_a_second(f"Cannot listen on UDP port {free_udp_port}"):
@@ -308,9 +308,9 @@ def test_a_beacon_is_read() -> None:
         b"Serial-Number: 1\r\nPort: 5555\r\nProtocol: NXT\r\n",
     ],
 )
-def test_another_datagram_is_no_beacon(data: bytes) -> None:
+def test_another_datagram_is_not_a_beacon(data: bytes) -> None:
     assert parse_beacon(data) is None
 
 
-def test_a_stranger_is_told_apart_from_an_absent_brick() -> None:
+def test_a_stranger_is_distinguished_from_an_absent_brick() -> None:
     assert issubclass(NoBrickError, BridgeError)

@@ -55,7 +55,7 @@ def sent(brick: Any) -> list[str]:
 # -- motors -------------------------------------------------------------------------------------------
 
 
-def test_a_motor_started_at_a_speed_turns_until_told_otherwise(
+def test_a_motor_started_at_a_speed_turns_until_the_next_command(
     bridge: EV3Bridge, brick: Any, clock: Any, fresh: Callable[[], None]
 ) -> None:
     bridge.robot.motorB.start_at_speed(-30)
@@ -67,7 +67,7 @@ def test_a_motor_started_at_a_speed_turns_until_told_otherwise(
     assert bridge.robot.motorA.speed == 0
 
 
-def test_a_motor_is_stopped_with_brake_unless_it_shall_run_out(
+def test_a_motor_is_stopped_with_brake_unless_it_is_to_coast(
     bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
 ) -> None:
     bridge.robot.motorA.start_at_power(80)
@@ -170,7 +170,7 @@ def test_a_wrong_argument_is_refused_and_nothing_is_sent(
 
 
 @pytest.mark.parametrize("command", ["start_at_speed", "start_at_power", "run_for"])
-def test_a_motor_that_is_not_plugged_in_is_told(
+def test_a_motor_that_is_not_plugged_in_is_reported(
     bridge: EV3Bridge, brick: Any, fresh: Callable[[], None], command: str
 ) -> None:
     brick.motors[1].type = 126
@@ -209,7 +209,7 @@ def test_sensors_are_read_in_their_units(bridge: EV3Bridge, brick: Any) -> None:
     assert type(robot.sensor2.read()) is int
 
 
-def test_the_brick_tells_its_battery_name_and_motors(bridge: EV3Bridge) -> None:
+def test_the_brick_reports_its_battery_name_and_motors(bridge: EV3Bridge) -> None:
     assert (bridge.robot.battery, bridge.robot.name, bridge.robot.motorA.type) == (
         87,
         "SLOWPOKE",
@@ -246,7 +246,7 @@ def test_a_sensor_without_a_value_yet_has_no_data(
         bridge.robot.sensor2.read()
 
 
-def test_an_empty_port_is_told(bridge: EV3Bridge) -> None:
+def test_an_empty_port_is_reported(bridge: EV3Bridge) -> None:
     for ask in (bridge.robot.sensor4.read, lambda: bridge.robot.sensor4.set_mode(0)):
         with pytest.raises(BridgeError, match="Nothing is plugged into port 4"):
             ask()
@@ -276,7 +276,7 @@ def test_one_tick_sees_one_world(bridge: EV3Bridge, brick: Any, fresh: Callable[
     assert bridge.robot.sensor1.read() == 1
 
 
-def test_what_was_not_read_lately_tells_its_age(
+def test_what_was_not_read_lately_has_an_age(
     bridge: EV3Bridge, brick: Any, until: Callable[..., None]
 ) -> None:
     brick.fault = "silent"
@@ -318,7 +318,7 @@ def test_the_runstop_works_on_any_thread_while_a_reading_hangs(
     until(lambda: sent(brick)[-1:] == [STOP_ALL])
 
 
-def test_a_runstop_that_cannot_reach_the_brick_says_so(
+def test_a_runstop_that_cannot_reach_the_brick_reports_it(
     bridge: EV3Bridge, brick: Any, until: Callable[..., None]
 ) -> None:
     brick.unplug()
@@ -361,7 +361,7 @@ def test_closing_stops_the_motors(bridge: EV3Bridge, brick: Any, until: Callable
     assert brick.resets == 0
 
 
-# -- faults: each is told within a second ----------------------------------------------------------------
+# -- faults: each is reported within a second ------------------------------------------------------------
 
 
 @pytest.mark.parametrize("fault", ["split", "merge"])
@@ -385,7 +385,7 @@ def test_replies_cut_or_joined_disturb_nothing(
         ("noise", "not a reply"),
     ],
 )
-def test_a_brick_that_fails_is_lost_within_a_second_and_every_use_says_why(
+def test_a_brick_that_fails_is_lost_within_a_second_and_every_use_explains_why(
     bridge: EV3Bridge, brick: Any, until: Callable[..., None], fault: str, sentence: str
 ) -> None:
     brick.fault = fault
@@ -460,7 +460,7 @@ def test_unplugged_while_a_motor_runs_and_plugged_in_again_the_motor_is_stopped_
     assert [motor.turning for motor in brick.motors] == [30, 0, 0, 0]
 
 
-def test_a_hundred_losses_leave_no_thread_and_no_connection_behind(
+def test_a_hundred_losses_leave_no_thread_and_no_connection(
     bridge: EV3Bridge, brick: Any, until: Callable[..., None]
 ) -> None:
     before = threading.active_count()
@@ -507,7 +507,9 @@ def test_an_answered_address_is_connected_to_without_waiting(
 
 
 @pytest.mark.parametrize("address", ["", "my brick", "1.2.3"])
-def test_an_answer_that_is_no_address_is_refused(searching: Callable[..., EV3Bridge], address: str) -> None:
+def test_an_answer_that_is_not_an_address_is_refused(
+    searching: Callable[..., EV3Bridge], address: str
+) -> None:
     bridge = searching()
     bridge.open()
     with pytest.raises(BridgeError, match="not the address"):
@@ -541,7 +543,7 @@ def test_opening_at_the_address_of_something_else_fails_within_a_second(
             searching("127.0.0.1", port=mute.getsockname()[1], patience=12).open()
 
 
-def test_a_search_that_finds_nothing_says_so_and_goes_on(
+def test_a_search_that_finds_nothing_reports_it_and_continues(
     searching: Callable[..., EV3Bridge],
     make_brick: Callable[..., Any],
     free_udp_port: int,
@@ -658,7 +660,7 @@ def test_a_sensors_mode_is_changed_by_hand(bridge: EV3Bridge, until: Callable[..
         ("next_mode", "sensor4", {}),
     ],
 )
-def test_a_button_that_cannot_be_pressed_says_why(
+def test_a_button_that_cannot_be_pressed_explains_why(
     bridge: EV3Bridge, brick: Any, key: str, row: str, values: dict[str, str]
 ) -> None:
     with pytest.raises(BridgeError):
@@ -666,7 +668,7 @@ def test_a_button_that_cannot_be_pressed_says_why(
     assert brick.commands == []
 
 
-def test_buttons_of_a_closed_bridge_say_what_is_missing(searching: Callable[..., EV3Bridge]) -> None:
+def test_buttons_of_a_closed_bridge_report_what_is_missing(searching: Callable[..., EV3Bridge]) -> None:
     with pytest.raises(BridgeError, match="No brick is connected"):
         searching().press("forward", "motorA", {})
 

@@ -50,8 +50,8 @@ def test_a_program_drives_a_brick_until_it_bumps(
     run = bare_lrp("run", rover, *at(brick), "--set", "speed=30", "--until", "halt", "--trace", "-")
     until(lambda: brick.motors[1].turning == 30)
     brick.sensors[0].values[0] = 1.0
-    told, complaints = run.communicate(timeout=180)
-    events = [json.loads(line) for line in told.splitlines()]
+    output, complaints = run.communicate(timeout=180)
+    events = [json.loads(line) for line in output.splitlines()]
     assert run.returncode == 0
     assert "Traceback" not in complaints
     assert [event["event"] for event in events[-3:]] == ["left", "fired", "entered"]
@@ -66,25 +66,25 @@ def test_ctrl_c_stops_the_motors(
     run = bare_lrp("run", rover, *at(brick), missing=("websockets",))
     until(lambda: brick.motors[1].turning == 40)
     run.send_signal(signal.SIGINT)
-    told, complaints = run.communicate(timeout=180)
+    output, complaints = run.communicate(timeout=180)
     assert (run.returncode, complaints) == (130, "")
-    assert "rover/drive active" in told.splitlines()[-1]
+    assert "rover/drive active" in output.splitlines()[-1]
     assert [motor.turning for motor in brick.motors] == [0, 0, 0, 0]
 
 
-def test_a_brick_that_is_unplugged_is_said_and_the_run_goes_on(
+def test_a_brick_that_is_unplugged_is_reported_and_the_run_continues(
     brick: Any, at: Any, bare_lrp: Start, rover: Path, until: Callable[..., None]
 ) -> None:
     run = bare_lrp("run", rover, *at(brick), "--for", "4")
     until(lambda: brick.motors[1].turning == 40)
     brick.unplug()
-    told, complaints = run.communicate(timeout=180)
+    output, complaints = run.communicate(timeout=180)
     assert (run.returncode, complaints) == (0, "")
-    assert "The brick does not answer" in told
-    assert "rover/drive active; 1 issue" in told.splitlines()[-1]
+    assert "The brick does not answer" in output
+    assert "rover/drive active; 1 issue" in output.splitlines()[-1]
 
 
-def test_a_host_that_is_no_brick_gives_2_and_one_sentence(
+def test_a_host_that_is_not_a_brick_exits_with_2_and_one_sentence(
     brick: Any, at: Any, bare_lrp: Start, rover: Path
 ) -> None:
     brick.unplug()

@@ -87,7 +87,7 @@ def test_a_brick_that_is_back_is_used_by_the_program_as_before(
     until(lambda: turning(brick) == [0, -40, 0, 0])
 
 
-def test_an_event_on_a_sensor_without_a_value_does_not_occur_and_is_no_issue(
+def test_an_event_on_a_sensor_without_a_value_does_not_occur_and_is_not_an_issue(
     session: Session, brick: Any, until: Callable[..., None]
 ) -> None:
     brick.sensors[0].values[0] = math.nan

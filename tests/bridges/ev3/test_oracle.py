@@ -55,8 +55,8 @@ def theirs(ev3_dc: ModuleType, brick: Any) -> Iterator[Any]:
     ev3_dc.ev3._PhysicalEV3._devices.clear()
 
 
-def settle(theirs: Any) -> None:
-    """Wait for an answer, and so until every command before it is carried out."""
+def wait_for_commands(theirs: Any) -> None:
+    """Wait for an answer, which comes after every command before it has been executed."""
     assert theirs.battery.percentage == 87
 
 
@@ -64,7 +64,7 @@ def test_it_answers_the_beacon_as_we_do(theirs: Any, brick: Any, until: Callable
     until(lambda: brick.answers == 1)
 
 
-def test_it_connects_and_reads_what_the_brick_says_of_itself(theirs: Any, brick: Any) -> None:
+def test_it_connects_and_reads_the_bricks_own_data(theirs: Any, brick: Any) -> None:
     assert theirs.host == "00:16:53:5A:1B:2C"
     assert theirs.name == brick.name
     assert theirs.battery == (7.5, pytest.approx(0.2), 87)
@@ -110,7 +110,7 @@ def test_its_answer_to_our_question_for_everything_is_what_it_reads_itself(
 ) -> None:
     motor = ev3_dc.Motor(ev3_dc.PORT_B, ev3_obj=theirs)
     motor.start_move_for(60.0, speed=20, ramp_up_time=0, ramp_down_time=0)
-    settle(theirs)
+    wait_for_commands(theirs)
     clock.now += 3
     code, size = protocol.read_everything()
     reading = protocol.parse_reading(theirs.send_direct_cmd(code, global_mem=size))
@@ -136,7 +136,7 @@ def test_our_commands_through_its_connection_move_the_motors(
     theirs: Any, brick: Any, code: bytes, turning: list[int]
 ) -> None:
     theirs.send_direct_cmd(code)
-    settle(theirs)
+    wait_for_commands(theirs)
     assert [motor.turning for motor in brick.motors] == turning
 
 
@@ -155,5 +155,5 @@ def test_a_refusal_is_a_frame_that_it_reads_as_one(ev3_dc: ModuleType, theirs: A
     with pytest.raises(ev3_dc.exceptions.DirCmdError):
         theirs.send_direct_cmd(protocol.stop(15, True), sync_mode=ev3_dc.SYNC)
     brick.fault = ""
-    settle(theirs)
+    wait_for_commands(theirs)
     assert brick.frames[-2][:2] == struct.pack("<H", 9)

@@ -42,7 +42,7 @@ def test_motor_a_at_speed_50_is_the_frame_of_the_documentation() -> None:
         (2**31 - 1, "83 ff ff ff 7f"),
     ],
 )
-def test_a_constant_takes_the_shortest_form_that_is_not_the_bricks_nan(value: int, encoded: str) -> None:
+def test_a_constant_has_the_shortest_form_that_is_not_the_bricks_nan(value: int, encoded: str) -> None:
     assert protocol.constant(value).hex(" ") == encoded
 
 
@@ -112,7 +112,7 @@ def test_half_a_reply_is_kept_for_later() -> None:
 @pytest.mark.parametrize(
     "noise", [b"\xff\xff\x01\x00\x02", b"\x00\x00\x01\x00\x02", b"\x03\x00\x01\x00\x03", b"HTTP/1.1 400"]
 )
-def test_noise_is_no_reply(noise: bytes) -> None:
+def test_noise_is_not_a_reply(noise: bytes) -> None:
     with pytest.raises(BridgeError, match="The brick sent a frame"):
         protocol.split_replies(noise)
 

@@ -26,12 +26,12 @@ class Lift(Bridge):
         self.height = self.speed = 0.0
 
     def open_interface(self) -> None:
-        """Say what the lift offers; there is nothing to connect to."""
+        """Add the members of the lift; there is nothing to connect to."""
         self.add_variable("floor.data", lambda: self.height / HEIGHT, "0 on the ground", "floors")
         self.add_method("move", self.move, "up, in m/s", limits={"linear": 2.0})
 
     def move(self, linear: float = 0.0) -> None:
-        """Go up (m/s; negative: down) until told otherwise."""
+        """Go up (m/s; negative: down) until the next command."""
         self.speed = linear
 
     def stop(self) -> None:
@@ -39,11 +39,11 @@ class Lift(Bridge):
         self.speed = 0.0
 
     def advance(self, seconds: float) -> None:
-        """Let so many seconds pass for the lift."""
+        """Advance the lift by this time."""
         self.height = min(self.top, max(0.0, self.height + self.speed * seconds))
 
     def moment(self) -> tuple[float, float]:
-        """Give everything that changes."""
+        """Return everything that changes."""
         return self.height, self.speed
 
     def rewind(self, moment: tuple[float, float]) -> None:

@@ -123,7 +123,7 @@ class Wire:
         self._held.clear()
 
     def hold_after(self, count: int) -> None:
-        """Let so many more bytes of the server pass, then nothing."""
+        """Pass on this many more bytes of the server, then nothing."""
         self._bytes_left = count
 
     def cut(self) -> None:
@@ -226,7 +226,7 @@ def _is_ours(thread: threading.Thread) -> bool:
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Let rospy be: it was written for an older Python, and leaves sockets to the garbage collector."""
+    """Ignore rospy's warnings: it is for an older Python, and leaves sockets to the garbage collector."""
     for item in items:
         if item.get_closest_marker("ros") is not None:
             for ignored in (
@@ -360,7 +360,7 @@ def _free_port() -> int:
 
 @pytest.fixture(scope="session")
 def ros_home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[tuple[dict[str, str], Path, int]]:
-    """Make ROS importable, and give its environment: one port for all masters, as rospy has one."""
+    """Make ROS importable, and return its environment: one port for all masters, as rospy has one."""
     missing = [str(path) for path in map(Path, PROGRAMS) if not path.exists()]
     missing += [name for name in MODULES if not (DEBIAN / name).exists() and name in ("rospy", "nav_msgs")]
     if sys.version_info[:2] != (3, 11):
@@ -410,7 +410,7 @@ def _running(ros_home: tuple[dict[str, str], Path, int], folder: Path) -> Iterat
 
 
 def _collect() -> None:
-    """Let go what rospy left behind: it is no other test's affair."""
+    """Collect rospy's garbage here, so that it does not affect other tests."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         gc.collect()

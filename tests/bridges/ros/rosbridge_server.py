@@ -85,7 +85,7 @@ class MemoryGraph:
     def publish(self, handle: Any, values: dict[str, Any]) -> None:
         self.heard.append((handle, values))
 
-    def say(self, topic: str, **values: Any) -> None:
+    def send(self, topic: str, **values: Any) -> None:
         """Publish as another node would."""
         for name, receive in tuple(self.listeners):
             if name == topic:

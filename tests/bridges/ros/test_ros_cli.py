@@ -29,7 +29,7 @@ Start = Callable[..., "subprocess.Popen[str]"]
 
 
 def forms(lines: list[str]) -> dict[str, set[tuple[str, ...]]]:
-    """What the events of a trace look like: their keys, by their kind."""
+    """Return the keys of the events of a trace, by kind."""
     found = defaultdict(set)
     for line in lines:
         event = json.loads(line)
@@ -53,10 +53,10 @@ def test_the_follower_goes_there_and_back_without_jupyter_and_without_ros(
     port = on(real.start_rosbridge(), "--option", "backend=rosbridge", "--option", f"setup={SETUP}")
     trace, simulated = tmp_path / "ros.jsonl", tmp_path / "sim.jsonl"
     run = bare_lrp("run", "follower", *port, "--until", "end", "--trace", trace, *SCALED, missing=ROS)
-    told, complaints = run.communicate(timeout=180)
+    output, complaints = run.communicate(timeout=180)
     assert (run.returncode, complaints) == (0, "")
-    assert "follower/end active" in told.splitlines()[-1]
-    assert "issue" not in told.splitlines()[-1]
+    assert "follower/end active" in output.splitlines()[-1]
+    assert "issue" not in output.splitlines()[-1]
 
     way = [float(line.split(",")[1]) for line in odometry if not line.startswith("%")]
     assert max(way) > 1.0, "it came to the far wall"
@@ -79,9 +79,9 @@ def test_the_same_command_drives_over_rospy(real: Any, bare_lrp: Start, tmp_path
         environment=real.environment,
         missing=("websockets",),
     )
-    told, complaints = run.communicate(timeout=180)
+    output, complaints = run.communicate(timeout=180)
     assert (run.returncode, complaints) == (0, "")
-    assert "follower/moving active" in told.splitlines()[-1]
+    assert "follower/moving active" in output.splitlines()[-1]
     assert json.loads(trace.read_text().splitlines()[-1])["state"] == "follower/moving"
 
 
@@ -97,12 +97,12 @@ def drive(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def light(graph: Any) -> Iterator[Callable[[int], None]]:
-    """Set what the robot's light sensor says; it says it twenty times a second."""
+    """Set the value of the robot's light sensor, which is published twenty times a second."""
     grey, gone = [255], threading.Event()
 
     def speak() -> None:
         while not gone.wait(0.05):
-            graph.say("/light", data=grey[0])
+            graph.send("/light", data=grey[0])
 
     speaker = threading.Thread(target=speak, name="light")
     speaker.start()
@@ -121,9 +121,9 @@ def test_ctrl_c_stops_the_robot_with_a_last_command_of_zero(
     run = bare_lrp("run", drive, *on(server.port, "--option", f"setup={SETUP}"), missing=ROS)
     until(lambda: 0.1 in speeds(graph))
     run.send_signal(signal.SIGINT)
-    told, complaints = run.communicate(timeout=180)
+    output, complaints = run.communicate(timeout=180)
     assert (run.returncode, complaints) == (130, "")
-    assert "m/a active" in told.splitlines()[-1]
+    assert "m/a active" in output.splitlines()[-1]
     until(lambda: speeds(graph)[-1:] == [0.0])
 
 
@@ -139,15 +139,15 @@ def test_a_reading_of_the_robot_ends_the_run(
     assert run.stdout is not None
     begin = [json.loads(run.stdout.readline()) for _ in range(2)]
     light(20)
-    told, _complaints = run.communicate(timeout=180)
-    end = [json.loads(line) for line in told.splitlines()]
+    output, _complaints = run.communicate(timeout=180)
+    end = [json.loads(line) for line in output.splitlines()]
     assert run.returncode == 0
     assert "started" in {event["event"] for event in begin}
     assert [event["event"] for event in end[-3:]] == ["left", "fired", "entered"]
     assert end[-2]["transition"] == "seen"
 
 
-def test_a_state_that_is_not_reached_in_time_gives_1(server: Any, bare_lrp: Start, drive: Path) -> None:
+def test_a_state_that_is_not_reached_in_time_exits_with_1(server: Any, bare_lrp: Start, drive: Path) -> None:
     arguments = on(server.port, "--option", f"setup={SETUP}", "--until", "b", "--for", "0.3")
     run = bare_lrp("run", drive, *arguments, missing=ROS)
     assert run.wait(180) == 1
@@ -163,7 +163,7 @@ def test_a_set_up_that_is_kept_is_not_changed_by_a_run(
     assert json.loads(setup.read_text()) == json.loads(SETUP.read_text())
 
 
-def test_a_server_that_dies_is_said_and_the_run_goes_on(
+def test_a_server_that_dies_is_reported_and_the_run_continues(
     server: Any, graph: Any, bare_lrp: Start, drive: Path, tmp_path: Path, until: Any
 ) -> None:
     trace = tmp_path / "trace.jsonl"
@@ -171,10 +171,10 @@ def test_a_server_that_dies_is_said_and_the_run_goes_on(
     run = bare_lrp("run", drive, *arguments, missing=ROS)
     until(lambda: 0.1 in speeds(graph))
     server.close()
-    told, complaints = run.communicate(timeout=180)
+    output, complaints = run.communicate(timeout=180)
     assert (run.returncode, complaints) == (0, "")
-    assert f"ws://127.0.0.1:{server.port}" in told
-    ending = re.fullmatch(r"drive: 4\.\d s, (\d+) ticks; m/a active; 1 issue", told.splitlines()[-1])
+    assert f"ws://127.0.0.1:{server.port}" in output
+    ending = re.fullmatch(r"drive: 4\.\d s, (\d+) ticks; m/a active; 1 issue", output.splitlines()[-1])
     assert ending is not None
     assert int(ending[1]) > 30, "the loop kept its rate"
     (issue,) = (
@@ -187,7 +187,7 @@ def test_a_program_for_the_simulator_is_shown_without_its_world() -> None:
     assert where(RosBridge(), "line") == "ros"
 
 
-def test_an_option_that_the_bridge_does_not_know_gives_2(server: Any, bare_lrp: Start, drive: Path) -> None:
+def test_an_unknown_option_of_the_bridge_exits_with_2(server: Any, bare_lrp: Start, drive: Path) -> None:
     run = bare_lrp("run", drive, *on(server.port, "--option", "topic=/light"), missing=ROS)
     _told, complaints = run.communicate(timeout=180)
     assert run.returncode == 2
@@ -205,7 +205,7 @@ def test_an_option_that_the_bridge_does_not_know_gives_2(server: Any, bare_lrp: 
         (on(9, "--world", "line"), "--world is for the simulator"),
     ],
 )
-def test_what_cannot_be_opened_gives_2_and_one_sentence(
+def test_what_cannot_be_opened_exits_with_2_and_one_sentence(
     bare_lrp: Start, drive: Path, arguments: tuple[str, ...], sentence: str
 ) -> None:
     run = bare_lrp("run", drive, *arguments, missing=ROS)

@@ -60,7 +60,7 @@ def commands(graph: Any) -> list[float]:
 # -- opening --------------------------------------------------------------------------------------
 
 
-def test_without_a_server_opening_fails_at_once_and_says_how_to_start_one() -> None:
+def test_without_a_server_opening_fails_at_once_and_names_how_to_start_one() -> None:
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
         ros = RosBridge(host="127.0.0.1", port=unused.getsockname()[1])
@@ -73,7 +73,7 @@ def test_without_a_server_opening_fails_at_once_and_says_how_to_start_one() -> N
 
 @pytest.fixture
 def stranger() -> Iterator[Callable[[bytes], int]]:
-    """Servers that say something else than rosbridge does."""
+    """Servers that do not speak rosbridge."""
     listeners: list[socket.socket] = []
     threads: list[threading.Thread] = []
     over = threading.Event()
@@ -103,13 +103,13 @@ def stranger() -> Iterator[Callable[[bytes], int]]:
         thread.join(5)
 
 
-def test_what_is_no_rosbridge_server_is_told_so(stranger: Callable[[bytes], int]) -> None:
+def test_what_is_not_a_rosbridge_server_is_reported(stranger: Callable[[bytes], int]) -> None:
     port = stranger(b"HTTP/1.1 200 OK\r\nContent-Length: 0\r\n\r\n")
     with pytest.raises(BridgeError, match="is not a rosbridge server"):
         RosBridge(host="127.0.0.1", port=port).open()
 
 
-def test_a_server_that_says_nothing_is_not_waited_for(
+def test_a_silent_server_is_not_waited_for(
     stranger: Callable[[bytes], int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(websocket, "_CONNECT", 0.3)
@@ -132,7 +132,7 @@ def test_opening_has_an_end_even_if_the_server_only_shakes_hands(make: Make, gra
     ("backend", "module", "advice"),
     [("rosbridge", "websockets.asyncio.client", r"pip install"), ("rospy", "rospy", r"python3-rospy")],
 )
-def test_a_back_end_that_is_not_installed_says_what_to_install(
+def test_a_back_end_that_is_not_installed_names_what_to_install(
     backend: str, module: str, advice: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(sys.modules, module, None)
@@ -155,7 +155,7 @@ def test_neither_back_end_is_imported_before_the_bridge_is_opened() -> None:
 def test_a_lost_server_refuses_readings_and_commands_in_a_sentence(
     driver: RosBridge, graph: Any, wire: Any, until: Any
 ) -> None:
-    graph.say("/odom", **ODOM)
+    graph.send("/odom", **ODOM)
     until(lambda: driver.describe("odom").age is not None)
     wire.target = 1
     wire.cut()
@@ -167,7 +167,7 @@ def test_a_lost_server_refuses_readings_and_commands_in_a_sentence(
 def test_after_a_reconnect_subscriptions_are_back_and_the_values_new(
     driver: RosBridge, graph: Any, wire: Any, until: Any
 ) -> None:
-    graph.say("/odom", **ODOM)
+    graph.send("/odom", **ODOM)
     until(lambda: fails(driver, "odom") == "" and driver.describe("odom").age is not None)
     wire.cut()
     until(lambda: len(graph.listeners) == 0)
@@ -175,7 +175,7 @@ def test_after_a_reconnect_subscriptions_are_back_and_the_values_new(
     until(lambda: driver.status.state is ConnectionState.WAITING)
     with pytest.raises(NoDataYet):
         _ = driver.robot.odom  # what arrived before the loss is no reading any more
-    graph.say("/odom", **ODOM)
+    graph.send("/odom", **ODOM)
     until(lambda: driver.status.state is ConnectionState.CONNECTED)
     assert driver.robot.odom.x == 1.0
 
@@ -233,11 +233,11 @@ def test_half_a_frame_is_a_loss_and_the_bridge_comes_back(
     driver: RosBridge, graph: Any, wire: Any, until: Any
 ) -> None:
     wire.hold_after(20)
-    graph.say("/odom", **ODOM)
+    graph.send("/odom", **ODOM)
     until(lambda: driver.status.state is ConnectionState.LOST)
     wire.cut()
     until(lambda: driver.status.state is ConnectionState.WAITING)
-    graph.say("/odom", **ODOM)
+    graph.send("/odom", **ODOM)
     until(lambda: not fails(driver, "odom") and driver.describe("odom").age is not None)
 
 
@@ -272,7 +272,7 @@ def test_a_server_whose_master_dies_is_lost_until_the_master_is_back(
     assert ros.status.state is ConnectionState.LOST
     graph.master_is_alive = True
     until(lambda: ros.status.state is ConnectionState.WAITING)
-    graph.say("/odom", **ODOM)
+    graph.send("/odom", **ODOM)
     until(lambda: ros.describe("odom").age is not None)
     assert ros.robot.odom.y == 2.0
 
@@ -280,7 +280,7 @@ def test_a_server_whose_master_dies_is_lost_until_the_master_is_back(
 # -- what the server says -------------------------------------------------------------------------
 
 
-def test_what_is_no_message_is_passed_over(driver: RosBridge, server: Any, graph: Any, until: Any) -> None:
+def test_what_is_not_a_message_is_passed_over(driver: RosBridge, server: Any, graph: Any, until: Any) -> None:
     for client in server.clients:
         for words in (
             "{",
@@ -291,7 +291,7 @@ def test_what_is_no_message_is_passed_over(driver: RosBridge, server: Any, graph
             b"\xff",
         ):
             client.send(words)
-    graph.say("/odom", **ODOM)
+    graph.send("/odom", **ODOM)
     until(lambda: driver.describe("odom").age is not None)
     assert driver.robot.odom.x == 1.0
 
@@ -302,9 +302,9 @@ def test_what_is_no_message_is_passed_over(driver: RosBridge, server: Any, graph
 def test_a_message_of_another_type_is_reported_with_its_topic(
     driver: RosBridge, graph: Any, until: Any, words: dict[str, Any]
 ) -> None:
-    graph.say("/odom", **words)
+    graph.send("/odom", **words)
     until(lambda: "A message on `/odom` is not a `nav_msgs/Odometry`" in fails(driver, "odom"))
-    graph.say("/odom", **ODOM)
+    graph.send("/odom", **ODOM)
     until(lambda: not fails(driver, "odom"))
 
 
@@ -318,7 +318,7 @@ def test_null_is_what_json_has_for_nan(ros: RosBridge, graph: Any, until: Any) -
     graph.types["/far"] = "std_msgs/Float32"
     ros.subscribe("far", "/far", "std_msgs/Float32")
     until(lambda: any(topic == "/far" for topic, _ in graph.listeners))
-    graph.say("/far", data=None)
+    graph.send("/far", data=None)
     until(lambda: ros.describe("far").age is not None)
     assert math.isnan(ros.robot.far.data)
 
@@ -354,7 +354,7 @@ def test_a_ros_2_server_is_spoken_to_in_its_own_names(make: Make, graph: Any, un
     graph.subscribe = subscribe
     ros.subscribe("odom", "/odom", "nav_msgs/msg/Odometry")
     until(lambda: asked == ["nav_msgs/msg/Odometry"])
-    graph.say("/odom", **ODOM)
+    graph.send("/odom", **ODOM)
     until(lambda: ros.describe("odom").age is not None)
     assert ros.robot.odom.theta == pytest.approx(math.pi)
     ros.publish("move", "/cmd_vel")
@@ -378,17 +378,17 @@ def test_a_wrong_field_or_type_is_refused_before_anything_is_sent(driver: RosBri
     assert commands(graph) == []
 
 
-def test_a_nested_message_is_no_number(ros: RosBridge) -> None:
+def test_a_nested_message_is_not_a_number(ros: RosBridge) -> None:
     ros.publish("goal", "/goal", "geometry_msgs/Pose")
     with pytest.raises(BridgeError, match=r"`msg\.position` has fields of its own.*`msg\.position\.x`"):
         ros.robot.goal(position=1.0)
 
 
 def test_a_tick_sees_one_world(driver: RosBridge, graph: Any, until: Any) -> None:
-    graph.say("/odom", **ODOM)
+    graph.send("/odom", **ODOM)
     until(lambda: driver.describe("odom").age is not None)
     driver.begin_tick(0.0, 0.1)
-    graph.say("/odom", pose={"pose": {"position": {"x": 9.0}}})
+    graph.send("/odom", pose={"pose": {"position": {"x": 9.0}}})
     until(lambda: driver.panel().tables[0].rows[0][6].startswith("x=9") and "x=9.0" in latest(driver))
     assert driver.robot.odom.x == 1.0
     driver.end_tick(0.0)

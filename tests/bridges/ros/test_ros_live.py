@@ -62,7 +62,7 @@ def test_what_rostopic_publishes_arrives(real: Any, connect: Connect, until: Any
     assert 0 <= age <= time.monotonic() - before
 
 
-def test_rostopic_hears_all_four_forms_of_publishing(real: Any, connect: Connect, until: Any) -> None:
+def test_rostopic_receives_all_four_forms_of_publishing(real: Any, connect: Connect, until: Any) -> None:
     ros = connect()
     ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
     lines = echo(real, until, "/cmd_vel")
@@ -134,7 +134,7 @@ def test_topics_with_subscribers_only_are_in_the_list(real: Any, connect: Connec
     assert {field.key: field.value for field in ros.panel().fields}["type"] == "nav_msgs/Odometry"
 
 
-def test_an_odometry_tells_x_y_and_theta(real: Any, connect: Connect, until: Any) -> None:
+def test_an_odometry_has_x_y_and_theta(real: Any, connect: Connect, until: Any) -> None:
     real.start_robot(world="empty")
     ros = connect()
     ros.subscribe("odom", "/odom")
@@ -161,7 +161,7 @@ def test_a_wrong_type_is_refused_with_the_right_one(real: Any, connect: Connect,
     assert real.subscribers("/odom") == []
 
 
-def test_a_type_that_nobody_uses_any_more_is_in_nobodys_way(
+def test_a_type_that_is_no_longer_used_blocks_nothing(
     real: Any, connect: Connect, backend: str, until: Any
 ) -> None:
     ros = connect()
@@ -317,7 +317,7 @@ def test_a_master_that_hangs_is_lost_too(real: Any, connect: Connect, until: Any
     until(lambda: reading(ros, "text"))
 
 
-def test_without_a_master_rospy_does_not_open_and_says_so(real: Any) -> None:
+def test_without_a_master_rospy_does_not_open_and_reports_it(real: Any) -> None:
     real.kill_master()
     ros = RosBridge(backend="rospy", host="127.0.0.1", port=real.master_port)
     with bounded(3), pytest.raises(BridgeError, match="No ROS master answers"):

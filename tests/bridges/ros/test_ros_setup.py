@@ -147,7 +147,7 @@ def test_what_is_connected_before_opening_is_there_after_it(make: Make, graph: A
     ros.open()
     assert dir(ros.robot) == ["light", "move", "stop"]
     until(lambda: graph.listeners)
-    graph.say("/light", data=7)
+    graph.send("/light", data=7)
     until(lambda: ros.describe("light").age is not None)
     assert ros.robot.light.data == 7
 
@@ -168,14 +168,14 @@ def test_a_topic_that_does_not_exist_yet_is_waited_for(ros: RosBridge, graph: An
         ros.robot.horn(data=True)
     graph.types |= {"/far": "std_msgs/Float32", "/horn": "std_msgs/Bool"}
     until(lambda: any(topic == "/far" for topic, _ in graph.listeners) and "/horn" in graph.advertised)
-    graph.say("/far", data=0.5)
+    graph.send("/far", data=0.5)
     until(lambda: ros.describe("far").age is not None)
     assert ros.robot.far.data == 0.5
     ros.robot.horn(data=True)
     until(lambda: ("/horn", {"data": True}) in graph.heard)
 
 
-def test_the_same_subscription_again_is_no_second_one(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_the_same_subscription_again_is_not_a_second_one(ros: RosBridge, graph: Any, until: Any) -> None:
     for _ in range(10):
         ros.subscribe("odom", "/odom")
     until(lambda: len(graph.listeners) == 1)
@@ -189,7 +189,7 @@ def test_two_variables_on_one_topic_share_it(ros: RosBridge, graph: Any, until: 
     until(lambda: rows(ros)["also"]["value"] == "no data yet")
     assert len(graph.listeners) == 1
     ros.remove("odom")
-    graph.say("/odom", pose={"pose": {"position": {"x": 3.0}}})
+    graph.send("/odom", pose={"pose": {"position": {"x": 3.0}}})
     until(lambda: ros.describe("also").age is not None)
     assert ros.robot.also.x == 3.0
     ros.remove("also")
@@ -213,7 +213,7 @@ def test_a_refused_change_leaves_what_was_there(ros: RosBridge, graph: Any, unti
     until(lambda: [topic for topic, _ in graph.listeners] == ["/odom"])
 
 
-def test_a_publisher_that_is_taken_away_stops_what_it_moved(ros: RosBridge, graph: Any, until: Any) -> None:
+def test_a_publisher_that_is_removed_stops_what_it_moved(ros: RosBridge, graph: Any, until: Any) -> None:
     ros.publish("move", "/cmd_vel")
     ros.robot.move(linear=0.2)
     until(lambda: graph.heard)
@@ -278,7 +278,7 @@ def test_the_panel_shows_every_connection_with_rate_age_and_value(
     until(lambda: graph.listeners)
     for value in range(5):
         now += 0.1
-        graph.say("/light", data=value)
+        graph.send("/light", data=value)
         until(lambda: rows(ros)["light"]["value"] == str(value))  # noqa: B023
     now += 0.5
     light = rows(ros)["light"]
@@ -306,7 +306,7 @@ def test_a_subscription_is_made_by_button_without_waiting(ros: RosBridge, graph:
     assert "light" not in rows(ros)
 
 
-def test_what_cannot_be_connected_says_so_in_its_row(ros: RosBridge, until: Any) -> None:
+def test_what_cannot_be_connected_is_reported_in_its_row(ros: RosBridge, until: Any) -> None:
     ros.press("subscribe", values={"variable": "light", "topic": "/light", "type": "std_msgs/String"})
     until(lambda: "carries `std_msgs/UInt8`" in rows(ros)["light"]["value"])
     assert "carries" in ros.status.sentence
@@ -323,7 +323,7 @@ def test_what_cannot_be_connected_says_so_in_its_row(ros: RosBridge, until: Any)
         ("jump", "", {}, "no button `jump`"),
     ],
 )
-def test_a_button_that_cannot_be_pressed_says_why(
+def test_a_button_that_cannot_be_pressed_explains_why(
     ros: RosBridge, key: str, row: str, values: dict[str, str], sentence: str
 ) -> None:
     with pytest.raises(BridgeError, match=sentence):
@@ -349,7 +349,7 @@ def test_another_address_is_connected_in_the_background(
         ros.answer("host", f"127.0.0.1:{other.port}")
         until(lambda: other_graph.listeners and other_graph.advertised)
         until(lambda: not graph.listeners)
-        other_graph.say("/odom", pose={"pose": {"position": {"x": 4.0}}})
+        other_graph.send("/odom", pose={"pose": {"position": {"x": 4.0}}})
         until(lambda: ros.describe("odom").age is not None)
         assert ros.robot.odom.x == 4.0
         ros.robot.move(linear=0.1)

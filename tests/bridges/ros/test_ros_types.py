@@ -87,12 +87,12 @@ def test_rosapi_of_ros_2_shows_its_slots() -> None:
 
 
 @pytest.mark.parametrize("answer", [[{}], [{"type": "t", "fieldnames": [1, 2], "fieldtypes": []}], [7]])
-def test_what_is_no_description_of_a_type_is_refused(answer: Any) -> None:
+def test_what_is_not_a_description_of_a_type_is_refused(answer: Any) -> None:
     with pytest.raises(BridgeError, match="cannot be understood"):
         from_rosapi(answer)
 
 
-def test_a_twist_takes_the_words_of_the_simulator(types: Types) -> None:
+def test_a_twist_accepts_the_keywords_of_the_simulator(types: Types) -> None:
     twist = types.message("geometry_msgs/Twist")
     for message in (twist(linear=0.2, angular=1), twist(linear_x=0.2, angular_z=1.0)):
         assert message.linear.x == 0.2
@@ -194,7 +194,7 @@ def odometry(theta: float) -> dict[str, Any]:
 
 
 @given(st.floats(-3.14, 3.14))
-def test_an_odometry_tells_its_heading(theta: float) -> None:
+def test_an_odometry_has_a_heading(theta: float) -> None:
     reading: Any = Types().form("nav_msgs/Odometry").decode(odometry(theta))
     assert (reading.x, reading.y) == (1.0, 2.0)
     assert reading.theta == pytest.approx(theta, abs=1e-9)
@@ -228,7 +228,7 @@ def test_octets_come_as_base64_over_rosbridge(types: Types) -> None:
         ("nav_msgs/Odometry", {"pose": {"pose": 1}}),
     ],
 )
-def test_a_message_of_another_type_is_no_reading(type_: str, raw: object) -> None:
+def test_a_message_of_another_type_is_not_a_reading(type_: str, raw: object) -> None:
     with pytest.raises((ValueError, TypeError, AttributeError)):
         Types().form(type_).decode(raw)
 
@@ -267,11 +267,11 @@ def test_every_type_known_from_the_start_is_complete() -> None:
         ),
     ],
 )
-def test_a_message_is_told_in_a_line(type_: str, fields: dict[str, Any], line: str) -> None:
+def test_a_message_is_summarised_in_a_line(type_: str, fields: dict[str, Any], line: str) -> None:
     assert gist(Types().form(type_).decode(fields)) == line
 
 
-def test_a_message_to_send_is_told_by_what_is_set() -> None:
+def test_a_message_to_send_is_summarised_by_its_set_fields() -> None:
     twist = Types().message("geometry_msgs/Twist")
     assert gist(twist(linear=0.2)) == "linear.x=0.2"
     assert gist(twist()).startswith("linear.x=0, linear.y=0")
