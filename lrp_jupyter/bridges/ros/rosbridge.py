@@ -14,6 +14,7 @@ import json
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
+from lrp_jupyter.bridges.ros.channel import ended
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical, from_rosapi
 from lrp_jupyter.bridges.ros.link import RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
@@ -80,7 +81,9 @@ class RosbridgeTransport(Transport):
         socket = self._socket
         if socket is None or not socket.is_open:
             why = socket.ended if socket is not None else ""
-            raise BridgeError(f"The connection to `{self.place}` is lost{f' ({why})' if why else ''}.")
+            raise BridgeError(
+                f"The connection to `{self.place}` is lost. {ended(why) if why else ''}".rstrip()
+            )
         return socket
 
     # -- topics -----------------------------------------------------------------------------------
@@ -97,7 +100,8 @@ class RosbridgeTransport(Transport):
                 raise BridgeError(f"`{self.place}` answers, but its ROS master does not: {error}") from None
             self._has_rosapi = False
             self._warn(
-                f"`{self.place}` has no rosapi: topics are not listed, and only the most common types known"
+                f"`{self.place}` has no rosapi: topics are not listed, and only common types are known. "
+                "Start rosapi there."
             )
             return {}
         self._has_rosapi = True

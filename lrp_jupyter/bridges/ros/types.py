@@ -241,7 +241,7 @@ class Types:
             if not isinstance(raw, Mapping):
                 return make({name: decoders[name](getattr(raw, name)) for name in fields})
             if fields and not any(name in raw for name in fields):
-                raise ValueError(f"it has {', '.join(map(repr, raw)) or 'no fields'}")
+                raise ValueError(f"It has {', '.join(map(repr, raw)) or 'no fields'}.")
             return make({name: decoders[name](raw[name]) if name in raw else zeros[name] for name in fields})
 
         return Form(kind, decode, make(zeros))

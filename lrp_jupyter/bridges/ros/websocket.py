@@ -200,7 +200,7 @@ class Socket:
                 await asyncio.wait([pong], timeout=_STALE / 6)
                 silence = time.monotonic() - began
                 if silence > _LOST:
-                    raise BridgeError(f"it has not answered for {silence:.0f} s")
+                    raise BridgeError(f"The server has not answered for {silence:.0f} s.")
                 if silence > _STALE and not self.is_stale and not pong.done():
                     self.is_stale = True
                     self._changed()
