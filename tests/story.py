@@ -1,4 +1,4 @@
-"""Test programs tell their expectations in comments; this reads them.
+"""Read the expectations in the comments of test programs.
 
 A line ``;> 3: m/b  n=2 m/k=5`` expects, after tick 3 (ticks come every 100 ms, the first at 0), just
 the active state ``m/b`` and those values; ``nothing`` means no active state, ``k=-`` no value.
@@ -7,7 +7,7 @@ fired m/go, entered m/b`` expects these events in tick 3, in order. ``;> issue L
 an issue at the end, and no issue may come that is not expected.
 
 In ``tests/edits`` a line ``;;; kept``, ``;;; restart: reason`` or ``;;; not applied: reason`` separates
-the versions of a program and says what the edit to the next one does; ``;;; kept: reason`` is a patch
+the versions of a program and states the effect of the edit to the next one; ``;;; kept: reason`` is a patch
 that was applied with a remark, and a line ``;;; policy keep`` at the top chooses the policy.
 """
 

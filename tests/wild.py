@@ -66,7 +66,7 @@ exit_ = st.builds("(exit {} {} -> {}{})".format, condition, state, state, names)
 
 @st.composite
 def state_of(draw, name, depth):
-    """A state; if machines stand in it, it mostly spawns the first of them."""
+    """A state; if it contains machines, it mostly spawns the first of them."""
     inner = [draw(machine_of(draw(machine), depth + 1)) for _ in range(draw(_HOW_MANY[depth]))]
     parts = [f"(onentry {draw(spawn)})" if f == "spawn" else f"({f} {draw(action)})" for f in draw(_FORMS)]
     spawns = [f"(onentry (spawn {text.split()[1]} {draw(state)}))" for text in inner if draw(_MOSTLY)]

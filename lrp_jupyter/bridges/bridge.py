@@ -26,7 +26,7 @@ Two sides meet in the class. The author of a bridge overrides `open_interface` a
     interpreter.step(now)
     bridge.end_tick(now)                   # act(now), command watchdog
     bridge.advance(seconds)                # only where bridge.time_step is not None: the world's time
-    bridge.refresh(); bridge.members()     # between ticks, when a view wants to know
+    bridge.refresh(); bridge.members()     # between ticks, when a view needs it
     bridge.on_pause(); bridge.on_resume()
     bridge.check_watchdog(now)             # the monitor's thread, while the program runs
     bridge.stop_all()                      # any thread: pause, restart, close, fault, the stop button
@@ -195,9 +195,9 @@ class Bridge(Interface, ABC):
         key : str
             Of the button.
         row : str
-            Key of the row of the table in which it stands.
+            Key of the table row that contains the button.
         values : mapping of str to str, optional
-            What stands in the fields of the panel.
+            The values of the fields of the panel.
         """
         if key != "stop":
             raise BridgeError(f"The bridge `{self.name}` has no button `{key}`.")
@@ -275,7 +275,7 @@ class Bridge(Interface, ABC):
         self._is_open = False
         try:
             self.close_interface()
-        except Exception as error:  # closing goes on: no caller could do anything about it
+        except Exception as error:  # closing continues: no caller could do anything about it
             self.safety.notice("fault", f"Closing `{self.name}` failed: {type(error).__name__}: {error}.")
         self.nodes.clear()
         self.safety.rest()
@@ -304,7 +304,7 @@ class Bridge(Interface, ABC):
             self._stop_now()
 
     def check_watchdog(self, now: float) -> Notice | None:
-        """Stop the robot if ticks do not come any more; for the monitor's thread, while running.
+        """Stop the robot if there are no more ticks; for the monitor's thread, while running.
 
         A bridge with a world of its own needs none: without ticks that world stands still.
         """

@@ -179,7 +179,7 @@ class Interface:
     def stop_all(self) -> bool:
         """Stop the robot: from any thread, in bounded time, armed or not. Never raises.
 
-        While a loop ticks, commands of the tick that is under way are not sent any more.
+        While a loop ticks, further commands of the present tick are not sent.
 
         Returns
         -------

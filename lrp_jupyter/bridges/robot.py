@@ -1,7 +1,7 @@
 """``robot``: the only object of a bridge that a program sees.
 
 It is stable: bridges come and go, members come and go, the object stays. It offers what the bridge
-added and nothing else, so that completion and errors speak of the robot only.
+added and nothing else, so that completion and errors name only members of the robot.
 
 Paper: §3.2 (the pseudo-variable ``robot``), §7.
 """

@@ -19,7 +19,7 @@ __all__ = ["CommandRecord", "Notice", "Safety", "patience"]
 
 NoticeKind = Literal["armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "fault"]
 
-_SHORTEST = 0.5  # s; a robot at walking pace goes a hand's breadth in it
+_SHORTEST = 0.5  # s; a robot at walking pace moves 10 cm in it
 _ROUNDING = 1e-9  # s; 5 periods of 0.1 s are half a second
 
 

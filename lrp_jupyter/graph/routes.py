@@ -39,14 +39,14 @@ class Route:
     points : list of (float, float)
         Points along the shaft, evenly by parameter, from source to target.
     side : int
-        On which side of the way its label had better stand: 1 is the right hand (of a walker, y
+        The better side for its label: 1 is the right hand (of a walker, y
         grows downwards), -1 the left.
     mark : str
         SVG path data of the cross on a broken arrow, else empty.
     obstacles : list of Rect
         What of it no label may cover.
     middle : float
-        The parameter at which its label had better stand.
+        The parameter of the best place for its label.
     """
 
     d: str
@@ -333,7 +333,7 @@ def loop(box: Rect, index: int = 0, count: int = 1, *, broken: bool = False) -> 
     p, q = (x - half, top), (x + half, top)
     c, e = (x - half * 1.8, top - rise), (x + half * 1.8, top - rise)
     points = [_cubic(p, c, e, q, i / SAMPLES) for i in range(SAMPLES + 1)]
-    # the label of the first one had better stand at its left, that of the last at its right
+    # the best place for the label is left of the first one and right of the last one
     middle = 0.5 if count == 1 else 0.3 + 0.4 * index / (count - 1)
     if broken:
         crossed = _cubic(p, c, e, q, 0.5)

@@ -1,4 +1,4 @@
-"""The benchmark of the page itself works; what it measures is nobody's assertion."""
+"""The benchmark of the page itself works; its figures are not asserted."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""The benchmark itself works; what it measures is nobody's assertion."""
+"""The benchmark itself works; its figures are not asserted."""
 
 import subprocess
 import sys

@@ -36,7 +36,7 @@ def content_of(payload: str | bytes) -> dict[str, Any] | None:
     """Content of a `comm_msg`; None for anything else.
 
     In protocol ``v1.kernel.websocket.jupyter.org`` a message is a table of offsets (8 bytes each, their
-    number first) and channel, header, parent, metadata, content, buffers one behind the other.
+    number first) and channel, header, parent, metadata, content, buffers one after the other.
     """
     if isinstance(payload, str) or b"comm_msg" not in payload:
         return None

@@ -1,4 +1,4 @@
-"""Finding bridges: packages offer them, notebooks define them, somebody chooses."""
+"""Finding bridges: packages offer them, notebooks define them, users choose."""
 
 from __future__ import annotations
 

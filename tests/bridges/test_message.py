@@ -1,4 +1,4 @@
-"""Messages that a program fills: every way to say it, and every mistake refused here."""
+"""Messages that a program fills: every notation, and every mistake that is refused here."""
 
 from __future__ import annotations
 

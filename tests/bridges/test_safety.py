@@ -1,4 +1,4 @@
-"""Safety is in the base class: whoever writes a bridge has it."""
+"""Safety is in the base class, so every bridge has it."""
 
 from __future__ import annotations
 

@@ -53,7 +53,7 @@ def test_the_lab_opens_on_the_first_notebook(tmp_path):
          f"--ServerApp.port={port}", "--IdentityProvider.token=t", "--ServerApp.ip=127.0.0.1"],
         stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=os.environ | private,
     )  # fmt: skip
-    watchdog = Timer(120, process.kill)  # a server that says nothing must not hold the tests up
+    watchdog = Timer(120, process.kill)  # a silent server must not block the tests
     watchdog.start()
     try:
         url = None

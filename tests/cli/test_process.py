@@ -73,7 +73,7 @@ def test_a_reader_that_goes_away_ends_the_run(process, program, text):
 
 
 def test_a_reader_that_closes_at_the_end_is_not_a_fault_of_the_run(process, program):
-    for _ in range(3):  # before or after the last look
+    for _ in range(3):  # before or after the last check
         run = process("run", program(WAIT), "--speed", "max", "--for", "0.1", "--trace", "-")
         assert json.loads(run.stdout.readline())["event"] == "started"
         run.stdout.close()

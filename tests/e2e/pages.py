@@ -208,7 +208,7 @@ class LabPage:
         self.find(f'[role="menu"] [data-lrp-action="{action}"]').click()
 
     def drag_robot(self, start, end, world=LINE):
-        """Drag what stands at a place of the world (metres) to another; all of the world is shown."""
+        """Drag what is at a place of the world (metres) to another; all of the world is shown."""
         frame = self.sees(".lrp-canvas").bounding_box()
         width, height = (length + 2 * MARGIN for length in world)
         scale = min(frame["width"] / width, frame["height"] / height)

@@ -36,7 +36,7 @@ def ink(lab, part):
 def test_axe_finds_nothing_serious(open_lab, theme):
     lab = open_lab(FOLLOWER, "follower --world line")
     choose_theme(lab, theme)
-    lab.type_after("(state end", "ing")  # a program with findings has more to look at
+    lab.type_after("(state end", "ing")  # a program with findings shows more
     lab.sees("[data-lrp-issue]")
     lab.pause()
     axe.finds_nothing_serious(lab)

@@ -1,4 +1,4 @@
-"""Every row of the table of live changes: tests/edits holds the versions and says what each edit does."""
+"""Every row of the table of live changes: tests/edits holds the versions and the effect of each edit."""
 
 import re
 

@@ -1,4 +1,4 @@
-"""Every program of tests/programs does what its comments say, in production and by the reference."""
+"""Every program of tests/programs does what its comments expect, in production and in the reference."""
 
 import pytest
 from reference import Reference

@@ -1,4 +1,4 @@
-"""What the tests of the checks share: findings as the text they stand at, and fixes applied."""
+"""Shared by the tests of the checks: findings as the text that they mark, and applied fixes."""
 
 from __future__ import annotations
 

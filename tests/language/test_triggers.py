@@ -1,4 +1,4 @@
-"""What a transition waits for, and what a trigger says of itself."""
+"""The triggers of transitions, and their descriptions."""
 
 from __future__ import annotations
 

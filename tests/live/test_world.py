@@ -172,7 +172,7 @@ def test_after_a_stall_of_the_host_one_tick_follows_and_not_all_that_were_missed
         loop.turn()
     before = loop.interpreter.tick
     wall[0] += 60
-    for _ in range(5):  # no time passes on the wall any more
+    for _ in range(5):  # no more wall time passes
         loop.turn()
     assert loop.interpreter.tick == before + 1
 

@@ -384,7 +384,7 @@ def test_a_restart_by_an_edit_is_reported_with_its_reason(bench):
     assert page.latest("restart")["count"] == 1
     assert "`a` is active" in page.latest("restart")["reason"]
     page.do("reset")
-    assert page.latest("restart")["count"] == 1  # a reset is no restart by an edit
+    assert page.latest("restart")["count"] == 1  # a reset is not a restart by an edit
 
 
 def test_values_of_the_robots_members_are_sent_though_no_program_reads_them(bench):

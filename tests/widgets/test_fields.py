@@ -1,4 +1,4 @@
-"""Fields of readings and messages complete by their types: no robot needs to have said anything yet."""
+"""Fields of readings and messages complete by their types: no robot needs to have sent anything yet."""
 
 import pytest
 

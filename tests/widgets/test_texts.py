@@ -1,4 +1,4 @@
-"""Texts: who is told what, what runs, what is held, what is kept in files."""
+"""Texts: answers to views, the running text, held texts, saved files."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Two threads at the same work: nothing is done twice, and nothing is left behind."""
+"""Two threads at the same work: nothing is done twice, and nothing is left over."""
 
 from threading import Event, Thread
 

@@ -70,7 +70,7 @@ class BrickClient:
     Attributes
     ----------
     lost : str
-        Why the connection is lost: a sentence; empty while it stands.
+        Why the connection is lost, a sentence; empty while connected.
 
     Raises
     ------
@@ -138,7 +138,7 @@ class BrickClient:
         Raises
         ------
         BridgeError
-            The brick refuses the command (the connection stands), or the connection is lost.
+            The brick refuses the command (and stays connected), or the connection is lost.
         """
         deadline = time.monotonic() + timeout
         if not self._asking.acquire(timeout=timeout):

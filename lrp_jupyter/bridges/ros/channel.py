@@ -34,7 +34,7 @@ class Channel:
     ----------
     wire : Wire
     type : str
-        Of the wire or, where that leaves it out, of the live topic; empty while unknown.
+        That of the wire or, if it has none, of the live topic; empty while unknown.
     form : Form or None
         Decodes messages, for a subscription whose type is known.
     message : RosMessage class or None

@@ -4,8 +4,8 @@ rospy was made for programs that are one node from beginning to end, so it is he
 
 * one node per process, made on the first connection and kept: rospy cannot make a second one;
 * it may not touch the process: no signals, no handlers of the root logger, no arguments;
-* whoever registers while the master is dead waits until it lives: the master is asked first, with a
-  time limit, and only the link's thread ever registers;
+* registering waits while the master is down: the master is asked first, with a time limit, and only the
+  link's thread ever registers;
 * a master that comes back has forgotten all nodes: everything is unregistered and registered again.
 """
 

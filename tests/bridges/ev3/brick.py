@@ -128,7 +128,7 @@ class Brick:
         The motors' time in seconds.
     for_ev3_dc : bool
         Where ev3-dc connects: it answers a beacon at the number of the TCP port, and does not wait
-        until the brick has heard it.
+        until the brick has received it.
     tcp_port : int
         0: any free one.
     """
@@ -158,7 +158,7 @@ class Brick:
         self._for_ev3_dc = for_ev3_dc
         self._closing = False
         self.port = tcp_port
-        self._door = self._hang_door()  # bound, but not listening: whoever knocks is refused
+        self._door = self._hang_door()  # bound, but not listening: connections are refused
         self._listener: socket.socket | None = None
         self._voice: socket.socket | None = None
         self._connection: socket.socket | None = None
@@ -265,7 +265,7 @@ class Brick:
 
     def _hear_answer(self) -> None:
         assert self._voice is not None
-        with suppress(OSError):  # an earlier beacon found nobody
+        with suppress(OSError):  # an earlier beacon found no listener
             if len(self._voice.recv(100)) == 1:
                 self.answers += 1
                 self._listen()

@@ -19,7 +19,7 @@ from lrp_jupyter.bridges.ev3.client import BrickClient
 
 
 def _load_emulation() -> ModuleType:
-    """Import brick.py, which stands beside this file and in no package."""
+    """Import brick.py, which is beside this file and in no package."""
     name = "emulated_ev3_brick"
     if name not in sys.modules:
         spec = importlib.util.spec_from_file_location(name, Path(__file__).with_name("brick.py"))

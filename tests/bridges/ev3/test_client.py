@@ -37,7 +37,7 @@ def stranger() -> Iterator[Callable[[bytes | None], int]]:
 
         def serve() -> None:
             connection, _ = server.accept()
-            with connection, suppress(ConnectionResetError):  # whoever rings off may leave words unread
+            with connection, suppress(ConnectionResetError):  # a client that closes may leave data unread
                 if answer is not None:
                     connection.sendall(answer)
                 while connection.recv(100):
@@ -199,7 +199,7 @@ def test_a_host_that_is_not_a_brick_is_reported_within_a_second(
 def test_a_host_that_hangs_up_again_and_again_is_reported_within_a_second(
     free_udp_port: int, brick: Any, client: BrickClient
 ) -> None:
-    client.request(*NAME)  # the brick serves somebody: it hangs up on others
+    client.request(*NAME)  # the brick serves one client and hangs up on others
     with within_a_second("hung up. Is another program connected to the brick"):
         connect("127.0.0.1", port=brick.port, beacon_port=free_udp_port)
 

@@ -240,7 +240,7 @@ def test_a_mode_nearly_right_is_suggested(bridge: EV3Bridge) -> None:
 def test_a_sensor_without_a_value_yet_has_no_data(
     bridge: EV3Bridge, brick: Any, fresh: Callable[[], None]
 ) -> None:
-    brick.sensors[1].values = {}  # it says NaN
+    brick.sensors[1].values = {}  # it reports NaN
     fresh()
     with pytest.raises(NoDataYet):
         bridge.robot.sensor2.read()

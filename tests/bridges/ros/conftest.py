@@ -40,7 +40,7 @@ PROGRAMS = ("/usr/bin/rosmaster", "/usr/bin/rostopic", "/usr/lib/topic_tools/rel
 
 
 def _load(name: str) -> ModuleType:
-    """Import a file that stands beside this one and in no package."""
+    """Import a file that is beside this one and in no package."""
     if name not in sys.modules:
         spec = importlib.util.spec_from_file_location(name, HERE / f"{name}.py")
         assert spec is not None
@@ -108,7 +108,7 @@ class Wire:
     def __init__(self, port: int) -> None:
         self.target = port
         self._held = threading.Event()
-        self._bytes_left: int | None = None  # of what the server says
+        self._bytes_left: int | None = None  # of the server's messages
         self._pairs: list[socket.socket] = []
         self._threads: list[threading.Thread] = []
         self._listener = socket.create_server(("127.0.0.1", 0))
@@ -156,7 +156,7 @@ class Wire:
                 return
             try:
                 far = socket.create_connection(("127.0.0.1", self.target))
-            except OSError:  # nobody is there: as if nobody were here
+            except OSError:  # no server: behave as if there were none here
                 near.close()
                 continue
             self._pairs += [near, far]

@@ -1,7 +1,7 @@
 """A ROS robot for the tests: the simulator behind topics, `python robot_node.py SPEED WORLD`.
 
-It takes `/cmd_vel` (Twist) and gives `/odom` (Odometry), `/light` (UInt8, 0 black ... 255 white) and
-`/bumper` (UInt8, 1 pressed).
+It subscribes to `/cmd_vel` (Twist) and publishes `/odom` (Odometry), `/light` (UInt8, 0 black ... 255
+white) and `/bumper` (UInt8, 1 pressed).
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """A small rosbridge server for the tests: protocol 2.0 as far as the bridge uses it.
 
-There is none to be had from Debian or PyPI, so this one hop is ours; behind it stands either the
+Neither Debian nor PyPI has one, so this one is our own; it serves either the
 real ROS master with rospy (`python rosbridge_server.py PORT`), or a few topics in memory. It is strict
 where the real one is: a message with a field that its type does not have is refused with a status.
 """
@@ -31,7 +31,7 @@ class MemoryGraph:
         self.heard: list[tuple[str, dict[str, Any]]] = []
         self.listeners: list[tuple[str, Receive]] = []
         self.advertised: list[str] = []
-        self.others: set[str] = set()  # topics that somebody else uses
+        self.others: set[str] = set()  # topics that other nodes use
         self.master_is_alive = True
         self.is_ros2 = False
 
@@ -273,5 +273,5 @@ if __name__ == "__main__":
     running = RosbridgeServer(RospyGraph(), int(sys.argv[1]))
     sys.stdout.write("ready\n")
     sys.stdout.flush()
-    sys.stdin.read()  # until whoever started this goes away
+    sys.stdin.read()  # until the parent process ends
     running.close()

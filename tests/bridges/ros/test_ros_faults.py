@@ -1,4 +1,4 @@
-"""What can go wrong on the way to a robot over rosbridge, and what the bridge says and does then."""
+"""What can go wrong with a robot over rosbridge, and how the bridge reacts."""
 
 from __future__ import annotations
 
@@ -174,7 +174,7 @@ def test_after_a_reconnect_subscriptions_are_back_and_the_values_new(
     until(lambda: len(graph.listeners) == 1)
     until(lambda: driver.status.state is ConnectionState.WAITING)
     with pytest.raises(NoDataYet):
-        _ = driver.robot.odom  # what arrived before the loss is no reading any more
+        _ = driver.robot.odom  # what arrived before the loss is no longer a reading
     graph.send("/odom", **ODOM)
     until(lambda: driver.status.state is ConnectionState.CONNECTED)
     assert driver.robot.odom.x == 1.0
