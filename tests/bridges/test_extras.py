@@ -62,7 +62,7 @@ def test_where_a_library_is_missing_the_error_names_what_to_install(
     program = tmp_path / "wait.lrp"
     program.write_text("(machine m (state a)) (spawn m a)")
     run = bare_lrp("run", program, "--bridge", "ros", "--host", "127.0.0.1", *options, missing=LIBRARIES)
-    _told, complaints = run.communicate(timeout=180)
+    _output, complaints = run.communicate(timeout=180)
     assert run.returncode == 2
     assert complaints.startswith("lrp: ")
     assert sentence in complaints

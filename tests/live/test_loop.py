@@ -12,19 +12,19 @@ DRIVE = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"
 
 
 class Diary(Bridge):
-    """A robot that writes down what a session tells it."""
+    """A robot that records the calls of a session."""
 
     name = "diary"
     stop_timeout = None
 
     def __init__(self, hardware=False, fails=""):
-        self.hardware, self.fails, self.told = hardware, fails, []
+        self.hardware, self.fails, self.calls = hardware, fails, []
 
     def open_interface(self):
         """There is nothing to open."""
 
     def note(self, what):
-        self.told.append(what)
+        self.calls.append(what)
         if what == self.fails:
             raise OSError("the cable is gone")
 
@@ -67,7 +67,7 @@ def test_a_bridge_is_told_of_the_start_once_and_then_of_pauses(session):
     running.resume()
     running.pause()
     running.resume()
-    assert diary.told == ["start", "pause", "resume"]
+    assert diary.calls == ["start", "pause", "resume"]
 
 
 def test_a_first_step_is_a_start_for_the_bridge(session):
@@ -75,13 +75,13 @@ def test_a_first_step_is_a_start_for_the_bridge(session):
     stepped.step()
     stepped.step()
     stepped.resume()
-    assert diary.told == ["start", "resume"]
+    assert diary.calls == ["start", "resume"]
 
 
 def test_a_pause_at_an_issue_is_one_for_the_bridge(session):
     faulty = session(COUNT.replace("n + 1", "n / 0"), diary := Diary(), on_issue="pause")
     faulty.run(1)
-    assert diary.told == ["start", "pause"]
+    assert diary.calls == ["start", "pause"]
 
 
 @pytest.mark.parametrize("hook", ["start", "pause"])
@@ -90,7 +90,7 @@ def test_a_bridge_whose_hook_fails_is_lost_and_its_robot_stopped(session, hook):
     running.open()
     running.resume()
     running.pause()
-    assert diary.told[diary.told.index(hook) + 1] == "stop"
+    assert diary.calls[diary.calls.index(hook) + 1] == "stop"
     assert diary.status.state == "lost"
     assert "the cable is gone" in running.frame.bridge
 
@@ -99,9 +99,9 @@ def test_an_edit_that_restarts_the_program_stops_the_robot_and_another_does_not(
     running = session(COUNT, diary := Diary())
     running.run(1)
     running.edit(COUNT.replace("n := [0]", "n := [5]"))
-    assert "stop" not in diary.told
+    assert "stop" not in diary.calls
     running.edit(COUNT.replace("n + 1", "n + 2"))
-    assert diary.told[-1] == "stop"
+    assert diary.calls[-1] == "stop"
 
 
 def test_an_armed_robot_is_not_taken_back_whatever_its_bridge_says(session):
@@ -110,7 +110,7 @@ def test_an_armed_robot_is_not_taken_back_whatever_its_bridge_says(session):
     diary.arm()
     with pytest.raises(BridgeError, match="armed"):
         running.rewind(3)
-    assert "rewind" not in diary.told
+    assert "rewind" not in diary.calls
 
 
 # -- time
@@ -238,7 +238,7 @@ def test_a_fault_of_our_own_stops_the_robot_and_is_in_the_frame_at_once(session,
     broken.resume()
     broken.listen(lambda: frames.append(broken.frame.status))
     broken._loop.turn()
-    assert diary.told[-1] == "stop"
+    assert diary.calls[-1] == "stop"
     assert frames == ["broken"]
     with pytest.raises(LRPError, match="The session itself failed"):
         broken.reset()

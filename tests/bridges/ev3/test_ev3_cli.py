@@ -89,7 +89,7 @@ def test_a_host_that_is_not_a_brick_exits_with_2_and_one_sentence(
 ) -> None:
     brick.unplug()
     run = bare_lrp("run", rover, *at(brick), "--option", "patience=0.3")
-    _told, complaints = run.communicate(timeout=180)
+    _output, complaints = run.communicate(timeout=180)
     assert run.returncode == 2
     assert complaints.startswith("lrp: ")
     assert "127.0.0.1" in complaints

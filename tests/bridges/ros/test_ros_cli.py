@@ -189,7 +189,7 @@ def test_a_program_for_the_simulator_is_shown_without_its_world() -> None:
 
 def test_an_unknown_option_of_the_bridge_exits_with_2(server: Any, bare_lrp: Start, drive: Path) -> None:
     run = bare_lrp("run", drive, *on(server.port, "--option", "topic=/light"), missing=ROS)
-    _told, complaints = run.communicate(timeout=180)
+    _output, complaints = run.communicate(timeout=180)
     assert run.returncode == 2
     assert "has no question `topic`" in complaints
 
@@ -209,7 +209,7 @@ def test_what_cannot_be_opened_exits_with_2_and_one_sentence(
     bare_lrp: Start, drive: Path, arguments: tuple[str, ...], sentence: str
 ) -> None:
     run = bare_lrp("run", drive, *arguments, missing=ROS)
-    _told, complaints = run.communicate(timeout=180)
+    _output, complaints = run.communicate(timeout=180)
     assert run.returncode == 2
     assert sentence in " ".join(complaints.replace("│", " ").split())
     assert "Traceback" not in complaints
