@@ -6,6 +6,7 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError, LRPError, SessionClosedError
 from lrp_jupyter.live import clock as clocks
 from lrp_jupyter.live.clock import LAG
+from lrp_jupyter.live.loop import Interrupted
 
 COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
 DRIVE = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"
@@ -192,11 +193,12 @@ def test_a_pause_names_the_issue_that_caused_it_and_not_one_that_goes_on(session
     assert "len()" in faulty.frame.reason
 
 
-def test_a_session_that_is_stopped_stays_so_when_it_is_stepped_and_then_starts_from_the_beginning(session):
+def test_a_session_that_is_stopped_stays_so_until_it_starts_from_the_beginning(session):
     counting = session(COUNT)
     counting.run(1)
     counting.stop()
     counting.step()
+    counting.resume()
     assert counting.status == "stopped"
     counting.run(0.2)
     assert counting.frame.numbers["n",] == 1
@@ -271,21 +273,36 @@ def test_a_keyboard_interrupt_on_the_main_thread_pauses_and_reaches_whoever_turn
     assert running.frame.tick == 1, "the tick is whole"
 
 
+def test_an_interruption_that_comes_too_late_ends_a_run_and_does_no_harm(session, monkeypatch):
+    def interrupted(*_):
+        raise Interrupted
+
+    running = session(COUNT)
+    with monkeypatch.context() as late:
+        late.setattr(type(running.interpreter), "step", interrupted)
+        assert not running.run(1)
+    assert (running.status, running.fault) == ("paused", "")
+    assert running.run(1)
+
+
 def test_the_rate_reached_is_that_of_a_running_program(session, monkeypatch):
     now = [0.0]
     monkeypatch.setattr("lrp_jupyter.live.loop.perf_counter", lambda: now[0])
     running = session(COUNT, clock=clocks.VirtualClock())
     running.resume()
-    for _ in range(30):
-        running._loop.turn()
-        running._loop.clock.rebase(running._loop.clock.now() + 0.1)
-        now[0] += 0.1
+
+    def go_on(turns):
+        for _ in range(turns):
+            running._loop.turn()
+            running._loop.clock.rebase(running._loop.clock.now() + 0.1)
+            now[0] += 0.1
+
+    go_on(30)
     assert running.frame.achieved_rate == pytest.approx(10, rel=0.2)
     assert running.frame.achieved_speed == pytest.approx(1, rel=0.2)
     running.pause()
     assert (running.frame.achieved_rate, running.frame.achieved_speed) == (0, 0)
     now[0] += 10
     running.resume()
-    running._loop.turn()
-    running._loop.publish()
+    go_on(3)
     assert running.frame.achieved_rate == pytest.approx(10, rel=0.2), "the pause does not count"
