@@ -2,7 +2,8 @@
 
 import json
 import struct
-from threading import Event
+from contextvars import ContextVar
+from threading import Event, current_thread, main_thread
 
 import pytest
 
@@ -473,6 +474,25 @@ def test_a_robot_is_not_asked_again_before_it_has_answered(bench):
     assert robot.reads == 1
 
 
+def test_views_get_a_snapshot_of_the_session_that_takes_the_place_of_another(bench):
+    lab = bench(BLINK, name="before")
+    page = lab.page()
+    with Session(CALM, "sim", name="after") as session:
+        lab.connection.use(session)
+        assert [snapshot["name"] for snapshot in page.all("snapshot")] == ["before", "after"]
+        (machine,) = page.last("snapshot")["frame"]["program"]["machines"]
+        assert [state["path"] for state in machine["states"]] == ["m/a"]
+
+
+def test_a_fault_at_the_end_is_reported_and_keeps_no_session_open(bench, monkeypatch):
+    lab = bench(BLINK)
+    monkeypatch.setattr(type(lab.connection.layouts), "update", lambda *_: {}["no layout"])
+    lab.connection.close()
+    assert lab.session.status == "closed"
+    assert "no layout" in lab.connection.fault
+    lab.connection.fault = ""
+
+
 def test_closing_tells_a_view_without_credit_too(bench):
     lab = bench(BLINK)
     page = lab.page(pays=False)
@@ -513,6 +533,24 @@ def test_after_a_round_that_failed_the_publisher_goes_on():
     assert gone_on.wait(60)
     assert "no layout" in connection.fault
     connection.close()
+
+
+def test_messages_are_sent_in_the_context_of_the_cell_that_opened_the_lab():
+    cell = ContextVar("cell", default="none")
+    cell.set("this one")
+    seen, sent = [], Event()
+
+    def send(message, buffers):
+        if current_thread() is not main_thread():
+            seen.append(cell.get())
+            sent.set()
+
+    connection = PageConnection(Session(BLINK), Texts())
+    connection.receive(send, {"type": "hello", "view": "page", "part": "lab"})
+    connection.session.step()
+    assert sent.wait(60)
+    connection.close()
+    assert set(seen) == {"this one"}
 
 
 def test_closing_notifies_every_view_and_ends_the_session(bench):
