@@ -26,7 +26,7 @@ from typing import Any
 
 import pytest
 
-from lrp_jupyter.bridges.ros import RosBridge
+from lrp_jupyter.bridges.ros import RosBridge, link
 from lrp_jupyter.bridges.ros.definitions import KNOWN
 
 HERE = Path(__file__).parent
@@ -188,8 +188,9 @@ def wire(server: Any) -> Iterator[Wire]:
 
 
 @pytest.fixture
-def make(server: Any) -> Iterator[Callable[..., RosBridge]]:
-    """Make bridges to the topics in memory; they are closed in the end."""
+def make(server: Any, monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., RosBridge]]:
+    """Make bridges to the topics in memory, which try again soon; they are closed in the end."""
+    monkeypatch.setattr(link, "_AGAIN", 0.05)
     bridges = []
 
     def build(**options: Any) -> RosBridge:
