@@ -19,13 +19,14 @@ def fired():
 
 def load():
     """Ticks per second, threads, megabytes, what waits, frames on their way."""
+    rate = session.frame.achieved_rate  # before everything stands still for the collection
     stamps.clear()
     gc.collect()
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     waiting = len(connection.texts.waiting) + len(connection._publisher._replies) + len(session._loop.inbox)
     on_their_way = [len(view._on_their_way) for view in connection._publisher._views.values()]
     return (
-        session.frame.achieved_rate,
+        rate,
         threading.active_count(),
         pages * 4096 / 1e6,
         waiting,
