@@ -154,16 +154,16 @@ class Run:
         old, new = edge.home.row, self.row(edge.home, edge.target)
         edge.actions = new.onentry
         if self.observers:
-            edge.actions = Action(partial(self._emit_change, old, edge, new), edge.site, None, edge.actions)
+            fired = ("left", old.path, None), ("fired", *edge.firing), ("entered", new.path, None)
+            edge.actions = Action(partial(self._emit_all, fired), edge.site, None, edge.actions)
         for action in reversed([*old.onexit.chain()] if old.onexit is not None else []):
             edge.actions = Action(action.call, action.site, action.cell, edge.actions)
         edge.row = new
         return new
 
-    def _emit_change(self, old: Row, edge: Edge, new: Row) -> None:
-        self.emit("left", old.path)
-        self.emit("fired", *edge.firing)
-        self.emit("entered", new.path)
+    def _emit_all(self, events: Iterable[tuple[str, Path, object]]) -> None:
+        tick, now = self.ticks, self.now
+        self.events += [_new(TraceEvent, (kind, path, tick, now, data)) for kind, path, data in events]
 
     def row(self, act: Activation, state: StatePlan) -> Row:
         """Return the row of a state in this activation; bind it the first time."""
