@@ -21,6 +21,7 @@ __all__ = [
     "SessionTimeoutError",
     "Severity",
     "UnknownElementError",
+    "ended",
 ]
 
 Severity = Literal["error", "warning", "hint"]
@@ -110,3 +111,8 @@ class BridgeError(LRPError):
 
 class NoDataYet(LRPError):  # noqa: N818  (not an error: the reading has not arrived yet)
     """A reading has not arrived yet: an event that needs it does not occur."""
+
+
+def ended(text: str) -> str:
+    """Return a text, such as that of an exception, with a full stop at its end unless it has a mark there."""
+    return text if text.endswith((".", "?", "!", "…")) else f"{text}."

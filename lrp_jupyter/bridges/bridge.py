@@ -54,7 +54,7 @@ from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.robot import Robot, attach
 from lrp_jupyter.bridges.safety import Notice
-from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 __all__ = [
     "Bridge",
@@ -257,7 +257,9 @@ class Bridge(Interface, ABC):
         try:
             self._opened_panel = self.open_interface()
         except Exception as error:
-            sentence = str(error) if isinstance(error, BridgeError) else f"{type(error).__name__}: {error}."
+            sentence = (
+                str(error) if isinstance(error, BridgeError) else ended(f"{type(error).__name__}: {error}")
+            )
             self.set_status(ConnectionState.DISCONNECTED, sentence)
             if isinstance(error, BridgeError):
                 raise
@@ -276,7 +278,9 @@ class Bridge(Interface, ABC):
         try:
             self.close_interface()
         except Exception as error:  # closing continues: no caller could do anything about it
-            self.safety.notice("fault", f"Closing `{self.name}` failed: {type(error).__name__}: {error}.")
+            self.safety.notice(
+                "fault", ended(f"Closing `{self.name}` failed: {type(error).__name__}: {error}")
+            )
         self.nodes.clear()
         self.safety.rest()
         self.set_status(ConnectionState.DISCONNECTED, f"`{self.name}` is closed.")
@@ -320,7 +324,7 @@ class Bridge(Interface, ABC):
         sentence = (
             str(error)
             if isinstance(error, BridgeError)
-            else f"`{hook}` raised {type(error).__name__}: {error}."
+            else ended(f"`{hook}` raised {type(error).__name__}: {error}")
         )
         self.safety.notice("fault", sentence)
         if self._status.state is not ConnectionState.LOST:

@@ -39,7 +39,7 @@ from lrp_jupyter.bridges.probes import (
     variables,
     within,
 )
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, ended
 
 __all__ = ["BridgeConformance", "ConformanceError", "ConformanceReport", "Outcome", "check_bridge"]
 
@@ -192,7 +192,7 @@ class BridgeConformance:
                 try:
                     json.dumps(value, allow_nan=False)
                 except (TypeError, ValueError) as error:
-                    raise ConformanceError(f"The {what} cannot be written as JSON: {error}.") from error
+                    raise ConformanceError(ended(f"The {what} cannot be written as JSON: {error}")) from error
 
     def test_members_can_be_described(self) -> None:
         """Every member is found by its name, and through `robot`."""
@@ -228,7 +228,7 @@ class BridgeConformance:
                 require(not missing, f"The error does not name {', '.join(missing)}.")
             except Exception as error:
                 raise ConformanceError(
-                    f"An unknown member raises {type(error).__name__}: {error}."
+                    ended(f"An unknown member raises {type(error).__name__}: {error}")
                 ) from error
             else:
                 raise ConformanceError("An unknown member raises no error.")

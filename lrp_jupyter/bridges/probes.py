@@ -11,7 +11,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
-from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 __all__ = [
     "ConformanceError",
@@ -54,7 +54,7 @@ def within(seconds: float, what: str, function: Callable[[], Any]) -> Any:
     require(not thread.is_alive(), f"{what} took more than {seconds:g} s.")
     if errors:
         error = errors[0]
-        raise ConformanceError(f"{what} raised {type(error).__name__}: {error}.") from error
+        raise ConformanceError(ended(f"{what} raised {type(error).__name__}: {error}")) from error
     return results[0]
 
 

@@ -45,7 +45,7 @@ from types import MappingProxyType
 from typing import Any, ClassVar, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError
+from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, ended
 from lrp_jupyter.interpreter.frame import Frame, Hung, Status, is_active, render
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
@@ -563,7 +563,7 @@ class Loop:
     def break_down(self, fault: str) -> None:
         """Stop permanently because of a fault that is not the program's."""
         self.fault = fault
-        self.reason = f"The session itself failed, not the program: {fault.strip().splitlines()[-1]}."
+        self.reason = ended(f"The session itself failed, not the program: {fault.strip().splitlines()[-1]}")
         if self.status not in ("stopped", "closed"):
             self.status = "broken"
         self.bridge.stop_all()
@@ -574,7 +574,7 @@ class Loop:
         try:
             hook()
         except Exception as error:
-            self.bridge.set_status("lost", f"{type(error).__name__}: {error}.")
+            self.bridge.set_status("lost", ended(f"{type(error).__name__}: {error}"))
             self.bridge.stop_all()
 
 

@@ -49,7 +49,7 @@ from typing import Any, Literal, Self
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
-from lrp_jupyter.errors import LRPError, SessionTimeoutError
+from lrp_jupyter.errors import LRPError, SessionTimeoutError, ended
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -423,7 +423,7 @@ class Session:
         try:
             return check(program, self.namespace)
         except Exception as error:  # a fault of the checks is reported as such and does not block the edit
-            message = f"The checks themselves failed, not the program: {type(error).__name__}: {error}."
+            message = ended(f"The checks themselves failed, not the program: {type(error).__name__}: {error}")
             return (Finding("LRP699", "warning", message, 1, 1, 1, 1),)
 
     def save(self, path: str | FilePath) -> None:

@@ -554,3 +554,15 @@ def test_the_stop_button_works_on_every_bridge_and_others_are_refused() -> None:
         bridge.answer("host", "10.0.0.7")
     assert bridge.panel() == Panel("Noted")
     assert bridge.picture is None
+
+
+@pytest.mark.parametrize("words", ["the cable is missing", "The cable is missing."])
+def test_the_sentence_about_a_foreign_exception_ends_with_one_full_stop(words):
+    class Unplugged(Bridge):
+        def open_interface(self) -> Panel:
+            raise RuntimeError(words)
+
+    bridge = Unplugged()
+    with pytest.raises(BridgeError):
+        bridge.open()
+    assert bridge.status.sentence == f"RuntimeError: {words.rstrip('.')}."

@@ -63,7 +63,7 @@ def turn(session, wall, seconds, times=1):
 # -- the bridge
 
 
-def test_a_bridge_is_told_of_the_start_once_and_then_of_pauses(session):
+def test_the_bridge_hook_of_the_start_is_called_once_and_then_those_of_pauses(session):
     running = session(COUNT, diary := Diary())
     running.resume()
     running.pause()

@@ -452,7 +452,7 @@ def test_a_simulator_is_read_five_times_a_second_and_a_real_robot_once(reads):
     assert reads(hardware=True) == 3
 
 
-def test_a_robot_that_nobody_watches_or_that_is_stopped_is_not_read(reads):
+def test_an_unwatched_robot_and_a_stopped_one_are_not_read(reads):
     assert reads(views=0) == 0
     assert reads(then=lambda session: session.stop()) == 0
 

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from lrp_jupyter.bridges.ev3 import protocol
 from lrp_jupyter.bridges.ev3.client import BrickClient
 from lrp_jupyter.bridges.ev3.protocol import SAME_MODE, BrickReading
-from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 __all__ = ["BrickLink", "BrickState"]
 
@@ -173,7 +173,7 @@ class BrickLink:
             except (
                 Exception
             ) as error:  # a fault of this bridge: report it rather than continue with old readings
-                self._handle_trouble(f"The EV3 bridge itself failed: {type(error).__name__}: {error}.")
+                self._handle_trouble(ended(f"The EV3 bridge itself failed: {type(error).__name__}: {error}"))
                 break
             self._closing.wait(pause)
         self._disconnect()

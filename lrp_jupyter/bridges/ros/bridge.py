@@ -31,7 +31,7 @@ from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.nodes import Limits
 from lrp_jupyter.bridges.panel import Panel
-from lrp_jupyter.bridges.ros.channel import Channel, ended
+from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.link import TopicLink, Transport
 from lrp_jupyter.bridges.ros.panel import Draft, draw_panel
 from lrp_jupyter.bridges.ros.rosbridge import RosbridgeTransport
@@ -39,7 +39,7 @@ from lrp_jupyter.bridges.ros.rospy import RospyTransport
 from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type, parse_address
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
-from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 __all__ = ["RosBridge"]
 

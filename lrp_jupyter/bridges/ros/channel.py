@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from lrp_jupyter.bridges.ros.setup import Wire
 from lrp_jupyter.bridges.ros.types import VELOCITIES, Form, ReceivedMessage, RosMessage
 
-__all__ = ["Arrival", "Channel", "ended"]
+__all__ = ["Arrival", "Channel"]
 
 _SILENT = 2.0  # seconds without a message after which a topic that had a rate is silent
 
@@ -125,8 +125,3 @@ class Channel:
         period = (times[-1] - times[0]) / (len(times) - 1)
         age = time.monotonic() - times[-1]
         return age if age > max(_SILENT, 5 * period) else 0.0
-
-
-def ended(reason: str) -> str:
-    """Return a reason with a mark at its end, to close a sentence with it."""
-    return reason if reason.endswith((".", "?")) else f"{reason}."

@@ -17,11 +17,11 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.members import did_you_mean
-from lrp_jupyter.bridges.ros.channel import Channel, ended
+from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import Types
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, ended
 
 __all__ = ["OnStatus", "RefusedError", "TopicLink", "Transport"]
 
@@ -204,7 +204,7 @@ class TopicLink:
             except (
                 Exception
             ) as error:  # a fault of this bridge: report it rather than continue with old readings
-                pause = self._lose(f"The ROS bridge itself failed: {type(error).__name__}: {error}.")
+                pause = self._lose(ended(f"The ROS bridge itself failed: {type(error).__name__}: {error}"))
             self._wake.wait(pause)
         self.connected = False
         for channel in (*self._channels, *self._dropped):

@@ -14,12 +14,11 @@ import json
 from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
-from lrp_jupyter.bridges.ros.channel import ended
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical, from_rosapi
 from lrp_jupyter.bridges.ros.link import RefusedError, Transport
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.websocket import Socket, require_websockets
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, ended
 
 __all__ = ["RosbridgeTransport"]
 

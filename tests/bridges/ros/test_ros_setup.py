@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.ros import RosBridge
-from lrp_jupyter.bridges.ros.channel import ended
 from lrp_jupyter.bridges.ros.setup import Wire, setup_as_dict, setup_from_dict
-from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.errors import BridgeError, NoDataYet, ended
 
 Make = Callable[..., RosBridge]
 SETUP = Path(__file__).with_name("follower.json")
