@@ -131,10 +131,11 @@ NASTY = [
 TWO = "(state b) (ontime 100 a -> b) (ontime 100 b -> a)"
 FORMS = [
     f"(var n := [0])(machine m (state a (running [{{}}])) {TWO})(spawn m a)",
-    "(var n := [0])(machine m (state a (onentry [{}])) (state b (onexit [{}])) (eps a -> b) (ontime 100 b -> a))"
-    "(spawn m a)",
+    "(var n := [0])(machine m (state a (onentry [{}])) (state b (onexit [{}]))"
+    " (eps a -> b) (ontime 100 b -> a))(spawn m a)",
     "(var n := [{}])(machine m (state a (running [n])) (state b) (on [n] a -> b))(spawn m a)",
-    "(var n := [0])(event e [{}\nn])(machine m (state a) (state b) (on e a -> b t) (on [n > 1] *-> a))(spawn m a)",
+    "(var n := [0])(event e [{}\nn])(machine m (state a) (state b) (on e a -> b t) (on [n > 1] *-> a))"
+    "(spawn m a)",
     "(var n := [0])(machine m (state a (running [{}])) (state b) (ontime [n] a -> b) (ontime n b -> a))"
     "(spawn m a)",
     "(var n := [0])(onpause [{}])(onresume [{}])(machine m (state a (running [n])))(spawn m a)",
