@@ -11,6 +11,7 @@ import re
 from collections.abc import Iterator, MutableMapping, Sequence
 from pathlib import Path as FilePath
 from typing import Any, ClassVar
+from weakref import WeakValueDictionary
 
 import anywidget
 import traitlets
@@ -27,7 +28,18 @@ from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
 
-__all__ = ["Controls", "Editor", "Issues", "Lab", "Part", "SimView", "StateGraph", "Tree", "Variables"]
+__all__ = [
+    "Controls",
+    "Editor",
+    "Issues",
+    "Lab",
+    "Part",
+    "SimView",
+    "StateGraph",
+    "Tree",
+    "Variables",
+    "lab_of",
+]
 
 _STILL_WIDTH = 480  # px
 _SIZE = re.compile(r'viewBox="0 0 ([\d.]+) ([\d.]+)"')
@@ -191,6 +203,20 @@ class Lab(Part):
 
     def __repr__(self) -> str:
         return f"<Lab of {self.session!r}>"
+
+
+_labs: WeakValueDictionary[PageConnection, Lab] = WeakValueDictionary()
+
+
+def lab_of(connection: PageConnection) -> Lab:
+    """Return the lab in which the cells of a program show it: the same one whenever they run again.
+
+    Kernel and page keep every widget until it is closed, so one for each run would cost more and more memory.
+    """
+    lab = _labs.get(connection)
+    if lab is None or lab.comm is None:
+        lab = _labs[connection] = Lab(connection.session)
+    return lab
 
 
 class StateGraph(Part):

@@ -24,7 +24,7 @@ from lrp_jupyter.language.checks import check
 from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.lab import Lab
+from lrp_jupyter.widgets.lab import Lab, lab_of
 
 __all__ = ["LRPMagics", "completions", "open_body"]
 
@@ -109,8 +109,7 @@ class LRPMagics(Magics):
         bridge = options.pop("bridge", None)
         if options.get("world") and bridge not in (None, "sim"):
             raise UsageError(f"%%lrp: `--world` is for the simulator; `{bridge}` has its own.")
-        connection = registry.open_program(name, cell, bridge, namespace=self._names, **options)
-        return Lab(connection.session)
+        return lab_of(registry.open_program(name, cell, bridge, namespace=self._names, **options))
 
     def _line(self, line: str) -> object:
         word, *rest = line.split() or [""]
@@ -123,8 +122,9 @@ class LRPMagics(Magics):
         action = WORDS.get(word)
         if action is not None:
             return action(self, rest)
-        if len(rest) == 0 and registry.find(word) is not None:
-            return Lab(word)
+        found = registry.find(word)
+        if len(rest) == 0 and found is not None:
+            return lab_of(found)
         listed = ", ".join(f"`{name}`" for name in registry.names()) or "none"
         hint = did_you_mean(word, [*WORDS, *registry.names()])
         raise UsageError(
@@ -144,7 +144,7 @@ class LRPMagics(Magics):
 
     def show(self, rest: list[str]) -> Lab:
         """Show the lab of a program again."""
-        return Lab(_the(rest).session)
+        return lab_of(_the(rest))
 
     def new(self, rest: list[str]) -> Lab:
         """Open a bundled program."""
@@ -156,7 +156,7 @@ class LRPMagics(Magics):
         text = programs.load(name)
         world = programs.heading(text).world
         options: dict[str, Any] = {"world": world} if world in BUNDLED else {}
-        return Lab(registry.open_program(name, text, namespace=self._names, **options).session)
+        return lab_of(registry.open_program(name, text, namespace=self._names, **options))
 
     def examples(self, rest: list[str]) -> None:
         """List the bundled programs and worlds."""

@@ -12,7 +12,7 @@ import lrp_jupyter
 from lrp_jupyter import Editor, Lab, Session, SimView, StateGraph, UnknownElementError, parse
 from lrp_jupyter.bridges.bridge import Bridge, BridgeError
 from lrp_jupyter.widgets import registry
-from lrp_jupyter.widgets.lab import Part
+from lrp_jupyter.widgets.lab import Part, lab_of
 
 PROGRAM = """
 (var box := [[1]])
@@ -110,6 +110,13 @@ def test_closing_ends_the_run_and_the_next_lab_starts_again(make):
     lab.close()
     assert lab.session.status == "closed"
     assert make(PROGRAM).session.status == "running"
+
+
+def test_cells_show_one_lab_of_a_program_until_it_is_closed(make):
+    lab = lab_of(make(PROGRAM)._connection)
+    assert lab_of(lab._connection) is lab
+    Part.close(lab)
+    assert lab_of(lab._connection) is not lab
 
 
 def test_a_part_that_is_closed_leaves_the_program_running(make):

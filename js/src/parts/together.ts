@@ -1,6 +1,6 @@
 /**
  * Single parts of one session in one page show the same machine, and a click in one finds the source
- * in another. Modules are not shared between widgets, so they communicate through the document.
+ * in another. They communicate through the document.
  */
 
 import type { ElementKind, TextRange } from "../protocol";
