@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 __all__ = [
     "BridgeError",
     "Edit",
+    "FileError",
     "Finding",
     "Fix",
     "LRPError",
@@ -107,6 +108,10 @@ class SessionTimeoutError(LRPError, TimeoutError):
 
 class BridgeError(LRPError):
     """A bridge cannot reach its robot, or rejects a command."""
+
+
+class FileError(LRPError, OSError):
+    """A file cannot be written; the message gives the reason."""
 
 
 class NoDataYet(LRPError):  # noqa: N818  (not an error: the reading has not arrived yet)

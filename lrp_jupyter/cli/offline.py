@@ -14,6 +14,7 @@ from rich.text import Text
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
 from lrp_jupyter.cli.source import UnreadableError, read_source
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program, path_text
@@ -87,7 +88,7 @@ def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path
     if output is None:
         sys.stdout.write(picture)
     else:
-        output.write_text(picture, encoding="utf-8")
+        write_file(output, picture)
     return 0
 
 

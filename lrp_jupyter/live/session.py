@@ -50,6 +50,7 @@ from typing import Any, Literal, Self
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.errors import LRPError, SessionTimeoutError, ended
+from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -427,8 +428,14 @@ class Session:
             return (Finding("LRP699", "warning", message, 1, 1, 1, 1),)
 
     def save(self, path: str | FilePath) -> None:
-        """Write the text to a file, with its own line ends."""
-        FilePath(path).write_bytes(self._text.encode())
+        """Write the text to a file, with its own line ends: as a whole or not at all.
+
+        Raises
+        ------
+        FileError
+            It cannot be written.
+        """
+        write_file(path, self._text)
 
     def rename(self, kind: str, path: str | Path, new_name: str) -> str:
         """Rename an element with all its references; nothing restarts. Return the new text.

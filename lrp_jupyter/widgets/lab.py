@@ -19,6 +19,7 @@ import traitlets
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError, UnknownElementError
+from lrp_jupyter.files import write_file
 from lrp_jupyter.graph.still import draw
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.parser import scan
@@ -193,8 +194,14 @@ class Lab(Part):
         return self._connection.fault or self.session.fault
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the text to a file."""
-        FilePath(path).write_bytes(self.text.encode())
+        """Write the text to a file, as a whole or not at all.
+
+        Raises
+        ------
+        FileError
+            It cannot be written.
+        """
+        write_file(path, self.text)
 
     def close(self) -> None:
         """Stop robot, program and threads, and close the page's connection. A second call does nothing."""

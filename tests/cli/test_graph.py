@@ -59,4 +59,6 @@ def test_a_text_that_is_not_a_program_is_not_drawn(lrp, program):
 def test_an_output_that_cannot_be_written_is_a_sentence(lrp, tmp_path):
     result = lrp("graph", "follower", "-o", tmp_path / "no" / "g.svg")
     assert result.exit_code == 2
-    assert result.stderr == f"lrp: `{tmp_path / 'no' / 'g.svg'}`: No such file or directory.\n"
+    assert (
+        result.stderr == f"lrp: `{tmp_path / 'no' / 'g.svg'}` cannot be written: No such file or directory.\n"
+    )

@@ -27,7 +27,8 @@ from typing import Any, Literal
 
 from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.ros.definitions import KNOWN, canonical
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, FileError
+from lrp_jupyter.files import write_file
 
 __all__ = [
     "Direction",
@@ -212,13 +213,10 @@ def save_setup(path: str | os.PathLike[str], wires: Iterable[Wire]) -> None:
     BridgeError
         The file cannot be written.
     """
-    target = Path(path)
-    beside = target.with_name(f".{target.name}.new")
     try:
-        beside.write_text(json.dumps(setup_as_dict(wires), indent=2) + "\n", encoding="utf-8")
-        beside.replace(target)
-    except OSError as error:
-        raise BridgeError(f"The set-up {path} cannot be written: {error.strerror or error}.") from error
+        write_file(path, json.dumps(setup_as_dict(wires), indent=2) + "\n")
+    except FileError as error:
+        raise BridgeError(f"The set-up was not saved. {error}") from error
 
 
 def parse_address(host: str | None, port: int | str | None, default: int) -> tuple[str, int]:

@@ -1,0 +1,96 @@
+"""Files of a user: written as a whole or not at all, and never through a link.
+
+A text is written beside its file, under a new random name, and then put in the file's place. Whoever prepared
+the folder (it may come from elsewhere) cannot redirect the writing to another file, and a full disk leaves
+the old file as it was.
+"""
+
+from __future__ import annotations
+
+import os
+import secrets
+import stat
+from contextlib import suppress
+from pathlib import Path
+
+from lrp_jupyter.errors import FileError, ended
+
+__all__ = ["read_file", "shown", "write_file"]
+
+_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
+_LARGEST = 32_000_000  # bytes that are read
+
+
+def write_file(path: str | os.PathLike[str], text: str) -> None:
+    """Write a text to a file, as a whole or not at all; a link is replaced, not followed.
+
+    Raises
+    ------
+    FileError
+        It cannot be written; the message gives the reason.
+    """
+    file = Path(path)
+    try:
+        data = text.encode()
+    except UnicodeEncodeError as error:
+        line = text.count("\n", 0, error.start) + 1
+        raise FileError(
+            f"`{shown(path)}` cannot be written: Line {line} contains half a character "
+            f"(`U+{ord(text[error.start]):04X}`), which no file can hold. Delete it there."
+        ) from None
+    try:
+        mode = _mode_of(file)
+        beside = file.with_name(f".{secrets.token_hex(8)}.lrp~")
+        handle = os.open(beside, _FLAGS, 0o666)
+        try:
+            with os.fdopen(handle, "wb") as stream:
+                stream.write(data)
+            if mode is not None:
+                os.chmod(beside, mode)
+            os.replace(beside, file)
+        except BaseException:
+            with suppress(OSError):
+                os.unlink(beside)
+            raise
+    except FileError:
+        raise
+    except OSError as error:
+        reason = ended(error.strerror or str(error))
+        raise FileError(f"`{shown(path)}` cannot be written: {reason}") from error
+    except ValueError:
+        raise FileError(f"`{shown(path)}` cannot be the name of a file. Choose another name.") from None
+
+
+def _mode_of(file: Path) -> int | None:
+    """Return the permissions of the file that is replaced; None if there is none, or a link."""
+    try:
+        if not stat.S_ISREG(os.stat(file).st_mode):  # a directory, or a device such as /dev/null
+            raise FileError(f"`{shown(file)}` exists and is not a file. Choose another name.")
+        mode = os.lstat(file).st_mode
+    except FileNotFoundError:
+        return None
+    if not stat.S_ISREG(mode):
+        return None
+    if not mode & 0o222:
+        raise FileError(f"`{shown(file)}` is write-protected. Choose another name.")
+    return stat.S_IMODE(mode)
+
+
+def read_file(path: str | os.PathLike[str]) -> str | None:
+    """Return the text of a regular file; None if it is missing, a link, not a text or too large."""
+    flags = os.O_RDONLY | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_NONBLOCK", 0)
+    try:
+        handle = os.open(path, flags | getattr(os, "O_BINARY", 0))
+        with os.fdopen(handle, "rb") as stream:
+            status = os.fstat(handle)
+            if not stat.S_ISREG(status.st_mode) or status.st_size > _LARGEST:
+                return None
+            return stream.read(_LARGEST).decode()
+    except (OSError, ValueError):
+        return None
+
+
+def shown(path: str | os.PathLike[str]) -> str:
+    """Return a path as a message shows it: without control characters, and not endless."""
+    text = "".join(each if each.isprintable() else f"<U+{ord(each):04X}>" for each in os.fspath(path))
+    return text if len(text) <= 120 else f"{text[:60]}…{text[-58:]}"
