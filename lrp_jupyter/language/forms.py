@@ -66,6 +66,7 @@ def _grammar() -> Lark:
 
 _LARK = _grammar()
 _REPEATABLE = frozenset(["BLOCK", *(f"{keyword.upper()}_FORM" for keyword in USAGE)])
+_SINGLE = frozenset({"VAR", "EVENT"})  # forms with one block
 
 
 @lru_cache(maxsize=4096)
@@ -89,7 +90,7 @@ def shape_of(types: tuple[str, ...]) -> Shape | Mistake | None:
 def _short(types: tuple[str, ...]) -> tuple[str, ...]:
     """Return the types without repeated blocks and forms, so that few distinct sequences reach lark."""
     head = next((index for index, kind in enumerate(types) if kind in _REPEATABLE), None)
-    if head is None or len(types) - head < 2:
+    if head is None or len(types) - head < 2 or types[0] in _SINGLE:
         return types
     tail = set(types[head:])
     return (*types[:head], *sorted(tail)) if tail <= _REPEATABLE else types

@@ -5,7 +5,9 @@ from __future__ import annotations
 from bisect import bisect_right
 from typing import NamedTuple
 
+from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.repair import Bracket, repair
+from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of
 
 __all__ = ["DEEPEST", "Matching", "match"]
@@ -16,16 +18,13 @@ DEEPEST = 100
 _BRACKETS = frozenset({"OPEN", "CLOSE"})
 _LEGAL = {keyword: LEGAL.get(keyword, frozenset()) for keyword in KEYWORDS} | LEGAL
 
-Remark = tuple[int, int, str, str]
-"""A finding with offsets instead of lines: start, end, code, message."""
-
 
 class Matching(NamedTuple):
     """How to interpret the brackets of forms; each is identified by the index of its token.
 
     Parameters
     ----------
-    findings : list of Remark
+    findings : list of Diagnosis
     extra : frozenset of int
         Closing brackets to ignore.
     lost : frozenset of int
@@ -36,7 +35,7 @@ class Matching(NamedTuple):
         Whether forms are nested too deeply to parse the text.
     """
 
-    findings: list[Remark]
+    findings: list[Diagnosis]
     extra: frozenset[int] = frozenset()
     lost: frozenset[int] = frozenset()
     closing: dict[int, int] = {}  # noqa: RUF012  (never changed)
@@ -52,7 +51,7 @@ def match(text: str, starts: list[int], tokens: list[Token]) -> Matching:
             keyword = keyword_of(text, token)
             if len(around) > DEEPEST:
                 message = f"Forms are nested too deeply here. Nest at most {DEEPEST}."
-                return Matching([(token[1], token[2], "LRP111", message)], too_deep=True)
+                return Matching([Diagnosis(token[1], token[2], "LRP111", message)], too_deep=True)
             if keyword not in _LEGAL.get(around[-1], KEYWORDS) and keyword in KEYWORDS:
                 sound = False
             around.append(keyword)
@@ -82,13 +81,15 @@ def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
         indices.append(index)
         sequence.append(Bracket(keyword, column, len(before) - len(before.lstrip()), kind == "NAME"))
     found = repair(sequence)
-    findings: list[Remark] = []
+    findings: list[Diagnosis] = []
     for position in found.extra:
         _, start, end = tokens[indices[position]]
-        findings.append((start, end, "LRP102", "Unmatched `)`: there is no open form here. Remove it."))
+        message = "Unmatched `)`: there is no open form here. Remove it."
+        findings.append(Diagnosis(start, end, "LRP102", message, (Edit(start, end, ""),)))
     for position in found.lost:
         _, start, end = tokens[indices[position]]
-        findings.append((start, end, "LRP101", f"A `(` is missing before `{text[start:end]}`. Insert it."))
+        message = f"A `(` is missing before `{text[start:end]}`. Insert it."
+        findings.append(Diagnosis(start, end, "LRP101", message, (Edit(start, start, "("),)))
     closing: dict[int, int] = {}
     indices.append(len(tokens))
     for position, before_position in found.unclosed:
@@ -102,6 +103,6 @@ def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
         what = f"`({keyword}`" if keyword else "`(`"
         line = bisect_right(starts, last_end)
         message = f"This {what} is not closed. Put its `)` at the end of line {line}."
-        findings.append((start, end, "LRP101", message))
+        findings.append(Diagnosis(start, end, "LRP101", message, (Edit(last_end, last_end, ")"),)))
     extra, lost = (frozenset(indices[position] for position in part) for part in found[:2])
     return Matching(findings, extra, lost, closing)

@@ -14,12 +14,13 @@ from difflib import get_close_matches
 from itertools import groupby
 from keyword import iskeyword
 
-from lrp_jupyter.errors import LRPSyntaxError
+from lrp_jupyter.errors import Edit, LRPSyntaxError
 from lrp_jupyter.language import nodes
 from lrp_jupyter.language.blocks import facts_of
 from lrp_jupyter.language.forms import USAGE, Mistake, Shape, expected_text, shape_of
 from lrp_jupyter.language.matching import Matching, match
 from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
+from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
 from lrp_jupyter.language.triggers import FORMS, Epsilon
 
@@ -76,7 +77,7 @@ class _Reader:
         self.filename = filename
         self.starts = line_starts(text)
         self.line = 1  # of the last block parsed
-        self.findings: list[tuple[int, int, str, str]] = []
+        self.findings: list[Diagnosis] = []
 
     def read(self) -> tuple[Program | None, tuple[Finding, ...]]:
         """Return the program, or None and the findings."""
@@ -88,13 +89,13 @@ class _Reader:
             return program, ()
         place = Program(text=self.text).place
         return None, tuple(
-            Finding(code, "error", message, *place(start), *place(end))
-            for start, end, code, message in sorted(set(self.findings))
+            Finding(found.code, "error", found.message, *place(found.start), *place(found.end), found.fix)
+            for found in sorted(set(self.findings))
         )
 
-    def report(self, start: int, end: int, code: str, message: str) -> None:
-        """Register an error at a range of the text."""
-        self.findings.append((start, end, code, message))
+    def report(self, start: int, end: int, code: str, message: str, *edits: Edit) -> None:
+        """Register an error at a range of the text, with the edits that certainly repair it."""
+        self.findings.append(Diagnosis(start, end, code, message, edits))
 
     def _build(self, tokens: list[Token], matching: Matching) -> Program:
         _, extra, lost, closing, _ = matching
@@ -144,17 +145,17 @@ class _Reader:
     def _broken(self, kind: str, word: str, start: int, end: int) -> None:
         if kind == "UNCLOSED":
             message = "This `[` is not closed. Put its `]` after the Python that it opens."
-            self.report(start, start + 1, "LRP103", message)
+            self.report(start, start + 1, "LRP103", message, Edit(end, end, "]"))
         elif kind == "UNOPENED":
             message = "A `[` is missing here, before the Python that ends with `]`. Insert it."
-            self.report(start, start + 1, "LRP103", message)
+            self.report(start, start + 1, "LRP103", message, Edit(start, start, "["))
         else:
             what = (
                 "Unmatched `]`: there is no open block here"
                 if word == "]"
                 else f"`{word}` is not part of the language"
             )
-            self.report(start, end, "LRP104", f"{what}. Remove it.")
+            self.report(start, end, "LRP104", f"{what}. Remove it.", Edit(start, end, ""))
 
     def _integer(self, word: str, start: int, end: int) -> int:
         if word.isascii() and word.isdecimal() and len(word) < 16:

@@ -7,9 +7,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import NamedTuple
 
+from lrp_jupyter.errors import Edit, Fix
 from lrp_jupyter.language.suites import parse_block
 
-__all__ = ["NOWHERE", "Block", "Name", "Span"]
+__all__ = ["NOWHERE", "Block", "Diagnosis", "Name", "Span"]
 
 
 class Span(NamedTuple):
@@ -20,6 +21,30 @@ class Span(NamedTuple):
 
 
 NOWHERE = Span(0, 0)
+
+
+class Diagnosis(NamedTuple):
+    """An error of a text, with offsets instead of lines, and the edits that certainly repair it."""
+
+    start: int
+    end: int
+    code: str
+    message: str
+    edits: tuple[Edit, ...] = ()
+
+    @property
+    def fix(self) -> Fix | None:
+        """The fix with its title, or None."""
+        return Fix(_title(self.edits), self.edits) if self.edits else None
+
+
+def _title(edits: tuple[Edit, ...]) -> str:
+    """Return what edits do, in the imperative."""
+    new = " … ".join(dict.fromkeys(filter(None, (" ".join(edit.text.split()) for edit in edits))))
+    if not new:
+        return "Remove it"
+    verb = "Change to" if any(edit.start < edit.end for edit in edits) else "Insert"
+    return f"{verb} `{new if len(new) <= 60 else new[:59] + '…'}`"
 
 
 class Name(str):

@@ -432,3 +432,8 @@ def test_every_form_can_be_written_as_in_its_usage() -> None:
         for inner in ("state", "on", "ontime", "eps", "exit"):
             around[inner] = "(machine m {})"
         parse(around.get(keyword, "{}").format(form))
+
+
+@pytest.mark.parametrize("form", ["(event e [True] [False])", "(var e := [1] [2])"])
+def test_a_second_block_in_a_form_that_has_one_is_an_error(form: str) -> None:
+    assert places(form) == [("LRP108", 1, form.rindex("[") + 1)]
