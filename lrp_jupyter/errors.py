@@ -88,7 +88,10 @@ class LRPSyntaxError(LRPError):
 
     def __init__(self, findings: tuple[Finding, ...]) -> None:
         self.findings = findings
-        super().__init__("\n".join(str(finding) for finding in findings))
+        super().__init__(findings)  # all that pickle and copy pass to this function again
+
+    def __str__(self) -> str:
+        return "\n".join(map(str, self.findings))
 
 
 class UnknownElementError(LRPError, KeyError):
