@@ -194,8 +194,9 @@ class _Linker:
     def link(self) -> Plan:
         plan, names = self.plan, self.names
         top = names.top
-        for repeat in names.repeats:  # none of their blocks is run, so no run resolves their issue
-            plan.duplicates += (Site(repeat.element, -1, repeat.again.span.start),)
+        plan.duplicates = tuple(  # none of their blocks is run, so no run resolves their issue
+            [Site(repeat.element, -1, repeat.again.span.start) for repeat in names.repeats]
+        )
         for scope in names.scopes:
             if scope.noun is not None:
                 outer = self.machines.get(scope.outer) if scope.outer else None
@@ -221,7 +222,12 @@ class _Linker:
 
     def _fill(self, scope: Scope, machine: MachinePlan) -> None:
         """Link the states and transitions of a machine."""
-        edges = [self._edge(arrow) for arrow in self.names.arrows[scope]]
+        leaving: dict[str, list[EdgePlan]] = {name: [] for name in scope.states}
+        for arrow in self.names.arrows[scope]:
+            edge = self._edge(arrow)
+            for source in leaving if edge.noun.wildcard else dict.fromkeys(map(str, edge.noun.sources)):
+                if source in leaving and edge.noun.leaves(source):
+                    leaving[source].append(edge)
         for name, noun in scope.states.items():
             path = (*scope.path, name)
             state = machine.states[name] = StatePlan(name, path, noun)
@@ -233,7 +239,7 @@ class _Linker:
                 state.running = self._blocks(Element("running", path))
             if noun.onexit:
                 state.onexit = self._blocks(Element("onexit", path))
-            state.edges = tuple([edge for edge in edges if edge.noun.leaves(name)])
+            state.edges = tuple(leaving[name])
             inside = scope.machines.get(name, {})
             state.machines = {inner: self.machines[found] for inner, found in inside.items()}
 

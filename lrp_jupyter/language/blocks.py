@@ -292,7 +292,7 @@ def compile_block(block: Block, names: Collection[str], filename: str, name: str
         For what the parser cannot know: a `nonlocal` whose variable was removed. `lineno` is the program's.
     """
     prefix = len(block.prefix.encode("utf-8", "replace"))
-    seen = frozenset(_words(block.text).intersection(names))
+    seen = frozenset([word for word in _words(block.text) if word in names])
     try:
         return _placed(block.text, prefix, seen, block.line, filename, name)
     except SyntaxError as error:

@@ -13,6 +13,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import islice
 from typing import Literal, NamedTuple, TypeVar
 
 from lrp_jupyter.language.program import (
@@ -341,14 +342,11 @@ class Resolution:
         found: dict[Element, tuple[PlacedBlock, ...]] = {}
         for scope in self.scopes:
             path, visible = scope.path, scope.visible
-            before = scope.outer.visible if scope.outer else {}
-            for (
-                name,
-                variable,
-            ) in scope.variables.items():  # only earlier variables are visible to an initialiser
+            places = {name: place for place, name in enumerate(scope.variables)}
+            for name, variable in scope.variables.items():
                 element = Element("variable", (*path, name))
+                before = _Earlier(scope, places, places[name])
                 found[element] = (PlacedBlock(element, 0, variable.initial, "initialiser", scope, before),)
-                before = {**before, name: scope}
             for name, event in scope.events.items():
                 element = Element("event", (*path, name))
                 found[element] = (PlacedBlock(element, 0, event.condition, "condition", scope, visible),)
@@ -400,6 +398,30 @@ def resolve(program: Program) -> Resolution:
     if found is None:
         found = kept["_resolution"] = Resolution(program)
     return found
+
+
+class _Earlier(Mapping[str, Scope]):
+    """The variables visible to an initialiser: those outside its scope, and the earlier ones of its own.
+
+    A view, because a copy for each of 10,000 variables would be fifty million entries.
+    """
+
+    def __init__(self, scope: Scope, places: Mapping[str, int], end: int) -> None:
+        self._scope = scope
+        self._outside: Mapping[str, Scope] = scope.outer.visible if scope.outer else {}
+        self._places = places
+        self._end = end
+
+    def __getitem__(self, name: str) -> Scope:
+        return self._scope if self._places.get(name, self._end) < self._end else self._outside[name]
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self._outside
+        earlier = islice(self._places, self._end)
+        yield from (name for name in earlier if name not in self._outside)
+
+    def __len__(self) -> int:
+        return sum(1 for _ in self)
 
 
 def _actions(
