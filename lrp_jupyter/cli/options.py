@@ -16,7 +16,7 @@ import typer
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.blocks import facts_of
-from lrp_jupyter.language.program import Block, Machine, Path, Program, State, Variable, path_text
+from lrp_jupyter.language.program import Machine, Path, Program, State, Variable, path_text
 
 __all__ = ["Assignment", "RunOptions", "parse_options", "with_initials"]
 
@@ -141,8 +141,7 @@ def with_initials(program: Program, assignments: Sequence[Assignment]) -> Progra
         path = _full_path(program, variable)
 
         def changed(old: Variable, text: str = expression) -> Variable:
-            block = Block(text, old.initial.span, old.initial.line, old.initial.column, old.initial.prefix)
-            return replace(old, initial=block)
+            return replace(old, initial=replace(old.initial, text=text))
 
         if len(path) == 1:
             program = replace(program, variables=_changed(program.variables, path[0], changed))

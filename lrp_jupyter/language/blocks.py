@@ -291,10 +291,9 @@ def compile_block(block: Block, names: Collection[str], filename: str, name: str
     SyntaxError
         For what the parser cannot know: a `nonlocal` whose variable was removed. `lineno` is the program's.
     """
-    prefix = len(block.prefix.encode("utf-8", "replace"))
     seen = frozenset([word for word in _words(block.text) if word in names])
     try:
-        return _placed(block.text, prefix, seen, block.line, filename, name)
+        return _placed(block.text, block.before, seen, block.line, filename, name)
     except SyntaxError as error:
         error.lineno = (error.lineno or 1) + block.line - 1
         error.end_lineno = (error.end_lineno or 1) + block.line - 1
@@ -324,8 +323,8 @@ def _words(text: str) -> frozenset[str]:
 
 
 @lru_cache(maxsize=20_000)
-def _placed(text: str, prefix: int, names: frozenset[str], line: int, filename: str, name: str) -> CodeType:
-    code = _moved(_function(text, prefix, names), line - 1, filename)
+def _placed(text: str, before: int, names: frozenset[str], line: int, filename: str, name: str) -> CodeType:
+    code = _moved(_function(text, before, names), line - 1, filename)
     return code.replace(co_name=name, co_qualname=name)
 
 
@@ -347,8 +346,8 @@ def _moved(code: CodeType, lines: int, filename: str) -> CodeType:
 
 
 @lru_cache(maxsize=20_000)
-def _function(text: str, prefix: int, names: frozenset[str]) -> CodeType:
-    """Compile a block whose first line has `prefix` bytes before it; its lines count from 1."""
+def _function(text: str, before: int, names: frozenset[str]) -> CodeType:
+    """Compile a block whose first line has so many bytes before it; its lines count from 1."""
     tree, suite = parse_suite(text)  # not the cached one, because it is modified
     assigned = sorted(read(text).uses.scope.bound & names)
     body: list[ast.stmt] = (
@@ -362,7 +361,7 @@ def _function(text: str, prefix: int, names: frozenset[str]) -> CodeType:
     inner: ast.FunctionDef = outer.body[0]  # type: ignore[assignment]
     outer.args.args = [ast.arg(name, lineno=1, col_offset=0) for name in sorted(names | {"robot", "print"})]
     above = suite.header.count("\n")
-    columns = prefix + suite.skipped - len(suite.indent)
+    columns = before + suite.skipped - len(suite.indent)
     for statement in body:
         _move(statement, above, columns)
     inner.lineno = 1

@@ -76,7 +76,8 @@ class _Reader:
         self.text = text
         self.filename = filename
         self.starts = line_starts(text)
-        self.line = 1  # of the last block parsed
+        self.line = 1  # of the last block parsed …
+        self.content = self.before = 0  # … its offset, and the bytes before that in its line
         self.findings: list[Diagnosis] = []
 
     def read(self) -> tuple[Program | None, tuple[Finding, ...]]:
@@ -179,9 +180,11 @@ class _Reader:
         self.line = line
         content = start + 1
         line_start = starts[line - 1]
-        block = Block(
-            word[1:-1], Span(start, end), line, content - line_start + 1, self.text[line_start:content]
-        )
+        if self.content < line_start:
+            self.content, self.before = line_start, 0
+        self.before += len(self.text[self.content : content].encode("utf-8", "replace"))
+        self.content = content
+        block = Block(word[1:-1], Span(start, end), line, content - line_start + 1, self.before)
         empty, fault, declared = facts_of(block.text)
         if empty:
             form.empty = True

@@ -83,15 +83,15 @@ class Block:
         Both brackets included.
     line, column : int
         Position of the first character after the opening bracket, from 1; columns in characters.
-    prefix : str
-        The text before that character in its line (positions inside a block depend on it).
+    before : int
+        Bytes (UTF-8) before that character in its line: Python counts columns so.
     """
 
     text: str
     span: Span = NOWHERE
     line: int = 1
     column: int = 1
-    prefix: str = ""
+    before: int = 0
 
     @property
     def meaning(self) -> str:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -165,7 +166,7 @@ def test_nouns_know_their_places() -> None:
     ]
     assert state.name == "U"  # the same identifier, as Python sees it
     second = state.running[1]
-    assert (text[slice(*second.span)], second.line, second.column, second.prefix) == ("[2]", 2, 3, " [")
+    assert (text[slice(*second.span)], second.line, second.column, second.before) == ("[2]", 2, 3, 2)
 
 
 def test_only_layout_and_comments_differ_between_equal_programs() -> None:
@@ -437,3 +438,17 @@ def test_every_form_can_be_written_as_in_its_usage() -> None:
 @pytest.mark.parametrize("form", ["(event e [True] [False])", "(var e := [1] [2])"])
 def test_a_second_block_in_a_form_that_has_one_is_an_error(form: str) -> None:
     assert places(form) == [("LRP108", 1, form.rindex("[") + 1)]
+
+
+def test_a_long_line_is_not_copied_for_each_block_in_it():
+    def occupied(blocks: int) -> int:
+        text = f"(machine m (state a {'(running [x = 1]) ' * blocks}))"
+        scan(text)  # fills the caches
+        tracemalloc.start()
+        try:
+            scan(text)
+            return tracemalloc.get_traced_memory()[1]
+        finally:
+            tracemalloc.stop()
+
+    assert occupied(2000) < 6 * occupied(500)
