@@ -345,7 +345,7 @@ class Resolution:
             places = {name: place for place, name in enumerate(scope.variables)}
             for name, variable in scope.variables.items():
                 element = Element("variable", (*path, name))
-                before = _Earlier(scope, places, places[name])
+                before = _EarlierVariables(scope, places, places[name])
                 found[element] = (PlacedBlock(element, 0, variable.initial, "initialiser", scope, before),)
             for name, event in scope.events.items():
                 element = Element("event", (*path, name))
@@ -400,7 +400,7 @@ def resolve(program: Program) -> Resolution:
     return found
 
 
-class _Earlier(Mapping[str, Scope]):
+class _EarlierVariables(Mapping[str, Scope]):
     """The variables visible to an initialiser: those outside its scope, and the earlier ones of its own.
 
     A view, because a copy for each of 10,000 variables would be fifty million entries.
