@@ -15,7 +15,7 @@ from typing import Any, Literal, NamedTuple
 import typer
 
 from lrp_jupyter.errors import UnknownElementError
-from lrp_jupyter.language.blocks import facts_of
+from lrp_jupyter.language.blocks import facts_of, faults_of
 from lrp_jupyter.language.program import Machine, Path, Program, State, Variable, path_text
 
 __all__ = ["Assignment", "RunOptions", "parse_options", "with_initials"]
@@ -116,8 +116,8 @@ def _number(text: str, option: str, what: str = "a number") -> float:
 
 def _assignment(name: str, text: str) -> Assignment:
     facts = facts_of(text)
-    if facts.empty or facts.fault is not None:
-        why = facts.fault.message if facts.fault is not None else "It is empty."
+    if facts.empty or not facts.valid:
+        why = "It is empty." if facts.valid else faults_of(text)[0].message
         raise typer.BadParameter(f"--set {name}: `{text}` is not a valid Python expression: {why}")
     return Assignment(tuple(name.strip("/").split("/")), text)
 

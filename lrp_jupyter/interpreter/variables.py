@@ -11,7 +11,7 @@ from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.journal import undo_write
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Environment, bind_code
-from lrp_jupyter.language.blocks import compile_block, facts_of
+from lrp_jupyter.language.blocks import compile_block, facts_of, faults_of
 from lrp_jupyter.language.program import Block, Path, path_text
 
 __all__ = ["VariableMapping", "as_path", "assign", "find_variable"]
@@ -81,9 +81,8 @@ def assign(run: Run, path: Path | str, expression: str) -> None:
     """
     environment, name = find_variable(run, path)
     text = expression.strip()
-    fault = facts_of(text).fault
-    if fault is not None:
-        raise SyntaxError(fault.message)
+    if not facts_of(text).valid:
+        raise SyntaxError(faults_of(text)[0].message)
     ast.parse(text, "<expression>", "eval")  # an expression, not statements
     code = compile_block(Block(text), frozenset(environment.visible), "<expression>")
     value = bind_code(run, code, environment.visible)()

@@ -22,8 +22,10 @@ from types import CellType, CodeType, FunctionType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.language.names import Offsets, Uses, normal, uses
-from lrp_jupyter.language.program import Block, line_starts
+from lrp_jupyter.language.program import Block
 from lrp_jupyter.language.scanner import block_end
+from lrp_jupyter.language.slips import explain, fault_of
+from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.suites import Suite, children, no_warnings, parse_block, parse_suite
 
 __all__ = [
@@ -35,6 +37,7 @@ __all__ = [
     "block_names",
     "compile_block",
     "facts_of",
+    "faults_of",
     "parse_block",
     "read",
 ]
@@ -56,14 +59,6 @@ _FUNCTIONS = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda)
 _DEFINITIONS = (*_FUNCTIONS, ast.ClassDef)
 
 
-class BlockFault(NamedTuple):
-    """An error in a block: a sentence and a range of the block's text."""
-
-    message: str
-    start: int
-    end: int
-
-
 class Declared(NamedTuple):
     """A name in a `global` statement, and its range in the block's text."""
 
@@ -73,10 +68,10 @@ class Declared(NamedTuple):
 
 
 class BlockFacts(NamedTuple):
-    """Facts about a block that the parser needs, derived from its text alone."""
+    """Facts about a block that the parser needs; `valid`: whether it is Python."""
 
     empty: bool
-    fault: BlockFault | None
+    valid: bool
     globals: tuple[Declared, ...]
 
 
@@ -111,19 +106,35 @@ _read_short = lru_cache(maxsize=1024)(_read)
 
 @lru_cache(maxsize=20_000)
 def facts_of(text: str) -> BlockFacts:
-    """Return whether a block is empty or not valid Python, and what it declares `global`."""
+    """Return whether a block is empty, whether it is valid Python, and what it declares `global`."""
     try:
         tree, suite, source, found = read(text)
-        fault = None
         if not _is_simple(tree, source):
-            fault = _generator_fault(tree, suite, source)
-            if fault is None:
-                _check(text, frozenset().union(*(use.scope.outer_names for use in found.found)))
-    except SyntaxError as error:
-        return BlockFacts(False, _fault(text, error), ())
+            if _generator_fault(tree, suite, source):
+                return BlockFacts(False, False, ())
+            _check(text, frozenset().union(*(use.scope.outer_names for use in found.found)))
+    except SyntaxError:
+        return BlockFacts(False, False, ())
     shift = suite.shift
     places = [Declared(name, start + shift, start + shift + len(name)) for name, start in found.global_places]
-    return BlockFacts(not tree.body, fault, tuple(places))
+    return BlockFacts(not tree.body, True, tuple(places))
+
+
+@lru_cache(maxsize=512)
+def faults_of(text: str, line: int = 1, column: int = 0, is_condition: bool = False) -> tuple[Diagnosis, ...]:
+    """Return the errors of a block that is not valid Python, as `explain` does."""
+    try:
+        tree, suite, source, found = read(text)
+    except SyntaxError:
+        return explain(text, line, column, is_condition)
+    fault = _generator_fault(tree, suite, source)
+    if fault is not None:
+        return (fault,)
+    try:
+        _check(text, frozenset().union(*(use.scope.outer_names for use in found.found)))
+    except SyntaxError as error:
+        return (fault_of(error, text, line),)
+    return ()
 
 
 def _is_simple(tree: ast.Module, source: str) -> bool:
@@ -232,7 +243,7 @@ def _check(text: str, names: frozenset[str]) -> None:
         raise
 
 
-def _generator_fault(tree: ast.Module, suite: Suite, source: str) -> BlockFault | None:
+def _generator_fault(tree: ast.Module, suite: Suite, source: str) -> Diagnosis | None:
     """Return the fault of a `yield` or `await` that would make the block a generator or coroutine."""
     nodes: list[ast.AST] = [*tree.body]
     for node in nodes:  # grows while it is walked
@@ -240,7 +251,7 @@ def _generator_fault(tree: ast.Module, suite: Suite, source: str) -> BlockFault 
             word = "await" if isinstance(node, ast.Await) else "yield"
             message = f"`{word}` is not allowed in a block. Use it only inside a `def`."
             start = Offsets(source).start_of(node) + suite.shift
-            return BlockFault(message, start, start + len(word))
+            return Diagnosis(start, start + len(word), "LRP501", message)
         nodes += _outside(node) if isinstance(node, _FUNCTIONS) else children([node])
     return None
 
@@ -251,21 +262,6 @@ def _outside(node: ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda) -> Itera
     if not isinstance(node, ast.Lambda):
         yield from node.decorator_list
         yield from filter(None, [node.returns])
-
-
-_QUOTED = re.compile(r"'([^' ]+)'")
-
-
-def _fault(text: str, error: SyntaxError) -> BlockFault:
-    starts = line_starts(text)
-
-    def offset(line: int, column: int) -> int:
-        return min(starts[min(line, len(starts)) - 1] + column - 1, len(text))
-
-    start = offset(error.lineno or 1, error.offset or 1)
-    end = max(offset(error.end_lineno or 1, error.end_offset or 1), min(start + 1, len(text)))
-    message = _QUOTED.sub(r"`\1`", error.msg)
-    return BlockFault(f"This block is not valid Python: {message}.", start, end)
 
 
 def compile_block(block: Block, names: Collection[str], filename: str, name: str = "block") -> CodeType:

@@ -16,7 +16,7 @@ from keyword import iskeyword
 
 from lrp_jupyter.errors import Edit, LRPSyntaxError
 from lrp_jupyter.language import nodes
-from lrp_jupyter.language.blocks import facts_of
+from lrp_jupyter.language.blocks import facts_of, faults_of
 from lrp_jupyter.language.forms import USAGE, Mistake, Shape, expected_text, shape_of
 from lrp_jupyter.language.matching import Matching, match
 from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
@@ -129,7 +129,7 @@ class _Reader:
             elif kind == "INTEGER":
                 part = self._integer(word, start, end)
             elif kind in _BROKEN:
-                self._broken(kind, word, start, end)
+                self._broken(kind, word, start, end, form)
                 if kind == "STRAY":
                     continue
                 kind = "BLOCK"
@@ -143,8 +143,13 @@ class _Reader:
         self._declared(form, program.variables)
         return program
 
-    def _broken(self, kind: str, word: str, start: int, end: int) -> None:
+    def _broken(self, kind: str, word: str, start: int, end: int, form: _Form) -> None:
         if kind == "UNCLOSED":
+            if word.endswith("]") and not facts_of(word[1:]).valid:  # a quote or a `]` inside is missing
+                faults = faults_of(word[1:-1], is_condition=form.keyword in _TESTED)
+                if len(faults) == 1 and {edit.text for edit in faults[0].edits} & {"]", "'", '"'}:
+                    self.findings.append(faults[0].shifted(start + 1))
+                    return
             message = "This `[` is not closed. Put its `]` after the Python that it opens."
             self.report(start, start + 1, "LRP103", message, Edit(end, end, "]"))
         elif kind == "UNOPENED":
@@ -185,11 +190,12 @@ class _Reader:
         self.before += len(self.text[self.content : content].encode("utf-8", "replace"))
         self.content = content
         block = Block(word[1:-1], Span(start, end), line, content - line_start + 1, self.before)
-        empty, fault, declared = facts_of(block.text)
+        empty, valid, declared = facts_of(block.text)
         if empty:
             form.empty = True
-        if fault:
-            self.report(content + fault.start, content + fault.end, "LRP501", fault.message)
+        if not valid:
+            for fault in faults_of(block.text, line, block.column - 1, form.keyword in _TESTED):
+                self.findings.append(fault.shifted(content))
         for name, first, last in declared:
             form.declared.append((name, Span(content + first, content + last)))
         return block
@@ -313,6 +319,8 @@ class _Reader:
         self.report(start, stop, "LRP108", f"Expected {what} instead of `{found}`. {usage}")
 
 
+_TESTED = frozenset({"event", "on", "exit"})
+"""The forms whose block is a condition."""
 _BROKEN = frozenset({"STRAY", "UNCLOSED", "UNOPENED"})
 _FORM_TYPES = {keyword: f"{keyword.upper()}_FORM" for keyword in KEYWORDS}
 _VALIDATED = frozenset({"var", Epsilon.keyword})

@@ -32,6 +32,11 @@ class Diagnosis(NamedTuple):
     message: str
     edits: tuple[Edit, ...] = ()
 
+    def shifted(self, offset: int) -> Diagnosis:
+        """Return it for a longer text, in which its own begins at an offset."""
+        edits = tuple([Edit(start + offset, end + offset, text) for start, end, text in self.edits])
+        return self._replace(start=self.start + offset, end=self.end + offset, edits=edits)
+
     @property
     def fix(self) -> Fix | None:
         """The fix with its title, or None."""
@@ -42,7 +47,7 @@ def _title(edits: tuple[Edit, ...]) -> str:
     """Return what edits do, in the imperative."""
     new = " … ".join(dict.fromkeys(filter(None, (" ".join(edit.text.split()) for edit in edits))))
     if not new:
-        return "Remove it"
+        return "Change the blanks" if any(edit.text for edit in edits) else "Remove it"
     verb = "Change to" if any(edit.start < edit.end for edit in edits) else "Insert"
     return f"{verb} `{new if len(new) <= 60 else new[:59] + '…'}`"
 

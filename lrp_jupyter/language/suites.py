@@ -18,6 +18,7 @@ DEEPEST = 100
 
 _BLANK = re.compile(r"[ \t\f]*+")
 _TOO_DEEP = ("too deeply nested", ("", 1, 1, "", 1, 1))
+_LINE = re.compile(r"\bline (\d+)")
 _UNHEARD = re.compile(r"[\0\ud800-\udfff]")
 
 
@@ -154,4 +155,5 @@ def _in_text(error: SyntaxError, text: str, suite: Suite) -> SyntaxError:
 
     line, column = move(error.lineno, error.offset)
     end_line, end_column = move(error.end_lineno or error.lineno, error.end_offset or error.offset)
-    return SyntaxError(error.msg, (error.filename, line, column, error.text, end_line, end_column))
+    message = _LINE.sub(lambda number: f"line {max(int(number[1]) - above, 1)}", error.msg)
+    return SyntaxError(message, (error.filename, line, column, error.text, end_line, end_column))

@@ -33,7 +33,8 @@ _SPECIAL = frozenset({"OTHER", "STRAY"})
 _HEADS = {"var": 3, "event": 2}  # number of tokens before the block; 1 in other forms
 _BLOCKS = KEYWORDS - {"machine", "state", "spawn", "eps"}
 _NEWLINE = re.compile(r"[\r\n]")
-_TAIL = re.compile(r"\](?=[\s)]*+(?:[;#].*)?(?:[\r\n]|\Z))")
+_TAIL = re.compile(r"\](?=[\s)]*+(?:[;#].*)?(?:[\r\n]|\Z)|[ \t]*+[\w*{][^\[\]\r\n]*->)")
+_AFTER_BLOCK = re.compile(r"\s*+[\[)]")
 
 
 Token = tuple[str, int, int]
@@ -105,11 +106,13 @@ def _guess_end(text: str, start: int) -> int:
     """Return the probable end of a block without its ``]``, so that the rest is parsed as usual.
 
     That is before a ``)`` that closes nothing of its Python, in the line of a string or comment that
-    has swallowed the bracket, or before the next line that looks like a form; whichever comes first.
+    has swallowed the bracket, after a ``]`` that another block or a ``)`` follows, or before the next line
+    that looks like a form; whichever comes first.
     """
     form = _FORM_LINE.search(text, start)
     stop = form.start() if form else len(text)
     opened: list[str] = []
+    places: list[int] = []
     for offset, char in brackets(text, start, stop):
         if char in '#"':
             tail = _TAIL.search(text, offset, line_end(text, offset))
@@ -117,8 +120,19 @@ def _guess_end(text: str, start: int) -> int:
                 return tail.end()
         elif char in "([{":
             opened.append(char)
+            places.append(offset)
         elif char == ")" and len(opened) == 1:
             return offset
-        elif opened[-1] + char in ("()", "[]", "{}"):
-            opened.pop()
+        else:
+            ends = char == "]" and len(opened) > 1 and _AFTER_BLOCK.match(text, offset + 1)
+            if ends and _NEWLINE.search(text, places[-1], offset):
+                return offset + 1  # the block ends here, and the `]` is missing in an earlier line
+            if opened[-2:] == ["(", "["] and char == ")":
+                opened.pop()  # the `]` is missing here
+                places.pop()
+            if opened[-1] + char in ("()", "[]", "{}"):
+                opened.pop()
+                places.pop()
+            if not opened:
+                return offset + 1
     return len(text[:stop].rstrip())

@@ -26,7 +26,7 @@ def places(text: str) -> list[tuple[str, int, int]]:
 
 
 def test_the_listing_printed_in_the_paper_has_wrong_brackets_in_lines_19_33_and_35_only() -> None:
-    assert [place for place in places(LISTING) if place[0] != "LRP501"] == [
+    assert [place for place in places(LISTING) if place[0] < "LRP500"] == [
         ("LRP102", 19, 59),
         ("LRP103", 33, 18),
         ("LRP102", 33, 57),
@@ -240,7 +240,7 @@ def test_only_layout_and_comments_differ_between_equal_programs() -> None:
         ("(event e f()[0]])", "LRP103", "f()[0]]", "A `[` is missing here"),
         ("(var x := [1]) %", "LRP104", "%", "`%` is not part of the language"),
         ("(var x : [1])", "LRP104", ":", "`:` is not part of the language"),
-        ("(var x := [1 +])", "LRP501", "", "This block is not valid Python: invalid syntax."),
+        ("(var x := [1 +])", "LRP501", "+", "Something is missing after `+`."),
         ("(var x := [global x])", "LRP501", "x])", "`x` is a variable of the program"),
     ],
 )
@@ -272,7 +272,7 @@ def test_every_broken_form_is_reported_and_no_other() -> None:
 def test_errors_in_unknown_forms_are_reported_as_well() -> None:
     assert places("(machine m\n (staet a (running [1 +]) (machine b (var x))))") == [
         ("LRP106", 2, 3),
-        ("LRP501", 2, 24),
+        ("LRP501", 2, 23),
         ("LRP108", 2, 44),
     ]
 

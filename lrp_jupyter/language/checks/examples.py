@@ -388,4 +388,86 @@ a robot that waits
 (machine m (state a) (state b) (on bump a -> b))
 (spawn m a)
 """,
+    "LRP510": """
+(var ready := [True])
+(var late := [False])
+(machine m (state a (running [if late && ready: robot.stop()])))
+(spawn m a)
+---
+(var ready := [True])
+(var late := [False])
+(machine m (state a (running [if late and ready: robot.stop()])))
+(spawn m a)
+""",
+    "LRP511": """
+(var ready := [True])
+(machine m (state a (running [iff ready: robot.stop()])))
+(spawn m a)
+---
+(var ready := [True])
+(machine m (state a (running [if ready: robot.stop()])))
+(spawn m a)
+""",
+    "LRP512": """
+(var ready := [True])
+(machine m (state a (running [if ready robot.stop()])))
+(spawn m a)
+---
+(var ready := [True])
+(machine m (state a (running [if ready: robot.stop()])))
+(spawn m a)
+""",
+    "LRP513": """
+(var ready := [True])
+(machine m (state a (running [robot.move(linear=0.2])))
+(spawn m a)
+---
+(var ready := [True])
+(machine m (state a (running [robot.move(linear=0.2)])))
+(spawn m a)
+""",
+    "LRP514": """
+(var ready := [True])
+(machine m (state a (running [print('ready)])))
+(spawn m a)
+---
+(var ready := [True])
+(machine m (state a (running [print('ready')])))
+(spawn m a)
+""",
+    "LRP515": """
+(var ready := [True])
+(machine m
+  (state a (running [
+    if ready:
+        robot.stop()
+          print('stopped')])))
+(spawn m a)
+---
+(var ready := [True])
+(machine m
+  (state a (running [
+    if ready:
+        robot.stop()
+        print('stopped')])))
+(spawn m a)
+""",
+    "LRP516": """
+(var ready := [True])
+(machine m (state a (running [if ready = True: robot.stop()])))
+(spawn m a)
+---
+(var ready := [True])
+(machine m (state a (running [if ready == True: robot.stop()])))
+(spawn m a)
+""",
+    "LRP517": """
+(var ready := [True])
+(machine m (state a (running [print 'ready'])))
+(spawn m a)
+---
+(var ready := [True])
+(machine m (state a (running [print('ready')])))
+(spawn m a)
+""",
 }

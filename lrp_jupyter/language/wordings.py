@@ -1,0 +1,139 @@
+"""Python's messages about a block, in words for the author of a program.
+
+Python names its own notions, and counts lines from the beginning of the block. Here are sentences that say
+what is wrong, then what to write; a message without one is quoted, with the lines of the program's file.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+__all__ = ["in_words"]
+
+_Words = str | Callable[[re.Match[str]], str]
+_LINE = re.compile(r"\bline (\d+)")
+_QUOTED = re.compile(r"'([^' ]+)'")
+
+_PARTNERS = {"else": "if", "elif": "if", "except": "try", "finally": "try"}
+_CLOSING = {"(": ")", "[": "]", "{": "}"}
+_KEYWORDS = {"function": "def", "class": "class", "with": "with", "match": "match"}
+
+_WORDS: tuple[tuple[str, _Words], ...] = (
+    (r"expected ':'", "A `:` is missing here. Insert it."),
+    (r"unexpected indent", "This line begins too far right. Start it below the line above."),
+    (
+        r"unindent does not match",
+        "This line begins where no line above begins. Start it below the line to which it belongs.",
+    ),
+    (
+        r"expected an indented block after (.*?)(?: statement| definition|) on (line \d+)",
+        lambda found: (
+            f"The {_construct(found[1])} in {found[2]} has nothing in it. Write what it does below it, "
+            "further right."
+        ),
+    ),
+    (r"inconsistent use of tabs", "Tabs and blanks are mixed in front of this line. Use blanks only."),
+    (
+        r"'(.)' was never closed",
+        lambda found: f"This `{found[1]}` is not closed. Write its `{_CLOSING[found[1]]}`.",
+    ),
+    (r"unmatched '(.)'", lambda found: f"Unmatched `{found[1]}`: nothing is open here. Remove it."),
+    (
+        r"closing parenthesis '(.)' does not match opening parenthesis '(.)'",
+        lambda found: f"`{found[1]}` does not close `{found[2]}`. Write `{_CLOSING[found[2]]}`.",
+    ),
+    (r"unterminated (?:f-|t-)?string", "This string is not closed. Write its second quote."),
+    (r"unterminated triple-quoted", "This string is not closed. Write its three quotes at the end."),
+    (
+        r"cannot assign to .*Maybe you meant '=='",
+        "Only a name can be assigned. Write `==` to compare, or a name before the `=`.",
+    ),
+    (
+        r"cannot assign to|cannot delete|cannot use assignment",
+        "Only a name can be assigned. Write one before the `=`.",
+    ),
+    (r"Maybe you meant '=='", "`=` assigns. Write `==` to compare."),
+    (
+        r"invalid (?:decimal|hexadecimal|octal|binary) literal",
+        "This is neither a number nor a name. Correct it.",
+    ),
+    (r"leading zeros", "A number does not begin with 0. Remove the zero."),
+    (r"invalid (?:non-printable )?character", "Python does not know this character. Remove it."),
+    (r"'(break|continue)'", lambda found: f"`{found[1]}` works only in a `for` or `while`. Remove it."),
+    (
+        r"positional argument follows keyword",
+        "After an argument with a name, all others need one, too. Write `name=` before this one.",
+    ),
+    (
+        r"keyword argument repeated: (\w+)",
+        lambda found: f"`{found[1]}` is passed twice. Remove one of the two.",
+    ),
+    (
+        r"duplicate argument '(\w+)'",
+        lambda found: f"Two parameters have the name `{found[1]}`. Rename one of them.",
+    ),
+    (
+        r"no binding for nonlocal '(\w+)'",
+        lambda found: (
+            f"There is no variable `{found[1]}` around this function. Remove the `nonlocal`, "
+            f"or declare `(var {found[1]} := [value])`."
+        ),
+    ),
+    (
+        r"name '(\w+)' is (?:assigned to|used prior to|used) (?:before )?(nonlocal|global)",
+        lambda found: f"`{found[1]}` is used before this `{found[2]}`. Put the `{found[2]}` first.",
+    ),
+    (r"unexpected character after line continuation", "Nothing may follow a `\\`. Remove it."),
+    (
+        r"expected 'except' or 'finally'",
+        "A `try` is followed by an `except`. Write `except` below it, with what to do after a fault.",
+    ),
+    (r"expected '\('", "A `(` is missing here. Write `()` after the name."),
+    (r"forgot a comma", "Something is missing here. Write a comma or an operator between the two values."),
+    (
+        r"too deeply nested|too many nested|too complex|stack overflow",
+        "This is nested too deeply. Use several steps.",
+    ),
+    (r"expected 'else' after 'if' expression", "This `if` needs an `else`, as in `1 if fast else 0`."),
+    (
+        r"unexpected EOF|incomplete input",
+        "Something is missing at the end of this line. Complete it.",
+    ),
+)
+_TABLE = [(re.compile(pattern), words) for pattern, words in _WORDS]
+
+
+def in_words(message: str, found: str, line: int) -> str:
+    """Return a sentence about an error in a block.
+
+    Parameters
+    ----------
+    message : str
+        Python's.
+    found : str
+        What is at the place of the error; empty at the end of a line.
+    line : int
+        The line in which the block begins, from 1.
+    """
+    message = _LINE.sub(lambda number: f"line {int(number[1]) + line - 1}", message)
+    for pattern, words in _TABLE:
+        if match := pattern.search(message):
+            return words if isinstance(words, str) else words(match)
+    if message == "invalid syntax":
+        if not found:
+            return "Something is missing at the end of this line. Complete it."
+        if found in _PARTNERS:
+            return f"This `{found}` has no `{_PARTNERS[found]}`. Start it below its `{_PARTNERS[found]}`."
+        return f"Python does not understand `{found}` here. Correct it, or what is before it."
+    quoted = _QUOTED.sub(r"`\1`", message).rstrip(".")
+    return f"This block is not valid Python: {quoted}. Correct it."
+
+
+def _construct(python: str) -> str:
+    """Return the construct that Python names: ``'if'`` or ``function``."""
+    return (
+        f"`{python.strip(chr(39))}`"
+        if python.startswith("'")
+        else f"`{_KEYWORDS.get(python.split()[0], python)}`"
+    )
