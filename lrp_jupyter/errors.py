@@ -23,6 +23,8 @@ __all__ = [
     "Severity",
     "UnknownElementError",
     "ended",
+    "name_of",
+    "sentence_of",
 ]
 
 Severity = Literal["error", "warning", "hint"]
@@ -124,3 +126,24 @@ class NoDataYet(LRPError):  # noqa: N818  (not an error: the reading has not arr
 def ended(text: str) -> str:
     """Return a text, such as that of an exception, with a full stop at its end unless it has a mark there."""
     return text if text.endswith((".", "?", "!", "…")) else f"{text}."
+
+
+def name_of(kind: type) -> str:
+    """Return the name of a class; runs no code of its metaclass."""
+    name: str = _NAME.__get__(kind)
+    return name
+
+
+_NAME = type.__dict__["__name__"]
+
+
+def sentence_of(error: BaseException) -> str:
+    """Return an exception as a sentence; that of an LRPError is its message. Never raises."""
+    name = name_of(type(error))
+    try:
+        text = str(error)
+    except BaseException:
+        text = ""
+    if isinstance(error, LRPError) and text:
+        return text
+    return ended(f"{name}: {text}" if text else name)

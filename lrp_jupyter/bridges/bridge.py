@@ -54,7 +54,7 @@ from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.panel import Panel
 from lrp_jupyter.bridges.robot import Robot, attach
 from lrp_jupyter.bridges.safety import Notice
-from lrp_jupyter.errors import BridgeError, NoDataYet, ended
+from lrp_jupyter.errors import BridgeError, NoDataYet, sentence_of
 
 __all__ = [
     "Bridge",
@@ -257,9 +257,7 @@ class Bridge(Interface, ABC):
         try:
             self._opened_panel = self.open_interface()
         except Exception as error:
-            sentence = (
-                str(error) if isinstance(error, BridgeError) else ended(f"{type(error).__name__}: {error}")
-            )
+            sentence = sentence_of(error)
             self.set_status(ConnectionState.DISCONNECTED, sentence)
             if isinstance(error, BridgeError):
                 raise
@@ -277,10 +275,10 @@ class Bridge(Interface, ABC):
         self._is_open = False
         try:
             self.close_interface()
-        except Exception as error:  # closing continues: no caller could do anything about it
-            self.safety.notice(
-                "fault", ended(f"Closing `{self.name}` failed: {type(error).__name__}: {error}")
-            )
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # closing continues: no caller could do anything about it
+            self.safety.notice("fault", f"Closing `{self.name}` failed: {sentence_of(error)}")
         self.nodes.clear()
         self.safety.rest()
         self.set_status(ConnectionState.DISCONNECTED, f"`{self.name}` is closed.")
@@ -292,15 +290,19 @@ class Bridge(Interface, ABC):
         self.safety.tick(now, period)
         try:
             self.sense(now)
-        except Exception as error:
-            self._lose("sense", error)
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            self.lose("sense", error)
 
     def end_tick(self, now: float) -> None:
         """End the tick. Never raises."""
         try:
             self.act(now)
-        except Exception as error:
-            self._lose("act", error)
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            self.lose("act", error)
         self.latch = 0  # between ticks a person reads what is there now
         sentence = self.safety.command_overdue(now)
         if sentence is not None:
@@ -319,13 +321,11 @@ class Bridge(Interface, ABC):
         self.stop_all()
         return notice
 
-    def _lose(self, hook: str, error: Exception) -> None:
+    def lose(self, hook: str, error: BaseException) -> None:
         """Stop the robot of a bridge whose hook failed, and mark it as lost; the loop keeps its rate."""
-        sentence = (
-            str(error)
-            if isinstance(error, BridgeError)
-            else ended(f"`{hook}` raised {type(error).__name__}: {error}")
-        )
+        sentence = sentence_of(error)
+        if not isinstance(error, BridgeError):
+            sentence = f"`{hook}` raised {sentence}"
         self.safety.notice("fault", sentence)
         if self._status.state is not ConnectionState.LOST:
             self.set_status(ConnectionState.LOST, sentence)

@@ -15,6 +15,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+from lrp_jupyter.errors import sentence_of
+
 __all__ = ["CommandRecord", "Notice", "Safety", "patience"]
 
 NoticeKind = Literal["armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "fault"]
@@ -171,8 +173,10 @@ class Safety:
         def call() -> None:
             try:
                 stop()
-            except Exception as error:
-                failures.append(f"{type(error).__name__}: {error}".removesuffix(": "))
+            except KeyboardInterrupt:
+                raise
+            except BaseException as error:
+                failures.append(sentence_of(error))
 
         if timeout is None:
             call()
@@ -181,9 +185,9 @@ class Safety:
             thread.start()
             thread.join(timeout)
             if thread.is_alive():
-                failures.append(f"no answer for {timeout:g} s")
+                failures.append(f"no answer for {timeout:g} s.")
         if failures:
-            self.notice("fault", f"The robot may not have stopped: {failures[0]}.")
+            self.notice("fault", f"The robot may not have stopped: {failures[0]}")
         return not failures
 
     def rest(self) -> None:

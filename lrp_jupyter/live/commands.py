@@ -62,7 +62,7 @@ class Force(Command):
 class SetVariable(Command):
     """Evaluate an expression in a variable's scope and assign the value."""
 
-    misuse: ClassVar[tuple[type[Exception], ...]] = (Exception,)  # it runs code of the caller
+    misuse: ClassVar[tuple[type[BaseException], ...]] = (BaseException,)  # it runs code of the caller
     path: Path
     expression: str
 
@@ -75,7 +75,7 @@ class SetVariable(Command):
 class Rename(Command):
     """Rename an element with all its references, without a restart; the result is the new text."""
 
-    misuse: ClassVar[tuple[type[Exception], ...]] = _ARGUMENTS
+    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     kind: str
     path: Path
     new_name: str
@@ -89,7 +89,7 @@ class Rename(Command):
 class Rewind(Command):
     """Step back by this number of ticks."""
 
-    misuse: ClassVar[tuple[type[Exception], ...]] = _ARGUMENTS
+    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     ticks: int
 
     def apply(self, loop: Loop) -> None:
@@ -139,7 +139,7 @@ class Step(Command):
 class SetRate(Command):
     """Change the ticks per second; 0 is as fast as possible. Paper: §5.1."""
 
-    misuse: ClassVar[tuple[type[Exception], ...]] = _ARGUMENTS
+    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     rate: float
 
     def apply(self, loop: Loop) -> None:
@@ -151,7 +151,7 @@ class SetRate(Command):
 class SetSpeed(Command):
     """Change the seconds of the session per wall second."""
 
-    misuse: ClassVar[tuple[type[Exception], ...]] = _ARGUMENTS
+    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     speed: float
 
     def apply(self, loop: Loop) -> None:
@@ -175,7 +175,7 @@ class SetPolicy(Command):
 class Call(Command):
     """Call a function between two ticks; used to drag, draw on and reset the world."""
 
-    misuse: ClassVar[tuple[type[Exception], ...]] = (Exception,)  # it runs code of the caller
+    misuse: ClassVar[tuple[type[BaseException], ...]] = (BaseException,)  # it runs code of the caller
     function: Callable[[], Any]
     name: str = "call"
 

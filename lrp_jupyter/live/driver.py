@@ -101,20 +101,26 @@ class LoopThread:
         loop, wake = self._loop, self._loop.inbox.wake
         rested = perf_counter()
         while not self._ended:
-            wake.clear()
-            until = math.inf
-            if not self._suspended:
-                with self._turning:
-                    until = loop.turn()
-            before = perf_counter()
-            if not self._ended:
-                loop.clock.sleep_until(until, wake)
-            after = perf_counter()
-            if after - before > _YIELD:
-                rested = after
-            elif after - rested > _HOLD:  # others would wait 5 ms for the interpreter lock
-                time.sleep(_YIELD)
-                rested = perf_counter()
+            try:
+                wake.clear()
+                until = math.inf
+                if not self._suspended:
+                    with self._turning:
+                        until = loop.turn()
+                before = perf_counter()
+                if not self._ended:
+                    loop.clock.sleep_until(until, wake)
+                after = perf_counter()
+                if after - before > _YIELD:
+                    rested = after
+                elif after - rested > _HOLD:  # others would wait 5 ms for the interpreter lock
+                    time.sleep(_YIELD)
+                    rested = perf_counter()
+            except Interrupted:  # too late: the block had returned
+                pass
+            except BaseException as error:  # the thread never ends without a trace
+                loop.break_down(error)
+                wake.wait(_INTERVAL)
 
 
 class LoopTask:
@@ -160,15 +166,18 @@ class LoopTask:
     async def _run(self) -> None:
         loop = self._loop
         while not self._ended:
-            self._wake.clear()
-            delay = loop.clock.delay(loop.turn())
-            if delay == math.inf:
-                await self._wake.wait()
-            else:
-                try:
+            try:
+                self._wake.clear()
+                delay = loop.clock.delay(loop.turn())
+                if delay == math.inf:
+                    await self._wake.wait()
+                else:
                     await asyncio.wait_for(self._wake.wait(), max(delay, 0.0))
-                except TimeoutError:
-                    await asyncio.sleep(0)  # a wait of 0 lets no other task run
+            except TimeoutError:
+                await asyncio.sleep(0)  # a wait of 0 lets no other task run
+            except Exception as error:  # the task never ends without a trace
+                loop.break_down(error)
+                await asyncio.sleep(_INTERVAL)
 
 
 class Driver:
@@ -373,7 +382,10 @@ class Monitor:
 
     def _run(self) -> None:
         while not self._end.wait(min(_INTERVAL, self._hung_after / 4)):
-            self._check()
+            try:
+                self._check()
+            except BaseException as error:  # an unwatched robot must not move
+                self._loop.break_down(error)
         self._report(0.0)
 
     def _check(self) -> None:

@@ -40,12 +40,13 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
+from dataclasses import replace
 from time import perf_counter
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, ended
+from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, sentence_of
 from lrp_jupyter.interpreter.frame import Frame, Hung, Status, is_active, render
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
@@ -78,7 +79,7 @@ class Command(ABC):
 
     __slots__ = ()
 
-    misuse: ClassVar[tuple[type[Exception], ...]] = (LRPError,)
+    misuse: ClassVar[tuple[type[BaseException], ...]] = (LRPError,)
     """Errors of :meth:`apply` that are the caller's mistakes; any other error is a fault of this package."""
 
     newest_wins: ClassVar[bool] = False
@@ -285,8 +286,8 @@ class Loop:
             if threading.current_thread() is threading.main_thread():
                 raise
             return math.inf
-        except Exception:
-            self.break_down(traceback.format_exc())
+        except BaseException as error:
+            self.break_down(error)
             return math.inf
 
     def _tick_freely(self) -> None:
@@ -371,8 +372,10 @@ class Loop:
                     self.advance(until - self.now)
         except Interrupted:
             pass
-        except Exception:
-            self.break_down(traceback.format_exc())
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            self.break_down(error)
         finally:
             self.clock.rebase(self.now)
             if self.status == "running" and not was_running:
@@ -386,7 +389,13 @@ class Loop:
     def publish(self) -> None:
         """Publish a frame of the present state."""
         self._published = perf_counter()
-        self.frame = self.make_frame()
+        if self.fault:  # the run may be in any condition: nothing of it is read any more
+            status, reason = self.status, self.reason
+            self.frame = replace(
+                self.frame, status=status, reason=reason, achieved_rate=0.0, achieved_speed=0.0
+            )
+        else:
+            self.frame = self.make_frame()
         self.changed()
 
     def make_frame(self) -> Frame:
@@ -453,10 +462,15 @@ class Loop:
             try:
                 self._check_whole()
                 answers.append((answer, command.apply(self), None))
-            except Exception as error:
-                if not isinstance(error, command.misuse):
-                    self.break_down(traceback.format_exc())
-                answers.append((answer, None, error))
+            except KeyboardInterrupt as error:
+                answer.set_exception(error)
+                raise
+            except BaseException as error:
+                if not isinstance(error, (*command.misuse, Interrupted)):
+                    self.break_down(error)
+                answers.append(
+                    (answer, None, error if isinstance(error, Exception) else LRPError(sentence_of(error)))
+                )
             finally:
                 if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
                     self.bridge.stop_all()
@@ -560,10 +574,13 @@ class Loop:
         if self.status != "closed":
             self.status = status
 
-    def break_down(self, fault: str) -> None:
-        """Stop permanently because of a fault that is not the program's."""
-        self.fault = fault
-        self.reason = ended(f"The session itself failed, not the program: {fault.strip().splitlines()[-1]}")
+    def break_down(self, error: BaseException) -> None:
+        """Stop permanently because of a fault that is not the program's; from any thread, never raises."""
+        try:
+            self.fault = "".join(traceback.format_exception(error))
+        except BaseException:  # the last resort: there may be no memory for a traceback
+            self.fault = "There is no traceback."
+        self.reason = f"The session itself failed, not the program: {sentence_of(error)}"
         if self.status not in ("stopped", "closed"):
             self.status = "broken"
         self.bridge.stop_all()
@@ -573,8 +590,10 @@ class Loop:
         """Call a hook of the bridge; it is foreign code, and if it fails its robot is stopped."""
         try:
             hook()
-        except Exception as error:
-            self.bridge.set_status("lost", ended(f"{type(error).__name__}: {error}"))
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            self.bridge.lose(hook.__name__, error)
             self.bridge.stop_all()
 
 

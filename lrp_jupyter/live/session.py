@@ -25,7 +25,7 @@ the running program, :attr:`Session.text` the typed text.
 
 *Faults.* Faults of the program are issues, and nothing stops. A fault of this package stops the robot
 and the session, which then is ``broken`` and keeps the traceback; it never looks like a fault of the
-program. A bridge that fails is ``lost``, and the loop continues.
+program. A bridge that fails is ``lost``, and the loop continues. No exception ends the loop's thread.
 
 *The end.* ``close`` stops the robot first, then ends and joins the threads; it may be called
 twice. Sessions that are still open when Python exits are closed then.
@@ -49,7 +49,7 @@ from typing import Any, Literal, Self
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
-from lrp_jupyter.errors import LRPError, SessionTimeoutError, ended
+from lrp_jupyter.errors import LRPError, SessionTimeoutError, sentence_of
 from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches
@@ -62,6 +62,7 @@ from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.clock import Clock, MonotonicClock
 from lrp_jupyter.live.driver import Driver
+from lrp_jupyter.live.foreign import surviving
 from lrp_jupyter.live.loop import Command, Loop
 from lrp_jupyter.live.output import Output
 
@@ -424,7 +425,7 @@ class Session:
         try:
             return check(program, self.namespace)
         except Exception as error:  # a fault of the checks is reported as such and does not block the edit
-            message = ended(f"The checks themselves failed, not the program: {type(error).__name__}: {error}")
+            message = f"The checks themselves failed, not the program: {sentence_of(error)}"
             return (Finding("LRP699", "warning", message, 1, 1, 1, 1),)
 
     def save(self, path: str | FilePath) -> None:
@@ -545,21 +546,29 @@ class Session:
     def observe(self, observer: Observer) -> Callable[[], None]:
         """Subscribe a function to every event of the interpreter; return a function that ends this.
 
-        It is called on the thread that drives the loop, when a tick or a command is over.
+        It is called on the thread that drives the loop, when a tick or a command is over. One that raises an
+        exception is not called again.
         """
-        unsubscribe: Callable[[], None] = self._driver.do(do.Call(lambda: self.interpreter.observe(observer)))
+
+        def unsubscribe() -> None:
+            end()
+
+        guarded = surviving(observer, unsubscribe)
+        end: Callable[[], None] = self._driver.do(do.Call(lambda: self.interpreter.observe(guarded)))
         return unsubscribe
 
     def listen(self, callback: Callable[[], None]) -> Callable[[], None]:
         """Subscribe a function to new frames; return a function that ends this.
 
-        It is called on the thread that publishes the frame, and must not wait there.
+        It is called on the thread that publishes the frame, and must not wait there. One that raises an
+        exception is not called again.
         """
-        self._listeners = (*self._listeners, callback)
 
         def unlisten() -> None:
-            self._listeners = tuple(other for other in self._listeners if other is not callback)
+            self._listeners = tuple(other for other in self._listeners if other is not guarded)
 
+        guarded = surviving(callback, unlisten)
+        self._listeners = (*self._listeners, guarded)
         return unlisten
 
     def _notify(self) -> None:

@@ -274,7 +274,7 @@ class Publisher:
             self._wake.clear()
             try:
                 self.publish()
-            except Exception:
+            except BaseException:
                 self._report(traceback.format_exc())
 
     def _pace(self) -> float:

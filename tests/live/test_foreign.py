@@ -1,0 +1,95 @@
+"""Whatever foreign code does, the loop lives on, and says what happened."""
+
+import sys
+
+import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.live.commands import Pause
+from lrp_jupyter.live.driver import LoopThread
+
+LONG = 20
+COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
+
+
+@pytest.fixture
+def reported(monkeypatch):
+    """Collect what could not be raised."""
+    seen = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda fault: seen.append(fault.exc_type))
+    return seen
+
+
+@pytest.fixture(
+    params=[RuntimeError, SystemExit, MemoryError, RecursionError], ids=lambda kind: kind.__name__
+)
+def raises(request):
+    def fail(*_):
+        raise request.param
+
+    fail.kind = request.param
+    return fail
+
+
+def ticks_on(running):
+    tick = running.frame.tick
+    return running.wait_for(lambda frame: frame.tick > tick + 3, LONG)
+
+
+def test_a_listener_that_raises_is_reported_once_and_the_loop_lives_on(session, reported, raises):
+    counting = session(COUNT, rate=100)
+    counting.listen(raises)
+    counting.start()
+    assert ticks_on(counting).status == "running"
+    assert reported == [raises.kind]
+
+
+def test_an_observer_that_raises_is_reported_once_and_the_loop_lives_on(session, reported, raises):
+    counting = session(COUNT, rate=100)
+    counting.observe(raises)
+    counting.start()
+    assert ticks_on(counting).status == "running"
+    assert reported == [raises.kind]
+
+
+@pytest.mark.parametrize("hook", ["sense", "act", "on_start"])
+def test_a_hook_that_raises_loses_the_robot_and_the_loop_lives_on(session, raises, hook):
+    class Cart(Bridge):
+        name = "test-cart"
+        hardware = False
+
+        def open_interface(self):
+            pass
+
+    setattr(Cart, hook, raises)
+    raises.__name__ = hook
+    counting = session(COUNT, Cart(), rate=100)
+    counting.start()
+    assert ticks_on(counting).status == "running"
+    assert counting.bridge.status.state == "lost"
+    assert f"`{hook}` raised {raises.kind.__name__}" in counting.frame.bridge
+
+
+def test_an_expression_that_exits_is_refused_and_the_loop_lives_on(session):
+    counting = session(COUNT, rate=100)
+    counting.start()
+    ticks_on(counting)
+    with pytest.raises(LRPError, match="SystemExit"):
+        counting.set_variable("n", "exit()")
+    assert ticks_on(counting).status == "running"
+
+
+def test_what_escapes_everywhere_else_breaks_the_session_visibly(session, monkeypatch, raises):
+    counting = session(COUNT, rate=100)
+    counting.start()
+    ticks_on(counting)
+    monkeypatch.setattr(type(counting._loop), "turn", raises)
+    counting.submit(Pause())
+    assert counting.wait_for(lambda frame: frame.status == "broken", LONG)
+    assert raises.kind.__name__ in counting.frame.reason
+    assert raises.kind.__name__ in counting.fault
+    monkeypatch.undo()
+    motor = counting._driver._motor
+    assert isinstance(motor, LoopThread)
+    assert motor.ident is not None, "its thread lives"
