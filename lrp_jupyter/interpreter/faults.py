@@ -10,12 +10,16 @@ import traceback as tracebacks
 from itertools import islice
 from types import TracebackType
 
-from lrp_jupyter.errors import LRPError, NoDataYet
+from lrp_jupyter.errors import LRPError, NoDataYet, name_of
 from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.interpreter.linker import Site, show_in_tracebacks
 from lrp_jupyter.language.program import Program
 
 __all__ = ["Fault", "kind_and_message", "line_of", "place_of", "traceback_of"]
+
+
+_LONGEST, _LONGEST_TRACE = 1_000, 20_000
+"""Maximum number of characters of a message and of a traceback."""
 
 
 class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter only)
@@ -27,7 +31,16 @@ class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter
 
 
 def kind_and_message(error: BaseException) -> tuple[IssueKind, str]:
-    """Return the kind of a fault, and a sentence for the author of the program."""
+    """Return the kind of a fault, and a sentence for the author of the program; never raises."""
+    try:
+        kind, message = _kind_and_message(error)
+    except BaseException:  # an exception may have any attributes
+        kind, message = "exception", name_of(type(error))
+    message = str.__getitem__(message, slice(None))  # of a subclass of str, too
+    return kind, message if len(message) <= _LONGEST else message[: _LONGEST - 1] + "…"
+
+
+def _kind_and_message(error: BaseException) -> tuple[IssueKind, str]:
     if isinstance(error, Fault):
         return error.kind, str(error)
     if isinstance(error, NoDataYet):
@@ -62,9 +75,10 @@ def traceback_of(program: Program, error: BaseException | None) -> str:
     while trace is not None and trace.tb_frame.f_code.co_filename != program.filename:
         trace = trace.tb_next
     try:
-        return "".join(tracebacks.TracebackException(type(error), error, trace, compact=True).format())
-    except AttributeError:  # see `_first_line`
-        return "".join(tracebacks.format_tb(trace))
+        text = "".join(tracebacks.TracebackException(type(error), error, trace, compact=True).format())
+    except BaseException:  # an exception may have any attributes
+        text = "".join(tracebacks.format_tb(trace))
+    return text if len(text) <= _LONGEST_TRACE else f"{text[:_LONGEST_TRACE]}…\n"
 
 
 def _first_line(error: BaseException) -> str:
@@ -72,10 +86,7 @@ def _first_line(error: BaseException) -> str:
 
     What this package itself raises is already a sentence, so its type is left out.
     """
-    try:
-        lines = tracebacks.format_exception_only(error)
-    except AttributeError:  # `type(…)` gives its class no module where the namespace has no `__name__`
-        return type(error).__name__
+    lines = tracebacks.format_exception_only(error)
     first = next(line for line in lines if not line.startswith(" ")).splitlines()[0]
     sentence = first.partition(": ")[2] if isinstance(error, LRPError) else ""
     return sentence or first

@@ -8,7 +8,6 @@ does not depend on frames being made.
 
 from __future__ import annotations
 
-import reprlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
@@ -18,7 +17,7 @@ from lrp_jupyter.interpreter.linker import Broken, MachinePlan, SpawnPlan, link
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Path, Program
 
-__all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "matches", "render"]
+__all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "matches"]
 
 Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
 
@@ -30,7 +29,8 @@ class Hung:
     Parameters
     ----------
     where : str
-        The block (``a.running``), or ``the robot``.
+        The block (``a.running``), the value of a variable that is rendered (``x.__repr__``), ``the robot``
+        or ``a command``.
     seconds : float
         How long it has been running, in wall time.
     """
@@ -57,7 +57,8 @@ class Frame:
     active : tuple of paths
         The innermost active states, as spawned.
     variables : mapping of path to str
-        Values as text, bounded in depth and length.
+        Values as text, bounded in depth and length. While the program runs, the text of a value whose
+        rendering takes long may be older than the frame.
     numbers : mapping of path to float
         Those of them that are numbers.
     visits, visited_at : mapping of path to int
@@ -162,26 +163,3 @@ def definition_of(state: str | Path, program: Program) -> str | Path:
         spawned = (x.target for x in outer.onentry if isinstance(x, SpawnPlan) and x.identity[0] == inner)
         machine = next(spawned, outer.machines.get(inner))
     return (*machine.path, path[-1]) if isinstance(machine, MachinePlan) and len(path) > 2 else state
-
-
-class _Bounded(reprlib.Repr):
-    def __init__(self) -> None:
-        super().__init__()
-        self.maxlevel = 3
-        self.maxdict = self.maxlist = self.maxtuple = self.maxset = self.maxfrozenset = 12
-        self.maxstring = self.maxother = 160
-        self.maxlong = 60
-
-
-_bounded = _Bounded()
-LONGEST = 400
-"""Maximum number of characters of a rendered value."""
-
-
-def render(value: object) -> str:
-    """Return a value as text of bounded depth and length; never raises."""
-    try:
-        text = _bounded.repr(value)
-    except (Exception, SystemExit) as error:
-        text = f"<{type(value).__name__}: no text, {type(error).__name__}>"
-    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"

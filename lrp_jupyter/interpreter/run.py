@@ -28,6 +28,7 @@ from lrp_jupyter.interpreter.linker import (
     StatePlan,
     VariablePlan,
 )
+from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.interpreter.tree import (
     Action,
     Activation,
@@ -38,7 +39,6 @@ from lrp_jupyter.interpreter.tree import (
     bind_block,
     bind_row,
     is_boolean,
-    short,
 )
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element, Path, Program
@@ -79,7 +79,7 @@ class Run:
         increase per firing, and not two."""
         self.observers: list[Observer] = []
         self.events: list[TraceEvent] = []
-        self.interrupted: KeyboardInterrupt | None = None
+        self.interrupted: BaseException | None = None
         self.event_values: dict[Path, bool | None] | None = None
         self.new_issue = False
         self.stale = False
@@ -293,15 +293,16 @@ class Run:
 
     def fault(self, site: Site, error: BaseException) -> None:
         """Record what a block raised as an issue, or count it. Paper: §6.2."""
-        if isinstance(error, KeyboardInterrupt):  # raised when the tick is complete, so that it is whole
+        type_ = type(error)  # `isinstance` may call code of the exception
+        if issubclass(type_, KeyboardInterrupt):  # raised when the tick is complete, so that it is whole
             self.interrupted = error
             self.attention = True
             return
-        if isinstance(error, NoDataYet) and site.element.kind in ("event", "transition"):
+        if issubclass(type_, NoDataYet) and site.element.kind in ("event", "transition"):
             return  # there it just does not occur
         kind, message = kind_and_message(error)
         program, tick, raised = self.program, self.ticks, None
-        if not isinstance(error, (Fault, NoDataYet)):
+        if not issubclass(type_, (Fault, NoDataYet)):
             raised = self.last_exception = error
 
         def make() -> Issue:

@@ -9,6 +9,7 @@ changes (a patch, a fault that begins or ends); they are cheap to create again.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from functools import partial
 from numbers import Real
@@ -30,6 +31,7 @@ from lrp_jupyter.interpreter.linker import (
     SpawnPlan,
     StatePlan,
 )
+from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.language.blocks import bind
 from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence, Trigger
@@ -47,7 +49,6 @@ __all__ = [
     "bind_row",
     "broken",
     "is_boolean",
-    "short",
 ]
 
 Call = Callable[[], object]
@@ -227,18 +228,12 @@ class Row:
 
 
 def is_boolean(value: object) -> bool:
-    """Return whether a value is a boolean of Python or numpy."""
+    """Return whether a value is a boolean of Python or numpy; runs no code of its type."""
     kind = type(value)
-    return kind is bool or (kind.__module__ == "numpy" and kind.__name__ in ("bool", "bool_"))
-
-
-def short(value: object) -> str:
-    """Return a value as a short text, for a message."""
-    try:
-        text = repr(value)
-    except (Exception, SystemExit):
-        text = f"a {type(value).__name__} that cannot be shown"
-    return text if len(text) <= 60 else text[:57] + "…"
+    if kind is bool:
+        return True
+    numpy = sys.modules.get("numpy")
+    return numpy is not None and kind is getattr(numpy, "bool_", None)
 
 
 class Host(Protocol):
@@ -370,7 +365,7 @@ def noted(values: dict[Path, bool | None], event: Path, call: Call) -> Call:
     def test() -> object:
         values[event] = None
         value = call()
-        if type(value).__name__ in ("bool", "bool_"):
+        if is_boolean(value):
             values[event] = bool(value)
         return value
 

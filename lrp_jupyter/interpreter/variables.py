@@ -40,6 +40,15 @@ class VariableMapping(Mapping[Path, object]):
                 if content(slot.cell) is not UNSET:
                     yield (*environment.path, name)
 
+    def pairs(self) -> list[tuple[Path, object]]:
+        """Return all paths and values at once, in one walk over the machines."""
+        return [
+            ((*environment.path, name), value)
+            for environment in self._run.live.values()
+            for name, slot in environment.own.items()
+            if (value := content(slot.cell)) is not UNSET
+        ]
+
     def __len__(self) -> int:
         return sum(1 for _ in self)
 

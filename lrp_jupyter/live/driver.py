@@ -359,7 +359,7 @@ class Monitor:
         self._hung_after = hung_after
         self._dead_man = dead_man
         self._seen = monotonic()
-        self._tick = (-1, monotonic())  # the tick under way at the last check, and since when
+        self._under_way: tuple[object, float] = (None, monotonic())  # at the last check, and since when
         self._end = threading.Event()
         context = contextvars.copy_context()
         self._thread = threading.Thread(
@@ -390,10 +390,12 @@ class Monitor:
 
     def _check(self) -> None:
         loop, wall = self._loop, monotonic()
-        tick = loop.interpreter.tick if loop.ticking else -1
-        if tick != self._tick[0] or tick == -1:
-            self._tick = (tick, wall)
-        since = wall - self._tick[1]
+        known, since = self._under_way
+        under_way = loop.interpreter.tick if loop.ticking else loop.foreign
+        if under_way is None or type(under_way) is not type(known) or under_way != known:
+            since = wall
+        self._under_way = under_way, since
+        since = wall - since
         self._report(since if since >= self._hung_after else 0.0)
         if loop.status != "running":
             self._seen = wall
@@ -413,18 +415,24 @@ class Monitor:
                 loop.changed()
             return
         block = _running_block(loop, self._motor.ident)
-        if block or loop.ticking:
+        if block or loop.ticking or loop.foreign is not None:
             first = loop.hung is None
-            loop.hung = Hung(block or "the robot", round(since, 1))
+            loop.hung = Hung(block or ("the robot" if loop.ticking else "a command"), round(since, 1))
             if first:
                 loop.bridge.stop_all()
             loop.changed()
 
 
 def _running_block(loop: Loop, thread: int | None) -> str:
-    """Return the name of the block that a thread is running (``moving.running``), or an empty text."""
-    if thread is None or not loop.ticking:
+    """Return the name of the block that a thread is running (``moving.running``), or an empty text.
+
+    The rendering of a value is named as a block is: ``x.__repr__``.
+    """
+    foreign = loop.foreign
+    if thread is None or not (loop.ticking or foreign is not None):
         return ""
+    if foreign is not None and foreign.name:
+        return foreign.name
     frame = sys._current_frames().get(thread)
     filename = loop.interpreter.program.filename
     name = ""

@@ -47,11 +47,13 @@ from typing import Any, ClassVar, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, sentence_of
-from lrp_jupyter.interpreter.frame import Frame, Hung, Status, is_active, render
+from lrp_jupyter.interpreter.frame import Frame, Hung, Status, is_active
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.live.clock import LAG, Clock
+from lrp_jupyter.live.foreign import Foreign
+from lrp_jupyter.live.values import ValueTexts
 
 __all__ = ["STEP", "Command", "Inbox", "Interrupted", "Loop"]
 
@@ -162,9 +164,12 @@ class Loop:
         self.reason = ""
         self.hung: Hung | None = None
         """The block that does not return, or None; set by the monitor."""
+        self.foreign: Foreign | None = None
+        """The foreign code that runs now between two ticks, for the monitor."""
         self.fault = ""
         """The traceback of the fault that broke the session, or an empty text."""
         self.ticking = False
+        self._texts = ValueTexts(self._watch)
         self._step = bridge.time_step  # seconds; None where time passes by itself
         self.changed = changed
         self._printed = printed
@@ -401,13 +406,15 @@ class Loop:
     def make_frame(self) -> Frame:
         """Make a frame of this moment, between two ticks."""
         interpreter = self.interpreter
-        variables: dict[Path, str] = {}
+        values = interpreter.variables.pairs()
+        over = self.status in ("stopped", "closed")  # nothing may run any more that might not return
+        variables = self._texts.of(values, now=self.status != "running", foreign=not over)
         numbers: dict[Path, float] = {}
-        for path, value in interpreter.variables.items():
-            variables[path] = render(value)
-            if isinstance(value, (int, float)) and not isinstance(value, bool):
+        for path, value in values:
+            kind = type(value)
+            if issubclass(kind, (int, float)) and kind is not bool:
                 with suppress(OverflowError):
-                    numbers[path] = float(value)
+                    numbers[path] = (int if issubclass(kind, int) else float).__float__(value)  # type: ignore[arg-type]
         visits, firings = interpreter.visits, interpreter.firings
         rate, speed = self._achieved if self.status == "running" else (0.0, 0.0)
         return Frame(
@@ -436,8 +443,22 @@ class Loop:
             achieved_speed=speed,
             printed=self._printed(),
             bridge=self.bridge.status.sentence,
-            robot=getattr(self.bridge, "picture", None),
+            robot=self._picture(),
         )
+
+    def _picture(self) -> object:
+        """Return the bridge's picture of its robot; it is foreign code."""
+        try:
+            return getattr(self.bridge, "picture", None)
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            self.bridge.lose("picture", error)
+            return None
+
+    def _watch(self, name: str) -> None:
+        """Note for the monitor that foreign code of this name runs from now on, or none."""
+        self.foreign = Foreign(name) if name else None
 
     def is_active(self, state: str | Path) -> bool:
         """Return whether a state is active now, at any depth."""
@@ -459,6 +480,7 @@ class Loop:
             if not answer.set_running_or_notify_cancel():
                 continue
             restarts = self.interpreter.restarts
+            outer, self.foreign = self.foreign, Foreign()  # it may run blocks, hooks and code of the caller
             try:
                 self._check_whole()
                 answers.append((answer, command.apply(self), None))
@@ -472,6 +494,7 @@ class Loop:
                     (answer, None, error if isinstance(error, Exception) else LRPError(sentence_of(error)))
                 )
             finally:
+                self.foreign = outer
                 if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
                     self.bridge.stop_all()
         if answers:

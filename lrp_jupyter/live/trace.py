@@ -28,7 +28,7 @@ from collections.abc import Callable
 from typing import Any, TextIO
 
 from lrp_jupyter.interpreter.events import UNSET, TraceEvent
-from lrp_jupyter.interpreter.frame import render
+from lrp_jupyter.interpreter.rendering import render
 
 __all__ = ["Trace", "as_dict"]
 

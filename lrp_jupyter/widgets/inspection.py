@@ -10,7 +10,7 @@ from typing import Any
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.graph.state_graph import find_machine
-from lrp_jupyter.interpreter.frame import render
+from lrp_jupyter.interpreter.rendering import render
 from lrp_jupyter.language.program import Path, Program, Span, Spawn, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.messages import OpenProgram, PageRequest

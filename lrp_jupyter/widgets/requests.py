@@ -18,7 +18,7 @@ from typing import Any
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.errors import LRPError, UnknownElementError
-from lrp_jupyter.interpreter.frame import render
+from lrp_jupyter.interpreter.rendering import render
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.rename import references as find_references

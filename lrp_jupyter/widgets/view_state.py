@@ -15,8 +15,9 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.errors import Severity
 from lrp_jupyter.graph.state_graph import DefinedPaths
-from lrp_jupyter.interpreter.frame import Frame, render
+from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.interpreter.rendering import render
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.live.session import Session

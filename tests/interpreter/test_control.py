@@ -474,7 +474,7 @@ def test_what_cannot_be_shown_is_an_issue_all_the_same():
       (event long ["x" * 1000])
       (on strange a -> a) (on long a -> a))(spawn m a)"""
     strange, long, odd = (issue.message for issue in started(text, 2).issues)
-    assert "not a Odd that cannot be shown" in strange
+    assert "not a value of type `Odd`" in strange
     assert "not 'xxxx" in long
     assert len(long) < 130
     assert odd.endswith("Odd: <exception str() failed>")

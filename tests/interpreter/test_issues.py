@@ -94,7 +94,7 @@ def test_what_ends_the_program_when_it_is_shown_is_an_issue():
     odd = "\n class Odd:\n  def __repr__(self): raise SystemExit\n Odd()"
     i = started(f"(machine m (state a) (on [{odd}] a -> a) (ontime [{odd}] a -> a))(spawn m a)", 2)
     assert [issue.code for issue in i.issues] == ["LRP602", "LRP607"]
-    assert all("not a Odd that cannot be shown" in issue.message for issue in i.issues)
+    assert all("not a value of type `Odd`" in issue.message for issue in i.issues)
 
 
 def test_an_issue_describes_its_last_occurrence():

@@ -1,0 +1,236 @@
+"""Values as text, bounded in length and work.
+
+Values of Python's own types are written without calling any foreign code: only as many items and characters
+are read as are shown. Any other value has a ``__repr__`` of its own, which may take any time and raise
+anything; who calls it is the caller's choice.
+"""
+
+from __future__ import annotations
+
+import array
+from collections import Counter, OrderedDict, defaultdict, deque
+from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
+from types import NoneType
+from typing import Any
+
+from lrp_jupyter.errors import name_of
+
+__all__ = ["LONGEST", "is_scalar", "of_type", "render", "short"]
+
+LONGEST = 400
+"""Maximum number of characters of a rendered value."""
+_DEEPEST, _ITEMS = 3, 12
+_STRING, _NUMBER = 160, 60  # characters of one text or object, of one integer
+_BITS = 4096  # of the largest integer whose digits are computed
+
+Foreign = Callable[[object], str]
+
+
+def render(value: object, foreign: Foreign = repr) -> str:
+    """Return a value as text of bounded depth and length.
+
+    Only a KeyboardInterrupt is raised; whatever else prevents a text is named in it.
+
+    Parameters
+    ----------
+    value : object
+    foreign : callable
+        Returns the text of a value, or a part of one, that has a ``__repr__`` of its own.
+    """
+    writer = _Writer(foreign)
+    try:
+        writer.write(value, _DEEPEST)
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:
+        return f"<{name_of(type(value))}: no text, {name_of(type(error))}>"
+    text = "".join(writer.parts)
+    return text if len(text) <= LONGEST else text[: LONGEST - 1] + "…"
+
+
+def of_type(value: object) -> str:
+    """Return the name of a value's type, for a value whose own ``__repr__`` must not run."""
+    return f"<{name_of(type(value))}>"
+
+
+def short(value: object) -> str:
+    """Return a value as a short text for a message; runs no foreign code."""
+
+    def foreign(part: object) -> str:
+        return f"a value of type `{name_of(type(part))}`" if part is value else of_type(part)
+
+    text = render(value, foreign)
+    return text if len(text) <= 60 else text[:57] + "…"
+
+
+def is_scalar(value: object) -> bool:
+    """Return whether a value is a number, a text or None of exactly Python's own types."""
+    kind = type(value)
+    return kind is float or kind is int or kind is str or kind is bool or kind is NoneType
+
+
+class _Writer:
+    """Collects the parts of a text until it is long enough."""
+
+    def __init__(self, foreign: Foreign) -> None:
+        self.parts: list[str] = []
+        self._left = LONGEST
+        self._foreign = foreign
+
+    def put(self, text: str) -> None:
+        self.parts.append(text)
+        self._left -= len(text)
+
+    def write(self, value: Any, depth: int) -> None:
+        """Write a value, by the ``__repr__`` that its type has or inherits."""
+        if self._left <= 0:
+            return
+        own = type.__getattribute__(type(value), "__repr__")
+        for builtin, write in _WRITERS:
+            if own is builtin:
+                write(self, value, depth)
+                return
+        try:
+            text = str.__getitem__(self._foreign(value), slice(None))  # exactly a str, not of a subclass
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            text = f"<{name_of(type(value))}: no text, {name_of(type(error))}>"
+        self.put(_cut(text, _STRING))
+
+    def items(self, opening: str, items: Iterable[Any], count: int, closing: str, depth: int) -> None:
+        """Write the first items, in brackets."""
+        self.put(opening)
+        if depth <= 0 and count:
+            self.put("...")
+        else:
+            for number, item in enumerate(islice(items, _ITEMS)):
+                self.put(", " if number else "")
+                self.write(item, depth - 1)
+            if count > _ITEMS:
+                self.put(", ...")
+        self.put(closing)
+
+    def mapping(self, opening: str, mapping: dict[Any, Any], closing: str, depth: int) -> None:
+        """Write the first items of a dict, in brackets."""
+        self.put(opening)
+        if depth <= 0 and dict.__len__(mapping):
+            self.put("...")
+        else:
+            for number, (key, value) in enumerate(islice(dict.items(mapping), _ITEMS)):
+                self.put(", " if number else "")
+                self.write(key, depth - 1)
+                self.put(": ")
+                self.write(value, depth - 1)
+            if dict.__len__(mapping) > _ITEMS:
+                self.put(", ...")
+        self.put(closing)
+
+
+def _cut(text: str, most: int) -> str:
+    """Return a text with its middle left out if it is too long."""
+    if len(text) <= most:
+        return text
+    before = (most - 3) // 2
+    return f"{text[:before]}...{text[before + 3 - most :]}"
+
+
+def _ends(value: Any, read: Callable[[Any, slice], Any], length: int) -> Any:
+    """Return the parts of a long text that are shown, joined."""
+    return (
+        value if length <= 2 * _STRING else read(value, slice(_STRING)) + read(value, slice(-_STRING, None))
+    )
+
+
+def _str(writer: _Writer, value: str, depth: int) -> None:
+    shown = str.__getitem__(_ends(value, str.__getitem__, str.__len__(value)), slice(None))
+    writer.put(_cut(repr(shown), _STRING))
+
+
+def _bytes(writer: _Writer, value: bytes, depth: int) -> None:
+    writer.put(_cut(repr(bytes(_ends(value, bytes.__getitem__, bytes.__len__(value)))), _STRING))
+
+
+def _bytearray(writer: _Writer, value: bytearray, depth: int) -> None:
+    shown = bytes(_ends(value, bytearray.__getitem__, bytearray.__len__(value)))
+    writer.put(_cut(f"bytearray({shown!r})", _STRING))
+
+
+def _int(writer: _Writer, value: int, depth: int) -> None:
+    bits = int.bit_length(value)
+    writer.put(_cut(int.__repr__(value), _NUMBER) if bits <= _BITS else f"<integer of {bits} bits>")
+
+
+def _list(writer: _Writer, value: list[Any], depth: int) -> None:
+    writer.items("[", list.__iter__(value), list.__len__(value), "]", depth)
+
+
+def _tuple(writer: _Writer, value: tuple[Any, ...], depth: int) -> None:
+    count = tuple.__len__(value)
+    writer.items("(", tuple.__iter__(value), count, ",)" if count == 1 else ")", depth)
+
+
+def _set(writer: _Writer, value: set[Any], depth: int) -> None:
+    if count := set.__len__(value):
+        writer.items("{", _sorted(set.__iter__(value), count), count, "}", depth)
+    else:
+        writer.put("set()")
+
+
+def _frozenset(writer: _Writer, value: frozenset[Any], depth: int) -> None:
+    if count := frozenset.__len__(value):
+        writer.items("frozenset({", _sorted(frozenset.__iter__(value), count), count, "})", depth)
+    else:
+        writer.put("frozenset()")
+
+
+def _sorted(items: Iterator[Any], count: int) -> Iterable[Any]:
+    """Return the items of a set, sorted if that is quick and runs no foreign code."""
+    if count > 200:
+        return items
+    every = list(items)
+    kind = type(every[0])
+    comparable = is_scalar(every[0]) and all(type(item) is kind for item in every)
+    return sorted(every) if comparable else every
+
+
+def _dict(writer: _Writer, value: dict[Any, Any], depth: int) -> None:
+    writer.mapping("{", value, "}", depth)
+
+
+def _named_dict(writer: _Writer, value: dict[Any, Any], depth: int) -> None:
+    writer.mapping(f"{name_of(type(value))}({{", value, "})", depth)
+
+
+def _deque(writer: _Writer, value: deque[Any], depth: int) -> None:
+    writer.items("deque([", deque.__iter__(value), deque.__len__(value), "])", depth)
+
+
+def _array(writer: _Writer, value: array.array[Any], depth: int) -> None:
+    count = array.array.__len__(value)
+    first = (array.array.__getitem__(value, index) for index in range(count))
+    writer.items(f"array({value.typecode!r}, [", first, count, "])", depth)
+
+
+_WRITERS: list[tuple[object, Callable[[_Writer, Any, int], None]]] = [
+    (float.__repr__, lambda writer, value, depth: writer.put(float.__repr__(value))),
+    (int.__repr__, _int),
+    (str.__repr__, _str),
+    (bool.__repr__, lambda writer, value, depth: writer.put(bool.__repr__(value))),
+    (NoneType.__repr__, lambda writer, value, depth: writer.put("None")),
+    (complex.__repr__, lambda writer, value, depth: writer.put(complex.__repr__(value))),
+    (list.__repr__, _list),
+    (tuple.__repr__, _tuple),
+    (dict.__repr__, _dict),
+    (set.__repr__, _set),
+    (frozenset.__repr__, _frozenset),
+    (bytes.__repr__, _bytes),
+    (bytearray.__repr__, _bytearray),
+    (deque.__repr__, _deque),
+    (OrderedDict.__repr__, _named_dict),
+    (defaultdict.__repr__, _named_dict),
+    (Counter.__repr__, _named_dict),
+    (array.array.__repr__, _array),
+]
+"""By the ``__repr__`` that a type has or inherits, compared by identity, which runs no foreign code."""

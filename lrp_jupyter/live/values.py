@@ -1,0 +1,85 @@
+"""The texts of the variables in frames, rendered on the loop's thread in a small share of its time.
+
+A value is rendered where and when it is current, between two ticks, because foreign code must not run on two
+threads at a time. Scalars are rendered for every frame. Any other value whose rendering took long is
+rendered again later, so that rendering costs the loop about a twentieth of its time however many frames there
+are; until then a frame shows its earlier text. While the program is paused nothing is left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from time import perf_counter
+
+from lrp_jupyter.errors import name_of
+from lrp_jupyter.interpreter.rendering import is_scalar, of_type, render
+from lrp_jupyter.language.program import Path, path_text
+
+__all__ = ["ValueTexts"]
+
+_SPACING = 20.0
+"""Time between two renderings of a value, in multiples of what those of one frame take."""
+
+
+class ValueTexts:
+    """The last text of each variable, and when it may be rendered again.
+
+    Parameters
+    ----------
+    watch : callable
+        Called with the name of what is rendered (``x.__repr__``) before it is, and with an empty text after.
+    """
+
+    def __init__(self, watch: Callable[[str], None]) -> None:
+        self._watch = watch
+        self._known: dict[Path, tuple[str, float]] = {}
+        self._endless: dict[int, type] = {}  # by id, because a metaclass may define `==`
+
+    def of(self, values: Iterable[tuple[Path, object]], now: bool, foreign: bool = True) -> dict[Path, str]:
+        """Return the texts of all variables.
+
+        Parameters
+        ----------
+        values : iterable of (path, object)
+        now : bool
+            Whether every text must be that of the present value.
+        foreign : bool
+            Whether foreign code may run; if not, a value without a text is shown by its type.
+        """
+        texts: dict[Path, str] = {}
+        known: dict[Path, tuple[str, float]] = {}
+        wall, spent = perf_counter(), 0.0
+        for path, value in values:
+            if is_scalar(value):
+                texts[path] = render(value)
+                continue
+            text, due = self._known.get(path, ("", 0.0))
+            if not foreign:
+                text = text or render(value, of_type)
+            elif now or wall >= due or not text:
+                start = perf_counter()
+                self._watch(f"{path_text(path)}.__repr__")
+                try:
+                    text = render(value, self._repr)
+                finally:
+                    self._watch("")
+                end = perf_counter()
+                spent += end - start
+                due = end + _SPACING * spent
+            texts[path] = text
+            known[path] = text, due
+        self._known = known
+        return texts
+
+    def _repr(self, value: object) -> str:
+        """Return the text of a value by its own ``__repr__``, unless that had to be interrupted before."""
+        kind = type(value)
+        if id(kind) in self._endless:
+            return f"<{name_of(kind)}: not shown, because `__repr__` did not return>"
+        try:
+            return repr(value)
+        except (Exception, SystemExit):
+            raise
+        except BaseException:  # an interruption
+            self._endless[id(kind)] = kind
+            raise

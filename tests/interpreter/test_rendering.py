@@ -1,0 +1,164 @@
+"""Values as text: like `repr` where that is short, bounded where it is not."""
+
+import array
+from collections import Counter, OrderedDict, defaultdict, deque
+from time import process_time
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.rendering import LONGEST, render, short
+from lrp_jupyter.language.parser import parse
+
+SCALARS = st.integers(-(10**9), 10**9) | st.text(max_size=8) | st.floats() | st.booleans() | st.none()
+
+
+@given(
+    st.recursive(
+        SCALARS | st.binary(max_size=8) | st.complex_numbers(),
+        lambda inner: (
+            st.lists(inner, max_size=3)
+            | st.tuples(inner, inner)
+            | st.tuples(inner)
+            | st.dictionaries(st.text(max_size=3), inner, max_size=2)
+        ),
+        max_leaves=6,
+    )
+)
+def test_a_short_value_of_pythons_own_types_is_shown_as_its_repr(value):
+    text = render(value)
+    assert text == repr(value) or "..." in text
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        ({3, 1, 2}, "{1, 2, 3}"),
+        (set(), "set()"),
+        (frozenset({"b", "a"}), "frozenset({'a', 'b'})"),
+        (deque([1, 2]), "deque([1, 2])"),
+        (OrderedDict(a=1), "OrderedDict({'a': 1})"),
+        (defaultdict(list, a=[1]), "defaultdict({'a': [1]})"),
+        (Counter("aab"), "Counter({'a': 2, 'b': 1})"),
+        (array.array("i", [1, 2]), "array('i', [1, 2])"),
+        (bytearray(b"ab"), "bytearray(b'ab')"),
+        ([1] * 13, "[1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, ...]"),
+        ([[[[1]]]], "[[[[...]]]]"),
+    ],
+)
+def test_collections_are_shown_by_their_first_items(value, text):
+    assert render(value) == text
+
+
+@pytest.mark.parametrize(
+    "value",
+    [
+        bytearray(10**8),
+        bytes(10**8),
+        "ä" * 10**8,
+        list(range(10**6)),
+        OrderedDict.fromkeys(range(10**6)),
+        dict.fromkeys(range(10**6)),
+        set(range(10**6)),
+        deque(range(10**6)),
+        array.array("d", bytes(8 * 10**6)),
+        1 << 10**8,
+    ],
+    ids=lambda value: type(value).__name__,
+)
+def test_the_work_does_not_grow_with_the_value(value):
+    before = process_time()
+    for _ in range(20):
+        assert len(render(value)) <= LONGEST
+    assert process_time() - before < 0.2, "its repr takes far longer"
+
+
+class Odd:
+    def __repr__(self):
+        raise AssertionError("This must not run.")
+
+
+def test_a_message_runs_no_foreign_code():
+    assert short(Odd()) == "a value of type `Odd`"
+    assert short([Odd()]) == "[<Odd>]"
+    assert short("x" * 100).endswith("…")
+
+
+class Stranger(type):
+    @property
+    def __module__(cls):
+        raise AttributeError("__module__")
+
+    @property
+    def __name__(cls):
+        raise SystemExit
+
+    def __eq__(cls, other):
+        raise SystemExit
+
+    def __hash__(cls):
+        raise SystemExit
+
+
+def never(*_):
+    raise SystemExit
+
+
+STRANGE = {
+    "class without a module": Stranger("Strange", (), {"__repr__": never}),
+    "repr": type("Strange", (), {"__repr__": never}),
+    "class": type("Strange", (), {"__class__": property(never)}),
+    "bool": type("Strange", (), {"__bool__": never, "__len__": never}),
+    "eq": type("Strange", (), {"__eq__": never, "__hash__": never}),
+    "float": type(
+        "Strange", (float,), {"__float__": never, "__repr__": never, "__ge__": never, "__ne__": never}
+    ),
+    "int": type(
+        "Strange", (int,), {"__float__": never, "__repr__": never, "__le__": never, "__bool__": never}
+    ),
+    "exception": type("Strange", (Exception,), {"__str__": never, "__class__": property(never)}),
+}
+
+
+@pytest.mark.parametrize("kind", STRANGE.values(), ids=STRANGE)
+@pytest.mark.parametrize(
+    "use",
+    [
+        "(on [make()] a -> b)",
+        "(event e [make()]) (on e a -> b)",
+        "(var d := [make()]) (ontime d a -> b)",
+        "(ontime [make()] a -> b)",
+        "(var v := [make()])",
+    ],
+)
+def test_a_strange_value_is_an_issue_at_most(kind, use):
+    i = Interpreter(parse(f"(machine m {use} (state a) (state b)) (spawn m a)"), namespace={"make": kind})
+    i.watch_events()
+    for now in range(3):
+        i.step(float(now))
+    assert i.tick == 3
+    assert len(i.issues) <= 1
+
+
+@pytest.mark.parametrize(
+    "kind", [STRANGE["exception"], type("Strange", (BaseException,), {"__str__": never})]
+)
+def test_a_strange_exception_is_an_issue(kind):
+    def fail():
+        raise kind
+
+    i = Interpreter(parse("(machine m (state a (running [fail()]))) (spawn m a)"), namespace={"fail": fail})
+    i.step(0.0)
+    i.step(0.1)
+    assert "Strange" in i.issues[0].message
+
+
+def test_the_message_of_an_exception_is_bounded():
+    text = "(machine m (state a (running [raise ValueError('x' * 10**6)]))) (spawn m a)"
+    i = Interpreter(parse(text))
+    i.step(0.0)
+    i.step(0.1)
+    assert len(i.issues[0].message) <= 1000
+    assert len(i.issues[0].traceback) <= 21_000
