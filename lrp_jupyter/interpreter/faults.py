@@ -15,7 +15,7 @@ from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.interpreter.linker import Site, show_in_tracebacks
 from lrp_jupyter.language.program import Program
 
-__all__ = ["Fault", "kind_and_message", "line_of", "place_of", "traceback_of"]
+__all__ = ["Fault", "Interrupted", "kind_and_message", "line_of", "place_of", "traceback_of"]
 
 
 _LONGEST, _LONGEST_TRACE = 1_000, 20_000
@@ -28,6 +28,16 @@ class Fault(Exception):  # noqa: N818  (raised and caught inside the interpreter
     def __init__(self, kind: IssueKind, message: str) -> None:
         self.kind = kind
         super().__init__(message)
+
+
+class Interrupted(BaseException):
+    """A block did not return and was interrupted, from outside. Becomes an issue of that block."""
+
+    def __str__(self) -> str:
+        return (
+            "The block did not return and was interrupted. A block must end at once: use a state with "
+            "`ontime`, or a transition that tests the sensor, instead of waiting in a block."
+        )
 
 
 def kind_and_message(error: BaseException) -> tuple[IssueKind, str]:
@@ -45,6 +55,8 @@ def _kind_and_message(error: BaseException) -> tuple[IssueKind, str]:
         return error.kind, str(error)
     if isinstance(error, NoDataYet):
         return "no data yet", str(error)
+    if isinstance(error, Interrupted):
+        return "did not return", str(error)
     if isinstance(error, NameError) and not isinstance(error, UnboundLocalError) and error.name:
         return "unknown variable", _name_error(error)
     return "exception", _first_line(error)

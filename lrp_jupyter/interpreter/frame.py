@@ -33,10 +33,28 @@ class Hung:
         or ``a command``.
     seconds : float
         How long it has been running, in wall time.
+    line : int
+        The line of the program that runs, from 1; 0 if unknown.
+    held : bool
+        Whether it has been interrupted in vain: it is inside a call that Python cannot interrupt.
     """
 
     where: str
     seconds: float
+    line: int = 0
+    held: bool = False
+
+    def __str__(self) -> str:
+        place = f" (line {self.line})" if self.line else ""
+        what = f"`{self.where}` has run for {self.seconds:.0f} s{place}."
+        if self.held:
+            return (
+                f"{what} It was interrupted, but Python cannot end the call that it is in, such as a "
+                "`sleep` or one long computation. Wait until the call returns, or restart Python."
+            )
+        if not self.line:
+            return what
+        return f"{what} A block must end at once: use a state with `ontime` instead of waiting in a block."
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,6 +25,7 @@ IssueKind = Literal[
     "already running",
     "defined twice",
     "no data yet",
+    "did not return",
 ]
 
 ISSUE_CODES: dict[IssueKind, str] = {
@@ -38,6 +39,7 @@ ISSUE_CODES: dict[IssueKind, str] = {
     "already running": "LRP608",
     "defined twice": "LRP609",
     "no data yet": "LRP610",
+    "did not return": "LRP611",
 }
 
 

@@ -14,7 +14,10 @@ from lrp_jupyter.interpreter.tree import Environment, bind_code
 from lrp_jupyter.language.blocks import compile_block, facts_of, faults_of
 from lrp_jupyter.language.program import Block, Path, path_text
 
-__all__ = ["VariableMapping", "as_path", "assign", "find_variable"]
+__all__ = ["EXPRESSION", "VariableMapping", "as_path", "assign", "find_variable"]
+
+EXPRESSION = "<expression>"
+"""The file name, in tracebacks, of an expression that is assigned."""
 
 
 class VariableMapping(Mapping[Path, object]):
@@ -92,8 +95,8 @@ def assign(run: Run, path: Path | str, expression: str) -> None:
     text = expression.strip()
     if not facts_of(text).valid:
         raise SyntaxError(faults_of(text)[0].message)
-    ast.parse(text, "<expression>", "eval")  # an expression, not statements
-    code = compile_block(Block(text), frozenset(environment.visible), "<expression>")
+    ast.parse(text, EXPRESSION, "eval")  # an expression, not statements
+    code = compile_block(Block(text), frozenset(environment.visible), EXPRESSION, "expression")
     value = bind_code(run, code, environment.visible)()
     cell = environment.own[name].cell
     if run.log is not None:

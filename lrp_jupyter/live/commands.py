@@ -38,6 +38,7 @@ _ARGUMENTS = (LRPError, ValueError, TypeError)
 class ReplaceProgram(Command):
     """Continue with another program. Of several queued in a row the newest wins. Paper: §6.1."""
 
+    interrupts: ClassVar[bool] = True
     newest_wins: ClassVar[bool] = True
     program: Program
 
@@ -50,6 +51,7 @@ class ReplaceProgram(Command):
 class Force(Command):
     """Force a state, by transition or by teleport. Paper: §6.4."""
 
+    interrupts: ClassVar[bool] = True
     path: Path
     teleport: bool = False
 
@@ -75,6 +77,7 @@ class SetVariable(Command):
 class Rename(Command):
     """Rename an element with all its references, without a restart; the result is the new text."""
 
+    interrupts: ClassVar[bool] = True
     misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     kind: str
     path: Path
@@ -89,6 +92,7 @@ class Rename(Command):
 class Rewind(Command):
     """Step back by this number of ticks."""
 
+    interrupts: ClassVar[bool] = True
     misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     ticks: int
 
@@ -101,6 +105,8 @@ class Rewind(Command):
 class Reset(Command):
     """Restart the program at the next tick."""
 
+    interrupts: ClassVar[bool] = True
+
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
         loop.interpreter.reset(loop.now)
@@ -110,6 +116,8 @@ class Reset(Command):
 class Pause(Command):
     """Pause, for a reason (a sentence, or empty). Paper: §6.3."""
 
+    interrupts: ClassVar[bool] = True
+    urgent: ClassVar[bool] = True
     reason: str = ""
 
     def apply(self, loop: Loop) -> None:
@@ -121,6 +129,8 @@ class Pause(Command):
 class Resume(Command):
     """Start, or continue after a pause. Paper: §6.3."""
 
+    moves: ClassVar[bool] = True
+
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
         loop.resume()
@@ -129,6 +139,9 @@ class Resume(Command):
 @dataclass(frozen=True, slots=True)
 class Step(Command):
     """Run one tick, and one period of time. Paper: §6.3."""
+
+    interrupts: ClassVar[bool] = True
+    moves: ClassVar[bool] = True
 
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""

@@ -3,7 +3,7 @@
 A :class:`Driver` decides which thread may run the loop, and lets other threads submit commands to
 it. A command is applied
 
-* by the driver's thread if there is one; the caller waits, for at most a second;
+* by the driver's thread if there is one; the caller waits, for a few seconds at most;
 * by the caller if nothing else drives the loop;
 * after the tick, without waiting, if the call comes from a block of the program.
 
@@ -11,40 +11,44 @@ Every driver alternates between a turn of the loop and waiting for the time that
 differ in how they wait.
 
 The monitor is a second thread. A block that does not return holds up its loop and nothing else: the
-monitor reports which block it is, stops the robot, and can interrupt the block. It also feeds the
-bridge's watchdog and pauses a robot that is no longer watched. It never touches the interpreter.
+monitor reports which block it is, stops the robot, and interrupts the block if an edit or another
+command has waited for it for a second. It also feeds the bridge's watchdog and pauses a robot that is no
+longer watched. It never touches the interpreter.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextvars
-import ctypes
 import math
 import re
-import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
 from contextlib import contextmanager, suppress
 from time import monotonic, perf_counter
+from types import FrameType
 from typing import Any, Literal
 
 from lrp_jupyter.errors import SessionClosedError, SessionTimeoutError
+from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.frame import Hung
+from lrp_jupyter.interpreter.variables import EXPRESSION
 from lrp_jupyter.live.commands import Pause
-from lrp_jupyter.live.loop import Command, Interrupted, Loop
+from lrp_jupyter.live.interruption import RunningBlock, interrupt, running_block
+from lrp_jupyter.live.loop import Command, Loop
 
 __all__ = ["PATIENCE", "Driver", "LoopTask", "LoopThread", "Monitor"]
 
 PATIENCE = 1.0
-"""Wall seconds that a call waits for its command."""
+"""Wall seconds that a call waits for its command, and a command for a block that does not return."""
 
 _HOLD = 0.0005  # wall seconds for which a loop that never waits may keep others from running …
 _YIELD = 0.00005  # … and those for which it then sleeps
 _INTERVAL = 0.1  # wall seconds between two checks of the monitor
+_AGAIN = 0.25  # wall seconds until a block is interrupted again, or the next one of the same tick
 
 
 class LoopThread:
@@ -227,7 +231,7 @@ class Driver:
             return
         self._motor = motor = LoopThread(self.loop, self._turning, f"lrp {self.name}")
         motor.start()
-        self._monitor = Monitor(self.loop, motor, hung_after, dead_man)
+        self._monitor = Monitor(self.loop, lambda: self._thread, hung_after, dead_man)
         self._monitor.start()
 
     def end(self) -> bool:
@@ -241,9 +245,10 @@ class Driver:
         if motor is not None:
             motor.end()
             over = motor.join(PATIENCE)
-            if not over and motor.ident not in (None, threading.get_ident()):
-                _interrupt(motor.ident)
-                over = motor.join(PATIENCE)
+            end = monotonic() + PATIENCE
+            while not over and motor.ident != threading.get_ident() and monotonic() < end:
+                self.interrupt()  # one block after the other, until the tick is over
+                over = motor.join(_AGAIN)
         if monitor is not None:
             monitor.end()
         if over:
@@ -251,9 +256,18 @@ class Driver:
         return over and not self.loop.ticking
 
     def interrupt(self) -> bool:
-        """Make the running block fail at its next bytecode; return whether one runs."""
-        thread = self._thread
-        return bool(_running_block(self.loop, thread)) and thread is not None and _interrupt(thread)
+        """Interrupt the block that runs now; return whether there is one."""
+        thread, block = self._thread, self._block
+        if thread is None or block is None:
+            return False
+        if self._monitor is not None:
+            self._monitor.note(block)
+        return interrupt(thread, block)
+
+    @property
+    def _block(self) -> RunningBlock | None:
+        """The block that runs now, on whichever thread drives the loop."""
+        return None if self.loop.work is None else _block(self.loop, self._thread)
 
     def seen(self) -> None:
         """Reset the dead man's switch."""
@@ -276,7 +290,7 @@ class Driver:
                 self.loop.apply_queued()
         return answer
 
-    def wait(self, answer: Future[Any], what: str) -> Any:
+    def wait(self, answer: Future[Any], kind: type[Command]) -> Any:
         """Wait for what :meth:`ask` returned; inside a block return None, as it is applied after the tick.
 
         Raises
@@ -287,16 +301,17 @@ class Driver:
         if self._inside_block:
             return None
         try:
-            return answer.result(PATIENCE)
+            if not (kind.interrupts and self._monitor is not None):
+                return answer.result(PATIENCE)
+            return answer.result(PATIENCE + self._monitor.within)
         except FutureTimeout:
             if answer.done():  # the error is the command's own
                 raise
-            raise self._blocked(what) from None
+            raise self._blocked(re.sub(r"\B(?=[A-Z])", " ", kind.__name__).lower()) from None
 
     def do(self, command: Command) -> Any:
         """Apply a command, or have it applied, and return its result; see :meth:`ask`, :meth:`wait`."""
-        what = re.sub(r"\B(?=[A-Z])", " ", type(command).__name__).lower()
-        return self.wait(self.ask(command), what)
+        return self.wait(self.ask(command), type(command))
 
     def check_open(self) -> None:
         """Raise SessionClosedError if the session is closed."""
@@ -329,8 +344,10 @@ class Driver:
                 motor.unsuspend()
 
     def _blocked(self, what: str) -> SessionTimeoutError:
-        block = _running_block(self.loop, self._thread)
-        why = f"`{block}` has not returned" if block else "the session has been busy"
+        block, hung = self._block, self.loop.hung
+        if hung is not None and hung.held:
+            return SessionTimeoutError(f"The command `{what}` waits: {hung}")
+        why = f"`{block.name}` has not returned" if block else "the session has been busy"
         return SessionTimeoutError(f"The command `{what}` waits: {why} for {PATIENCE:g} s.")
 
 
@@ -340,7 +357,8 @@ class Monitor:
     Parameters
     ----------
     loop : Loop
-    motor : LoopThread
+    thread : callable
+        Returns the identity of the thread that drives the loop now, or None.
     hung_after : float
         Wall seconds after which a tick is reported.
     dead_man : float or None
@@ -350,21 +368,31 @@ class Monitor:
     def __init__(
         self,
         loop: Loop,
-        motor: LoopThread,
+        thread: Callable[[], int | None],
         hung_after: float = 2.0,
         dead_man: float | None = None,
     ) -> None:
         self._loop = loop
-        self._motor = motor
+        self._driving = thread
         self._hung_after = hung_after
         self._dead_man = dead_man
-        self._seen = monotonic()
-        self._under_way: tuple[object, float] = (None, monotonic())  # at the last check, and since when
+        now = self._seen = monotonic()
+        self._reported = False
+        self._work: tuple[object, float] = (None, now)  # what is under way, and since when
+        self._block: tuple[RunningBlock | None, float] = (None, now)  # the block in it, and since when
+        self._waiting: float | None = None  # since when a command waits that interrupts
+        self._interrupted: FrameType | None = None
+        self._last = -math.inf  # wall time of the last interruption in this work
         self._end = threading.Event()
         context = contextvars.copy_context()
         self._thread = threading.Thread(
             target=context.run, args=(self._run,), name="lrp monitor", daemon=True
         )
+
+    @property
+    def within(self) -> float:
+        """Wall seconds within which a block is interrupted for a command; 0 if that may take longer."""
+        return self._hung_after + PATIENCE if self._hung_after <= 2 * PATIENCE else 0.0
 
     def start(self) -> None:
         """Start the thread."""
@@ -380,23 +408,27 @@ class Monitor:
         """Reset the dead man's switch: a view has answered."""
         self._seen = monotonic()
 
+    def note(self, block: RunningBlock) -> None:
+        """Note that a block was interrupted: one that still runs later cannot be."""
+        self._interrupted, self._last = block.frame, monotonic()
+
     def _run(self) -> None:
         while not self._end.wait(min(_INTERVAL, self._hung_after / 4)):
             try:
                 self._check()
             except BaseException as error:  # an unwatched robot must not move
                 self._loop.break_down(error)
-        self._report(0.0)
+        self._report(None, 0.0)
 
     def _check(self) -> None:
         loop, wall = self._loop, monotonic()
-        known, since = self._under_way
-        under_way = loop.interpreter.tick if loop.ticking else loop.foreign
-        if under_way is None or type(under_way) is not type(known) or under_way != known:
-            since = wall
-        self._under_way = under_way, since
-        since = wall - since
-        self._report(since if since >= self._hung_after else 0.0)
+        since = self._watch(wall)
+        block = self._block[0]
+        if since >= self._hung_after:
+            self._report(block, since)
+            self._interrupt(wall)
+        else:
+            self._report(None, 0.0)
         if loop.status != "running":
             self._seen = wall
             return
@@ -407,48 +439,58 @@ class Monitor:
             loop.bridge.stop_all()
             loop.inbox.put(Pause(f"The robot has not been watched for {self._dead_man:g} s."))
 
-    def _report(self, since: float) -> None:
+    def _watch(self, wall: float) -> float:
+        """Note what the loop is doing; return for how many wall seconds it has been doing it."""
+        loop = self._loop
+        work = loop.work
+        if work is None or work != self._work[0]:
+            self._work = work, wall
+            self._interrupted, self._last = None, -math.inf
+        since = wall - self._work[1]
+        block = None
+        if since >= min(PATIENCE, self._hung_after) / 2:  # nothing to look for in most ticks
+            block = _block(loop, self._driving())
+        known, began = self._block
+        same = block is not None and known is not None and block.frame is known.frame
+        self._block = block, began if same else wall
+        if not loop.inbox.interrupts():
+            self._waiting = None
+        elif self._waiting is None:
+            self._waiting = wall
+        return since
+
+    def _interrupt(self, wall: float) -> None:
+        """Interrupt the block if a command waits for it, and again if it goes on."""
+        (block, began), thread = self._block, self._driving()
+        if block is None or thread is None or self._waiting is None or wall - self._waiting < PATIENCE:
+            return
+        enough = PATIENCE if self._interrupted is None else _AGAIN
+        if wall - began >= enough and wall - self._last >= _AGAIN:
+            interrupt(thread, block)
+            self.note(block)
+
+    def _report(self, block: RunningBlock | None, since: float) -> None:
         loop = self._loop
         if not since:
-            if loop.hung is not None:
-                loop.hung = None
+            if self._reported:
+                self._reported = False
+                loop.set_hung(None, None)
                 loop.changed()
             return
-        block = _running_block(loop, self._motor.ident)
-        if block or loop.ticking or loop.foreign is not None:
-            first = loop.hung is None
-            loop.hung = Hung(block or ("the robot" if loop.ticking else "a command"), round(since, 1))
-            if first:
-                loop.bridge.stop_all()
-            loop.changed()
+        if block is None:
+            hung = Hung("the robot" if loop.ticking else "a command", round(since, 1))
+        else:
+            held = block.frame is self._interrupted and monotonic() - self._last > _AGAIN / 2
+            hung = Hung(block.name, round(since, 1), block.line, held)
+        loop.set_hung(self._work[0], hung)
+        if not self._reported:
+            self._reported = True
+            loop.bridge.stop_all()
+        loop.changed()
 
 
-def _running_block(loop: Loop, thread: int | None) -> str:
-    """Return the name of the block that a thread is running (``moving.running``), or an empty text.
-
-    The rendering of a value is named as a block is: ``x.__repr__``.
-    """
+def _block(loop: Loop, thread: int | None) -> RunningBlock | None:
+    """Return what a thread runs now of the program, of an expression or of a value's ``repr``."""
     foreign = loop.foreign
-    if thread is None or not (loop.ticking or foreign is not None):
-        return ""
-    if foreign is not None and foreign.name:
-        return foreign.name
-    frame = sys._current_frames().get(thread)
-    filename = loop.interpreter.program.filename
-    name = ""
-    while frame is not None:  # the outermost one: a block may have called functions of its own
-        if frame.f_code.co_filename == filename:
-            name = frame.f_code.co_name
-        frame = frame.f_back
-    return name
-
-
-def _interrupt(thread: int) -> bool:
-    """Raise :class:`Interrupted` in a thread, at its next bytecode; return whether there is such a thread.
-
-    Nothing can be raised inside a call of C; the exception is raised when that call returns.
-    """
-    raised: int = ctypes.pythonapi.PyThreadState_SetAsyncExc(
-        ctypes.c_ulong(thread), ctypes.py_object(Interrupted)
-    )
-    return raised == 1
+    name = "" if foreign is None else foreign.name
+    return running_block(thread, (loop.interpreter.program.filename, EXPRESSION), name)

@@ -24,7 +24,7 @@ repeats that tick.
 *Status.* :attr:`Loop.status` and :attr:`Loop.hung` are the only record of the state of a run; a
 session copies them into its frames.
 
-Owned by the thread that drives it. Other threads use :attr:`Loop.inbox`, set :attr:`Loop.hung` (the
+Owned by the thread that drives it. Other threads use :attr:`Loop.inbox`, call :meth:`Loop.set_hung` (the
 monitor) or end the loop (:meth:`Loop.halt`), and read `frame`, `ticking`, `status` and `interpreter.tick`.
 
 Paper: §5.1 (the loop), §6.3 (pause), §6.4 (forcing states).
@@ -47,6 +47,7 @@ from typing import Any, ClassVar, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, sentence_of
+from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.frame import Frame, Hung, Status, is_active
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
@@ -55,7 +56,7 @@ from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign
 from lrp_jupyter.live.values import ValueTexts
 
-__all__ = ["STEP", "Command", "Inbox", "Interrupted", "Loop"]
+__all__ = ["STEP", "Command", "Inbox", "Loop"]
 
 STEP = 0.01
 """Seconds from tick to tick at rate 0 where time is virtual."""
@@ -69,13 +70,6 @@ _PICTURES = 30.0  # of a world that moves between two ticks, per wall second
 _ROUNDING = 1e-6  # s
 
 
-class Interrupted(BaseException):
-    """The user interrupted a block that did not return. Becomes an issue of that block."""
-
-    def __str__(self) -> str:
-        return "The block did not return and was interrupted."
-
-
 class Command(ABC):
     """A request to a loop: a frozen value, applied as a whole between two ticks."""
 
@@ -87,13 +81,22 @@ class Command(ABC):
     newest_wins: ClassVar[bool] = False
     """Whether it replaces a command of the same class queued directly before it."""
 
+    urgent: ClassVar[bool] = False
+    """Whether it overtakes all commands that wait, and cancels those that would move the robot."""
+
+    moves: ClassVar[bool] = False
+    """Whether the program runs on because of it."""
+
+    interrupts: ClassVar[bool] = False
+    """Whether a block that does not return is interrupted for it."""
+
     @abstractmethod
     def apply(self, loop: Loop) -> Any:
         """Apply it to a loop, and return the result for the caller."""
 
 
 class Inbox:
-    """Queue of commands, first in, first out.
+    """Queue of commands, first in, first out; an urgent one is first.
 
     Any thread puts, the thread that drives the loop gets. :attr:`wake` is set by every put, so that
     a sleeping loop wakes up.
@@ -114,7 +117,17 @@ class Inbox:
             if command.newest_wins and self.queued and type(self.queued[-1][0]) is type(command):
                 _, superseded = self.queued.pop()
                 superseded.cancel()
-            self.queued.append((command, answer))
+            if command.urgent:
+                overtaken = [entry for entry in self.queued if entry[0].moves]
+                for entry in overtaken:
+                    self.queued.remove(entry)
+                self.queued.appendleft((command, answer))
+            else:
+                overtaken = []
+                self.queued.append((command, answer))
+        for _, unanswered in overtaken:
+            if unanswered.set_running_or_notify_cancel():
+                unanswered.set_exception(LRPError("The program was paused before this was done."))
         self.notify()
         return answer
 
@@ -122,6 +135,11 @@ class Inbox:
         """Remove and return the oldest command and its future; None if there is none."""
         with self._lock:
             return self.queued.popleft() if self.queued else None
+
+    def interrupts(self) -> bool:
+        """Return whether a command waits for which a block that does not return is interrupted."""
+        with self._lock:
+            return any(command.interrupts for command, _ in self.queued)
 
     def __len__(self) -> int:
         return len(self.queued)
@@ -162,8 +180,7 @@ class Loop:
         self.inbox = Inbox()
         self.status: Status = "ready"
         self.reason = ""
-        self.hung: Hung | None = None
-        """The block that does not return, or None; set by the monitor."""
+        self._hung: tuple[object, Hung | None] = (None, None)  # in which work
         self.foreign: Foreign | None = None
         """The foreign code that runs now between two ticks, for the monitor."""
         self.fault = ""
@@ -186,6 +203,21 @@ class Loop:
         self.set_rate(rate)
         self.frame = self.make_frame()
         """The newest one published."""
+
+    @property
+    def work(self) -> object:
+        """What identifies the tick or the foreign code under way; None between two. From any thread."""
+        return self.interpreter.tick if self.ticking else self.foreign
+
+    @property
+    def hung(self) -> Hung | None:
+        """The block that does not return, or None; from any thread."""
+        work, hung = self._hung
+        return hung if work == self.work else None
+
+    def set_hung(self, work: object, hung: Hung | None) -> None:
+        """Set the block that does not return, and the :attr:`work` under way; called by the monitor."""
+        self._hung = work, hung
 
     # -- time ------------------------------------------------------------------------------------
 

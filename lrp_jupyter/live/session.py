@@ -10,8 +10,9 @@ three parts:
 * the :class:`Session`, this file, may be called from any thread.
 
 *In.* A call of a session becomes a command, a frozen value in a queue; the loop applies it between
-two ticks, as a whole. The caller waits for that, at most a second: then an error names the block
-that is in the way, and the command stays in the queue. ``submit`` does not wait. A call from inside a
+two ticks, as a whole. A block that does not return is interrupted for an edit and for most commands.
+The caller waits for that, a few seconds at most: then an error names the block that is in the way,
+and the command stays in the queue. ``submit`` does not wait. A call from inside a
 block of the program itself does not wait either, because the block would wait for its own end. If
 no driver is active, the caller applies the command itself.
 
@@ -191,8 +192,7 @@ class Session:
             return replace(frame, status=status, achieved_rate=0.0, achieved_speed=0.0)
         if hung is None:
             return frame
-        reason = f"`{hung.where}` has run for {hung.seconds:.0f} s."
-        return replace(frame, status="hung", reason=reason, hung=hung)
+        return replace(frame, status="hung", reason=str(hung), hung=hung)
 
     @property
     def status(self) -> Status:
@@ -289,9 +289,10 @@ class Session:
         self._notify()
 
     def interrupt(self) -> bool:
-        """Make the running block fail at its next bytecode; return whether one runs.
+        """Interrupt the block that runs now, which becomes an issue; return whether there is one.
 
-        It becomes an issue of that block, and the tick continues.
+        The tick continues after the block. A block that does not return is also interrupted by itself when
+        an edit, a pause, a step or a reset has waited for it for a second.
         """
         return self._driver.interrupt()
 
@@ -391,7 +392,7 @@ class Session:
         """
         _, answer = self.offer(text)
         try:
-            self._driver.wait(answer, "replace program")
+            self._driver.wait(answer, do.ReplaceProgram)
         except CancelledError:  # a newer edit came before this one was applied
             pass
         except LRPError as error:  # the text is kept, and applied when the block returns

@@ -1,5 +1,8 @@
+import pytest
+
+from lrp_jupyter.errors import LRPError
 from lrp_jupyter.language.program import Program
-from lrp_jupyter.live.commands import Pause, ReplaceProgram, Step
+from lrp_jupyter.live.commands import Pause, ReplaceProgram, Reset, Resume, SetRate, Step
 from lrp_jupyter.live.loop import Inbox
 
 
@@ -12,9 +15,21 @@ def commands(inbox):
 
 def test_commands_are_applied_in_the_order_in_which_they_were_queued():
     inbox = Inbox()
-    for command in (Pause(), Step(), Pause("again")):
+    for command in (Reset(), Step(), Reset(), SetRate(5)):
         inbox.put(command)
-    assert commands(inbox) == [Pause(), Step(), Pause("again")]
+    assert commands(inbox) == [Reset(), Step(), Reset(), SetRate(5)]
+
+
+def test_a_pause_overtakes_what_waits_and_cancels_what_would_move_the_robot():
+    inbox = Inbox()
+    answers = [inbox.put(command) for command in (Reset(), Resume(), *[Step()] * 10_000, SetRate(5))]
+    inbox.put(Pause("Stop."))
+    assert commands(inbox) == [Pause("Stop."), Reset(), SetRate(5)]
+    for answer in answers[1:-1]:
+        with pytest.raises(LRPError, match="paused before"):
+            answer.result(0)
+    assert [answer.done() for answer in answers[:2]] == [False, True]
+    assert not answers[-1].done()
 
 
 def test_of_edits_in_a_row_the_newest_wins():

@@ -4,9 +4,9 @@ import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError, LRPError, SessionClosedError
+from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.live import clock as clocks
 from lrp_jupyter.live.clock import LAG
-from lrp_jupyter.live.loop import Interrupted
 
 COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
 DRIVE = "(machine m (state a (running [robot.move(linear=0.2)]))) (spawn m a)"

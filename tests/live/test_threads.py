@@ -7,10 +7,10 @@ import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
+from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.live import driver
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.commands import Pause, Step
-from lrp_jupyter.live.loop import Interrupted
 
 COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
 BLINK = "(machine m (state a) (state b) (ontime 20 a -> b) (ontime 20 b -> a)) (spawn m a)"

@@ -31,7 +31,7 @@ def test_a_repr_that_does_not_return_is_reported_stops_the_robot_and_can_be_inte
     assert "`v.__repr__`" in frame.reason
     assert stops
     assert running.interrupt()
-    running.wait_for(lambda frame: "did not return" in frame.variables["v",], LONG)
+    running.wait_for(lambda frame: "did not return" in frame.variables.get(("v",), ""), LONG)
     running.wait_for(lambda frame: frame.status == "running", LONG)
     assert ticks_on(running).status == "running", "it is not called again"
 

@@ -341,6 +341,13 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "A reading of the robot has not arrived; an event that needs it does not occur.",
     ),
     (
+        "LRP611",
+        "error",
+        "Block did not return",
+        "A block runs within one tick: meanwhile nothing else runs, and no edit is applied. It was "
+        "interrupted. States wait, with `ontime` or for an event; blocks do not.",
+    ),
+    (
         "LRP690",
         "warning",
         "Edit waits",

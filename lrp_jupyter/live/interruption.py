@@ -1,0 +1,130 @@
+"""Interrupt a block that does not return: find it in its thread, and raise an exception in it.
+
+Python can raise an exception in another thread, at its next bytecode. A block may catch it, as a loop
+around ``try: … except: pass`` does. Then the exception returns: when it is caught and when it is discarded,
+it sets a trace function that raises another one at the next line of the block or of a function called
+by it, and so on until the block has ended.
+
+Nothing can be raised inside a call of C (``time.sleep``, ``sum(range(10**11))``) before it returns. A call
+that in addition holds the interpreter lock stops all threads of the process, so that nothing here runs.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import sys
+import threading
+from collections.abc import Container
+from types import FrameType
+from typing import Any, NamedTuple
+
+from lrp_jupyter.interpreter.faults import Interrupted
+
+__all__ = ["RunningBlock", "interrupt", "running_block"]
+
+
+class RunningBlock(NamedTuple):
+    """A block that a thread is running.
+
+    Parameters
+    ----------
+    name : str
+        ``moving.running``.
+    line : int
+        The line of the program that runs now, from 1.
+    frame : FrameType
+        Identifies this run of the block.
+    """
+
+    name: str
+    line: int
+    frame: FrameType
+
+
+def running_block(thread: int | None, filenames: Container[str], foreign: str = "") -> RunningBlock | None:
+    """Return the block that a thread is running now, or None.
+
+    Parameters
+    ----------
+    thread : int or None
+        The identity of the thread.
+    filenames : container of str
+        The names of files that tell blocks from other code.
+    foreign : str
+        The name of foreign code that runs instead of a block, such as ``x.__repr__``.
+    """
+    frame = innermost = None if thread is None else sys._current_frames().get(thread)
+    line, outermost = 0, None
+    while frame is not None:  # a block may have called functions of its own
+        if frame.f_code.co_filename in filenames:
+            line, outermost = line or frame.f_lineno, frame
+        frame = frame.f_back
+    if foreign and innermost is not None:
+        outermost = innermost
+        while not _is_ours(outermost) and outermost.f_back is not None and not _is_ours(outermost.f_back):
+            outermost = outermost.f_back
+    return None if outermost is None else RunningBlock(foreign or outermost.f_code.co_name, line, outermost)
+
+
+def _is_ours(frame: FrameType) -> bool:
+    return str(frame.f_globals.get("__name__", "")).startswith("lrp_jupyter.")
+
+
+_requested: dict[int, FrameType] = {}
+"""The block to be interrupted, by the thread that runs it; removed when the exception is raised."""
+
+
+def interrupt(thread: int, block: RunningBlock) -> bool:
+    """Make a block raise :class:`~lrp_jupyter.interpreter.faults.Interrupted` at its next bytecode.
+
+    Returns
+    -------
+    bool
+        Whether there is such a thread.
+    """
+    _requested[thread] = block.frame
+    raised: int = ctypes.pythonapi.PyThreadState_SetAsyncExc(
+        ctypes.c_ulong(thread), ctypes.py_object(_Interruption)
+    )
+    return raised == 1
+
+
+class _Interruption(Interrupted):
+    """Returns when it is caught, until the block has ended."""
+
+    _block: FrameType | None = None
+
+    def __init__(self, block: FrameType | None = None) -> None:
+        super().__init__()
+        self._block = _requested.pop(threading.get_ident(), None) if block is None else block
+        self._return(sys._getframe().f_back)
+
+    def __del__(self) -> None:
+        """Return, if the block has caught and discarded it."""
+        self._return(sys._getframe().f_back)
+
+    def _return(self, frame: FrameType | None) -> None:
+        """Raise another one at the next line, if `frame` is one of the block or was called by it."""
+        block, frames = self._block, []
+        while frame is not None and frame is not block:
+            frames.append(frame)
+            frame = frame.f_back
+        if block is None or frame is None or _is_ours(block):  # it has ended, or has no frame of its own
+            return
+        # A library may be cleaning up, for example releasing a lock.
+        frames = [block, *(each for each in frames if each.f_globals is block.f_globals)]
+        before = sys.gettrace()
+
+        def trace(frame: FrameType, event: str, _: object) -> Any:
+            if event == "line":
+                raise _Interruption(block)  # which ends the tracing
+            if event == "return" and frame is block:
+                sys.settrace(before)
+                for each in frames:
+                    each.f_trace = None
+                frames.clear()
+            return trace
+
+        sys.settrace(lambda *_: None)
+        for each in frames:
+            each.f_trace = trace

@@ -1,0 +1,171 @@
+"""Blocks that do not return: they are named, interrupted for whoever waits, and become issues."""
+
+import threading
+
+import pytest
+
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.live.commands import ReplaceProgram, Reset, SetVariable
+
+LONG = 120.0  # seconds; reached only when something is wrong, however busy the machine is
+RUNNING = "(machine m (state a (running [{}]))) (spawn m a)"
+GOOD = "(var n := [0]) (machine m (state a (running [n += 1]))) (spawn m a)"
+COUNTING = "\n(machine other (var n := [0]) (state x (running [n += 1]))) (spawn other x)"
+
+BLOCKS = {
+    "loop": "while True: pass",
+    "caught": "\nwhile True:\n  try: pass\n  except BaseException: pass",
+    "caught while it sleeps": "\nimport time\nwhile True:\n  try: time.sleep(0.01)\n  except: pass",
+    "caught twice": "\nimport time\nwhile True:\n  try:\n"
+    "    try: time.sleep(0.01)\n    except: pass\n  except: pass",
+    "kept": "\nimport time\nlast = []\nwhile True:\n  try: time.sleep(0.01)\n"
+    "  except BaseException as error: last.append(error)",
+    "suppressed": "\nimport time, contextlib\nwhile True:\n"
+    "  with contextlib.suppress(BaseException): time.sleep(0.01)",
+    "finally": "\ntry:\n  while True: pass\nfinally:\n  while True: pass",
+    "returning from finally": "\nimport time\ndef f():\n"
+    "  try: time.sleep(0.01)\n  finally: return\nwhile True: f()",
+    "function": "\ndef wait():\n  while True: pass\nwait()",
+    "generator": "\ndef forever():\n  while True:\n"
+    "    try: yield 1\n    except BaseException: pass\nsum(forever())",
+    "recursion": "\ndef f(n):\n  while True:\n    if n: f(n - 1)\nf(50)",
+    "output": "while True: print('again')",
+    "robot": "while not robot.bumper.data: robot.move(linear=0.1)",
+}
+
+PLACES = {
+    "onentry": "(machine m (state a (onentry [{}]))) (spawn m a)",
+    "onexit": "(machine m (state a (onexit [{}])) (state b) (eps a -> b)) (spawn m a)",
+    "event": "(event e [{}]) (machine m (state a) (state b) (on e a -> b)) (spawn m a)",
+    "condition": "(machine m (state a) (state b) (on [{}] a -> b)) (spawn m a)",
+    "delay": "(machine m (state a) (state b) (ontime [{}] a -> b)) (spawn m a)",
+    "variable": "(var v := [{}]) (machine m (state a)) (spawn m a)",
+    "nested variable": "(machine m (state a (onentry (spawn n b))"
+    " (machine n (var v := [{}]) (state b)))) (spawn m a)",
+    "function of a variable": "(var f := [\n def wait():\n  {}\n wait])"
+    " (machine m (state a (running [f()]))) (spawn m a)",
+}
+
+
+@pytest.fixture
+def hanging(session):
+    """Start a program, and wait until it hangs."""
+
+    def start(text, bridge="none", **options):
+        made = session(text, bridge, hung_after=0.2, rate=100, **options)
+        made.start()
+        made.wait_for(lambda frame: frame.status == "hung", LONG)
+        return made
+
+    return start
+
+
+def runs_on(session):
+    session.wait_for(lambda frame: frame.status == "running", LONG)
+    before = session.frame.tick
+    return session.wait_for(lambda frame: frame.tick > before + 3, LONG)
+
+
+@pytest.mark.parametrize("block", BLOCKS.values(), ids=BLOCKS)
+def test_an_edit_interrupts_a_block_that_does_not_return(hanging, block):
+    session = hanging(RUNNING.format(block), "sim")
+    codes = [finding.code for finding in session.edit(GOOD)]
+    assert "LRP690" not in codes
+    frame = runs_on(session)
+    assert frame.numbers[("n",)] > 0
+    (issue,) = frame.issues
+    assert (issue.code, issue.resolved) == ("LRP611", True)
+    assert "`ontime`" in issue.message
+
+
+@pytest.mark.parametrize("place", PLACES.values(), ids=PLACES)
+def test_an_edit_gets_through_wherever_the_block_is(hanging, place):
+    session = hanging(place.format("while True: pass"))
+    session.edit(GOOD)
+    assert runs_on(session).numbers[("n",)] > 0
+
+
+def test_a_hang_names_its_line_and_the_remedy_and_is_an_issue_there(hanging):
+    session = hanging(RUNNING.format("\n n = 1\n while True:\n  n += 1"))
+    frame = session.frame
+    assert frame.hung.where == "a.running"
+    assert frame.hung.line in (3, 4)
+    assert "`a.running` has run for" in frame.reason
+    assert "`ontime`" in frame.reason
+    assert session.interrupt()
+    (issue,) = session.wait_for(lambda frame: frame.issues, LONG).issues
+    assert (issue.code, issue.element.path, issue.line in (3, 4)) == ("LRP611", ("m", "a"), True)
+    session.wait_for(lambda frame: frame.status == "hung", LONG)
+    assert session.interrupt()
+    session.wait_for(lambda frame: frame.issues[0].count == 2, LONG)
+
+
+@pytest.mark.parametrize("act", ["pause", "reset", "stop", "close"])
+def test_a_person_gets_through_to_a_program_that_hangs(hanging, act):
+    session = hanging(RUNNING.format(BLOCKS["caught while it sleeps"]))
+    before = session.frame.restarts
+    getattr(session, act)()
+    frame = session.frame
+    if act == "reset":
+        assert frame.restarts == before + 1
+    else:
+        expected = {"stop": "stopped", "close": "closed"}.get(act, "paused")
+        assert frame.status == expected
+    assert act in ("pause", "reset") or not session._driver.running
+
+
+def test_stopping_the_robot_pauses_a_program_that_hangs(hanging):
+    session = hanging(RUNNING.format("while True: pass"))
+    session.stop_robot()
+    frame = session.wait_for(lambda frame: frame.status == "paused", LONG)
+    assert frame.reason == "The robot was stopped."
+
+
+def test_several_blocks_of_one_tick_that_hang_do_not_hold_up_an_edit(hanging):
+    session = hanging(
+        "(machine m (state a (running [while True: pass] [while True: pass]))) (spawn m a)" + COUNTING
+    )
+    session.edit(GOOD)
+    assert runs_on(session).numbers[("n",)] > 0
+
+
+def test_an_edit_whose_variable_hangs_is_interrupted_by_the_next(hanging, session):
+    made = session(GOOD, hung_after=0.2)
+    made.start()
+    made.wait_for("a", LONG)
+    made.submit(ReplaceProgram(parse("(var more := [while True: pass])" + GOOD, "<lrp lrp>")))
+    made.wait_for(lambda frame: frame.status == "hung", LONG)
+    made.edit(GOOD)
+    assert runs_on(made).issues[0].code == "LRP611"
+
+
+def test_an_expression_that_does_not_return_is_interrupted_and_refused(session):
+    made = session(GOOD, hung_after=0.2)
+    made.start()
+    made.wait_for("a", LONG)
+    answer = made.ask(SetVariable(("n",), "[0 for _ in iter(int, 1)]"))
+    made.wait_for(lambda frame: frame.status == "hung", LONG)
+    made.pause()
+    with pytest.raises(LRPError, match="did not return"):
+        answer.result(LONG)
+
+
+def test_a_block_that_is_only_slow_is_not_interrupted(session):
+    made = session(RUNNING.format("import time\nfor _ in range(30): time.sleep(0.01)"), hung_after=60)
+    made.start()
+    made.wait_for("a", LONG)
+    made.edit(GOOD)
+    assert runs_on(made).issues == ()
+
+
+def test_a_call_that_cannot_be_interrupted_is_named_as_such(hanging):
+    gate = threading.Event()
+    session = hanging(RUNNING.format("gate.wait(60)"), namespace={"gate": gate})
+    answer = session.ask(Reset())
+    frame = session.wait_for(lambda frame: frame.hung and frame.hung.held, LONG)
+    assert "cannot end the call" in frame.reason
+    assert not answer.done()
+    gate.set()
+    answer.result(LONG)
+    assert runs_on(session).issues[0].code == "LRP611"
