@@ -126,6 +126,14 @@ export interface StopCommand {
   do: "stop";
 }
 
+/** Interrupt the block that does not return. */
+export interface InterruptCommand {
+  view: string;
+  type: "command";
+  id: number;
+  do: "interrupt";
+}
+
 export type Positive = number;
 
 /** Set the ticks per second; 0 is as many as possible. */
@@ -604,10 +612,11 @@ export interface RestartView {
   reason: string;
 }
 
-/** A block that does not return: ``follower/moving.running`` and for how long. */
+/** A block that does not return: ``moving.running``, for how long, and whether it was interrupted in vain. */
 export interface HungView {
   where: string;
   seconds: number;
+  held: boolean;
 }
 
 /** A member of `robot`: ``light.data``; `insert` is the text that a click puts into the program. */
@@ -916,6 +925,7 @@ export type Command =
   | StepBackCommand
   | ResetCommand
   | StopCommand
+  | InterruptCommand
   | RateCommand
   | SpeedCommand
   | ArmedCommand

@@ -30,6 +30,8 @@ Grey = Annotated[int, Between(0, 255)]
 Width = Annotated[float, Between(0, 10)]  # m
 Positive = Annotated[float, Between(0, 1e6)]
 
+_INTERRUPTING = 5.0  # wall seconds, longer than it takes to interrupt a block that does not return
+
 # -- control -----------------------------------------------------------------------------------------
 
 
@@ -50,6 +52,8 @@ class RunCommand(PageCommand, do="run"):
 class PauseCommand(PageCommand, do="pause"):
     """Pause the program."""
 
+    patience: ClassVar[float] = _INTERRUPTING
+
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.session.ask(do.Pause())
 
@@ -59,6 +63,8 @@ class StepCommand(PageCommand, do="step"):
     """Run this number of ticks."""
 
     value: Ticks = 1
+
+    patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
         if not opened.session.bridge.is_open:
@@ -73,6 +79,8 @@ class StepBackCommand(PageCommand, do="step_back"):
 
     value: Ticks = 1
 
+    patience: ClassVar[float] = _INTERRUPTING
+
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.work(partial(opened.session.rewind, self.value))
 
@@ -80,6 +88,8 @@ class StepBackCommand(PageCommand, do="step_back"):
 @dataclass(frozen=True)
 class ResetCommand(PageCommand, do="reset"):
     """Start the program from scratch."""
+
+    patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.session.ask(do.Reset())
@@ -91,6 +101,16 @@ class StopCommand(PageCommand, do="stop"):
 
     def apply(self, opened: OpenProgram) -> Applied:
         opened.session.stop_robot()
+        return None
+
+
+@dataclass(frozen=True)
+class InterruptCommand(PageCommand, do="interrupt"):
+    """Interrupt the block that does not return."""
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        if not opened.session.interrupt():
+            raise LRPError("No block is running now, so there is nothing to interrupt.")
         return None
 
 
@@ -254,6 +274,8 @@ class RenameCommand(PageCommand, do="rename"):
     path: str
     name: str
 
+    patience: ClassVar[float] = _INTERRUPTING
+
     def apply(self, opened: OpenProgram) -> Applied:
         path = path_of(self.kind, self.path)
         return opened.work(partial(opened.texts.rename, self.kind, path, self.name))
@@ -268,6 +290,8 @@ class TransitionCommand(PageCommand, do="transition"):
 
     path: str
 
+    patience: ClassVar[float] = _INTERRUPTING
+
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.session.ask(do.Force(path_of("state", self.path)))
 
@@ -278,6 +302,8 @@ class TeleportCommand(PageCommand, do="teleport"):
 
     path: str
 
+    patience: ClassVar[float] = _INTERRUPTING
+
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.session.ask(do.Force(path_of("state", self.path), teleport=True))
 
@@ -287,6 +313,8 @@ class FireCommand(PageCommand, do="fire"):
     """Fire a transition now: its source must be active."""
 
     path: str
+
+    patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
         session = opened.session

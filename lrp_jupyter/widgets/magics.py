@@ -36,7 +36,7 @@ _HELP = """\
 %lrp NAME             show the lab of a program again
 %lrp new NAME         open a bundled program
 %lrp examples         list the bundled programs and worlds
-%lrp pause|resume|step|reset|stop|check|graph|save|debug [NAME]
+%lrp pause|resume|step|reset|stop|interrupt|check|graph|save|debug [NAME]
 %lrp rate HZ [NAME]   ticks per second, 0 for as many as possible
 %lrp bridge BRIDGE [NAME]
                       switch to another bridge
@@ -188,6 +188,12 @@ class LRPMagics(Magics):
         """Stop the robot, then pause."""
         _the(rest).session.stop_robot()
 
+    def interrupt(self, rest: list[str]) -> None:
+        """Interrupt the block that does not return."""
+        connection = _the(rest)
+        if not connection.session.interrupt():
+            print(f"No block of `{connection.name}` is running now, so there is nothing to interrupt.")  # noqa: T201
+
     def rate(self, rest: list[str]) -> None:
         """Set the ticks per second."""
         if not rest:
@@ -266,8 +272,8 @@ WORDS: Mapping[str, Callable[[LRPMagics, list[str]], object]] = {
     word.__name__: word
     for word in (
         *(LRPMagics.show, LRPMagics.new, LRPMagics.examples, LRPMagics.pause, LRPMagics.resume),
-        *(LRPMagics.step, LRPMagics.reset, LRPMagics.stop, LRPMagics.rate, LRPMagics.check),
-        *(LRPMagics.graph, LRPMagics.save, LRPMagics.debug, LRPMagics.bridge),
+        *(LRPMagics.step, LRPMagics.reset, LRPMagics.stop, LRPMagics.interrupt, LRPMagics.rate),
+        *(LRPMagics.check, LRPMagics.graph, LRPMagics.save, LRPMagics.debug, LRPMagics.bridge),
     )
 }
 """The commands of ``%lrp``, by name."""

@@ -199,10 +199,14 @@ class RestartView(TypedDict):
 
 
 class HungView(TypedDict):
-    """A block that does not return: ``follower/moving.running`` and for how long."""
+    """A block that does not return: ``moving.running``, for how long, and whether it was interrupted in vain.
+
+    The sentence about it is the view state's `reason`.
+    """
 
     where: str
     seconds: float
+    held: bool
 
 
 class MemberView(TypedDict):

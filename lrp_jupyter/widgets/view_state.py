@@ -203,7 +203,7 @@ def is_urgent(changes: Mapping[str, Any]) -> bool:
 
 def _hung_view(frame: Frame) -> HungView | None:
     hung = frame.hung
-    return None if hung is None else {"where": hung.where, "seconds": hung.seconds}
+    return None if hung is None else {"where": hung.where, "seconds": hung.seconds, "held": hung.held}
 
 
 def program_view(program: Program) -> ProgramView:

@@ -50,6 +50,20 @@ def test_run_and_pause(lab, page):
     assert lab.session.status == "running"
 
 
+def test_a_block_that_does_not_return_is_interrupted(bench):
+    lab = bench("(machine m (state a (running [while True: pass]))) (spawn m a)", hung_after=0.2)
+    page = lab.page()
+    assert "No block is running" in page.do("interrupt")
+    lab.session.start()
+    lab.session.wait_for(lambda frame: frame.status == "hung", 60)
+    page.send("command", id=1, do="interrupt")
+    lab.session.wait_for(lambda frame: frame.issues, 60)
+    lab.publish()
+    (issue,) = page.latest("issues").values()
+    assert issue["code"] == "LRP611"
+    assert issue["range"]["line"] == 1
+
+
 def test_step_is_exactly_so_many_ticks_and_back_again(lab, page):
     assert page.do("step") is None
     assert page.do("step", value=3) is None

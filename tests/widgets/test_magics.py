@@ -116,6 +116,15 @@ def test_words_control_the_program(shell, run):
     assert "no findings" in run("check")
 
 
+def test_a_block_that_does_not_return_is_interrupted_by_its_word(shell, run):
+    cell(shell, "mine", A)
+    assert "nothing to interrupt" in run("interrupt mine")
+    session = cell(shell, "endless", A.replace("(state a)", "(state a (running [while True: pass]))")).session
+    session.wait_for(lambda frame: frame.status == "hung", 60)
+    assert run("interrupt endless") == ""
+    assert session.wait_for(lambda frame: frame.issues, 60).issues[0].code == "LRP611"
+
+
 def test_the_text_is_written_into_a_new_cell(shell, run):
     cell(shell, "mine", A)
     run("save")

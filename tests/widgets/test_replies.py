@@ -37,6 +37,22 @@ def test_a_command_that_a_block_holds_up_is_answered_after_a_second_with_what_it
     assert page.last("reply")["error"].startswith("This waits: `a.running` has run for ")
 
 
+def test_a_pause_waits_until_the_block_is_interrupted_and_is_no_error(bench, inside):
+    lab = bench(
+        "(machine m (state a (running [inside.set()] [while True: pass]))) (spawn m a)",
+        namespace={"inside": inside},
+        hung_after=0.2,
+    )
+    page = lab.page()
+    lab.session.start()
+    lab.session.wait_for(lambda frame: frame.status == "hung", 60)
+    page.send("command", id=1, do="pause")
+    lab.publish(after=1.5)
+    lab.session.wait_for(lambda frame: frame.status == "paused", 60)
+    lab.publish()
+    assert page.last("reply")["error"] is None
+
+
 def test_a_command_that_another_one_holds_up_is_not_explained_by_an_old_pause(bench, gate, inside):
     lab = bench(NAMED)
     page = lab.page()

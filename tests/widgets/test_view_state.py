@@ -71,7 +71,7 @@ def test_a_block_that_hangs_is_sent_as_data_whatever_the_sentence(bench, monkeyp
     frame = replace(lab.session.frame, status="hung", reason="Wait.", hung=Hung("moving.running", 2.5))
     monkeypatch.setattr(type(lab.session), "frame", frame)
     lab.publish()
-    assert page.latest("hung") == {"where": "moving.running", "seconds": 2.5}
+    assert page.latest("hung") == {"where": "moving.running", "seconds": 2.5, "held": False}
     monkeypatch.undo()
     lab.publish()
     assert page.latest("hung") is None

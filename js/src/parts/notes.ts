@@ -43,16 +43,20 @@ function linkNote(lab: Lab, text: () => string): HTMLElement {
   return note;
 }
 
-function hungNote(lab: Lab): HTMLElement {
+export function hungNote(lab: Lab): HTMLElement {
   const words = h("p", {});
-  const note = h("div", { class: "lrp-note lrp-note-warning", role: "status" }, words);
-  lab.store.watch(["hung"], () => {
-    const { hung } = lab.store.state;
+  const interrupt = button({
+    label: "Interrupt the block",
+    title: "End the block now; it becomes an issue, and the program continues",
+    action: "interrupt",
+    onclick: () => void lab.act({ do: "interrupt" }),
+  });
+  const note = h("div", { class: "lrp-note lrp-note-warning", role: "status" }, words, interrupt);
+  lab.store.watch(["hung", "reason"], () => {
+    const { hung, reason } = lab.store.state;
     note.hidden = !hung;
-    if (hung)
-      words.replaceChildren(
-        ...prose(`\`${hung.where}\` has run for ${hung.seconds.toFixed(0)} s and has not returned.`),
-      );
+    interrupt.hidden = !hung || hung.held;
+    if (hung) words.replaceChildren(...prose(reason));
   });
   return note;
 }

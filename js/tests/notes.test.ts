@@ -1,0 +1,41 @@
+// @vitest-environment happy-dom
+import { describe, expect, it, vi } from "vitest";
+import { hungNote } from "../src/parts/notes";
+import type { Lab } from "../src/session/store";
+
+/** The note of a lab whose state changes by `show`. */
+function noteOf(act: (command: unknown) => void) {
+  const state: Record<string, unknown> = { hung: null, reason: "" };
+  let redraw = () => {};
+  const store = { state, watch: (_: unknown, call: () => void) => (redraw = call) };
+  const note = hungNote({ store, act } as unknown as Lab);
+  const show = (changes: Record<string, unknown>) => {
+    Object.assign(state, changes);
+    redraw();
+  };
+  show({});
+  return { note, show, button: note.querySelector("button")! };
+}
+
+describe("the note about a block that does not return", () => {
+  const hung = { where: "a.running", seconds: 3, held: false };
+
+  it("has the kernel's sentence and a button that interrupts the block", () => {
+    const act = vi.fn();
+    const { note, show, button } = noteOf(act);
+    expect(note.hidden).toBe(true);
+    show({ hung, reason: "`a.running` has run for 3 s (line 2)." });
+    expect(note.hidden).toBe(false);
+    expect(note.textContent).toContain("a.running has run for 3 s (line 2).");
+    button.click();
+    expect(act.mock.calls).toEqual([[{ do: "interrupt" }]]);
+    show({ hung: null, reason: "" });
+    expect(note.hidden).toBe(true);
+  });
+
+  it("has no button where interrupting was in vain", () => {
+    const { show, button } = noteOf(() => {});
+    show({ hung: { ...hung, held: true } });
+    expect(button.hidden).toBe(true);
+  });
+});
