@@ -15,6 +15,7 @@ from typing import Literal
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import Broken, MachinePlan, SpawnPlan, link
 from lrp_jupyter.language.identity import Successors
+from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program
 
 __all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "matches"]
@@ -159,9 +160,8 @@ class Frame:
 
 def matches(wanted: str | Path, path: Path) -> bool:
     """Return whether a path is the wanted one; a bare name matches at any depth."""
-    if isinstance(wanted, str):
-        wanted = tuple(wanted.split("/"))
-    return path[-1:] == wanted if len(wanted) == 1 else path == tuple(wanted)
+    wanted = as_path(wanted)
+    return path[-1:] == wanted if len(wanted) == 1 else path == wanted
 
 
 def is_active(state: str | Path, active: tuple[Path, ...]) -> bool:
@@ -171,7 +171,7 @@ def is_active(state: str | Path, active: tuple[Path, ...]) -> bool:
 
 def definition_of(state: str | Path, program: Program) -> str | Path:
     """Return the path of definition of a state given as spawned; other paths unchanged."""
-    path = tuple(state.split("/")) if isinstance(state, str) else tuple(state)
+    path = as_path(state)
     plan = link(program)
     machine: MachinePlan | Broken | None = plan.machines.get(path[:1])
     for name, inner in zip(path[1:-1:2], path[2::2], strict=False):

@@ -42,9 +42,10 @@ from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run, undo_change
 from lrp_jupyter.interpreter.tree import Count, bind_block
-from lrp_jupyter.interpreter.variables import VariableMapping, as_path, assign
+from lrp_jupyter.interpreter.variables import VariableMapping, assign
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.identity import Successors, after_rename, after_undo
+from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.language.rename import rename as renamed_text

@@ -12,9 +12,10 @@ from lrp_jupyter.interpreter.journal import undo_write
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Environment, bind_code
 from lrp_jupyter.language.blocks import compile_block, facts_of, faults_of
+from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Block, Path, path_text
 
-__all__ = ["EXPRESSION", "VariableMapping", "as_path", "assign", "find_variable"]
+__all__ = ["EXPRESSION", "VariableMapping", "assign", "find_variable"]
 
 EXPRESSION = "<expression>"
 """The file name, in tracebacks, of an expression that is assigned."""
@@ -57,11 +58,6 @@ class VariableMapping(Mapping[Path, object]):
 
     def __repr__(self) -> str:
         return repr({path_text(path): value for path, value in self.items()})
-
-
-def as_path(path: Path | str) -> Path:
-    """Return a path as a tuple; it may be given as text."""
-    return tuple(path.split("/")) if isinstance(path, str) else tuple(path)
 
 
 def find_variable(run: Run, path: Path | str) -> tuple[Environment, str]:

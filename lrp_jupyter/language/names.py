@@ -14,11 +14,11 @@ from dataclasses import dataclass, field
 from operator import attrgetter
 from typing import Any, NamedTuple
 
-from lrp_jupyter.language.program import line_starts
+from lrp_jupyter.language.program import Path, line_starts
 from lrp_jupyter.language.scanner import fields, line_end, string_end
 from lrp_jupyter.language.suites import children
 
-__all__ = ["Offsets", "PythonScope", "Use", "Uses", "normal", "uses", "words"]
+__all__ = ["Offsets", "PythonScope", "Use", "Uses", "as_path", "normal", "uses", "words"]
 
 _Function = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
 _Comprehension = ast.ListComp | ast.SetComp | ast.DictComp | ast.GeneratorExp
@@ -322,3 +322,8 @@ def words(source: str, start: int) -> Iterator[tuple[int, str]]:
 def normal(name: str) -> str:
     """Return a name as Python normalizes it (NFKC)."""
     return name if name.isascii() else unicodedata.normalize("NFKC", name)
+
+
+def as_path(path: str | Path) -> Path:
+    """Return a path as a tuple of names as the parser makes them; it may be written as ``"m/a"``."""
+    return tuple([normal(name) for name in (path.split("/") if isinstance(path, str) else path)])

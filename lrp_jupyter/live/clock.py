@@ -17,6 +17,10 @@ LAG = 0.25
 """Wall seconds by which a host may fall behind before pacing restarts from the present."""
 
 
+_LONGEST = 3600.0  # wall seconds that one wait lasts: those of an extreme speed are too many for a timer
+_FASTEST = 1e9  # above it, the time of a wall second is no longer exact
+
+
 class Clock(Protocol):
     """The interface of a clock. Only the thread that drives the session calls it."""
 
@@ -90,7 +94,7 @@ class MonotonicClock:
     Parameters
     ----------
     speed : float
-        Seconds of this clock per second of wall time; `math.inf` never waits.
+        Seconds of this clock per second of wall time; `math.inf` never waits, nor does anything above 1e9.
 
     Notes
     -----
@@ -121,13 +125,13 @@ class MonotonicClock:
         return self._base + (monotonic() - self._since) * self._speed
 
     def delay(self, t: float) -> float:
-        """Return the wall seconds until `t`; infinite while paused."""
+        """Return the wall seconds until `t`, an hour at most; infinite while paused."""
         if t == math.inf or self._since is None:
             return math.inf
         if self._speed == math.inf:
             self._base = max(self._base, t)
             return 0.0
-        return max(0.0, (t - self.now()) / self._speed)
+        return min(max(0.0, (t - self.now()) / self._speed), _LONGEST)
 
     def sleep_until(self, t: float, wake: Event) -> None:
         """Wait until `t` or `wake`; while paused, until `wake`."""
@@ -158,4 +162,4 @@ class MonotonicClock:
 def _checked(speed: float) -> float:
     if not speed > 0:
         raise ValueError(f"The speed must be above 0, not {speed!r}.")
-    return float(speed)
+    return float(speed) if speed <= _FASTEST else math.inf

@@ -32,7 +32,7 @@ from time import monotonic, perf_counter
 from types import FrameType
 from typing import Any, Literal
 
-from lrp_jupyter.errors import SessionClosedError, SessionTimeoutError
+from lrp_jupyter.errors import LRPError, SessionClosedError, SessionTimeoutError
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.frame import Hung
 from lrp_jupyter.interpreter.variables import EXPRESSION
@@ -317,6 +317,14 @@ class Driver:
         """Raise SessionClosedError if the session is closed."""
         if self.loop.status == "closed":
             raise SessionClosedError(f"The session `{self.name}` is closed.")
+
+    def refuse_inside(self, what: str) -> None:
+        """Raise LRPError if a block of the program, or an observer, is the caller: the tick would not end."""
+        if self._inside_block:
+            raise LRPError(
+                f"`{what}` cannot be called by a block of the program that runs: its tick has not ended. "
+                "Use a state, or call it outside the program."
+            )
 
     @contextmanager
     def exclusive(self, what: str) -> Iterator[None]:

@@ -61,8 +61,8 @@ __all__ = ["STEP", "Command", "Inbox", "Loop"]
 STEP = 0.01
 """Seconds from tick to tick at rate 0 where time is virtual."""
 
-SLOWEST = 0.01
-"""The lowest rate, in ticks per second: a step waits for its period."""
+SLOWEST, FASTEST = 0.01, 1e6
+"""The lowest and the highest rate, in ticks per second: a step waits for its period, and time must pass."""
 
 _FREE = 0.0005  # wall seconds that a free-running loop keeps the interpreter lock
 _FRAMES = 60.0  # frames per wall second, at most
@@ -227,11 +227,12 @@ class Loop:
         Raises
         ------
         ValueError
-            The rate is negative, too small, or not a number.
+            The rate is negative, too small, too large, or not a number.
         """
-        if not (rate == 0 or SLOWEST <= rate < math.inf):
+        if not (rate == 0 or SLOWEST <= rate <= FASTEST):
             raise ValueError(
-                f"A rate is {SLOWEST:g} ticks per second or more, or 0 for as many as possible, not {rate!r}."
+                f"A rate is between {SLOWEST:g} and {FASTEST:,.0f} ticks per second, "
+                f"or 0 for as many as possible, not {rate!r}."
             )
         step = self._step
         self.rate = float(rate)

@@ -58,6 +58,7 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live import commands as do
@@ -324,9 +325,15 @@ class Session:
         -------
         bool
             Whether `until` (or `after_tick`) ended the run; without them, whether the time has passed.
+
+        Raises
+        ------
+        LRPError
+            A block of the program itself is the caller.
         """
         if seconds is None and until is None and after_tick is None:
             raise ValueError("How long should it run? Pass `seconds`, `until`, or both.")
+        self._driver.refuse_inside("run")
         self.open()
         with self._driver.exclusive("run"):
             ends = after_tick if until is None else self._watch(until)
@@ -375,7 +382,7 @@ class Session:
             if frame.status in ("stopped", "broken", "closed"):
                 raise LRPError(f"The session is {frame.status}. {frame.reason}".strip())
             if (left := end - monotonic()) <= 0:
-                what = "The condition" if callable(condition) else f"`{'/'.join(_path(condition))}`"
+                what = "The condition" if callable(condition) else f"`{'/'.join(as_path(condition))}`"
                 raise SessionTimeoutError(f"{what} did not come within {timeout:g} s: {self!r}.")
             with self._changed:
                 self._changed.wait_for(lambda old=version: self._version != old, min(left, 3600))  # type: ignore[misc]
@@ -451,7 +458,7 @@ class Session:
         """
         if self._text != self.program.text and any(f.severity == "error" for f in self.findings):
             raise ValueError("The text is not a valid program at the moment. Correct it first, then rename.")
-        text: str = self._driver.do(do.Rename(kind, _path(path), new_name))
+        text: str = self._driver.do(do.Rename(kind, as_path(path), new_name))
         if text:
             self._text = text
         return text
@@ -498,11 +505,11 @@ class Session:
 
     def transition_to(self, state: str | Path) -> None:
         """Go to a state as if a transition led there. An unknown one is an issue. Paper: §6.4."""
-        self._driver.do(do.Force(_path(state)))
+        self._driver.do(do.Force(as_path(state)))
 
     def teleport_to(self, state: str | Path) -> None:
         """Make a state active without any action. An unknown one is an issue. Paper: §6.4."""
-        self._driver.do(do.Force(_path(state), teleport=True))
+        self._driver.do(do.Force(as_path(state), teleport=True))
 
     def set_variable(self, variable: str | Path, expression: str) -> None:
         """Assign the value of a Python expression, evaluated in the variable's scope.
@@ -512,7 +519,7 @@ class Session:
         UnknownElementError
             There is no such variable now.
         """
-        self._driver.do(do.SetVariable(_path(variable), expression))
+        self._driver.do(do.SetVariable(as_path(variable), expression))
 
     def rewind(self, ticks: int = 1) -> None:
         """Go back by so many ticks: program, simulated world, time.
@@ -578,10 +585,6 @@ class Session:
             self._changed.notify_all()
         for listener in self._listeners:
             listener()
-
-
-def _path(path: str | Path) -> Path:
-    return tuple(path.split("/")) if isinstance(path, str) else tuple(path)
 
 
 def _count(interpreter: Interpreter, state: str | Path) -> int:

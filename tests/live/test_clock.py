@@ -104,3 +104,9 @@ def test_a_paused_clock_waits_for_a_call_only(wall):
 def test_a_clock_runs_forwards(speed):
     with pytest.raises(ValueError, match="above 0"):
         MonotonicClock(speed)
+
+
+def test_a_wait_of_a_clock_is_one_that_a_timer_can_count(wall):
+    for speed in (5e-324, 1e-308, 1e-9):
+        assert MonotonicClock(speed).delay(10) <= 3600
+    assert MonotonicClock(1e300).speed == math.inf

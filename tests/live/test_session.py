@@ -506,3 +506,48 @@ def test_a_keyboard_interrupt_ends_a_run_and_leaves_the_session_usable(session):
     assert stopping.frame.status == "paused"
     stopping.edit(BLINK)
     assert stopping.run(2, until="off")
+
+
+@pytest.mark.parametrize("speed", [5e-324, 1e-308, 1e-9, 1e9, 1e308])
+def test_a_session_survives_every_speed(session, speed):
+    counting = session(BLINK, rate=100)
+    counting.start()
+    counting.speed = speed
+    counting.step()
+    counting.resume()
+    counting.speed = 1
+    assert counting.wait_for("off", 20)
+    assert counting.fault == ""
+
+
+@pytest.mark.parametrize("rate", [1e7, 1e308, 10**400])
+def test_a_rate_at_which_no_time_would_pass_is_refused(session, rate):
+    with pytest.raises(ValueError, match="A rate is between"):
+        session(BLINK).rate = rate
+
+
+def test_a_run_inside_a_block_is_refused_with_the_reason(session):
+    running = session(
+        "(machine m (state a (running [run()]))) (spawn m a)", namespace={"run": lambda: running.run(1)}
+    )
+    running.run(0.2)
+    (issue,) = running.issues
+    assert "`run` cannot be called by a block of the program" in issue.message
+    assert running.frame.tick == 2
+
+
+def test_a_name_is_the_same_name_in_every_way_to_write_it(session):
+    micro, mu = "\N{MICRO SIGN}", "\N{GREEK SMALL LETTER MU}"
+    text = f"(var {micro} := [0]) "
+    text += f"(machine m (state {micro} (running [{mu} = {micro} + 1])) (state b)) (spawn m {micro})"
+    running = session(text)
+    assert running.run(1, until=micro)
+    assert running.frame.is_active(f"m/{micro}")
+    assert running.frame.count_of(f"m/{mu}") == running.frame.count_of(f"m/{micro}") == 1
+    running.transition_to("m/b")
+    running.transition_to(micro)
+    running.set_variable(micro, "7")
+    assert running.frame.variables[mu,] == "7"
+    running.rename("state", f"m/{micro}", "c")
+    running.rename("state", "m/c", micro)
+    assert (running.frame.active, running.issues) == ((("m", mu),), ())

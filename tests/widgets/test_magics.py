@@ -156,7 +156,7 @@ def test_there_is_nothing_to_debug_before_a_block_fails(shell, run):
         ("new", "Expected one name, not 0. Write `%lrp new NAME`."),
         ("rate", "Write the number of ticks per second"),
         ("rate fast", "`fast` is not a valid rate. Write the number of ticks per second."),
-        ("rate -1", "A rate is 0.01 ticks per second or more"),
+        ("rate -1", "A rate is between 0.01 and 1,000,000 ticks"),
         ("bridge wings", "There is no bridge `wings`"),
     ],
 )
