@@ -164,6 +164,20 @@ describe("the page", () => {
     expect(page.commands("pause").concat(page.commands("run"))).toHaveLength(2);
   });
 
+  it("offers to start a session again that failed itself", async () => {
+    expect(page.find('[data-lrp-action="start-again"]').hidden).toBe(true);
+    page.deliver({ type: "frame", frame: 9, status: "broken", reason: "The session itself failed." });
+    await page.drawn();
+    const again = page.find('[data-lrp-action="start-again"]');
+    expect(again.hidden).toBe(false);
+    expect(again.closest<HTMLElement>(".lrp-note")?.hidden).toBe(false);
+    again.click();
+    expect(page.commands("run")).toHaveLength(1);
+    page.deliver({ type: "frame", frame: 10, status: "running", reason: "" });
+    await page.drawn();
+    expect(again.closest<HTMLElement>(".lrp-note")?.hidden).toBe(true);
+  });
+
   it("shows why a command was refused", async () => {
     page.find('[data-lrp-action="reset"]').click();
     const { id } = page.commands("reset")[0]!;

@@ -32,6 +32,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any, Literal
 
 from lrp_jupyter.interpreter.events import UNSET, Observer
@@ -111,7 +112,14 @@ class Interpreter:
         self._renamings: deque[tuple[int, Successors]] = deque(maxlen=EDITS)
         """The edits and renames that gave an element another path: after which tick, and the map."""
         self.patch_reason = ""
-        self._run = Run(link(program), robot, {} if namespace is None else namespace, output, journal)
+        self._new_run = partial(
+            Run,
+            robot=robot,
+            namespace={} if namespace is None else namespace,
+            output=output,
+            journal=journal,
+        )
+        self._run = self._new_run(link(program))
         show_in_tracebacks(program)
         self._report_duplicates()
 
@@ -415,6 +423,28 @@ class Interpreter:
         self._advance(now)
         self._run.remember()
         self._restart("reset")
+        self._done()
+
+    def renew(self, program: Program, now: float) -> None:
+        """Start from nothing with a program, whatever condition the present run is in.
+
+        Issues, counts and the journal begin again; settings and observers stay. The tick after it starts the
+        program.
+        """
+        before, self._run = self._run, self._new_run(link(program))
+        run = self._run
+        run.now = now
+        run.observers = before.observers
+        run.watched = run.attention = bool(run.observers)
+        if before.event_values is not None:
+            run.event_values = {}
+        self.paused = False
+        self._renamings.clear()
+        self.patch_reason = ""
+        self.revision += 1
+        show_in_tracebacks(program)
+        self._restart("reset")
+        self._report_duplicates()
         self._done()
 
     def pause(self, now: float | None = None) -> None:

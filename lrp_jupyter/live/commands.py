@@ -20,6 +20,7 @@ __all__ = [
     "Force",
     "Pause",
     "Rename",
+    "Renew",
     "ReplaceProgram",
     "Reset",
     "Resume",
@@ -110,6 +111,18 @@ class Reset(Command):
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
         loop.interpreter.reset(loop.now)
+
+
+@dataclass(frozen=True, slots=True)
+class Renew(Command):
+    """Make a broken session whole, with a new run of a program that is not started yet."""
+
+    mends: ClassVar[bool] = True
+    program: Program
+
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.renew(self.program)
 
 
 @dataclass(frozen=True, slots=True)

@@ -78,6 +78,9 @@ class Command(ABC):
     misuse: ClassVar[tuple[type[BaseException], ...]] = (LRPError,)
     """Errors of :meth:`apply` that are the caller's mistakes; any other error is a fault of this package."""
 
+    mends: ClassVar[bool] = False
+    """Whether it can be applied to a session that is broken."""
+
     newest_wins: ClassVar[bool] = False
     """Whether it replaces a command of the same class queued directly before it."""
 
@@ -515,7 +518,8 @@ class Loop:
             restarts = self.interpreter.restarts
             outer, self.foreign = self.foreign, Foreign()  # it may run blocks, hooks and code of the caller
             try:
-                self._check_whole()
+                if not command.mends:
+                    self._check_whole()
                 answers.append((answer, command.apply(self), None))
             except KeyboardInterrupt as error:
                 answer.set_exception(error)
@@ -540,7 +544,10 @@ class Loop:
 
     def _check_whole(self) -> None:
         if self.fault:
-            raise LRPError("The session itself failed, not the program. See its `fault`.")
+            raise LRPError(
+                "The session itself failed, not the program; its `fault` is the traceback. "
+                "Start it again with `start` or `reset`."
+            )
 
     def pause(self, reason: str = "") -> None:
         """Pause program, time and robot; the reason is a sentence, or empty. Paper: §6.3."""
@@ -641,6 +648,16 @@ class Loop:
             self.status = "broken"
         self.bridge.stop_all()
         self.publish()
+
+    def renew(self, program: Program) -> None:
+        """Make a broken session whole: a new run of a program, ready to start; the robot's world stays."""
+        self.interpreter.renew(program, self.now)
+        self.moments.clear()
+        self.fault = self.reason = ""
+        if self.status == "broken":
+            self.status = "ready"
+        self.clock.pause()
+        self.due = self.now
 
     def _call_hook(self, hook: Callable[[], None]) -> None:
         """Call a hook of the bridge; it is foreign code, and if it fails its robot is stopped."""

@@ -26,7 +26,8 @@ the running program, :attr:`Session.text` the typed text.
 
 *Faults.* Faults of the program are issues, and nothing stops. A fault of this package stops the robot
 and the session, which then is ``broken`` and keeps the traceback; it never looks like a fault of the
-program. A bridge that fails is ``lost``, and the loop continues. No exception ends the loop's thread.
+program. ``reset`` or ``start`` make it whole again, with the last text. A bridge that fails is ``lost``,
+and the loop continues. No exception ends the loop's thread.
 
 *The end.* ``close`` stops the robot first, then ends and joins the threads; it may be called
 twice. Sessions that are still open when Python exits are closed then.
@@ -233,8 +234,13 @@ class Session:
         self.bridge.open()
 
     def start(self, paused: bool = False) -> None:
-        """Start or resume; after :meth:`stop`, from the beginning. Does nothing while the program runs."""
+        """Start or resume; after :meth:`stop`, from the beginning. Does nothing while the program runs.
+
+        A broken session starts again, with the last text.
+        """
         self.open()
+        if self._loop.fault:
+            self.reset()
         if not self._driver.running:
             self._leave_stop()
             self._start_driver()
@@ -246,7 +252,7 @@ class Session:
         if self._loop.status == "stopped":
             with self._driver.exclusive("start"):
                 self._loop.status = "ready"
-                self._driver.do(do.Reset())
+                self.reset()
 
     def pause(self, reason: str = "") -> None:
         """Pause program, time and robot. Paper: §6.3."""
@@ -262,8 +268,15 @@ class Session:
         self._driver.do(do.Step())
 
     def reset(self) -> None:
-        """Restart the program at the next tick; the robot stops, its world stays."""
-        self._driver.do(do.Reset())
+        """Restart the program at the next tick; the robot stops, its world stays.
+
+        A broken session becomes whole: it is ready to start, with the last text.
+        """
+        if self._loop.fault:
+            program, _ = scan(self._text, f"<lrp {self.name}>")
+            self._driver.do(do.Renew(self.program if program is None else program))
+        else:
+            self._driver.do(do.Reset())
 
     def stop_robot(self) -> None:
         """Stop the robot at once, whatever the program does, then pause."""

@@ -37,13 +37,13 @@ _INTERRUPTING = 5.0  # wall seconds, longer than it takes to interrupt a block t
 
 @dataclass(frozen=True)
 class RunCommand(PageCommand, do="run"):
-    """Start or resume the program; after a stop, from the beginning."""
+    """Start or resume the program; after a stop, or if the session itself failed, from the beginning."""
 
     patience: ClassVar[float] = 20.0  # it may have to connect to a robot
 
     def apply(self, opened: OpenProgram) -> Applied:
         session = opened.session
-        if session.status in ("ready", "stopped"):
+        if session.status in ("ready", "stopped", "broken"):
             return opened.work(session.start)
         return session.ask(do.Resume())
 
@@ -92,7 +92,10 @@ class ResetCommand(PageCommand, do="reset"):
     patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
-        return opened.session.ask(do.Reset())
+        session = opened.session
+        if session.status == "broken":
+            return opened.work(session.reset)
+        return session.ask(do.Reset())
 
 
 @dataclass(frozen=True)

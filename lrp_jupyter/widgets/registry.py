@@ -117,10 +117,12 @@ def open_program(
             connection.change_bridge(bridge, **options)
         elif options and options != connection.options:
             connection.change_bridge(connection.session.bridge.name, **options)
-        if rate is not None:
-            connection.session.rate = rate
     if text is not None:
         _reconcile(connection, text)
+    if connection.session.status == "broken":
+        connection.session.start()
+    if rate is not None:
+        connection.session.rate = rate
     connection.wake()
     return connection
 

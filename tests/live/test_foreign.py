@@ -93,3 +93,48 @@ def test_what_escapes_everywhere_else_breaks_the_session_visibly(session, monkey
     motor = counting._driver._motor
     assert isinstance(motor, LoopThread)
     assert motor.ident is not None, "its thread lives"
+
+
+def broken_by(counting, monkeypatch):
+    """Break a session by a fault of its own, which is then gone."""
+    with monkeypatch.context() as fault:
+        fault.setattr(type(counting.interpreter), "step", lambda *_: {}["our own mistake"])
+        counting.wait_for(lambda frame: frame.status == "broken", LONG)
+
+
+def test_a_broken_session_starts_again_with_the_last_text(session, monkeypatch):
+    events = []
+    counting = session(COUNT, rate=100)
+    counting.observe(lambda event: events.append(event.kind))
+    counting.start()
+    ticks_on(counting)
+    broken_by(counting, monkeypatch)
+    counting.edit(COUNT.replace("state a", "state b").replace("m a", "m b"))
+    assert counting.status == "broken", "an edit does not start it by itself"
+    counting.start()
+    frame = counting.wait_for("b", LONG)
+    assert (frame.status, frame.reason, counting.fault, frame.issues) == ("running", "", "", ())
+    assert counting.program.text == counting.text
+    events.clear()
+    ticks_on(counting)
+    assert "changed" in events, "observers stay"
+    counting.rewind(2)
+    counting.edit(COUNT)
+    assert counting.wait_for("a", LONG)
+
+
+def test_a_broken_session_that_is_reset_is_ready_to_start(session, monkeypatch):
+    counting = session(COUNT, rate=100)
+    counting.start()
+    ticks_on(counting)
+    broken_by(counting, monkeypatch)
+    counting.edit("(machine")
+    counting.reset()
+    assert (counting.status, counting.frame.active, counting.text) == ("ready", (), "(machine")
+    counting.resume()
+    assert counting.wait_for("a", LONG)
+    broken_by(counting, monkeypatch)
+    counting.stop()
+    assert counting.status == "stopped"
+    counting.start()
+    assert ticks_on(counting).status == "running"

@@ -243,7 +243,7 @@ def test_a_fault_of_our_own_stops_the_robot_and_is_in_the_frame_at_once(session,
     assert diary.calls[-1] == "stop"
     assert frames == ["broken"]
     with pytest.raises(LRPError, match="The session itself failed"):
-        broken.reset()
+        broken.pause()
 
 
 def test_a_session_that_is_stopped_while_it_breaks_stays_stopped(session, monkeypatch):

@@ -1,11 +1,13 @@
 """Every button, menu and drag of a page."""
 
 import math
+from contextlib import suppress
 
 import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.panel import Button, Question
+from lrp_jupyter.errors import LRPError
 
 NEST = """
 (var limit := [5])
@@ -234,3 +236,19 @@ def test_a_command_without_an_id_gets_no_reply(lab, page):
 def test_a_command_of_the_wrong_form_is_refused_in_its_reply(lab, page, act, fields, wrong):
     assert page.do(act, **fields).startswith(wrong)
     assert lab.session.frame.tick == 1
+
+
+def test_run_starts_a_session_again_that_failed_itself(lab, page, monkeypatch):
+    for act in ("run", "reset"):
+        with monkeypatch.context() as fault:
+            fault.setattr(type(lab.session.interpreter), "step", lambda *_: {}["our own mistake"])
+            with suppress(LRPError):  # once it runs, its own thread may be faster
+                lab.session.run(1)
+        lab.publish()
+        assert page.latest("status") == "broken"
+        assert "The session itself failed" in page.latest("reason")
+        assert page.do(act) is None
+        assert lab.session.fault == ""
+    page.do("run")
+    assert page.latest("status") == "running"
+    assert page.latest("reason") == ""

@@ -169,3 +169,13 @@ def test_a_forgotten_program_can_be_opened_again(cell):
     registry.forget(first)
     assert registry.names() == []
     assert cell(A) is not first
+
+
+def test_a_cell_that_is_run_again_starts_a_session_again_that_failed_itself(cell, monkeypatch):
+    connection = cell(A)
+    with monkeypatch.context() as fault:
+        fault.setattr(type(connection.session.interpreter), "step", lambda *_: {}["our own mistake"])
+        connection.session.wait_for(lambda frame: frame.status == "broken", 60)
+    assert cell(B, rate=20.0) is connection
+    frame = connection.session.wait_for("a", 60)
+    assert (frame.status, frame.program.text, frame.rate) == ("running", B, 20)

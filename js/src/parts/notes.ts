@@ -25,12 +25,20 @@ function linkNote(lab: Lab, text: () => string): HTMLElement {
     action: "copy",
     onclick: () => void navigator.clipboard?.writeText(text()),
   });
-  const note = h("div", { class: "lrp-note lrp-note-warning", role: "status" }, words, copy);
+  const again = button({
+    label: "Start again",
+    title: "Start the program from the beginning, with the text here",
+    action: "start-again",
+    class: "lrp-button lrp-primary",
+    onclick: () => void lab.act({ do: "run" }),
+  });
+  const note = h("div", { class: "lrp-note lrp-note-warning", role: "status" }, words, copy, again);
   store.watch(["link", "status", "reason"], () => {
     const { link, status, reason } = store.state;
     const broken = status === "broken" || status === "closed";
     note.hidden = !(link === "lost" || link === "dead" || link === "busy" || broken);
     copy.hidden = link !== "dead";
+    again.hidden = status !== "broken" || link === "dead";
     const sentence = {
       busy: "The kernel is busy. Commands are applied as soon as it is free.",
       lost: "The kernel has not answered for 3 seconds. This view is out of date; your text is kept.",
