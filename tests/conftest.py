@@ -6,9 +6,22 @@ printed with the line that repeats it.
 
 import os
 
+import pytest
 from hypothesis import HealthCheck, settings
 
 always = settings(deadline=None, database=None, suppress_health_check=[HealthCheck.too_slow])
 settings.register_profile("same", always, max_examples=40, derandomize=True)
 settings.register_profile("long", always, max_examples=250, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _state(tmp_path_factory):
+    """Keep this user's state out of the tests, and theirs out of the user's."""
+    before = os.environ.get("XDG_STATE_HOME")
+    os.environ["XDG_STATE_HOME"] = str(tmp_path_factory.mktemp("state"))
+    yield
+    if before is None:
+        del os.environ["XDG_STATE_HOME"]
+    else:
+        os.environ["XDG_STATE_HOME"] = before

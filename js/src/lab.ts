@@ -12,8 +12,10 @@ import { saveForm } from "./parts/save";
 import { together } from "./parts/together";
 import { treeView } from "./parts/tree";
 import { variablesView } from "./parts/variables";
+import { versionsForm } from "./parts/versions";
 import type { AnswerMessage, FromKernel, PartName, ReplyMessage } from "./protocol";
 import { Connection, type Model } from "./session/connection";
+import { forgetLost, keepLost, lostText } from "./session/lost";
 import { apply } from "./session/state";
 import { type Lab, Store } from "./session/store";
 import { h, setAttribute } from "./ui/dom";
@@ -38,6 +40,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
   let editor: Editor | null = null;
   let world: WorldPart | null = null;
   let inspecting: Inspector | null = null;
+  let rescued = false;
 
   const lab: Lab = {
     store,
@@ -72,8 +75,12 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
 
   const connection = new Connection(model, part, {
     message: receive,
-    link: (link) => store.set("link", link),
+    link: (link) => {
+      store.set("link", link);
+      rescue();
+    },
     sending: () => editor?.markSent(),
+    unanswered: () => rescue(true),
   });
   const elsewhere = together(store, (message) => {
     if (message.goTo) editor?.goTo(message.goTo.kind, message.goTo.path);
@@ -83,13 +90,36 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
   function receive(message: FromKernel, buffers: DataView[]): void {
     if (message.type === "reply") return;
     const changed = apply(store.state, message);
-    if (message.type === "snapshot") editor?.begin(message.text, message.running);
+    if (message.type === "snapshot") {
+      editor?.begin(message.text, message.running);
+      void recover(message.home, message.text);
+    }
     if (message.type === "answer") answered(message);
     world?.message(message, buffers);
     store.touch(changed);
   }
 
+  /** Offer what was typed into an earlier view of this program and has not reached a kernel. */
+  async function recover(home: string, text: string): Promise<void> {
+    const lost = editor && connection.isAnswered ? lostText(home) : null;
+    if (lost === null) return;
+    if (lost !== text && (await connection.command({ do: "recover", text: lost })).error) return;
+    forgetLost(home);
+  }
+
+  /** Keep the text if the kernel has not answered it. */
+  function rescue(isNew = false): void {
+    const { link, home } = store.state;
+    if (!editor || !(isNew || link === "dead" || !connection.isAnswered)) return;
+    keepLost(home, editor.text);
+    rescued = true;
+  }
+
   function answered({ seq, text, applied }: AnswerMessage): void {
+    if (rescued && connection.isAnswered) {
+      forgetLost(store.state.home);
+      rescued = false;
+    }
     if (seq === 0 && connection.inFlight) return; // a text from elsewhere; the one typed here is newer and is sent next
     if (text !== null) editor?.replaceText(text);
     editor?.wasAnswered(applied);
@@ -108,6 +138,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     issues: wanted("issues") ? issuesView(lab) : null,
   };
   const save = saveForm(lab);
+  const versions = versionsForm(lab);
   const choices: Choices = {
     panels: Object.entries(panels).flatMap(([name, element]) =>
       element
@@ -123,9 +154,11 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     ),
     values: values(editor),
     save: save.open,
+    versions: versions.open,
   };
   root.append(notes(lab, () => editor?.text ?? ""));
-  if (part === "lab" || part === "controls") root.prepend(controls(lab, choices), save.element);
+  if (part === "lab" || part === "controls")
+    root.prepend(controls(lab, choices), save.element, versions.element);
   root.append(part === "lab" ? columns(root, panels) : (Object.values(panels).find(Boolean) ?? h("div")));
   root.append(inspecting.element, toast, announcer(lab));
 
@@ -137,7 +170,11 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     setAttribute(root, "data-link", link);
   });
   const unwatchTheme = watchTheme(root);
+  const leaving = () => rescue();
+  window.addEventListener("pagehide", leaving);
   return () => {
+    window.removeEventListener("pagehide", leaving);
+    rescue();
     unwatchTheme();
     elsewhere.close();
     connection.close();

@@ -62,6 +62,22 @@ export interface ReferencesRequest {
   column: number;
 }
 
+/** List the earlier texts, the newest first. Answered by `versions`. */
+export interface VersionsRequest {
+  view: string;
+  id: number;
+  type: "versions";
+}
+
+/** Write the text to a file. Answered by `exists`: another file is there, and nothing was written. */
+export interface SaveRequest {
+  view: string;
+  id: number;
+  type: "save";
+  name: string;
+  replace: boolean;
+}
+
 export type ElementKind = "machine" | "state" | "transition" | "event" | "variable" | "robot";
 
 /** Inspect an element, or (`into`: steps of earlier facets) a part of its value. Answered by `inspect`. */
@@ -217,29 +233,40 @@ export interface LoadCommand {
   name: string;
 }
 
-/** End a conflict with the cell's text. */
+/** End a conflict with its text. Without a number, the present one. */
 export interface TakeCommand {
   view: string;
   type: "command";
   id: number;
   do: "take";
+  number?: number | null;
 }
 
-/** End a conflict with the lab's text. */
+/** End a conflict with the present text. Without a number, the present one. */
 export interface KeepCommand {
   view: string;
   type: "command";
   id: number;
   do: "keep";
+  number?: number | null;
 }
 
-/** Write the text to a file. */
-export interface SaveCommand {
+/** Ask about a text that was typed in a view whose kernel had ended. */
+export interface RecoverCommand {
   view: string;
   type: "command";
   id: number;
-  do: "save";
-  name: string;
+  do: "recover";
+  text: string;
+}
+
+/** Return to an earlier text. */
+export interface VersionCommand {
+  view: string;
+  type: "command";
+  id: number;
+  do: "version";
+  key: string;
 }
 
 /** Rename an element and everything that refers to it; all views get the new text. */
@@ -690,10 +717,13 @@ export interface SettingsView {
   pause_on_issue: boolean;
 }
 
-/** Cell and lab were both changed: the cell's text, and a sentence. Ended by ``take`` or ``keep``. */
+/** Another text than the present one, and a question. Ended by ``take`` or ``keep`` with its number. */
 export interface ConflictView {
+  number: number;
   text: string;
   sentence: string;
+  use: string;
+  keep: string;
 }
 
 /** Everything that a view may show of a session, apart from its texts and its world. */
@@ -723,6 +753,7 @@ export interface ViewState {
   panel: PanelView | null;
   settings: SettingsView;
   conflict: ConflictView | null;
+  unkept: string;
 }
 
 /** What changed in the view state since the last frame sent to this view. */
@@ -832,6 +863,7 @@ export interface SnapshotMessage {
   type: "snapshot";
   view: string;
   name: string;
+  home: string;
   text: string;
   revision: number;
   running: string;
@@ -893,6 +925,13 @@ export interface InspectView {
   more: number;
 }
 
+/** An earlier text; `when` in seconds since 1970, `key` names it. */
+export interface VersionView {
+  key: string;
+  when: number;
+  text: string;
+}
+
 /** The one answer to a command or request with this id. */
 export interface ReplyMessage {
   type: "reply";
@@ -903,6 +942,8 @@ export interface ReplyMessage {
   hover?: HoverView | null;
   references?: ReferencesView | null;
   inspect?: InspectView;
+  versions?: VersionView[];
+  exists?: boolean;
 }
 
 export type FromKernel = FrameMessage | AnswerMessage | SnapshotMessage | WorldMessage | ReplyMessage;
@@ -915,6 +956,8 @@ export type FromPage =
   | CompleteRequest
   | HoverRequest
   | ReferencesRequest
+  | VersionsRequest
+  | SaveRequest
   | InspectRequest
   | Command;
 
@@ -937,7 +980,8 @@ export type Command =
   | LoadCommand
   | TakeCommand
   | KeepCommand
-  | SaveCommand
+  | RecoverCommand
+  | VersionCommand
   | RenameCommand
   | TransitionCommand
   | TeleportCommand
@@ -987,4 +1031,5 @@ export const EMPTY_VIEW_STATE: ViewState = {
   panel: null,
   settings: { hold: false, on_active_edit: "restart", pause_on_issue: false },
   conflict: null,
+  unkept: "",
 };

@@ -274,10 +274,126 @@ describe("the page", () => {
     expect(page.of("inspect").at(-1)).toMatchObject({ kind: "variable", path: "limit" });
   });
 
+  it("asks before a file that the lab did not write is replaced", async () => {
+    page.find('[data-lrp-action="menu"]').click();
+    page.find('[role="menu"] [data-lrp-action="save"]').click();
+    page.find('[data-lrp-action="save-file"]').click();
+    expect(page.of("save").at(-1)).toMatchObject({ name: "follower.lrp", replace: false });
+    const replace = page.find('[data-lrp-action="replace-file"]');
+    expect(replace.hidden).toBe(true);
+    page.deliver({ type: "reply", id: page.of("save").at(-1)!.id, error: null, exists: true });
+    await page.drawn();
+    expect(replace.hidden).toBe(false);
+    expect(document.activeElement).toBe(replace);
+    replace.click();
+    expect(page.of("save").at(-1)).toMatchObject({ name: "follower.lrp", replace: true });
+    page.deliver({ type: "reply", id: page.of("save").at(-1)!.id, error: null, exists: false });
+    await page.drawn();
+    expect(page.find(".lrp-toast").textContent).toBe("Saved as follower.lrp.");
+  });
+
+  it("shows the versions and returns to one", async () => {
+    page.find('[data-lrp-action="menu"]').click();
+    page.find('[role="menu"] [data-lrp-action="versions"]').click();
+    const versions = [
+      { key: "a", when: 1e9, text: "(machine a)" },
+      { key: "b", when: 2e9, text: "(machine b) \u202e" },
+    ];
+    page.deliver({ type: "reply", id: page.of("versions").at(-1)!.id, error: null, versions });
+    await page.drawn();
+    const list = page.find('[aria-label="Version"]') as HTMLSelectElement;
+    expect(document.activeElement).toBe(list);
+    expect(page.find('form[aria-label="Versions"] pre').textContent).toBe("(machine a)");
+    list.selectedIndex = 1;
+    list.dispatchEvent(new Event("change"));
+    expect(page.find('form[aria-label="Versions"] pre').textContent).toBe("(machine b) <U+202E>");
+    page.find('[data-lrp-action="use-version"]').click();
+    expect(page.commands("version")).toMatchObject([{ key: "b" }]);
+  });
+
+  it("marks a text that is not kept, beside the name, with the reason", async () => {
+    const mark = page.find('[data-lrp-action="unkept"]');
+    expect(mark.hidden).toBe(true);
+    page.deliver({ type: "frame", frame: 9, unkept: "No space left on device." });
+    await page.drawn();
+    expect(mark.hidden).toBe(false);
+    mark.click();
+    expect(page.find(".lrp-toast").textContent).toBe("No space left on device.");
+  });
+
+  it("asks about another text in the kernel's words, and answers with the number of the question", async () => {
+    const conflict = { number: 4, text: "(machine x)", sentence: "Which?", use: "Use x", keep: "Keep y" };
+    page.deliver({ type: "frame", frame: 9, conflict });
+    await page.drawn();
+    expect(page.find('[role="alertdialog"] p').textContent).toBe("Which?");
+    page.find('[data-lrp-action="take"]').click();
+    page.find('[data-lrp-action="keep-text"]').click();
+    expect(page.find('[data-lrp-action="keep-text"]').textContent).toBe("Keep y");
+    expect(page.commands("take")).toMatchObject([{ number: 4 }]);
+    expect(page.commands("keep")).toMatchObject([{ number: 4 }]);
+  });
+
   it("sends a last message when it is closed", () => {
     page.close();
     expect(page.sent.at(-1)).toMatchObject({ type: "bye" });
     expect(page.host.children).toHaveLength(0);
+  });
+});
+
+describe("a text that no kernel has answered", () => {
+  const snapshot = { ...structuredClone(recording.snapshot), home: "/home/follower" };
+  const next = async (text = snapshot.text) => {
+    page.close();
+    page.host.remove();
+    page = new Page();
+    page.deliver({ ...structuredClone(snapshot), text });
+    await page.drawn();
+  };
+  const isRecovered = (text: string) => {
+    expect(page.commands("recover")).toMatchObject([{ text }]);
+    page.deliver({ type: "reply", id: page.commands("recover")[0]!.id, error: null });
+    return page.drawn();
+  };
+
+  beforeEach(async () => {
+    sessionStorage.clear();
+    await next();
+  });
+
+  it("is given to the next view of the program, once", async () => {
+    page.type("(machine");
+    await next();
+    await isRecovered(`(machine${snapshot.text}`);
+    await next();
+    expect(page.commands("recover")).toEqual([]);
+  });
+
+  it("is also kept when the page is left", async () => {
+    page.type("; x\n");
+    window.dispatchEvent(new Event("pagehide"));
+    expect(sessionStorage.getItem("lrp-typed:/home/follower")).toBe(`; x\n${snapshot.text}`);
+  });
+
+  it("is forgotten as soon as it is answered, or if the kernel has it", async () => {
+    page.type("; x\n");
+    window.dispatchEvent(new Event("pagehide"));
+    page.deliver(answer({ seq: 1 }));
+    await next();
+    expect(page.commands("recover")).toEqual([]);
+    page.type("; y\n");
+    await next(`; y\n${snapshot.text}`);
+    expect(page.commands("recover")).toEqual([]);
+    expect(sessionStorage.getItem("lrp-typed:/home/follower")).toBe(null);
+  });
+
+  it("of one program is not given to another", async () => {
+    page.type("; x\n");
+    page.close();
+    page.host.remove();
+    page = new Page();
+    page.deliver({ ...structuredClone(snapshot), home: "/elsewhere/follower" });
+    await page.drawn();
+    expect(page.commands("recover")).toEqual([]);
   });
 });
 

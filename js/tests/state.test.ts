@@ -26,6 +26,7 @@ const snapshot = (machines: string[], fields: Partial<FrameMessage> = {}): Snaps
   type: "snapshot",
   view: "v",
   name: "x",
+  home: "/x",
   text: "",
   revision: 1,
   running: "",

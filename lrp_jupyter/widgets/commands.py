@@ -10,7 +10,6 @@ import math
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import partial
-from pathlib import Path as FilePath
 from typing import Annotated, Any, ClassVar
 
 from lrp_jupyter import programs
@@ -236,37 +235,55 @@ class LoadCommand(PageCommand, do="load"):
 
 @dataclass(frozen=True)
 class TakeCommand(PageCommand, do="take"):
-    """End a conflict with the cell's text."""
+    """End a conflict with its text. Without a number, the present one."""
+
+    number: int | None = None
 
     def apply(self, opened: OpenProgram) -> Applied:
-        text = opened.texts.end_conflict()
-        if text is not None:
-            opened.texts.write(text)
-        return None
-
-
-@dataclass(frozen=True)
-class KeepCommand(PageCommand, do="keep"):
-    """End a conflict with the lab's text."""
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        opened.texts.end_conflict()
+        opened.texts.end_conflict(self.number, use=True)
         opened.wake()
         return None
 
 
 @dataclass(frozen=True)
-class SaveCommand(PageCommand, do="save"):
-    """Write the text to a file."""
+class KeepCommand(PageCommand, do="keep"):
+    """End a conflict with the present text. Without a number, the present one."""
 
-    name: str
+    number: int | None = None
 
     def apply(self, opened: OpenProgram) -> Applied:
-        name = self.name.strip()
-        if not name:
-            raise LRPError("Enter a name for the file.")
-        FilePath(name).expanduser().write_bytes(opened.texts.text.encode())
+        opened.texts.end_conflict(self.number, use=False)
+        opened.wake()
         return None
+
+
+@dataclass(frozen=True)
+class RecoverCommand(PageCommand, do="recover"):
+    """Ask about a text that was typed in a view whose kernel had ended."""
+
+    text: str
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        opened.texts.recover(self.text)
+        opened.wake()
+        return None
+
+
+@dataclass(frozen=True)
+class VersionCommand(PageCommand, do="version"):
+    """Return to an earlier text."""
+
+    key: str
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        return opened.work(partial(_return_to, opened, self.key))
+
+
+def _return_to(opened: OpenProgram, key: str) -> None:
+    found = next((version for version in opened.texts.versions if version.key == key), None)
+    if found is None:
+        raise UnknownElementError("This version is no longer kept. Open the list of versions again.")
+    opened.texts.write(found.text)
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,7 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.kept import Version
 
 __all__ = [
     "Controls",
@@ -172,6 +173,14 @@ class Lab(Part):
     @text.setter
     def text(self, text: str) -> None:
         self._connection.texts.write(text)
+
+    @property
+    def versions(self) -> list[Version]:
+        """The last ten texts that were replaced and not empty, the newest first; see `text`.
+
+        ``lab.text = lab.versions[0].text`` returns to the newest of them.
+        """
+        return self._connection.texts.versions
 
     @property
     def active(self) -> tuple[Path, ...]:

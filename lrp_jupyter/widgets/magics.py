@@ -37,6 +37,8 @@ _HELP = """\
 %lrp new NAME         open a bundled program
 %lrp examples         list the bundled programs and worlds
 %lrp pause|resume|step|reset|stop|interrupt|check|graph|save|debug [NAME]
+%lrp versions [NAME]  list the earlier texts, the newest first
+%lrp version N [NAME] write an earlier text into a new cell
 %lrp rate HZ [NAME]   ticks per second, 0 for as many as possible
 %lrp bridge BRIDGE [NAME]
                       switch to another bridge
@@ -224,6 +226,27 @@ class LRPMagics(Magics):
         if self.shell is not None:
             self.shell.set_next_input(f"%%lrp {connection.name}\n{connection.texts.text}")
 
+    def versions(self, rest: list[str]) -> None:
+        """List the earlier texts, the newest first."""
+        connection = _the(rest)
+        lines = [f"{n}: {version}" for n, version in enumerate(connection.texts.versions, 1)]
+        print("\n".join(lines) or f"There are no earlier texts of `{connection.name}`.")  # noqa: T201
+
+    def version(self, rest: list[str]) -> None:
+        """Write an earlier text into a new cell."""
+        if not rest or not rest[0].isdecimal():
+            raise UsageError("%lrp version: Write the number of a version, as in `%lrp version 1`.")
+        connection = _the(rest[1:])
+        known = dict(enumerate(connection.texts.versions, 1))
+        found = known.get(int(rest[0]))
+        if found is None:
+            raise UsageError(
+                f"%lrp version: There is no version {rest[0]}; there are {len(known)}. "
+                "`%lrp versions` lists them."
+            )
+        if self.shell is not None:
+            self.shell.set_next_input(f"%%lrp {connection.name}\n{found.text}")
+
     def debug(self, rest: list[str]) -> None:
         """Debug the last exception of a block, post mortem."""
         connection = _the(rest)
@@ -273,7 +296,8 @@ WORDS: Mapping[str, Callable[[LRPMagics, list[str]], object]] = {
     for word in (
         *(LRPMagics.show, LRPMagics.new, LRPMagics.examples, LRPMagics.pause, LRPMagics.resume),
         *(LRPMagics.step, LRPMagics.reset, LRPMagics.stop, LRPMagics.interrupt, LRPMagics.rate),
-        *(LRPMagics.check, LRPMagics.graph, LRPMagics.save, LRPMagics.debug, LRPMagics.bridge),
+        *(LRPMagics.check, LRPMagics.graph, LRPMagics.save, LRPMagics.versions, LRPMagics.version),
+        *(LRPMagics.debug, LRPMagics.bridge),
     )
 }
 """The commands of ``%lrp``, by name."""

@@ -355,10 +355,24 @@ class SettingsView(TypedDict):
 
 
 class ConflictView(TypedDict):
-    """Cell and lab were both changed: the cell's text, and a sentence. Ended by ``take`` or ``keep``."""
+    """Another text than the present one, and a question. Ended by ``take`` or ``keep`` with its number.
 
+    `use` and `keep` are the labels of the two answers.
+    """
+
+    number: int
     text: str
     sentence: str
+    use: str
+    keep: str
+
+
+class VersionView(TypedDict):
+    """An earlier text; `when` in seconds since 1970, `key` names it."""
+
+    key: str
+    when: float
+    text: str
 
 
 class ChoicesView(TypedDict):
@@ -390,6 +404,7 @@ class ViewState(TypedDict):
     ``hung``      None unless a block does not return
     ``layouts``   machine path -> layout
     ``moved``     revision of the run -> elements that have another path since; the last ones
+    ``unkept``    why the text is not kept in its file; empty if it is
     ============= =======================================================================================
     """
 
@@ -418,6 +433,7 @@ class ViewState(TypedDict):
     panel: PanelView | None
     settings: SettingsView
     conflict: ConflictView | None
+    unkept: str
 
 
 class FrameMessage(ViewState, total=False):
@@ -458,12 +474,14 @@ class AnswerMessage(TypedDict):
 class SnapshotMessage(TypedDict):
     """Everything, for a view that has just opened.
 
-    `running` is the running text, `text` the editor's. Its frame is acknowledged like any other.
+    `running` is the running text, `text` the editor's. `home` tells programs of the same name apart. Its
+    frame is acknowledged like any other.
     """
 
     type: Literal["snapshot"]
     view: str
     name: str
+    home: str
     text: str
     revision: int
     running: str
@@ -542,6 +560,8 @@ class ReplyMessage(TypedDict):
     hover: NotRequired[HoverView | None]
     references: NotRequired[ReferencesView | None]
     inspect: NotRequired[InspectView]
+    versions: NotRequired[list[VersionView]]
+    exists: NotRequired[bool]
 
 
 FromKernel = FrameMessage | AnswerMessage | SnapshotMessage | WorldMessage | ReplyMessage

@@ -13,16 +13,16 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from lrp_jupyter.bridges.discovery import make_bridge
-from lrp_jupyter.errors import LRPError
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.texts import Texts
+from lrp_jupyter.widgets.kept import Kept, checked_name
+from lrp_jupyter.widgets.texts import Conflict, Texts
 
 __all__ = ["FOLDER", "connection_of", "find", "forget", "names", "open_program", "running"]
 
 FOLDER = ".lrp"
-"""The folder of accepted texts, beside the notebook."""
+"""The folder of kept texts, beside the notebook."""
 DEAD_MAN = 5.0
 """Wall seconds without a view after which the program of a real robot pauses."""
 
@@ -82,7 +82,7 @@ def open_program(
     ----------
     name : str
     text : str or None
-        The text of the cell; None: the lab's text.
+        The text of the cell; None or blank: the lab's text.
     bridge : str, optional
         Default: that of the open program, else the simulator.
     namespace : dict, optional
@@ -98,27 +98,30 @@ def open_program(
     ------
     BridgeError
         There is no such bridge, or its robot cannot be reached.
+    LRPError
+        It is not a valid name for a program.
     """
-    if not name or name.startswith(".") or "/" in name or "\\" in name:
-        raise LRPError(f"`{name}` is not a valid name for a program. Use letters, digits, `_` and `-`.")
-    connection = find(name)
+    text = text if text and text.strip() else None
+    connection = find(checked_name(name))
     if connection is None:
-        texts = Texts(FilePath(folder or os.getcwd()) / FOLDER)
-        first = _first_text(texts, name, text)
+        kept = Kept(FilePath(folder or os.getcwd()) / FOLDER, name)
+        texts = Texts(kept)
+        first, *later = _first_texts(texts, kept, text) or [""]
         session = _open_session(
             name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options
         )
         connection = PageConnection(session, texts, _reopen, options)
         _connections[name] = connection
-        if session.text != first:
-            texts.write(first)
+        for each in (first, *later):
+            if each != texts.text:
+                texts.write(each)
     else:
         if bridge is not None and bridge != connection.session.bridge.name:
             connection.change_bridge(bridge, **options)
         elif options and options != connection.options:
             connection.change_bridge(connection.session.bridge.name, **options)
-    if text is not None:
-        _reconcile(connection, text)
+    if text:
+        _reconcile(connection.texts, text)
     if connection.session.status == "broken":
         connection.session.start()
     if rate is not None:
@@ -157,26 +160,42 @@ def _reopen(old: Session, bridge: str, **options: Any) -> Session:
     return _open_session(old.name, old.program.text, bridge, old.namespace, old.rate, options)
 
 
-def _first_text(texts: Texts, name: str, text: str | None) -> str:
-    """Return the initial text: the lab's earlier one, unless only the cell was changed since."""
-    lab, cell = texts.kept(name, ".lrp"), texts.kept(name, ".cell")
-    if lab is None:
-        return text or ""
-    return lab if text is None or lab != cell else text
+def _first_texts(texts: Texts, kept: Kept, cell: str | None) -> list[str]:
+    """Return the texts to start with, of which a later one is newer, and ask about other kept texts.
+
+    The text of a cell starts, because it is what the user sees. Without one, what this user has written
+    starts; what came with the folder never does.
+    """
+    own: list[tuple[str, str]] = []
+    for ending in (".draft", ".lrp"):
+        text = kept.read(ending)
+        if text is None or not text.strip() or text == cell:
+            continue
+        if kept.is_own(ending, text):
+            own.append((ending, text))
+        elif not cell or text != texts.cell:
+            texts.ask(Conflict("stranger", text, (ending,)))
+    if not cell:
+        return [text for _, text in reversed(own)]
+    changed = [text for _, text in own if text != texts.cell]
+    if changed:
+        texts.ask(Conflict("lab", changed[0], tuple(ending for ending, _ in own)))
+    for _, text in own:
+        if text not in changed[:1]:
+            texts.add_version(text)
+    return [cell]
 
 
-def _reconcile(connection: PageConnection, text: str) -> None:
+def _reconcile(texts: Texts, text: str) -> None:
     """Reconcile the texts of the cell and the lab: the changed one wins; if both changed, ask."""
-    texts, name = connection.texts, connection.name
-    before = texts.kept(name, ".cell")
-    texts.conflict = None
-    if text != texts.text and text != before:
-        if texts.text and texts.text != before:
-            sentence = f"The cell and the lab have both changed `{name}`. Which text should be kept?"
-            texts.conflict = {"text": text, "sentence": sentence}
+    for earlier in [each for each in texts.conflicts if each.source == "cell"]:
+        texts.withdraw(earlier)
+    if text not in (texts.text, texts.cell):
+        if texts.text.strip() and texts.text != texts.cell:
+            texts.ask(Conflict("cell", text))
             return
         texts.write(text)
-    texts.keep_cell(text)
+    texts.cell = text
 
 
 @atexit.register

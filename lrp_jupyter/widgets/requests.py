@@ -1,4 +1,4 @@
-"""Requests of an editor: completion, hover, references.
+"""Requests of an editor: completion, hover, references, versions, files.
 
 They are answered on the worker's thread. Live values are read between two ticks, on the interpreter's
 thread, which passes on only texts of bounded length.
@@ -27,7 +27,15 @@ from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
 from lrp_jupyter.widgets.protocol import HoverView, Option, ReferencesView, id_of, offset_of, range_of
 
-__all__ = ["CompleteRequest", "HoverRequest", "ReferencesRequest", "arguments_of", "fields_of"]
+__all__ = [
+    "CompleteRequest",
+    "HoverRequest",
+    "ReferencesRequest",
+    "SaveRequest",
+    "VersionsRequest",
+    "arguments_of",
+    "fields_of",
+]
 
 _MOST = 300  # completions
 _ARGUMENT = re.compile(r"[(,]\s*(\w+)")
@@ -74,6 +82,35 @@ class ReferencesRequest(PageRequest, type="references"):
     def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
         """Return the element and all places of its name."""
         return {"references": _references(opened.texts.text, self.line, self.column)}
+
+
+@dataclass(frozen=True)
+class VersionsRequest(PageRequest, type="versions"):
+    """List the earlier texts, the newest first. Answered by `versions`."""
+
+    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
+        """Return the versions."""
+        return {
+            "versions": [
+                {"key": version.key, "when": version.when, "text": version.text}
+                for version in opened.texts.versions
+            ]
+        }
+
+
+@dataclass(frozen=True)
+class SaveRequest(PageRequest, type="save"):
+    """Write the text to a file. Answered by `exists`: another file is there, and nothing was written."""
+
+    name: str
+    replace: bool
+
+    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
+        """Return whether another file is in the way."""
+        name = self.name.strip()
+        if not name:
+            raise LRPError("Enter a name for the file.")
+        return {"exists": not opened.texts.save_as(name, self.replace)}
 
 
 # -- Python names ----------------------------------------------------------------------------------------

@@ -1,7 +1,8 @@
 """The texts of a session: the typed, the running, the held and the saved one.
 
 The kernel never types into an editor: it assigns each text a revision and answers with the result. Every text
-that is a valid program is saved at once, so that no work is lost.
+is kept in a file at once, so that no work is lost. A text from elsewhere that may be newer, or not the
+user's, is a conflict: until the user has chosen, it neither runs nor is overwritten.
 """
 
 from __future__ import annotations
@@ -11,24 +12,28 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
 from dataclasses import dataclass
-from pathlib import Path as FilePath
 from threading import Lock, RLock
-from time import monotonic
+from time import monotonic, time
 from typing import Any
 
-from lrp_jupyter.errors import SessionClosedError
+from lrp_jupyter.errors import FileError, SessionClosedError
+from lrp_jupyter.files import read_file, shown, write_file
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.kept import Kept, Version, newest
 from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, range_of
 
-__all__ = ["Texts", "Written", "finding_id"]
+__all__ = ["Conflict", "Texts", "Written", "finding_id"]
 
-_KEPT = 50  # texts whose revision is known
+_KNOWN = 50  # texts whose revision is known
 _LATE = 0.25  # s after which a text is answered even if it is not applied yet
 _SHOWING = 0.1  # s in which an applied program appears in a frame
+_LOOK = 1.0  # s between two comparisons of the file with what was written
+_AGAIN = 5.0  # s until a text that could not be kept is tried again
+_PAUSE = 5.0  # s without typing that make a text a version
 
 
 @dataclass(eq=False)
@@ -56,31 +61,90 @@ class Written:
         return self.noun is not None
 
 
+@dataclass(frozen=True)
+class Conflict:
+    """A text that the user may want instead of the present one.
+
+    Parameters
+    ----------
+    source : str
+        Where it comes from; a key of `_QUESTIONS`.
+    text : str
+    endings : tuple of str
+        The kept files that are not overwritten until the user has chosen.
+    """
+
+    source: str
+    text: str
+    endings: tuple[str, ...] = ()
+
+
+_QUESTIONS = {
+    "cell": (
+        "The cell and the lab have both changed `{name}`. Which text should be kept?",
+        "Use the cell's text",
+        "Keep the lab's text",
+    ),
+    "lab": (
+        "The lab's last text of `{name}` is not the cell's, which runs now. Which text should be kept?",
+        "Use the lab's text",
+        "Keep the cell's text",
+    ),
+    "view": (
+        "The kernel ended before it knew everything that was typed into `{name}`. Which text should be kept?",
+        "Use the typed text",
+        "Keep the present text",
+    ),
+    "stranger": (
+        "The folder came with a text of `{name}` that you have not written here. It does not run. "
+        "Read it before you use it.",
+        "Use the folder's text",
+        "Keep the present text",
+    ),
+    "file": (
+        "`{file}` was changed outside this lab. Which text should be kept?",
+        "Use the file's text",
+        "Keep the lab's text",
+    ),
+}
+"""By source of a conflict: the question and the labels of its two answers."""
+
+
 class Texts:
     """See the head of this module.
 
     Parameters
     ----------
-    folder : path, optional
-        Where accepted texts are saved as ``NAME.lrp``; None: nowhere.
+    kept : Kept, optional
+        The files in which the texts are kept; None: in memory only.
     """
 
-    def __init__(self, folder: str | os.PathLike[str] | None = None) -> None:
+    def __init__(self, kept: Kept | None = None) -> None:
         self.hold = False
-        self.conflict: ConflictView | None = None
+        self.conflicts: list[Conflict] = []
+        self.cell: str | None = None if kept is None else kept.read(".cell")
+        """The text of the cell, as it was known last."""
+        self.problem = ""
+        """Why the texts cannot be kept at the moment; empty if they are."""
         self.waiting: deque[Written] = deque()
         self.text = ""
         self.revision = 0
         self.findings: tuple[Finding, ...] = ()
         self.noun: Program | None = None
-        self.folder = None if folder is None else FilePath(folder)
+        self.kept = kept
         self._lock = RLock()
-        self._saving = Lock()
+        self._saving = Lock()  # of the files, and of what follows
+        self._stored: tuple[object, ...] = ()
+        self._looked = self._again = float("-inf")
+        self._versions: list[Version] = []  # those that are not in the file yet, or all without one
         self._session: Session
+        self._wake: Callable[[], None] = lambda: None
         self._answered = Program()  # the running program, as known to the views
-        self._revisions: dict[str, int] = {}
-        self._saved: str | None = None
-        self._unsaved: str | None = None
+        self._revisions: dict[tuple[int, int], int] = {}
+        self._accepted: str | None = None
+        self._typed = float("-inf")
+        self._numbers = 0  # of conflicts
+        self._saved_as: dict[str, tuple[int, int]] = {}  # what this lab wrote to files of the user's choice
 
     def attach(
         self, session: Session, wake: Callable[[], None], clock: Callable[[], float] = monotonic
@@ -104,7 +168,7 @@ class Texts:
             self._answered = session.program
             self._judge(session.text)
             if self.noun is not None and self.text:
-                self._unsaved = self.text
+                self._accepted = self.text
 
     # -- in ----------------------------------------------------------------------------------------
 
@@ -120,6 +184,7 @@ class Texts:
             The number assigned by the view.
         """
         with self._lock:
+            self._leave(text, bool(view))
             answer: Future[Any] = Future()
             try:
                 if not self.hold:
@@ -167,17 +232,30 @@ class Texts:
         findings = [_finding_view(finding, self.text) for finding in self.findings]
         written = Written(view, seq, self.revision, self.text, self.noun, findings, answer, deadline)
         if self.noun is not None:
-            self._unsaved = self.text
+            self._accepted = self.text
         self.waiting.append(written)
         return written
 
     def _number(self, text: str) -> None:
         self.revision += 1
         self.text = text
-        self._revisions.pop(text, None)
-        self._revisions[text] = self.revision
-        if len(self._revisions) > _KEPT:
+        self._revisions.pop(_fingerprint(text), None)
+        self._revisions[_fingerprint(text)] = self.revision
+        if len(self._revisions) > _KNOWN:
             del self._revisions[next(iter(self._revisions))]
+
+    def _leave(self, text: str, is_typed: bool) -> None:
+        """Make the present text a version, unless the new one is a step of typing."""
+        now, before = self._clock(), self._typed
+        self._typed = now
+        was_cut = len(text) < len(self.text) / 2
+        if text != self.text and (not is_typed or was_cut or now - before >= _PAUSE):
+            self.add_version(self.text)
+
+    def add_version(self, text: str) -> None:
+        """Add an earlier text to the versions."""
+        with self._lock:
+            self._versions = newest([Version(text, time()), *self._versions])
 
     def _judge(self, text: str) -> None:
         """Check a text that is not offered to the session."""
@@ -190,7 +268,7 @@ class Texts:
     @property
     def running_revision(self) -> int:
         """Return the revision of the running text."""
-        return self._revisions.get(self._session.program.text, 0)
+        return self._revisions.get(_fingerprint(self._session.program.text), 0)
 
     def answers(self, now: float) -> list[Written]:
         """Return the texts that can be answered, or must be by now, and changes that came without a text."""
@@ -243,6 +321,7 @@ class Texts:
     def _news(self, program: Program) -> Written:
         is_news = self._came_from_elsewhere()
         if is_news:
+            self._leave(self._session.text, False)
             self._number(self._session.text)
             self._judge(self.text)
         nothing: Future[Any] = Future()
@@ -258,6 +337,7 @@ class Texts:
             running = self._session.program
             waits = self.hold and self.noun is not None and self.text != running.text
             return {
+                "home": self._session.name if self.kept is None else self.kept.home,
                 "text": self.text,
                 "revision": self.revision,
                 "running": running.text,
@@ -265,45 +345,149 @@ class Texts:
                 "pending": _difference_view(running, self.noun) if waits and self.noun is not None else None,
             }
 
+    # -- conflicts ---------------------------------------------------------------------------------
+
+    @property
+    def conflict(self) -> ConflictView | None:
+        """The conflict that the user is asked to end now."""
+        with self._lock:
+            if not self.conflicts:
+                return None
+            conflict, name = self.conflicts[0], self._session.name
+            file = "" if self.kept is None else shown(self.kept.file(".lrp"))
+            question, use, keep = _QUESTIONS[conflict.source]
+            return {
+                "number": self._numbers,
+                "text": conflict.text,
+                "sentence": question.format(name=name, file=file),
+                "use": use,
+                "keep": keep,
+            }
+
+    def ask(self, conflict: Conflict) -> None:
+        """Ask about a text, unless it is the present one or asked about already.
+
+        A newer text from the same source replaces the older one, which becomes a version.
+        """
+        with self._lock:
+            if conflict.text in (self.text, *(other.text for other in self.conflicts)):
+                return
+            for other in [each for each in self.conflicts if each.source == conflict.source]:
+                if other.endings == conflict.endings:
+                    self.withdraw(other)
+            self.conflicts.append(conflict)
+            self._numbers += len(self.conflicts) == 1
+            self._wake()
+
+    def recover(self, text: str) -> None:
+        """Ask about the text of a view that has lost its kernel: it continues what the lab kept.
+
+        No file and no page keeps it any longer, so it is a version at once.
+        """
+        with self._lock:
+            if text.strip() and text != self.text:
+                self.add_version(text)
+                for kept in [each for each in self.conflicts if each.source == "lab" and each.text != text]:
+                    self.ask(Conflict("view", text, kept.endings))
+                    self.withdraw(kept)
+                self.ask(Conflict("view", text))
+
+    def withdraw(self, conflict: Conflict) -> None:
+        """End a conflict with the present text; the other one becomes a version."""
+        with self._lock:
+            self._numbers += self.conflicts[0] is conflict
+            self.conflicts.remove(conflict)
+            self.add_version(conflict.text)
+
+    def end_conflict(self, number: int | None, use: bool) -> None:
+        """End the conflict of this number (None: the present one), with its text or with the present one."""
+        with self._lock:
+            if not self.conflicts or number not in (None, self._numbers):
+                return
+            conflict = self.conflicts[0]
+            if conflict.source == "cell":
+                self.cell = conflict.text
+            self.withdraw(conflict)
+            if use:
+                self.write(conflict.text)
+
     # -- files -------------------------------------------------------------------------------------
 
-    def kept(self, name: str, ending: str) -> str | None:
-        """Return a saved text: the lab's (``.lrp``), or that of the cell it came from (``.cell``)."""
-        if self.folder is None:
-            return None
-        try:
-            return (self.folder / f"{name}{ending}").read_bytes().decode()
-        except (OSError, UnicodeDecodeError):
-            return None
+    def save_as(self, path: str, replace: bool) -> bool:
+        """Write the text to a file of the user's choice; return False if another file would be replaced.
 
-    def keep_cell(self, text: str) -> None:
-        """Save the cell's text, to detect later whether it was changed."""
-        self._write(text, ".cell")
+        Raises
+        ------
+        FileError
+            It cannot be written.
+        """
+        file, text = os.path.expanduser(path), self.text
+        if not replace and (os.path.isfile(file) or os.path.islink(file)):
+            there = read_file(file)
+            known = self._saved_as.get(os.path.realpath(file))
+            if there is None or (there != text and _fingerprint(there) != known):
+                return False
+        write_file(file, text)
+        self._saved_as[os.path.realpath(file)] = _fingerprint(text)
+        return True
 
-    def end_conflict(self) -> str | None:
-        """Save the cell's text as known; return it, or None if there was no conflict."""
-        conflict, self.conflict = self.conflict, None
-        if conflict is None:
-            return None
-        self.keep_cell(conflict["text"])
-        return conflict["text"]
+    @property
+    def versions(self) -> list[Version]:
+        """The earlier texts, the newest first."""
+        with self._saving:
+            kept = [] if self.kept is None else self.kept.versions()
+        with self._lock:
+            return newest([*self._versions, *kept])
 
-    def save(self) -> None:
-        """Save the newest accepted text, if it is not saved yet."""
-        with self._saving:  # otherwise one thread could move the other's new file away
-            text = self._unsaved
-            if text is not None and text != self._saved:
-                self._write(text, ".lrp")
-                self._saved = text
+    def save(self, at_once: bool = False) -> None:
+        """Keep the texts in their files; what is kept already costs nothing.
 
-    def _write(self, text: str, ending: str) -> None:
-        if self.folder is None:
+        A failure is reported once, and tried again after some seconds, or `at_once`.
+        """
+        with self._saving:
+            if self.kept is None or (self._clock() < self._again and not at_once):
+                return
+            try:
+                self._save(self.kept)
+                self.problem = ""
+            except FileError as error:
+                self._again = self._clock() + _AGAIN
+                if not self.problem:
+                    self._session.output.print(f"The text is not kept. {error}")
+                self.problem = str(error)
+
+    def _save(self, kept: Kept) -> None:
+        with self._lock:
+            accepted, typed, cell, versions = self._accepted, self.text, self.cell, self._versions
+            asked = {ending for conflict in self.conflicts for ending in conflict.endings}
+        now, wanted = self._clock(), (accepted, typed, cell, versions, asked)
+        if wanted == self._stored and now - self._looked < _LOOK:
             return
-        self.folder.mkdir(parents=True, exist_ok=True)
-        file = self.folder / f"{self._session.name}{ending}"
-        fresh = file.with_name(f"{file.name}~")
-        fresh.write_bytes(text.encode())
-        fresh.replace(file)  # the old file exists until the new one is complete
+        self._looked = now
+        other = kept.changed(".lrp")
+        if other is not None and other != accepted:
+            self.ask(Conflict("file", other, (".lrp",)))
+            return  # which is news to keep, too
+        if versions:
+            kept.add_versions(versions)
+            with self._lock:
+                self._versions = [each for each in self._versions if each not in versions]
+        if accepted is not None and ".lrp" not in asked:
+            kept.write(".lrp", accepted)
+        if ".draft" not in asked:
+            is_kept = typed == cell or (typed == accepted and ".lrp" not in asked)
+            if is_kept or not typed.strip():
+                kept.remove(".draft")
+            else:
+                kept.write(".draft", typed)
+        if cell is not None:
+            kept.write(".cell", cell)
+        self._stored = wanted
+
+
+def _fingerprint(text: str) -> tuple[int, int]:
+    """Return what identifies a text, instead of the text itself, which may be long."""
+    return hash(text), len(text)
 
 
 def finding_id(finding: Finding) -> str:

@@ -135,6 +135,7 @@ class ViewStates:
                 "pause_on_issue": session.on_issue == "pause",
             },
             "conflict": texts.conflict,
+            "unkept": texts.problem,
         }
 
     def _last_restart(self, frame: Frame) -> RestartView:

@@ -28,6 +28,7 @@ DIRECTORIES = (
     "JUPYTER_RUNTIME_DIR",
     "JUPYTER_DATA_DIR",
     "IPYTHONDIR",
+    "XDG_STATE_HOME",
 )
 QUIET = {
     "@jupyterlab/apputils-extension/notification.jupyterlab-settings": {"fetchNews": "false"},

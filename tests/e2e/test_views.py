@@ -63,7 +63,7 @@ def test_where_cell_and_lab_both_changed_the_lab_asks_which_text_it_is(open_lab)
     lab.misses('[data-lrp-state="m/typed"]')
 
 
-def test_a_restarted_kernel_is_reported_and_the_cell_continues_with_the_typed_text(open_lab):
+def test_a_restarted_kernel_is_reported_and_the_lab_offers_the_typed_text(open_lab):
     lab = open_lab(COUNTER)
     lab.type_after("(state rest)", " (state third)")
     lab.sees('[data-lrp-state="m/third"]')
@@ -75,11 +75,14 @@ def test_a_restarted_kernel_is_reported_and_the_cell_continues_with_the_typed_te
     lab.notebook.run_cell(1)
     lab.sees(':scope[data-link="live"]')
     lab.ready()
+    lab.reads('[role="alertdialog"]', "Which text should be kept?")
+    assert "(state third)" not in lab.text
+    lab.do("take")
     lab.sees('[data-lrp-state="m/third"]')
     assert "(state third)" in lab.text
 
 
-def test_a_saved_and_reopened_notebook_continues_with_the_typed_text(open_lab, server):
+def test_a_saved_and_reopened_notebook_offers_the_typed_text(open_lab, server):
     lab = open_lab(COUNTER)
     lab.type_after("(state rest)", " (state third)")
     lab.sees('[data-lrp-state="m/third"]')
@@ -91,7 +94,10 @@ def test_a_saved_and_reopened_notebook_continues_with_the_typed_text(open_lab, s
     notebook.run_cell(0)
     notebook.run_cell(1)
     lab.ready()
+    lab.reads('[role="alertdialog"]', "Which text should be kept?")
+    lab.do("take")
     lab.sees('[data-lrp-state="m/third"]')
+    lab.goes_on()
     assert (notebook.path.parent / ".lrp" / "m.lrp").read_text() == lab.text
 
 

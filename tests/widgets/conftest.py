@@ -6,6 +6,7 @@ import pytest
 
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.kept import Kept
 from lrp_jupyter.widgets.texts import Texts
 
 
@@ -99,7 +100,8 @@ class Bench:
         self.wall = Wall()
         self.session = Session(text, bridge, **options)
         self.session.open()
-        self.connection = Unpublished(self.session, Texts(folder), clock=self.wall)
+        texts = Texts(None if folder is None else Kept(folder, self.session.name))
+        self.connection = Unpublished(self.session, texts, clock=self.wall)
 
     def page(self, name="page", part="lab", pays=True):
         return Page(self, name, part, pays)

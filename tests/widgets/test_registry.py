@@ -92,13 +92,26 @@ def test_a_text_that_is_not_a_program_opens_the_lab_with_its_errors(cell):
     assert connection.session.status == "running"
 
 
-def test_after_a_restart_an_unchanged_cell_continues_with_the_labs_text(cell, restart_kernel):
-    cell(A).texts.write(B)
-    next(registry.running()).publish()
+@pytest.mark.parametrize("typed", [B, BROKEN])
+def test_after_a_restart_the_cells_text_runs_until_the_labs_is_chosen(cell, restart_kernel, tmp_path, typed):
+    cell(A).texts.write(typed)
+    restart_kernel()
+    for _ in range(2):  # a question that is not answered is asked again
+        connection = cell(A)
+        assert connection.session.program.text == connection.texts.text == A
+        assert connection.texts.conflict["text"] == typed
+        restart_kernel()
+    connection = cell(A)
+    connection.texts.end_conflict(None, use=True)
+    connection.publish()
+    assert connection.texts.text == typed
+    assert connection.texts.conflict is None
     restart_kernel()
     connection = cell(A)
-    assert connection.session.program.text == B
-    assert connection.texts.conflict is None
+    connection.texts.end_conflict(None, use=False)
+    assert typed in [version.text for version in connection.texts.versions]
+    restart_kernel()
+    assert cell(A).texts.conflict is None
 
 
 def test_after_a_restart_a_cell_that_alone_was_changed_counts(cell, restart_kernel):
@@ -112,8 +125,8 @@ def test_after_a_restart_two_changed_texts_are_asked_about(cell, restart_kernel)
     next(registry.running()).publish()
     restart_kernel()
     connection = cell(C)
-    assert connection.session.program.text == B
-    assert connection.texts.conflict["text"] == C
+    assert connection.session.program.text == C
+    assert connection.texts.conflict["text"] == B
 
 
 def test_another_bridge_starts_again_with_the_same_program(cell):

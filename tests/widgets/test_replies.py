@@ -79,7 +79,7 @@ def test_an_answer_for_a_view_that_is_gone_keeps_none_from_others(bench):
 
 def test_a_file_that_cannot_be_written_is_an_error_in_a_sentence(bench, tmp_path):
     page = bench(NAMED).page()
-    error = page.do("save", name=str(tmp_path / "no folder" / "mine.lrp"))
+    error = page.ask("save", name=str(tmp_path / "no folder" / "mine.lrp"), replace=False)["error"]
     assert "No such file or directory" in error
     assert "FileNotFoundError" not in error
 

@@ -282,10 +282,33 @@ def test_saving_under_another_name_writes_the_text_in_the_editor(bench, tmp_path
     lab = bench(A)
     page = lab.page()
     page.type(BROKEN)
-    assert page.do("save", name=str(tmp_path / "x.lrp")) is None
+    assert save_as(page, tmp_path / "x.lrp")["exists"] is False
     assert (tmp_path / "x.lrp").read_text() == BROKEN
-    assert "No such file" in page.do("save", name=str(tmp_path / "no" / "x.lrp"))
-    assert "Enter a name" in page.do("save", name=" ")
+    assert "No such file" in save_as(page, tmp_path / "no" / "x.lrp")["error"]
+    assert "Enter a name" in save_as(page, " ")["error"]
+
+
+def test_saving_asks_before_it_replaces_what_this_lab_did_not_write(bench, tmp_path):
+    page = bench(A).page()
+    mine, other = tmp_path / "mine.lrp", tmp_path / "other.lrp"
+    other.write_text("precious")
+    link = tmp_path / "link.lrp"
+    link.symlink_to(other)
+    for file in (other, link):
+        assert save_as(page, file)["exists"] is True
+        assert other.read_text() == "precious"
+    assert save_as(page, mine)["exists"] is False
+    page.type(B)
+    assert save_as(page, mine)["exists"] is False
+    assert mine.read_text() == B
+    mine.write_text("changed outside")
+    assert save_as(page, mine)["exists"] is True
+    assert save_as(page, other, replace=True)["exists"] is False
+    assert other.read_text() == B
+
+
+def save_as(page, name, replace=False):
+    return page.ask("save", name=str(name), replace=replace)
 
 
 def test_a_bundled_program_becomes_the_text(bench):

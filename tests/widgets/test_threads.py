@@ -8,6 +8,7 @@ from lrp_jupyter.bridges.bridge import NullBridge
 from lrp_jupyter.errors import SessionClosedError
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.kept import Kept
 from lrp_jupyter.widgets.texts import Texts
 
 A = "(machine m (state a)) (spawn m a)"
@@ -17,14 +18,14 @@ B = "(machine m (state a) (state b)) (spawn m a)"
 def test_a_text_is_saved_once_though_two_threads_save(tmp_path):
     written = []
 
-    class Interrupted(Texts):
-        def _write(self, text, ending):
+    class Interrupted(Kept):
+        def write(self, ending, text):
             written.append(text)
             other.start()
             other.join(0.05)  # it does not get further
-            super()._write(text, ending)
+            super().write(ending, text)
 
-    texts = Interrupted(tmp_path)
+    texts = Texts(Interrupted(tmp_path, "mine"))
     other = Thread(target=texts.save)
     with Session(A, name="mine") as session:
         texts.attach(session, lambda: None)

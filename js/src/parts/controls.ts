@@ -92,8 +92,20 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
 
 function nameplate(lab: Lab): HTMLElement {
   const name = h("strong", { class: "lrp-name" });
-  lab.store.watch(["name", "snapshot"], () => setText(name, lab.store.state.name));
-  return name;
+  const mark = button({
+    label: "Not kept",
+    title: "",
+    action: "unkept",
+    class: "lrp-button lrp-unkept",
+    onclick: () => lab.notify(lab.store.state.unkept),
+  });
+  lab.store.watch(["name", "unkept", "snapshot"], () => {
+    const { name: text, unkept } = lab.store.state;
+    setText(name, text);
+    mark.hidden = !unkept;
+    setAttribute(mark, "title", unkept);
+  });
+  return h("div", { class: "lrp-group", role: "status" }, name, mark);
 }
 
 function rateSlider(lab: Lab): HTMLElement {

@@ -9,6 +9,7 @@ export interface Choices {
   panels: { name: string; title: string; shown: () => boolean; show: (on: boolean) => void }[];
   values: { shown: () => boolean; show: (on: boolean) => void };
   save: () => void;
+  versions: () => void;
 }
 
 export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
@@ -28,6 +29,7 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
   const { values } = choices;
   return [
     { label: "Save…", action: "save", run: choices.save },
+    { label: "Versions…", action: "versions", run: choices.versions },
     { label: "Inspect the robot", action: "inspect-robot", run: () => lab.inspect("robot", "") },
     null,
     {

@@ -3,7 +3,7 @@
 import type { Difference } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, setSwitch, toggle } from "../ui/button";
-import { h, prose, setText } from "../ui/dom";
+import { h, prose, setText, visible } from "../ui/dom";
 
 export function notes(lab: Lab, text: () => string): HTMLElement {
   return h(
@@ -111,31 +111,36 @@ function lines(difference: Difference): HTMLElement[] {
 
 function conflictNote(lab: Lab): HTMLElement {
   const words = h("p", {});
-  const text = h("pre", { class: "lrp-source", tabindex: "0" });
+  const text = h("pre", { class: "lrp-source", tabindex: "0", "aria-label": "The other text" });
+  const number = () => lab.store.state.conflict?.number ?? null;
+  const use = button({
+    label: "Use it",
+    title: "Make the other text the program",
+    action: "take",
+    onclick: () => void lab.act({ do: "take", number: number() }),
+  });
+  const keep = button({
+    label: "Keep",
+    title: "Keep the present text; the other one is listed in the versions",
+    action: "keep-text",
+    onclick: () => void lab.act({ do: "keep", number: number() }),
+  });
   const note = h(
     "div",
     { class: "lrp-note lrp-note-warning", role: "alertdialog", "aria-label": "Conflicting texts" },
     words,
-    button({
-      label: "Use the cell's text",
-      title: "Make the cell's text the program",
-      action: "take",
-      onclick: () => void lab.act({ do: "take" }),
-    }),
-    button({
-      label: "Keep the lab's text",
-      title: "Ignore the change in the cell",
-      action: "keep-text",
-      onclick: () => void lab.act({ do: "keep" }),
-    }),
-    h("details", { class: "lrp-details" }, h("summary", {}, "The cell's text"), text),
+    use,
+    keep,
+    h("details", { class: "lrp-details" }, h("summary", {}, "The other text"), text),
   );
   lab.store.watch(["conflict", "snapshot"], () => {
     const { conflict } = lab.store.state;
     note.hidden = !conflict;
     if (!conflict) return;
     words.replaceChildren(...prose(conflict.sentence));
-    text.textContent = conflict.text;
+    use.replaceChildren(conflict.use);
+    keep.replaceChildren(conflict.keep);
+    text.textContent = visible(conflict.text);
   });
   return note;
 }

@@ -1,27 +1,52 @@
-/** Save the program under a chosen name. */
+/** Save the program under a chosen name; ask before another file is replaced. */
 
 import type { Lab } from "../session/store";
 import { h } from "../ui/dom";
 
 export function saveForm(lab: Lab): { element: HTMLElement; open: () => void } {
-  const input = h("input", { class: "lrp-input", "aria-label": "File", spellcheck: "false" });
+  const input = h("input", {
+    class: "lrp-input",
+    "aria-label": "File",
+    spellcheck: "false",
+    oninput: () => ask(false),
+  });
   const error = h("span", { class: "lrp-error", role: "alert" });
+  const replace = h(
+    "button",
+    {
+      class: "lrp-button",
+      type: "button",
+      "data-lrp-action": "replace-file",
+      onclick: () => void save(true),
+    },
+    "Replace",
+  );
   const close = () => {
     element.hidden = true;
+  };
+  const ask = (on: boolean) => {
+    replace.hidden = !on;
+    error.textContent = on ? "This file exists and was not written by this lab." : "";
+    if (on) replace.focus();
+  };
+  const save = async (replacing: boolean) => {
+    const name = input.value.trim();
+    const reply = await lab.ask({ type: "save", name, replace: replacing });
+    ask(reply.exists ?? false);
+    if (reply.error) error.textContent = reply.error;
+    else if (!reply.exists) {
+      close();
+      lab.notify(`Saved as ${name}.`);
+    }
   };
   const element = h(
     "form",
     {
       class: "lrp-note",
       hidden: true,
-      onsubmit: async (event: SubmitEvent) => {
+      onsubmit: (event: SubmitEvent) => {
         event.preventDefault();
-        const refusal = await lab.act({ do: "save", name: input.value.trim() }, true);
-        error.textContent = refusal ?? "";
-        if (!refusal) {
-          close();
-          lab.notify(`Saved as ${input.value.trim()}.`);
-        }
+        void save(false);
       },
       onkeydown: (event: KeyboardEvent) => {
         event.stopPropagation();
@@ -33,11 +58,13 @@ export function saveForm(lab: Lab): { element: HTMLElement; open: () => void } {
     h("button", { class: "lrp-button lrp-primary", "data-lrp-action": "save-file" }, "Save"),
     h("button", { class: "lrp-button", type: "button", onclick: close }, "Cancel"),
     error,
+    replace,
   );
   return {
     element,
     open() {
       input.value ||= `${lab.store.state.name || "program"}.lrp`;
+      ask(false);
       element.hidden = false;
       input.focus();
       input.select();

@@ -14,6 +14,8 @@ import type {
   PartName,
   ReferencesRequest,
   ReplyMessage,
+  SaveRequest,
+  VersionsRequest,
 } from "../protocol";
 import type { Link } from "./state";
 
@@ -51,7 +53,7 @@ type Without<T, K extends PropertyKey> = T extends unknown ? Omit<T, K> : never;
 /** The commands of the page: the act and its own fields. */
 export type Act = Without<Command, "type" | "view" | "id">;
 export type Question = Without<
-  CompleteRequest | HoverRequest | ReferencesRequest | InspectRequest,
+  CompleteRequest | HoverRequest | ReferencesRequest | InspectRequest | VersionsRequest | SaveRequest,
   "view" | "id"
 >;
 
@@ -61,6 +63,8 @@ export interface Listener {
   link(link: Link): void;
   /** The newest text is about to be sent. */
   sending?(): void;
+  /** A text was typed while the kernel does not answer. */
+  unanswered?(): void;
 }
 
 export class Connection {
@@ -104,8 +108,14 @@ export class Connection {
     this.post({ type: "hello", view: this.view, part: this.part });
   }
 
+  /** Whether the kernel has answered the newest text. */
+  get isAnswered(): boolean {
+    return this.inFlight === 0 && this.waitingText === null;
+  }
+
   /** Send the whole text; returns whether it was sent at once. */
   text(text: string): boolean {
+    if (this.link !== "live") this.listener.unanswered?.();
     if (this.inFlight) {
       this.waitingText = text;
       return false;

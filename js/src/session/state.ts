@@ -19,6 +19,7 @@ export type Link = "connecting" | "live" | "busy" | "lost" | "dead";
 export interface LabState extends ViewState {
   link: Link;
   name: string;
+  home: string;
   running: string;
   findings: FindingView[];
   accepted: boolean;
@@ -42,6 +43,7 @@ export function initialState(): LabState {
     ...EMPTY_VIEW_STATE,
     link: "connecting",
     name: "",
+    home: "",
     running: "",
     findings: [],
     accepted: true,

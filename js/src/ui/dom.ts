@@ -79,6 +79,14 @@ export function reconcile<T>(
   for (const gone of old.values()) gone.remove();
 }
 
+/** A text with its control and direction characters written out: it reads as it would run. */
+export function visible(text: string): string {
+  return text.replace(
+    /(?![\t\r\n])[\p{Cc}\p{Cf}\p{Cs}]/gu,
+    (each) => `<U+${each.codePointAt(0)!.toString(16).toUpperCase().padStart(4, "0")}>`,
+  );
+}
+
 export function prose(sentence: string): (HTMLElement | string)[] {
   return sentence.split(/`([^`]*)`/).map((part, index) => (index % 2 ? h("code", {}, part) : part));
 }

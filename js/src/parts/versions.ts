@@ -1,0 +1,66 @@
+/** The last texts that were replaced: read one, and return to it. */
+
+import type { VersionView } from "../protocol";
+import type { Lab } from "../session/store";
+import { h, visible } from "../ui/dom";
+
+export function versionsForm(lab: Lab): { element: HTMLElement; open: () => void } {
+  let known: VersionView[] = [];
+  const list = h("select", {
+    class: "lrp-select",
+    "aria-label": "Version",
+    onchange: () => show(),
+  });
+  const text = h("pre", { class: "lrp-source", tabindex: "0", "aria-label": "Text of the version" });
+  const nothing = h("span", { role: "status" });
+  const use = h("button", { class: "lrp-button lrp-primary", "data-lrp-action": "use-version" }, "Use");
+  const close = () => {
+    element.hidden = true;
+  };
+  const show = () => {
+    text.textContent = visible(known[list.selectedIndex]?.text ?? "");
+  };
+  const element = h(
+    "form",
+    {
+      class: "lrp-note",
+      hidden: true,
+      "aria-label": "Versions",
+      onsubmit: async (event: SubmitEvent) => {
+        event.preventDefault();
+        const version = known[list.selectedIndex];
+        if (version && !(await lab.act({ do: "version", key: version.key }))) close();
+      },
+      onkeydown: (event: KeyboardEvent) => {
+        event.stopPropagation();
+        if (event.key === "Escape") close();
+      },
+    },
+    h("label", {}, "Version of "),
+    list,
+    nothing,
+    use,
+    h("button", { class: "lrp-button", type: "button", onclick: close }, "Cancel"),
+    text,
+  );
+  return {
+    element,
+    async open() {
+      const { error, versions } = await lab.ask({ type: "versions" });
+      if (error) lab.notify(error);
+      known = versions ?? [];
+      list.replaceChildren(...known.map((version) => h("option", { value: version.key }, title(version))));
+      nothing.textContent = known.length ? "" : "No text has been replaced yet.";
+      list.hidden = use.hidden = text.hidden = !known.length;
+      show();
+      element.hidden = false;
+      (known.length ? list : element.querySelector<HTMLElement>("[type=button]"))?.focus();
+    },
+  };
+}
+
+function title({ when, text }: VersionView): string {
+  const lines = text.trim().split("\n");
+  const size = lines.length === 1 ? "1 line" : `${lines.length} lines`;
+  return `${new Date(when * 1000).toLocaleString()}, ${size}`;
+}

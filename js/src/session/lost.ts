@@ -1,0 +1,34 @@
+/**
+ * Texts that no kernel has: what was typed after it ended, or on its way when it did. They are kept for the tab
+ * and given to the next view of the same program, which asks what to do with them.
+ */
+
+const PREFIX = "lrp-typed:";
+const others = new Map<string, string>(); // where the browser keeps nothing, or has no space left
+
+export function keepLost(home: string, text: string): void {
+  if (!home) return;
+  try {
+    sessionStorage.setItem(PREFIX + home, text);
+    others.delete(home);
+  } catch {
+    others.set(home, text);
+  }
+}
+
+export function lostText(home: string): string | null {
+  try {
+    return others.get(home) ?? sessionStorage.getItem(PREFIX + home);
+  } catch {
+    return others.get(home) ?? null;
+  }
+}
+
+export function forgetLost(home: string): void {
+  others.delete(home);
+  try {
+    sessionStorage.removeItem(PREFIX + home);
+  } catch {
+    // there was nothing
+  }
+}

@@ -1,0 +1,236 @@
+"""The files of one program in ``.lrp``, beside the notebook: what survives the kernel.
+
+========== ===============================================================================================
+``.lrp``   the last accepted text
+``.draft`` the last typed text, while it is not that one
+``.cell``  the text of the cell, as the lab knew it last
+``.versions`` the last texts that were replaced, with their times, as JSON
+========== ===============================================================================================
+
+These files are hidden, and whoever passes the folder on passes them on too. What a file contains therefore
+counts as the user's own only if its hash is noted in this user's state folder, which is elsewhere. All other
+texts are shown, and never run unasked.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import sys
+import time
+import unicodedata
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from lrp_jupyter.errors import FileError, LRPError
+from lrp_jupyter.files import read_file, shown, write_file
+
+__all__ = ["Kept", "Version", "checked_name", "newest"]
+
+_MOST_VERSIONS = 10
+_MOST_CHARACTERS = 10_000_000  # of all versions together
+_LATEST = 1e11  # s since 1970
+_LONGEST_NAME = 100
+_NOT_IN_NAMES = set('/\\:*?"<>|')
+_DEVICES = {"con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(1, 10))}
+
+_Signature = tuple[int, int, int]
+
+
+@dataclass(frozen=True)
+class Version:
+    """An earlier text of a program.
+
+    Parameters
+    ----------
+    text : str
+    when : float
+        When it was replaced, in seconds since 1970.
+    """
+
+    text: str
+    when: float
+
+    @property
+    def key(self) -> str:
+        """A short name that depends on the text alone."""
+        return _digest(self.text)[:16]
+
+    def __str__(self) -> str:
+        lines = self.text.strip().splitlines()
+        when = time.strftime("%Y-%m-%d %H:%M:%S", time.localtime(self.when))
+        return f"{when}, {len(lines)} line{'' if len(lines) == 1 else 's'}: {lines[0][:60] if lines else ''}"
+
+
+def newest(versions: Iterable[Version]) -> list[Version]:
+    """Return the newest ten versions that are not empty, the newest first, each text once."""
+    found: dict[str, Version] = {}
+    length = 0
+    for version in sorted(versions, key=lambda version: version.when, reverse=True):
+        length += len(version.text)
+        if len(found) == _MOST_VERSIONS or (found and length > _MOST_CHARACTERS):
+            break
+        if version.text.strip():
+            found.setdefault(version.text, version)
+    return list(found.values())
+
+
+def checked_name(name: str) -> str:
+    """Return the name of a program if it can name files on every system.
+
+    Raises
+    ------
+    LRPError
+        It cannot.
+    """
+    is_usable = (
+        0 < len(name) <= _LONGEST_NAME
+        and not name.startswith(".")
+        and name == name.strip(" .")
+        and not any(each in _NOT_IN_NAMES or unicodedata.category(each)[0] == "C" for each in name)
+        and name.partition(".")[0].lower() not in _DEVICES
+    )
+    if not is_usable:
+        raise LRPError(
+            f"`{shown(name)}` is not a valid name for a program. Use letters, digits, `_` and `-`, "
+            f"at most {_LONGEST_NAME} of them."
+        )
+    return name
+
+
+class Kept:
+    """The files of one program. Used by one thread at a time.
+
+    Parameters
+    ----------
+    folder : path
+        ``.lrp``; it is created with the first file.
+    name : str
+        The name of the program.
+    """
+
+    def __init__(self, folder: str | os.PathLike[str], name: str) -> None:
+        self.folder = Path(folder)
+        self.name = name
+        self.home = os.path.realpath(self.folder / name)
+        """What tells this program apart from one of the same name in another folder."""
+        self._known: dict[str, tuple[_Signature | None, str]] = {}  # by ending: as last read or written here
+
+    def file(self, ending: str) -> Path:
+        """Return the path of a file."""
+        return self.folder / f"{self.name}{ending}"
+
+    def read(self, ending: str) -> str | None:
+        """Return the text of a file; None if there is none that can be read."""
+        if self.folder.is_symlink():
+            return None
+        signature = self._signature(ending)
+        text = read_file(self.file(ending))
+        if text is not None:
+            self._known[ending] = signature, _digest(text)
+        return text
+
+    def write(self, ending: str, text: str) -> None:
+        """Write a text to a file, and note that this user wrote it.
+
+        Raises
+        ------
+        FileError
+            It cannot be written.
+        """
+        digest = _digest(text)
+        if self._known.get(ending) == (self._signature(ending), digest) and self.is_own(ending, text):
+            return
+        if self.folder.is_symlink():
+            raise FileError(f"`{shown(self.folder)}` is a link, so nothing is kept in it. Use a folder.")
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+        except FileExistsError:
+            raise FileError(
+                f"`{shown(self.folder)}` is a file, so there can be no folder of that name. Rename it."
+            ) from None
+        except OSError as error:
+            raise FileError(f"`{shown(self.folder)}` cannot be created: {error.strerror}.") from error
+        write_file(self.file(ending), text)
+        self._known[ending] = self._signature(ending), digest
+        _note(self._mark(ending), digest)
+
+    def remove(self, ending: str) -> None:
+        """Remove a file, if it exists."""
+        if not self.folder.is_symlink():
+            with suppress(OSError):
+                os.unlink(self.file(ending))
+        self._known.pop(ending, None)
+
+    def is_own(self, ending: str, text: str) -> bool:
+        """Return whether this user wrote this text to the file, with this package."""
+        mark = self._mark(ending)
+        return mark is not None and read_file(mark) == _digest(text)
+
+    def changed(self, ending: str) -> str | None:
+        """Return the text of a file if it was changed since it was read or written here."""
+        known = self._known.get(ending)
+        signature = self._signature(ending)
+        if signature is None or (known is not None and known[0] == signature):
+            return None
+        text = self.read(ending)
+        return None if text is None or (known is not None and known[1] == _digest(text)) else text
+
+    def versions(self) -> list[Version]:
+        """Return the earlier texts, the newest first."""
+        try:
+            found = [Version(**each) for each in json.loads(self.read(".versions") or "[]")]
+            return newest(each for each in found if isinstance(each.text, str) and 0 < each.when < _LATEST)
+        except (ValueError, TypeError, RecursionError):  # another program wrote it
+            return []
+
+    def add_versions(self, versions: Iterable[Version]) -> None:
+        """Add earlier texts; ten are kept.
+
+        Raises
+        ------
+        FileError
+            They cannot be written.
+        """
+        every = newest([*versions, *self.versions()])
+        self.write(".versions", json.dumps([asdict(version) for version in every]))
+
+    def _signature(self, ending: str) -> _Signature | None:
+        try:
+            status = os.lstat(self.file(ending))
+        except (OSError, ValueError):
+            return None
+        return status.st_mtime_ns, status.st_size, status.st_ino
+
+    def _mark(self, ending: str) -> Path | None:
+        state = _state_folder()
+        return None if state is None else state / "kept" / _digest(self.home + ending)[:32]
+
+
+def _digest(text: str) -> str:
+    return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()
+
+
+def _state_folder() -> Path | None:
+    """Return the folder for this user's state, which no notebook's folder contains."""
+    try:
+        if sys.platform == "win32":
+            base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
+        elif sys.platform == "darwin":
+            base = Path.home() / "Library" / "Application Support"
+        else:
+            base = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    except RuntimeError:  # a user without a home
+        return None
+    return Path(base) / "lrp-jupyter"
+
+
+def _note(mark: Path | None, digest: str) -> None:
+    """Note a hash; where that is impossible, the user is asked about the text next time."""
+    if mark is not None:
+        with suppress(OSError):
+            mark.parent.mkdir(parents=True, exist_ok=True)
+            write_file(mark, digest)
