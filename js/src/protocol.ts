@@ -90,7 +90,7 @@ export interface InspectRequest {
   into: string[];
 }
 
-/** Start or resume the program; after a stop, from the beginning. */
+/** Start or resume the program; after a stop, or if the session itself failed, from the beginning. */
 export interface RunCommand {
   view: string;
   type: "command";
