@@ -1,11 +1,11 @@
 """The files of one program in ``.lrp``, beside the notebook: what survives the kernel.
 
-========== ===============================================================================================
-``.lrp``   the last accepted text
-``.draft`` the last typed text, while it is not that one
-``.cell``  the text of the cell, as the lab knew it last
+============= ============================================================================================
+``.lrp``      the last accepted text
+``.draft``    the last typed text, while it is not that one
+``.cell``     the text of the cell, as the lab knew it last
 ``.versions`` the last texts that were replaced, with their times, as JSON
-========== ===============================================================================================
+============= ============================================================================================
 
 These files are hidden, and whoever passes the folder on passes them on too. What a file contains therefore
 counts as the user's own only if its hash is noted in this user's state folder, which is elsewhere. All other
@@ -31,7 +31,7 @@ from lrp_jupyter.files import read_file, shown, write_file
 __all__ = ["Kept", "Version", "checked_name", "newest"]
 
 _MOST_VERSIONS = 10
-_MOST_CHARACTERS = 10_000_000  # of all versions together
+_MOST_CHARACTERS = 2_500_000  # of all versions together
 _LATEST = 1e11  # s since 1970
 _LONGEST_NAME = 100
 _NOT_IN_NAMES = set('/\\:*?"<>|')
@@ -171,12 +171,22 @@ class Kept:
         return mark is not None and read_file(mark) == _digest(text)
 
     def changed(self, ending: str) -> str | None:
-        """Return the text of a file if it was changed since it was read or written here."""
+        """Return the text of a file if it was changed since it was read or written here.
+
+        Raises
+        ------
+        FileError
+            It was changed, and is not a text.
+        """
         known = self._known.get(ending)
         signature = self._signature(ending)
         if signature is None or (known is not None and known[0] == signature):
             return None
         text = self.read(ending)
+        if text is None and self.file(ending).is_file() and not self.file(ending).is_symlink():
+            raise FileError(
+                f"`{shown(self.file(ending))}` was changed outside and is not a text in UTF-8. Rename it."
+            )
         return None if text is None or (known is not None and known[1] == _digest(text)) else text
 
     def versions(self) -> list[Version]:
@@ -199,6 +209,8 @@ class Kept:
         self.write(".versions", json.dumps([asdict(version) for version in every]))
 
     def _signature(self, ending: str) -> _Signature | None:
+        if self.folder.is_symlink():
+            return None
         try:
             status = os.lstat(self.file(ending))
         except (OSError, ValueError):

@@ -468,10 +468,6 @@ class Texts:
         if other is not None and other != accepted:
             self.ask(Conflict("file", other, (".lrp",)))
             return  # which is news to keep, too
-        if versions:
-            kept.add_versions(versions)
-            with self._lock:
-                self._versions = [each for each in self._versions if each not in versions]
         if accepted is not None and ".lrp" not in asked:
             kept.write(".lrp", accepted)
         if ".draft" not in asked:
@@ -482,6 +478,10 @@ class Texts:
                 kept.write(".draft", typed)
         if cell is not None:
             kept.write(".cell", cell)
+        if versions:
+            kept.add_versions(versions)
+            with self._lock:
+                self._versions = [each for each in self._versions if each not in versions]
         self._stored = wanted
 
 

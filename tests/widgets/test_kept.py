@@ -149,6 +149,17 @@ def test_a_file_that_was_changed_outside_is_not_overwritten_by_the_next_key(benc
     assert lab.session.program.text == C
 
 
+def test_a_file_that_was_changed_into_something_else_than_a_text_is_not_overwritten(bench, tmp_path):
+    lab = bench(A, tmp_path, name="mine")
+    page = lab.page()
+    page.type(B)
+    (tmp_path / "mine.lrp").write_bytes(b"; Gr\xfc\xdfe")
+    page.type(C)
+    assert (tmp_path / "mine.lrp").read_bytes() == b"; Gr\xfc\xdfe"
+    lab.publish()
+    assert "is not a text in UTF-8" in page.latest("unkept")
+
+
 def test_two_kernels_with_the_same_file_ask_instead_of_overwriting_each_other(bench, tmp_path):
     one, other = bench(A, tmp_path, name="mine"), bench(A, tmp_path, name="mine")
     first, second = one.page(), other.page()
