@@ -6,10 +6,12 @@ A fault of a program (an exception in a block, an unknown state) is recorded as 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
 __all__ = [
+    "MOST_FINDINGS",
     "BridgeError",
     "Edit",
     "FileError",
@@ -23,6 +25,7 @@ __all__ = [
     "Severity",
     "UnknownElementError",
     "ended",
+    "listed",
     "name_of",
     "sentence_of",
 ]
@@ -73,6 +76,20 @@ class Finding:
 
     def __str__(self) -> str:
         return f"{self.line}:{self.column}: {self.code} {self.severity}: {self.message}"
+
+
+MOST_FINDINGS = 200
+"""How many findings of a text are listed: more would help no reader, and slow down every view."""
+
+
+def listed(findings: Sequence[Finding], count: int) -> tuple[Finding, ...]:
+    """Return the findings that a list begins with and, if there are more than these, how many."""
+    if count <= len(findings):
+        return tuple(findings)
+    last = findings[-1]
+    message = f"There are {count - len(findings):,} more findings. Correct these first."
+    place = (last.line, last.column, last.end_line, last.end_column)
+    return (*findings, Finding("LRP698", "hint", message, *place))
 
 
 class LRPError(Exception):

@@ -14,7 +14,7 @@ from difflib import get_close_matches
 from itertools import groupby
 from keyword import iskeyword
 
-from lrp_jupyter.errors import Edit, LRPSyntaxError
+from lrp_jupyter.errors import MOST_FINDINGS, Edit, LRPSyntaxError, listed
 from lrp_jupyter.language import nodes
 from lrp_jupyter.language.blocks import facts_of, faults_of
 from lrp_jupyter.language.forms import USAGE, Mistake, Shape, expected_text, shape_of
@@ -89,10 +89,12 @@ class _Reader:
         if not self.findings:
             return program, ()
         place = Program(text=self.text).place
-        return None, tuple(
-            Finding(found.code, "error", found.message, *place(found.start), *place(found.end), found.fix)
-            for found in sorted(set(self.findings))
-        )
+        found = sorted(set(self.findings))
+        first = [
+            Finding(each.code, "error", each.message, *place(each.start), *place(each.end), each.fix)
+            for each in found[:MOST_FINDINGS]
+        ]
+        return None, listed(first, len(found))
 
     def report(self, start: int, end: int, code: str, message: str, *edits: Edit) -> None:
         """Register an error at a range of the text, with the edits that certainly repair it."""
@@ -159,7 +161,7 @@ class _Reader:
             what = (
                 "Unmatched `]`: there is no open block here"
                 if word == "]"
-                else f"`{word}` is not part of the language"
+                else f"`{_short(word)}` is not part of the language"
             )
             self.report(start, end, "LRP104", f"{what}. Remove it.", Edit(start, end, ""))
 
@@ -314,8 +316,7 @@ class _Reader:
             self.report(end - 1, end, "LRP108", message)
             return
         _, start, stop = form.tokens[index]
-        found = " ".join(self.text[start : min(stop, start + 40)].split())
-        found = found if len(found) < 30 else found[:27] + "…"
+        found = _short(self.text[start : min(stop, start + 40)])
         self.report(start, stop, "LRP108", f"Expected {what} instead of `{found}`. {usage}")
 
 
@@ -330,6 +331,12 @@ _FILLED = {
     **{keyword: form.block for keyword, form in FORMS.items() if form.block},
 }
 """What the block of a form must contain: the value of an empty block would be `None`."""
+
+
+def _short(text: str) -> str:
+    """Return a piece of the text in one line, and its beginning if it is long."""
+    words = " ".join(text.split())
+    return words if len(words) < 30 else words[:27] + "…"
 
 
 def _either(words: Iterable[str]) -> str:

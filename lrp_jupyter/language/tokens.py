@@ -26,12 +26,13 @@ _NAME = (  # ASCII letters, digits and `_`, and all that is beyond ASCII; one se
 _TOKEN = re.compile(
     rf"{_SKIP}(?:(?P<OPEN>\({_SKIP}(?P<KEYWORD>{_NAME})?+)|(?P<CLOSE>\))|(?P<NAME>{_NAME})"
     r"|(?P<BLOCK>\[[^\[\]'\"#]*+\])|(?P<OTHER>\[)|(?P<ARROW>->)|(?P<ASSIGN>:=)|(?P<INTEGER>[0-9][\w.]*+)"
-    r"|(?P<STAR>\*)|(?P<LBRACE>\{)|(?P<RBRACE>\})|(?P<MINUS>-)|(?P<END>\Z)|(?P<STRAY>[\s\S]))"
+    r"|(?P<STAR>\*)|(?P<LBRACE>\{)|(?P<RBRACE>\})|(?P<MINUS>-)|(?P<END>\Z)|(?P<STRAY>[!$%&'\"+,./<=>?@\\^`|~]++|[\s\S]))"
 )
 _FORM_LINE = re.compile(rf"[\r\n][ \t]*\((?={_SKIP}({'|'.join(sorted(KEYWORDS))})\b)")
 _SPECIAL = frozenset({"OTHER", "STRAY"})
 _HEADS = {"var": 3, "event": 2}  # number of tokens before the block; 1 in other forms
 _BLOCKS = KEYWORDS - {"machine", "state", "spawn", "eps"}
+_FARTHEST = 100  # tokens back to the missing `[` of a block
 _NEWLINE = re.compile(r"[\r\n]")
 _TAIL = re.compile(r"\](?=[\s)]*+(?:[;#].*)?(?:[\r\n]|\Z)|[ \t]*+[\w*{][^\[\]\r\n]*->)")
 _AFTER_BLOCK = re.compile(r"\s*+[\[)]")
@@ -87,10 +88,11 @@ def keyword_of(text: str, token: Token) -> str:
 def _guess_start(text: str, tokens: list[Token], end: int) -> int | None:
     """Return the token that probably begins a block whose ``[`` is missing, or None."""
     closed = 0
-    for index in range(len(tokens) - 1, -1, -1):
+    for index in range(len(tokens) - 1, max(len(tokens) - _FARTHEST, 0) - 1, -1):
         token = tokens[index]
         if _NEWLINE.search(text, token[2], end):
             break
+        end = token[2]
         if token[0] == "CLOSE":
             closed += 1
         elif token[0] == "OPEN" and closed:

@@ -12,8 +12,9 @@ from hypothesis import strategies as st
 from programs import programs
 
 import lrp_jupyter
+from lrp_jupyter.errors import MOST_FINDINGS
 from lrp_jupyter.interpreter.issues import ISSUE_CODES
-from lrp_jupyter.language.checks import CODES, Code, check
+from lrp_jupyter.language.checks import CODES, Code, check, report
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Block, Machine, Name, Program, Spawn, State, Transition
@@ -493,3 +494,32 @@ def test_a_program_put_together_by_hand_can_be_checked() -> None:
     )
     (finding,) = check(program)
     assert (finding.code, finding.fix, finding.line) == ("LRP307", None, 1)
+
+
+def unknown_states(count: int) -> str:
+    return f"(machine m (state a) {' '.join(f'(eps a -> state{i})' for i in range(count))}) (spawn m a)"
+
+
+def test_of_thousands_of_findings_the_first_are_listed_and_the_others_counted():
+    *listed, last = check(unknown_states(5000))
+    assert len(listed) == MOST_FINDINGS
+    assert {finding.code for finding in listed} == {"LRP303"}
+    assert (last.code, last.severity) == ("LRP698", "hint")
+    assert last.message == "There are 4,800 more findings. Correct these first."
+    assert (last.line, last.column) == (listed[-1].line, listed[-1].column)
+
+
+def test_errors_are_listed_before_what_may_be_right():
+    hints = " ".join(f"(state s{i})" for i in range(400))
+    findings = check(f"(machine m (state a) {hints} (eps a -> nowhere)) (spawn m a)")
+    assert [finding.code for finding in findings].count("LRP303") == 1
+    assert findings[-1].code == "LRP698"
+
+
+def test_names_are_compared_within_bounds(monkeypatch):
+    compared = []
+    monkeypatch.setattr(report, "_nearest", lambda name, known: compared.append(len(known)))
+    check(
+        "(machine m " + " ".join(f"(state a{i}) (eps a{i} -> b{i})" for i in range(1000)) + ") (spawn m a0)"
+    )
+    assert 0 < sum(compared) < 2 * report.COMPARED

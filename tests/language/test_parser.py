@@ -3,13 +3,15 @@ from __future__ import annotations
 import contextlib
 import re
 import tracemalloc
+from collections import Counter
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from lrp_jupyter.errors import LRPSyntaxError
+from lrp_jupyter.errors import MOST_FINDINGS, LRPSyntaxError
+from lrp_jupyter.language import tokens
 from lrp_jupyter.language.forms import USAGE, Mistake, shape_of
 from lrp_jupyter.language.matching import DEEPEST
 from lrp_jupyter.language.parser import parse, scan
@@ -452,3 +454,27 @@ def test_a_long_line_is_not_copied_for_each_block_in_it():
             tracemalloc.stop()
 
     assert occupied(2000) < 6 * occupied(500)
+
+
+def test_stray_characters_in_a_row_are_one_finding():
+    (finding,) = scan("(machine m (state a)) (spawn m a)\n" + "%" * 500_000)[1]
+    assert (finding.code, finding.line, finding.column, finding.end_column) == ("LRP104", 2, 1, 500_001)
+    assert finding.message == f"`{'%' * 27}…` is not part of the language. Remove it."
+
+
+def test_of_thousands_of_errors_the_first_are_listed_and_the_others_counted():
+    *listed, last = scan("% " * 50_000)[1]
+    assert len(listed) == MOST_FINDINGS
+    assert last.message == "There are 49,800 more findings. Correct these first."
+
+
+def test_a_bracket_without_a_partner_is_searched_for_within_bounds(monkeypatch):
+    searched = Counter()
+
+    class Counting:
+        def search(self, text, start, end):
+            searched["characters"] += end - start
+
+    monkeypatch.setattr(tokens, "_NEWLINE", Counting())
+    scan("a " * 2000 + "]" * 2000)
+    assert searched["characters"] < 2_000_000

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from lrp_jupyter.errors import MOST_FINDINGS, listed
 from lrp_jupyter.language.checks.findings import CODES, Code
 from lrp_jupyter.language.checks.names import check_names
 from lrp_jupyter.language.checks.python import check_python
@@ -33,8 +34,8 @@ def check(text_or_program: str | Program, names: Collection[str] = ()) -> tuple[
     Returns
     -------
     tuple of Finding
-        In order of position; :data:`CODES` explains their codes. An error certainly cannot work; a
-        correct program has no findings.
+        In order of position, the first 200 and the number of the others; :data:`CODES` explains their
+        codes. An error certainly cannot work; a correct program has no findings.
     """
     if isinstance(text_or_program, Program):
         program = text_or_program
@@ -48,7 +49,8 @@ def check(text_or_program: str | Program, names: Collection[str] = ()) -> tuple[
     check_names(report, resolution)
     check_reachability(report, resolution, check_references(report, resolution))
     check_python(report, resolution)
-    return tuple(sorted(report.findings, key=_place))
+    first = sorted(report.findings, key=lambda finding: finding.severity != "error")[:MOST_FINDINGS]
+    return listed(sorted(first, key=_place), len(report.findings))
 
 
 def _place(finding: Finding) -> tuple[int, int, int, int, str]:

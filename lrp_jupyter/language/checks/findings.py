@@ -354,6 +354,12 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "A block has not returned yet; the edit is kept and applied when it does.",
     ),
     (
+        "LRP698",
+        "hint",
+        "More findings",
+        "Only the first 200 findings of a text are listed, errors before others.",
+    ),
+    (
         "LRP699",
         "warning",
         "Checks failed",

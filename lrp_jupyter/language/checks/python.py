@@ -11,7 +11,7 @@ from itertools import chain
 
 from lrp_jupyter.language.checks.facts import Facts, facts_of
 from lrp_jupyter.language.checks.names import BUILTINS
-from lrp_jupyter.language.checks.report import Reporter, nearest, replace
+from lrp_jupyter.language.checks.report import Reporter, replace
 from lrp_jupyter.language.program import Block, Span, path_text
 from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
 
@@ -47,11 +47,11 @@ class _Python:
         for name, span, _ in facts.reads:
             if name not in visible and name not in self.known and not name.startswith("__"):
                 problem = f"`{name}` is not defined where this block can see it"
-                self._unknown("LRP502", place, name, span, problem, [*visible, *facts.binds], self.known)
+                self._unknown("LRP502", place, name, span, problem, chain(visible, facts.binds), self.known)
         for name, span, _ in facts.nonlocals:
             if name not in visible:
                 problem = f"There is no variable `{name}` that could be `nonlocal` here"
-                self._unknown("LRP502", place, name, span, problem, [*visible, *facts.binds])
+                self._unknown("LRP502", place, name, span, problem, chain(visible, facts.binds))
         for name, span, nested in facts.augmented:
             if nested and (name in visible or name in facts.binds):
                 message = (
@@ -60,14 +60,16 @@ class _Python:
                 self._add("LRP503", place, span, message)
             elif name not in visible:
                 problem = f"`{name}` is not a variable here, so it has no value to change"
-                self._unknown("LRP503", place, name, span, problem, [*visible, *facts.binds])
+                self._unknown("LRP503", place, name, span, problem, chain(visible, facts.binds))
 
     def _unknown(
         self, code: str, place: PlacedBlock, name: str, span: Span, problem: str, *known: Iterable[str]
     ) -> None:
         """Report an unknown name, with a remedy."""
         elsewhere = self._elsewhere(place, name)
-        meant = _SPELT.get(name) or next(filter(None, (nearest(name, names) for names in known)), None)
+        meant = _SPELT.get(name) or next(
+            filter(None, (self.report.nearest(name, names) for names in known)), None
+        )
         if elsewhere:
             self._add(code, place, span, f"{problem}. {elsewhere}.")
         elif meant:

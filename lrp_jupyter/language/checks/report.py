@@ -9,7 +9,10 @@ from functools import lru_cache
 from lrp_jupyter.language.checks.findings import CODES
 from lrp_jupyter.language.program import Edit, Finding, Fix, Name, Program, Span
 
-__all__ = ["Reporter", "nearest", "replace"]
+__all__ = ["COMPARED", "Reporter", "replace"]
+
+COMPARED = 30_000
+"""How many names one check compares, to suggest the most similar one."""
 
 
 class Reporter:
@@ -26,6 +29,7 @@ class Reporter:
         self.program = program
         self.names = names
         self.findings: list[Finding] = []
+        self._compared = 0  # names compared so far, of which the most similar was wanted
 
     def add(self, code: str, span: Span, message: str, fix: Fix | None = None) -> None:
         """Report a finding of the given code at a range of the text."""
@@ -37,10 +41,22 @@ class Reporter:
 
         Returns that name, so that dependent elements are checked as if it were repaired.
         """
-        meant = nearest(name, known)
+        meant = self.nearest(name, known)
         message = f"{problem}. Did you mean `{meant}`?" if meant else f"{problem}. {remedy}."
         self.add(code, name.span, message, replace(name.span, meant) if meant else None)
         return meant
+
+    def nearest(self, name: str, known: Iterable[str]) -> str | None:
+        """Return the known name most similar to `name`, if one is similar.
+
+        After :data:`COMPARED` names nothing is suggested any more: 5,000 misspelt names among 5,000 would
+        be compared for minutes.
+        """
+        if self._compared > COMPARED:
+            return None
+        names = frozenset(map(str, known))
+        self._compared += len(names)
+        return _nearest(str(name), names)
 
     def line(self, span: Span) -> int:
         """Return the line in which a range begins."""
@@ -50,11 +66,6 @@ class Reporter:
 def replace(span: Span, text: str) -> Fix:
     """Return the fix that replaces a range by `text`."""
     return Fix(f"Change to `{text}`", (Edit(span.start, span.end, text),))
-
-
-def nearest(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name most similar to `name`, if one is similar."""
-    return _nearest(str(name), frozenset(map(str, known)))
 
 
 @lru_cache(maxsize=500)
