@@ -103,6 +103,8 @@ class Cells:
     def along(self, start: Point, end: Point) -> Iterator[Rect]:
         """Yield the rectangles in the cells that a straight line passes; some of them more than once."""
         size, rects = self.size, self._rects
+        if not rects:
+            return
         (x, y), (right, last) = sorted((start, end))
         slope = (last - y) / (right - x) if right > x else 0.0
         row = floor(y / size)

@@ -16,7 +16,7 @@ from itertools import pairwise
 from lrp_jupyter.graph.geometry import Cells, Point, Rect
 from lrp_jupyter.graph.routes import SAMPLES, Route
 
-__all__ = ["place_labels", "shorten", "text_width"]
+__all__ = ["beside", "place_labels", "shorten", "text_width"]
 
 GAP = 5.0
 """Room between a line and its label, in px."""
@@ -105,6 +105,12 @@ def place_labels(
         cells.add(best[1])
         labels.append(best[1])
     return labels
+
+
+def beside(route: Route, size: tuple[float, float]) -> Rect:
+    """Return the place of a label beside its arrow, whatever else is there."""
+    _, at, far, side = _seats(route.middle)[0]
+    return _seat(route, size, at, far, side)
 
 
 @lru_cache(maxsize=32)

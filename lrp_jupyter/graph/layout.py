@@ -20,7 +20,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect
-from lrp_jupyter.graph.labels import place_labels, shorten, text_width
+from lrp_jupyter.graph.labels import beside, place_labels, shorten, text_width
 from lrp_jupyter.graph.places import RESERVED, keep_positions
 from lrp_jupyter.graph.routes import (
     Pair,
@@ -51,6 +51,8 @@ STATE_FONT, LABEL_FONT, SMALL_FONT = 13.0, 11.5, 10.5
 """Font sizes of states' names, of labels, and of nested machines' names, in px."""
 HEIGHT, NESTED_HEIGHT = 36.0, 52.0
 WIDEST_NAME, WIDEST_LABEL = 150.0, 150.0
+PLAIN = 1_000
+"""Arrows above which neither they nor their labels avoid anything: that would take many seconds."""
 MARGIN = 22.0
 TITLE = 18.0
 
@@ -122,6 +124,7 @@ class _Drawing:
             for source in ([ANY] if transition.wildcard else dict.fromkeys(map(str, transition.sources)))
         ]
         self.sizes = self._sizes()
+        self.plain = len(self.edges) > PLAIN
 
     def _broken(
         self,
@@ -167,7 +170,7 @@ class _Drawing:
         solid = [*boxes.values(), *(Rect(start["x"], start["y"], 18.0, 18.0) for start in starts.values())]
         outer = [edge for edge in self.edges if edge.outward]
         routes = self._routes(inner, boxes)
-        labels = place_labels(routes, [edge.size for edge in inner], solid)
+        labels = self._labels(routes, inner, solid)
         room = max((edge.size[0] + 28.0 for edge in outer), default=0.0)  # for the arrows to the ports
         frame = _around([*solid, *labels], routes, room, self._title_width())
         ports, exits, exit_labels = self._exits(outer, boxes, frame, [*solid, *labels])
@@ -209,7 +212,7 @@ class _Drawing:
             for (a, b), count in between.items()
             if a != b and ((b, a) not in between or a < b)
         }
-        cells = obstacles(boxes.values())
+        cells = obstacles(() if self.plain else boxes.values())
         lines = chords(boxes, cells, pairs)
         around: dict[Pair, float] = {}
         spread: dict[Pair, list[float]] = {}
@@ -244,7 +247,7 @@ class _Drawing:
             return [], [], []
         ports: list[Port] = []
         ways: list[Route] = []
-        cells, near_ports = obstacles(solid), Cells(CELL)
+        cells, near_ports = obstacles(() if self.plain else solid), Cells(CELL)
         for edge in edges:
             source = boxes[edge.source]
             x, y, side = _port(source, frame, cells, near_ports)
@@ -262,7 +265,11 @@ class _Drawing:
             ports.append(Port(x=x, y=y, name=edge.target, label=label, missing=missing))
             ways.append(straight(source, (x, y), broken=missing))
         taken = [*solid, *(Rect(port["x"], port["y"], 14.0, 14.0) for port in ports)]
-        return ports, ways, place_labels(ways, [edge.size for edge in edges], taken)
+        return ports, ways, self._labels(ways, edges, taken)
+
+    def _labels(self, routes: Sequence[Route], edges: Sequence[_Edge], solid: Sequence[Rect]) -> list[Rect]:
+        sizes = [edge.size for edge in edges]
+        return [*map(beside, routes, sizes)] if self.plain else place_labels(routes, sizes, solid)
 
     # -- shapes ------------------------------------------------------------------------------------
 

@@ -27,6 +27,9 @@ USUAL: Size = (80.0, 36.0)
 GRID = 20.0
 """Distance between the positions that are tried for a new state, in px."""
 
+EFFORT = 200_000
+"""How many nodes and edges are compared, at most, to find free positions for new nodes."""
+
 Line = tuple[Point, Point]
 
 
@@ -126,6 +129,7 @@ def _add_new(
     # those that have a neighbour in place go first, so that the others can go beside them
     ready = [number[name] for name in waiting if any(other in standing for other in neighbours[name])]
     later = iter(waiting)
+    effort = EFFORT
     while len(standing) < len(names):
         name = names[heappop(ready)] if ready else next(later)
         if name in standing:
@@ -136,7 +140,11 @@ def _add_new(
         elif not near:
             before = (one for one in reversed(names[: number[name]]) if one in standing and one != ANY)
             near = [standing[one] for one in islice(before, 1)]
-        x, y = standing[name] = free_place(sizes[name], near, taken, list(lines.values()))
+        place, effort = free_place(sizes[name], near, taken, list(lines.values()), effort)
+        if place is None:
+            _add_below(positions, {name: sizes[name] for name in names if name not in standing}, links)
+            return
+        x, y = standing[name] = place
         positions[name] = Position(x=x, y=y)
         taken.add(Rect(x, y, *sizes[name]))
         for other in neighbours[name]:
@@ -146,8 +154,23 @@ def _add_new(
                 heappush(ready, number[other])
 
 
-def free_place(size: Size, towards: Sequence[Point], taken: Cells, lines: Sequence[Line] = ()) -> Point:
-    """Return the free position nearest to some points.
+def _add_below(positions: dict[str, Position], sizes: Mapping[str, Size], links: Sequence[Link]) -> None:
+    """Arrange nodes by themselves, below all others: a simpler drawing of what would take too long."""
+    inside = [link for link in links if link[0] in sizes and link[1] in sizes]
+    places = arrange(sizes, inside, ())
+    left = min((place["x"] for place in positions.values()), default=0.0)
+    low = max((place["y"] for place in positions.values()), default=0.0) + 2 * CELL
+    x0 = left - min(x for x, _ in places.values())
+    y0 = low - min(y for _, y in places.values())
+    positions.update(
+        {name: Position(x=round(x + x0, 1), y=round(y + y0, 1)) for name, (x, y) in places.items()}
+    )
+
+
+def free_place(
+    size: Size, towards: Sequence[Point], taken: Cells, lines: Sequence[Line], effort: int
+) -> tuple[Point | None, int]:
+    """Return the free position nearest to some points, and the effort that is left.
 
     Parameters
     ----------
@@ -159,6 +182,8 @@ def free_place(size: Size, towards: Sequence[Point], taken: Cells, lines: Sequen
         Rectangles to keep away from.
     lines : sequence of (point, point)
         Edges that it should not cover.
+    effort : int
+        How many nodes and edges may be compared. If that is not enough to find a position, there is none.
     """
     if not towards:
         towards = [(0.0, 0.0)]
@@ -168,29 +193,35 @@ def free_place(size: Size, towards: Sequence[Point], taken: Cells, lines: Sequen
     near: Sequence[Line] = ()
     reach = -1  # the rings for which `near` holds the lines
     ring = 0
-    while best is None or ring * GRID <= best[0]:  # nothing on a wider ring can cost less
+    while effort > 0 and (best is None or ring * GRID <= best[0]):  # none on a wider ring can cost less
         if ring > reach:
+            effort -= len(lines)
             reach = 2 * ring + 8
             square = Rect(x0, y0, 2 * reach * GRID + size[0] + 2.0, 2 * reach * GRID + size[1] + 2.0)
             near = [line for line in lines if square.crossed_by(*line, 8.0)]
         for i, j in _ring(ring):
+            if effort <= 0:
+                break
             x, y = round(x0 + i * GRID, 1), round(y0 + j * GRID, 1)
             cost = math.hypot(x - x0, y - y0) + (6.0 if y < y0 else 0.0) + (3.0 if x < x0 else 0.0)
             if best is not None and cost >= best[0]:
                 continue
             box = Rect(x, y, *size)
+            effort -= 1
             if any(box.overlaps(other, GAP_X, GAP_Y) for other in taken.near(box, GAP_X)):
                 continue
+            effort -= len(near)
             cost += 60.0 * sum(box.crossed_by(start, end, 8.0) for start, end in near)
             for point in towards:
                 between = set(taken.along(point, (x, y)))
+                effort -= 5 + len(between) + int(math.dist(point, (x, y)) / CELL)
                 cost += 40.0 * sum(
                     other.crossed_by(point, (x, y)) for other in between if not other.holds(point)
                 )
             if best is None or cost < best[0]:
                 best = (cost, (x, y))
         ring += 1
-    return best[1]
+    return (None if best is None else best[1]), effort
 
 
 def _ring(radius: int) -> list[tuple[int, int]]:

@@ -1,5 +1,7 @@
 import json
 import re
+from collections import Counter
+from itertools import combinations
 
 import pytest
 from hypothesis import given
@@ -10,6 +12,7 @@ from lrp_jupyter.graph.arrangement import PASSED, is_dense, layers, order
 from lrp_jupyter.graph.geometry import Cells, Rect
 from lrp_jupyter.graph.labels import POINTS, place_labels
 from lrp_jupyter.graph.layout import RESERVED, layout
+from lrp_jupyter.graph.places import EFFORT
 from lrp_jupyter.graph.routes import SAMPLES, arc, bends, detour, obstacles, straight
 from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.language.parser import parse
@@ -473,3 +476,33 @@ def test_cells_find_all_rectangles_that_a_brute_search_finds():
         mine = Rect(*start, 80.0, 40.0)
         met = {rect for rect in rects if rect.overlaps(mine, 7.0, 7.0)}
         assert met == {rect for rect in cells.near(mine) if rect.overlaps(mine, 7.0, 7.0)}
+
+
+def test_the_layout_of_thousands_of_arrows_is_drawn_plainly_within_bounds(monkeypatch):
+    crossed = Counter()
+    before = Rect.crossed_by
+    monkeypatch.setattr(Rect, "crossed_by", lambda *given: crossed.update(n=1) or before(*given))
+    arrows = " ".join(f"(eps a -> b{i})" for i in range(3000))
+    shape = lay(f"(machine m (state a) {arrows})")
+    assert len(shape["states"]) == 3001
+    assert len(shape["transitions"]) == 3000
+    assert crossed["n"] < 200_000
+
+
+@pytest.mark.parametrize("first", [2, 50])
+def test_many_new_states_find_places_within_bounds_and_none_on_another(monkeypatch, first):
+    names = [f"s{i}" for i in range(400)]
+
+    def machine(some):
+        arrows = " ".join(f"(eps s0 -> {name})" for name in some[1:])
+        return f"(machine m {' '.join(f'(state {name})' for name in some)} {arrows})"
+
+    previous = lay(machine(names[:first]))
+    compared = Counter()
+    before = Rect.crossed_by
+    monkeypatch.setattr(Rect, "crossed_by", lambda *given: compared.update(n=1) or before(*given))
+    shape = lay(machine(names), previous)
+    boxes = [Rect(each["x"], each["y"], each["width"], each["height"]) for each in shape["states"]]
+    assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
+    assert {k: v for k, v in shape["places"].items() if k in previous["places"]} == previous["places"]
+    assert compared["n"] < 3 * EFFORT
