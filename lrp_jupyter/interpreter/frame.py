@@ -13,10 +13,10 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from lrp_jupyter.interpreter.issues import Issue
-from lrp_jupyter.interpreter.linker import Broken, MachinePlan, SpawnPlan, link
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.names import as_path
-from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.language.program import Path, Program, Spawn
+from lrp_jupyter.language.resolution import resolve
 
 __all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "matches"]
 
@@ -172,12 +172,11 @@ def is_active(state: str | Path, active: tuple[Path, ...]) -> bool:
 def definition_of(state: str | Path, program: Program) -> str | Path:
     """Return the path of definition of a state given as spawned; other paths unchanged."""
     path = as_path(state)
-    plan = link(program)
-    machine: MachinePlan | Broken | None = plan.machines.get(path[:1])
+    scope = resolve(program).top.machines.get("", {}).get(path[0])
     for name, inner in zip(path[1:-1:2], path[2::2], strict=False):
-        outer = machine.states.get(name) if isinstance(machine, MachinePlan) else None
-        if outer is None:
-            return state
-        spawned = (x.target for x in outer.onentry if isinstance(x, SpawnPlan) and x.identity[0] == inner)
-        machine = next(spawned, outer.machines.get(inner))
-    return (*machine.path, path[-1]) if isinstance(machine, MachinePlan) and len(path) > 2 else state
+        outer = scope.states.get(name) if scope is not None else None
+        if scope is None or outer is None:
+            return path
+        spawned = any(isinstance(item, Spawn) and item.machine == inner for item in outer.onentry)
+        scope = scope.machine(name, inner) if spawned else scope.machines.get(name, {}).get(inner)
+    return (*scope.path, path[-1]) if scope is not None and len(path) > 2 else path

@@ -119,7 +119,7 @@ class Interpreter:
             output=output,
             journal=journal,
         )
-        self._run = self._new_run(link(program))
+        self._run = self._new_run(program)
         show_in_tracebacks(program)
         self._report_duplicates()
 
@@ -128,7 +128,7 @@ class Interpreter:
     @property
     def program(self) -> Program:
         """The program that runs."""
-        return self._run.plan.program
+        return self._run.program
 
     @property
     def active(self) -> tuple[Path, ...]:
@@ -237,11 +237,11 @@ class Interpreter:
                     if row is not None:  # it fires
                         home = edge.home
                         if log is not None:
-                            log += (home.children, home.entered, home.state, home, undo_change)
+                            log += (home.children, home.entered, home.place, home, undo_change)
                         if home.children:
                             run.discard(home, run.leave)
                         home.row = row
-                        home.state = row.state
+                        home.place = row.place
                         home.entered = now
                         count = edge.count
                         count.times += 1
@@ -319,18 +319,18 @@ class Interpreter:
         """
         run = self._run
         self._advance(now)
-        before, plan = run.plan, link(program)
-        changes = diff(before.program, program)
-        decision = decide(run, plan, self.on_active_edit) if run.roots else Decision()
+        before = run.program
+        changes = diff(before, program)
+        decision = decide(run, link(program), self.on_active_edit) if run.roots else Decision()
         if decision.apply:
             run.remember()
             show_in_tracebacks(program)
-            carry_issues(run.issues, before, plan, changes.successors, changes.changed)
+            carry_issues(run.issues, before, program, changes.successors, changes.changed)
             if decision.restart:
-                run.replace_plan(plan, changes.successors)
+                run.replace_program(program, changes.successors)
                 self._restart(decision.reason or "")
             else:
-                adopt(run, plan, changes.successors)
+                adopt(run, program, changes.successors)
             self._report_duplicates()
             self._count_revision(changes.successors)
         self.patch_reason = decision.reason or ""
@@ -365,13 +365,13 @@ class Interpreter:
         self._advance(now)
         where = as_path(path)
         program = parse(renamed_text(self.program, kind, where, new_name), self.program.filename)
-        before, plan = run.plan, link(program)
-        successors = after_rename(before.program, program)
-        changes = replace(diff(before.program, program), successors=successors)
+        before = run.program
+        successors = after_rename(before, program)
+        changes = replace(diff(before, program), successors=successors)
         run.remember()
-        carry_issues(run.issues, before, plan, successors)
+        carry_issues(run.issues, before, program, successors)
         show_in_tracebacks(program)
-        adopt(run, plan, successors, renamed=True)
+        adopt(run, program, successors, renamed=True)
         self._count_revision(successors)
         self.patch_reason = ""
         run.emit("patched", (), Patch(changes, True))
@@ -431,7 +431,7 @@ class Interpreter:
         Issues, counts and the journal begin again; settings and observers stay. The tick after it starts the
         program.
         """
-        before, self._run = self._run, self._new_run(link(program))
+        before, self._run = self._run, self._new_run(program)
         run = self._run
         run.now = now
         run.observers = before.observers
@@ -485,14 +485,14 @@ class Interpreter:
             raise ValueError(
                 "This interpreter keeps no journal, so it cannot go back. Create it with `journal`."
             )
-        after = run.plan
+        after = run.program
         run.undo(ticks)
         undone = []
         while self._renamings and self._renamings[-1][0] >= run.ticks:
             undone.append(self._renamings.pop()[1])
-        back = after_undo(after.program, undone)
-        if run.plan is not after:
-            carry_issues(run.issues, after, run.plan, back)
+        back = after_undo(after, undone)
+        if run.program is not after:
+            carry_issues(run.issues, after, run.program, back)
         self.revision += 1
         self._note_moved(back)
         show_in_tracebacks(self.program)

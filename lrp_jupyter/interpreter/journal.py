@@ -150,32 +150,34 @@ class Journal:
 class SavedState:
     """A copy of attributes of objects and of the contents of cells.
 
+    There may be hundreds, each of a whole run: flat lists, so that the garbage collector has little to visit.
+
     Parameters
     ----------
     parts : iterable of (object, names)
-        Objects, and the names of the attributes to save. A dict is copied.
+        Objects, and the names of the attributes to save. Their values are not copied.
     cells : iterable of types.CellType
     """
 
-    __slots__ = ("_parts", "_values")
+    __slots__ = ("_cells", "_parts", "_values")
 
     def __init__(self, parts: Iterable[tuple[object, tuple[str, ...]]], cells: Iterable[CellType]) -> None:
-        self._parts = [(part, {name: _copy(getattr(part, name)) for name in names}) for part, names in parts]
-        self._values = [(cell, content(cell)) for cell in cells]
+        self._parts: list[Any] = []
+        for part, names in parts:
+            self._parts += (part, names, *[getattr(part, name) for name in names])
+        self._cells = list(cells)
+        self._values = [content(cell) for cell in self._cells]
 
     def restore(self) -> None:
         """Restore everything."""
-        for part, attributes in self._parts:
-            for name, value in attributes.items():
-                setattr(part, name, value)
-        for cell, value in self._values:
+        items = iter(self._parts)
+        for part in items:
+            for name in next(items):
+                setattr(part, name, next(items))
+        for cell, value in zip(self._cells, self._values, strict=True):
             put(cell, value)
 
 
 @undoes(1)
 def _undo_everything(log: Log) -> None:
     log.pop().restore()
-
-
-def _copy(value: object) -> object:
-    return dict(value) if isinstance(value, dict) else value

@@ -1,6 +1,8 @@
 """The linker: compiles a program to a plan, with names resolved and blocks compiled.
 
-A plan is immutable and belongs to one program. An edit links the whole new program (compiled
+A plan is immutable and belongs to one program, which caches it. It is a tree: elements that could form a
+circle refer to machines by path, so that the plan of the last text is gone as soon as it is replaced,
+without the garbage collector, whose collections stop the loop. An edit links the whole new program (compiled
 blocks are cached, so this is cheap) and the interpreter swaps plans between two ticks; no plan
 is ever patched in place. An unresolved reference is kept as a sentence and becomes an issue only when
 the interpreter tries it. Paper: §5.2, §6.2.
@@ -18,7 +20,6 @@ from lrp_jupyter.interpreter.issues import IssueKind
 from lrp_jupyter.language.blocks import compile_block
 from lrp_jupyter.language.program import (
     Element,
-    Machine,
     Path,
     Program,
     State,
@@ -86,21 +87,18 @@ class EventPlan:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SpawnPlan:
-    """A spawn with its machine resolved lexically; `start` is looked up when it is executed."""
+    """A spawn with its machine resolved lexically, by path; `start` is looked up when it is executed."""
 
     site: Site
     start: str
-    target: MachinePlan | Broken
+    target: Path | Broken
+    resolves: bool
+    """Whether machine and start state exist."""
 
     @property
     def identity(self) -> tuple[str, str]:
         """The names of the machine and of its start state."""
         return self.site.element.path[-1], self.start
-
-    @property
-    def resolves(self) -> bool:
-        """Whether machine and start state exist."""
-        return not isinstance(self.target, Broken) and self.start in self.target.states
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -124,17 +122,15 @@ class StatePlan:
     running: tuple[BlockPlan, ...] = ()
     onexit: tuple[BlockPlan, ...] = ()
     edges: tuple[EdgePlan, ...] = ()
-    machines: dict[str, MachinePlan] = field(default_factory=dict)
 
 
 @dataclass(slots=True, eq=False)
 class MachinePlan:
-    """A machine; `outer` is the enclosing machine (None at the top level)."""
+    """A machine; `outer` is the path of the enclosing machine (empty at the top level)."""
 
     name: str
     path: Path
-    noun: Machine
-    outer: MachinePlan | None
+    outer: Path
     variables: tuple[VariablePlan, ...] = ()
     events: dict[str, EventPlan] = field(default_factory=dict)
     states: dict[str, StatePlan] = field(default_factory=dict)
@@ -144,7 +140,6 @@ class MachinePlan:
 class Plan:
     """A linked program."""
 
-    program: Program
     variables: tuple[VariablePlan, ...] = ()
     events: dict[str, EventPlan] = field(default_factory=dict)
     machines: dict[Path, MachinePlan] = field(default_factory=dict)
@@ -185,7 +180,8 @@ _LINE_END = re.compile(r"\r\n|\r|\n")
 
 class _Linker:
     def __init__(self, program: Program) -> None:
-        self.plan = Plan(program)
+        self.plan = Plan()
+        self.filename = program.filename
         self.names = resolve(program)
         self.machines: dict[Scope, MachinePlan] = {}
         self.blocks: list[BlockPlan] = []
@@ -199,8 +195,8 @@ class _Linker:
         )
         for scope in names.scopes:
             if scope.noun is not None:
-                outer = self.machines.get(scope.outer) if scope.outer else None
-                machine = MachinePlan(scope.path[-1], scope.path, scope.noun, outer)
+                outer = scope.outer.path if scope.outer else ()
+                machine = MachinePlan(scope.path[-1], scope.path, outer)
                 self.machines[scope] = plan.machines[scope.path] = machine
                 plan.places[Element("machine", scope.path)] = scope.noun.span.start
         for spawning in names.spawns:
@@ -240,8 +236,6 @@ class _Linker:
             if noun.onexit:
                 state.onexit = self._blocks(Element("onexit", path))
             state.edges = tuple(leaving[name])
-            inside = scope.machines.get(name, {})
-            state.machines = {inner: self.machines[found] for inner, found in inside.items()}
 
     def _entry(self, element: Element) -> tuple[BlockPlan | SpawnPlan, ...]:
         """Link the onentry items of a state: blocks and spawns, in the order of the text."""
@@ -280,7 +274,7 @@ class _Linker:
         name = f"{element.shown[-1]}.{element.kind}" if element.path else element.kind
         code: CodeType | Broken
         try:
-            code = compile_block(block, place.visible, self.plan.program.filename, name)
+            code = compile_block(block, place.visible, self.filename, name)
         except (
             SyntaxError
         ) as error:  # such as a `nonlocal` whose variable was removed: not an error of the text
@@ -311,10 +305,10 @@ class _Linker:
         self.plan.places.setdefault(element, noun.span.start)
         if unresolved is not None:
             self.plan.dangling.add((element, unresolved.kind))
-        target: MachinePlan | Broken
+        target: Path | Broken
         if spawning.machine is None:
             assert unresolved is not None
             target = Broken(*unresolved)
         else:
-            target = self.machines[spawning.machine]
-        return SpawnPlan(Site(element, 0, noun.span.start), str(noun.state), target)
+            target = spawning.machine.path
+        return SpawnPlan(Site(element, 0, noun.span.start), str(noun.state), target, unresolved is None)

@@ -17,12 +17,12 @@ from typing import Literal
 
 from lrp_jupyter.interpreter.cells import Slot
 from lrp_jupyter.interpreter.issues import Issue, IssueLog
-from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariablePlan
+from lrp_jupyter.interpreter.linker import Plan, SpawnPlan, StatePlan, VariablePlan, link
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Activation, Environment
 from lrp_jupyter.language.diff import ChangeSet
 from lrp_jupyter.language.identity import Successors, is_inside
-from lrp_jupyter.language.program import Element, Path, Spawn
+from lrp_jupyter.language.program import Element, Path, Program, Spawn
 
 __all__ = ["Decision", "Patch", "adopt", "carry_issues", "decide"]
 
@@ -71,8 +71,8 @@ def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
     acts = [act for root in run.roots for act in root.walk()]
     for act in acts:
         machine = plan.machines.get(act.machine.path)
-        if machine is None or act.state.name not in machine.states:
-            gone = f"The machine `{act.machine.name}`" if machine is None else f"`{act.state.name}`"
+        if machine is None or act.place[-1] not in machine.states:
+            gone = f"The machine `{act.machine.name}`" if machine is None else f"`{act.place[-1]}`"
             if startable:
                 return Decision(restart=True, reason=f"{gone} is active and was removed or renamed.")
             return Decision(
@@ -87,10 +87,10 @@ def decide(run: Run, plan: Plan, policy: Policy) -> Decision:
     reason = None
     if policy == "restart":
         for act in acts:
-            new = plan.machines[act.machine.path].states[act.state.name]
+            new = plan.machines[act.machine.path].states[act.place[-1]]
             part = _changed_part(act.state, new)
             if part is not None:
-                reason = f"`{act.state.name}` is active and its {part} changed."
+                reason = f"`{act.place[-1]}` is active and its {part} changed."
                 break
     if reason and startable:
         return Decision(restart=True, reason=reason)
@@ -108,28 +108,28 @@ def _changed_part(old: StatePlan, new: StatePlan) -> str | None:
     return "`onexit`" if old.noun.onexit != new.noun.onexit else None
 
 
-def adopt(run: Run, plan: Plan, successors: Successors, *, renamed: bool = False) -> None:
-    """Swap plans and carry over what runs; every active state must exist in `plan`.
+def adopt(run: Run, program: Program, successors: Successors, *, renamed: bool = False) -> None:
+    """Swap plans and carry over what runs; every active state must exist in `program`.
 
     After an explicit rename nothing is initialised or spawned: only names have changed.
     """
-    old = run.plan
-    run.replace_plan(plan, successors)
+    old, plan = run.plan, link(program)
+    run.replace_program(program, successors)
     run.pending = frozenset(_spawn_now(successors, identity) for identity in run.pending)
     if run.started:
         _carry(run, run.globals, old.variables, plan.variables, run.base, successors, renamed)
     added: list[tuple[Activation, SpawnPlan]] = []
     live: dict[Path, Environment] = {(): run.globals}
     for act in [act for root in run.roots for act in root.walk()]:  # outer ones come first
-        before, here = act.machine, act.state.path
+        before, state, here = act.machine, act.state, act.place
         there = successors.path("state", here) or here
         act.machine = machine = plan.machines[there[:-1]]
-        added += ((act, spawn) for spawn in _added_spawns(act.state, machine.states[there[-1]]))
-        act.state = machine.states[there[-1]]
+        added += ((act, spawn) for spawn in _added_spawns(state, machine.states[there[-1]]))
+        act.place = there
         act.path = (*act.parent.full_path, machine.name) if act.parent else (machine.name,)
         if act.spawn is not None:
             act.spawn = _spawn_now(successors, act.spawn)
-        act.outer = live[machine.outer.path] if machine.outer else run.globals
+        act.outer = live[machine.outer]
         live[machine.path] = act
         _carry(run, act, before.variables, machine.variables, act.outer.visible, successors, renamed)
     run.live = live
@@ -190,8 +190,8 @@ def _spawn_added(run: Run, old: Plan, plan: Plan) -> None:
 
 def carry_issues(
     issues: IssueLog,
-    old: Plan,
-    plan: Plan,
+    before: Program,
+    program: Program,
     successors: Successors = Successors(),  # noqa: B008  (a frozen value)
     changed: tuple[Element, ...] = (),
 ) -> None:
@@ -200,13 +200,14 @@ def carry_issues(
     Parameters
     ----------
     issues : IssueLog
-    old, plan : Plan
-        The plans before and after the edit.
+    before, program : Program
+        The programs before and after the edit.
     successors : Successors
-        The map from elements of the old plan to those of the new one.
+        The map from elements of the old program to those of the new one.
     changed : tuple of Element
         The elements whose content differs.
     """
+    old, plan = link(before), link(program)
     twice = {site.element: site.offset for site in plan.duplicates}
 
     def over(issue: Issue) -> bool:
@@ -223,11 +224,11 @@ def carry_issues(
         if element is None:
             return issue.line, issue.column
         if issue.kind == "defined twice" and element in twice:
-            return plan.program.place(twice[element])
-        before, after = old.places.get(issue.element), plan.places.get(element)
-        if before is None or after is None:
+            return program.place(twice[element])
+        here, there = old.places.get(issue.element), plan.places.get(element)
+        if here is None or there is None:
             return issue.line, issue.column
-        (line, column), (new_line, new_column) = old.program.place(before), plan.program.place(after)
+        (line, column), (new_line, new_column) = before.place(here), program.place(there)
         same_line = issue.line == line
         return issue.line + new_line - line, issue.column + (new_column - column if same_line else 0)
 

@@ -22,11 +22,11 @@ from lrp_jupyter.interpreter.journal import Journal, Log, SavedState, undo_write
 from lrp_jupyter.interpreter.linker import (
     Broken,
     MachinePlan,
-    Plan,
     Site,
     SpawnPlan,
     StatePlan,
     VariablePlan,
+    link,
 )
 from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.interpreter.tree import (
@@ -41,6 +41,7 @@ from lrp_jupyter.interpreter.tree import (
     is_boolean,
 )
 from lrp_jupyter.language.identity import Successors
+from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program
 
 __all__ = ["Run", "undo_change"]
@@ -53,13 +54,13 @@ class Run:
 
     def __init__(
         self,
-        plan: Plan,
+        program: Program,
         robot: object,
         namespace: dict[str, Any],
         output: Callable[..., object] | None,
         journal: int,
     ) -> None:
-        self.plan = plan
+        self.program, self.plan = program, link(program)
         self.namespace = namespace
         self.now = 0.0
         self.ticks = 0
@@ -77,6 +78,8 @@ class Run:
         self.firings: dict[tuple[Element, Element], Count] = {}
         """How often a transition has led to a state since that was last added to `counts`: one number to
         increase per firing, and not two."""
+        self._undone: tuple[str, str] | Program | None = None
+        """The `source` to which the journal has gone back, not yet parsed."""
         self.observers: list[Observer] = []
         self.events: list[TraceEvent] = []
         self.interrupted: BaseException | None = None
@@ -100,11 +103,6 @@ class Run:
         self.started = False
         self.globals = Environment((), dict(self.base))
         self.live: dict[Path, Environment] = {(): self.globals}
-
-    @property
-    def program(self) -> Program:
-        """The program that runs."""
-        return self.plan.program
 
     def environment(self, machine: Path) -> Environment:
         """Return the living environment of a machine, by its path of definition; empty for the globals."""
@@ -175,7 +173,7 @@ class Run:
     def enter(self, act: Activation, row: Row) -> None:
         """Make a state active and run its onentry items."""
         act.row = row
-        act.state = row.state
+        act.place = row.place
         act.entered = self.now
         row.count.times += 1
         row.count.tick = self.ticks
@@ -185,7 +183,7 @@ class Run:
     def leave(self, act: Activation) -> None:
         """Leave the active state, innermost states first. Paper: §5.1, step 6."""
         if self.log is not None:
-            self.log += (act.children, act.entered, act.state, act, undo_change)
+            self.log += (act.children, act.entered, act.place, act, undo_change)
         if act.children:
             self.discard(act, self.leave)
         self._do(act.row.onexit)
@@ -205,7 +203,6 @@ class Run:
         """Leave and discard the nested machines, the last one spawned first."""
         for child in reversed(act.children):
             leave(child)
-            child.row = child.row.bare()
             if self.watched:
                 if self.log is not None:  # a function may write them after they are no longer compared
                     for slot in child.own.values():
@@ -214,6 +211,7 @@ class Run:
                 self.settle((child,))
             del self.live[child.machine.path]
             self.emit("discarded", child.path)
+            child.retire()
         act.children = ()
         self.unordered = self.attention = True
 
@@ -226,10 +224,11 @@ class Run:
         enter: Callable[[Activation, Row], None] | None = None,
     ) -> None:
         """Execute a spawn, or report why it cannot be executed."""
-        machine = plan.target
-        if isinstance(machine, Broken):
-            self.report(plan.site, machine.kind, machine.message)
+        target = plan.target
+        if isinstance(target, Broken):
+            self.report(plan.site, target.kind, target.message)
             return
+        machine = self.plan.machines[target]
         start = machine.states.get(plan.start)
         if start is None:
             self.report(
@@ -251,14 +250,14 @@ class Run:
         state: StatePlan,
     ) -> Activation:
         """Create a machine and initialise its variables; `state` is entered next."""
-        outer = self.live[machine.outer.path] if machine.outer else self.globals
+        outer = self.live[machine.outer]
         act = Activation(machine, parent, outer, spawn, state)
         self.live[machine.path] = act
         if parent is None:
             self.roots += (act,)
         else:
             if self.log is not None:
-                self.log += (parent.children, parent.entered, parent.state, parent, undo_change)
+                self.log += (parent.children, parent.entered, parent.place, parent, undo_change)
             parent.children += (act,)
         self.unordered = self.attention = True
         self.emit("spawned", act.path)
@@ -269,7 +268,7 @@ class Run:
         self, environment: Environment, variables: tuple[VariablePlan, ...], outer: Mapping[str, Slot]
     ) -> None:
         """Initialise variables in the order of the text; each sees those before it."""
-        environment.visible = dict(outer)
+        environment.own, environment.visible = {}, dict(outer)  # new ones: a saved state may have the others
         for variable in variables:
             slot = Slot(CellType())
             self.evaluate(variable, environment.visible, slot)
@@ -329,7 +328,7 @@ class Run:
         self.stale = False
         for act in self._walk():
             act.rows.clear()
-            act.row = act.rows[act.state.name] = bind_row(self, act, act.state)
+            act.row = act.rows[act.place[-1]] = bind_row(self, act, act.state)
 
     def _walk(self) -> Iterator[Activation]:
         """Yield all activations, outer machines before inner ones, in the order of spawning."""
@@ -383,10 +382,10 @@ class Run:
             if element.kind == kind and count.times
         }
 
-    def replace_plan(self, plan: Plan, successors: Successors) -> None:
-        """Continue with another plan: the counts of what it still has are kept, the others dropped."""
+    def replace_program(self, program: Program, successors: Successors) -> None:
+        """Continue with another program: the counts of what it still has are kept, the others dropped."""
         self._add_firings()
-        self.plan = plan
+        self.program, self.plan = program, link(program)
         self._set_counts(successors.carry(self.counts))
 
     def _set_counts(self, counts: Mapping[Element, Count]) -> None:
@@ -428,11 +427,21 @@ class Run:
         if self.journal is not None:
             self.journal.save(self.ticks if ended is None else ended, self._saved_state)
 
+    @property
+    def source(self) -> tuple[str, str] | Program:
+        """What a saved state keeps of the program: text and file name, a thousandth of the objects."""
+        program = self.program
+        return (program.text, program.filename) if program.text else program
+
+    @source.setter
+    def source(self, source: tuple[str, str] | Program) -> None:
+        self._undone = source
+
     def _saved_state(self) -> SavedState:
         acts = [*self._walk()]
         return SavedState(
             [
-                (self, ("plan", "roots", "pending", "started", "globals", "counts")),
+                (self, ("source", "roots", "pending", "started", "globals", "counts")),
                 (self.globals, ("own", "visible")),
                 *((act, _CARRIED) for act in acts),
             ],
@@ -450,6 +459,12 @@ class Run:
         self._add_firings()
         counts = self.counts  # they are not undone, but what they count may have its old name again
         self.now = self.journal.undo(self.ticks, ticks)
+        if self._undone is not None and self._undone != self.source:
+            self.program = parse(*self._undone) if isinstance(self._undone, tuple) else self._undone
+            self.plan = link(self.program)
+        self._undone = None
+        for act in self._walk():
+            act.machine = self.plan.machines[act.place[:-1]]
         self._set_counts(counts | self.counts)
         self.ticks -= ticks
         self.live = {
@@ -493,14 +508,14 @@ class Run:
                         self.emit("changed", (*environment.path, name), value)
 
 
-_CARRIED = ("machine", "path", "outer", "spawn", "own", "visible", "state", "entered", "children")
+_CARRIED = ("path", "outer", "spawn", "own", "visible", "place", "entered", "children")
 
 
 @undoes(4)
 def undo_change(log: Log) -> None:
     """Undo a change of state; the rows are bound again when all is undone."""
     act: Activation = log.pop()
-    act.state, act.entered, act.children = log.pop(), log.pop(), log.pop()
+    act.place, act.entered, act.children = log.pop(), log.pop(), log.pop()
 
 
 def _same(old: object, new: object) -> bool:

@@ -33,7 +33,7 @@ from lrp_jupyter.interpreter.linker import (
 )
 from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.language.blocks import bind
-from lrp_jupyter.language.program import Element, Path
+from lrp_jupyter.language.program import Element, Name, Path, State
 from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence, Trigger
 
 __all__ = [
@@ -83,7 +83,7 @@ class Environment:
 class Activation(Environment):
     """One running machine."""
 
-    __slots__ = ("children", "entered", "machine", "next", "outer", "parent", "row", "rows", "spawn", "state")
+    __slots__ = ("children", "entered", "machine", "next", "outer", "parent", "place", "row", "rows", "spawn")
 
     def __init__(
         self,
@@ -98,7 +98,8 @@ class Activation(Environment):
         self.parent = parent
         self.outer = outer
         self.spawn = spawn
-        self.state = state
+        self.place = state.path
+        """The path of definition of the active state: what the journal keeps of it, for any plan."""
         self.row: Row
         self.rows: dict[str, Row] = {}
         self.entered = 0.0
@@ -107,9 +108,23 @@ class Activation(Environment):
         self.children: tuple[Activation, ...] = ()
 
     @property
+    def state(self) -> StatePlan:
+        """The active state."""
+        return self.machine.states[self.place[-1]]
+
+    @property
     def full_path(self) -> Path:
         """The path of the active state, as spawned."""
-        return (*self.path, self.state.name)
+        return (*self.path, self.place[-1])
+
+    def retire(self) -> None:
+        """Drop what belongs to the present plan: the journal may keep a discarded activation for long.
+
+        A tick that still comes to it finds nothing to do.
+        """
+        self.row = _IDLE
+        self.rows.clear()
+        self.machine = _NO_MACHINE
 
     def leaves(self) -> Iterator[Path]:
         """Paths of the innermost active states."""
@@ -202,7 +217,7 @@ class Action:
 class Row:
     """The behaviour of one state of an activation: its first transition, its first action of each kind."""
 
-    __slots__ = ("count", "edge", "onentry", "onexit", "path", "running", "state")
+    __slots__ = ("count", "edge", "onentry", "onexit", "path", "place", "running", "state")
 
     def __init__(
         self,
@@ -215,6 +230,7 @@ class Row:
         onexit: Action | None = None,
     ) -> None:
         self.state = state
+        self.place = state.path
         self.path = path
         self.count = count
         self.edge = edge
@@ -225,6 +241,10 @@ class Row:
     def bare(self) -> Row:
         """Return a row of the same state that does nothing."""
         return Row(self.state, self.path, self.count)
+
+
+_NO_MACHINE = MachinePlan("", (), ())
+_IDLE = Row(StatePlan("", (), State(Name(""))), (), Count())
 
 
 def is_boolean(value: object) -> bool:

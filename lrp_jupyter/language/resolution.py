@@ -124,6 +124,13 @@ class Scope:
             for machine in machines.values():
                 yield from machine.walk()
 
+    def dissolve(self) -> None:
+        """Drop the references to other scopes."""
+        self.outer = None
+        self.machines = {}
+        self.visible = {}
+        self.visible_events = {}
+
     def outwards(self) -> Iterator[Scope]:
         """Yield itself and what encloses it, up to the top level."""
         scope: Scope | None = self
@@ -257,6 +264,9 @@ class Arrow(NamedTuple):
 class Resolution:
     """The names of one program, resolved. Made by :func:`resolve`.
 
+    Its scopes live as long as it does. They refer to each other in circles, which it opens at its end:
+    otherwise each edit would leave thousands of objects to the garbage collector, which stops all threads.
+
     Parameters
     ----------
     top : Scope
@@ -268,7 +278,9 @@ class Resolution:
     """
 
     def __init__(self, program: Program) -> None:
-        self.program = program
+        self.scopes: tuple[Scope, ...] = ()
+        self._spawns = program.spawns
+        self._hooks = {"onpause": program.onpause, "onresume": program.onresume}
         repeats: list[Repeat] = []
         self.top = Scope(())
         _define(self.top, program, repeats)
@@ -276,6 +288,10 @@ class Resolution:
         self.scopes = tuple(self.top.walk())
         self.repeats = tuple(repeats)
         self._defined: dict[Path, Path] = {}
+
+    def __del__(self) -> None:
+        for scope in self.scopes:
+            scope.dissolve()
 
     @cached_property
     def by_path(self) -> dict[Path, Scope]:
@@ -286,7 +302,7 @@ class Resolution:
     def spawns(self) -> tuple[Spawning, ...]:
         """Every spawn, those at the top level first."""
         found = []
-        for place, spawn in enumerate(self.program.spawns):
+        for place, spawn in enumerate(self._spawns):
             element = Element("spawn", (str(spawn.machine),))
             found.append(Spawning(element, place, spawn, self.top, "", self.top.machine("", spawn.machine)))
         for scope in self.scopes:
@@ -362,8 +378,8 @@ class Resolution:
                     _actions(found, Element("running", inside), state.running, scope)
                 if state.onexit:
                     _actions(found, Element("onexit", inside), state.onexit, scope)
-        _actions(found, Element("onpause", ()), self.program.onpause, self.top)
-        _actions(found, Element("onresume", ()), self.program.onresume, self.top)
+        for hook, blocks in self._hooks.items():
+            _actions(found, Element(hook, ()), blocks, self.top)
         return found
 
     def elements(self) -> Iterator[Element]:
