@@ -107,10 +107,10 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     forgetLost(home);
   }
 
-  /** Keep the text if the kernel has not answered it. */
+  /** Keep the text if the kernel has not answered it, or has ended and could not keep it. */
   function rescue(isNew = false): void {
-    const { link, home } = store.state;
-    if (!editor || !(isNew || link === "dead" || !connection.isAnswered)) return;
+    const { link, home, unkept } = store.state;
+    if (!editor || !(isNew || !connection.isAnswered || (link === "dead" && unkept))) return;
     keepLost(home, editor.text);
     rescued = true;
   }

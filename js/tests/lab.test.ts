@@ -10,19 +10,29 @@ import recording from "./page/recording.json";
 class Page {
   readonly host = document.createElement("div");
   sent: FromPage[] = [];
+  private ended = false;
   private hear: (message: object, buffers: DataView[]) => void = () => {};
   readonly close: () => void;
 
   constructor(part: PartName = "lab") {
     document.body.append(this.host);
     const model = {
-      send: (message: unknown) => void this.sent.push(message as FromPage),
+      send: (message: unknown) => {
+        if (this.ended) throw new Error("The comm is closed");
+        this.sent.push(message as FromPage);
+      },
       on: (event: string, callback: (...args: never[]) => void) => {
         if (event === "msg:custom") this.hear = callback as never;
       },
       off: () => {},
     };
     this.close = openLab(model, part, this.host);
+  }
+
+  /** The kernel ends; the page notices at its next message. */
+  end(): void {
+    this.ended = true;
+    this.find('[data-lrp-action="stop"]').click();
   }
 
   deliver(message: object): void {
@@ -384,6 +394,27 @@ describe("a text that no kernel has answered", () => {
     await next(`; y\n${snapshot.text}`);
     expect(page.commands("recover")).toEqual([]);
     expect(sessionStorage.getItem("lrp-typed:/home/follower")).toBe(null);
+  });
+
+  it("includes one that the kernel could not keep before it ended", async () => {
+    page.type("; x\n");
+    page.deliver(answer({ seq: 1 }));
+    page.deliver({ type: "frame", frame: 9, unkept: "No space left on device." });
+    page.end();
+    await next();
+    await isRecovered(`; x\n${snapshot.text}`);
+  });
+
+  it("includes what is typed after the kernel has ended, and nothing that it knew", async () => {
+    page.type("; x\n");
+    page.deliver(answer({ seq: 1 }));
+    page.end();
+    await next();
+    expect(page.commands("recover")).toEqual([]);
+    page.end();
+    page.type("; y\n");
+    await next();
+    await isRecovered(`; y\n${snapshot.text}`);
   });
 
   it("of one program is not given to another", async () => {

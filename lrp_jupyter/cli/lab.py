@@ -38,7 +38,7 @@ def copy_notebooks(folder: Path) -> list[Path]:
     source = shipped_notebooks()
     for file in sorted(source.rglob("*")):
         target = folder / file.relative_to(source)
-        if file.suffix in (".ipynb", ".svg", ".png", ".json") and not target.exists():
+        if file.suffix in (".ipynb", ".svg", ".png", ".json") and not os.path.lexists(target):
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(file, target)
             copied.append(target)

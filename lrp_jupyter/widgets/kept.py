@@ -28,8 +28,10 @@ from pathlib import Path
 from lrp_jupyter.errors import FileError, LRPError
 from lrp_jupyter.files import read_file, shown, write_file
 
-__all__ = ["Kept", "Version", "checked_name", "newest"]
+__all__ = ["FOLDER", "Kept", "Version", "checked_name", "newest"]
 
+FOLDER = ".lrp"
+"""The folder of kept texts, beside the notebook."""
 _MOST_VERSIONS = 10
 _MOST_CHARACTERS = 2_500_000  # of all versions together
 _LATEST = 1e11  # s since 1970

@@ -16,13 +16,11 @@ from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.kept import Kept, checked_name
+from lrp_jupyter.widgets.kept import FOLDER, Kept, checked_name
 from lrp_jupyter.widgets.texts import Conflict, Texts
 
-__all__ = ["FOLDER", "connection_of", "find", "forget", "names", "open_program", "running"]
+__all__ = ["connection_of", "find", "forget", "names", "open_program", "running"]
 
-FOLDER = ".lrp"
-"""The folder of kept texts, beside the notebook."""
 DEAD_MAN = 5.0
 """Wall seconds without a view after which the program of a real robot pauses."""
 

@@ -17,13 +17,13 @@ from time import monotonic, time
 from typing import Any
 
 from lrp_jupyter.errors import FileError, SessionClosedError
-from lrp_jupyter.files import read_file, shown, write_file
+from lrp_jupyter.files import read_file, write_file
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.kept import Kept, Version, newest
+from lrp_jupyter.widgets.kept import FOLDER, Kept, Version, newest
 from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, range_of
 
 __all__ = ["Conflict", "Texts", "Written", "finding_id"]
@@ -354,7 +354,7 @@ class Texts:
             if not self.conflicts:
                 return None
             conflict, name = self.conflicts[0], self._session.name
-            file = "" if self.kept is None else shown(self.kept.file(".lrp"))
+            file = f"{FOLDER}/{name}.lrp"
             question, use, keep = _QUESTIONS[conflict.source]
             return {
                 "number": self._numbers,
