@@ -34,6 +34,7 @@ FOLDER = ".lrp"
 """The folder of kept texts, beside the notebook."""
 _MOST_VERSIONS = 10
 _MOST_CHARACTERS = 2_500_000  # of all versions together
+_NOTED = 65 * 500  # characters: hashes of the last texts, one in a line
 _LATEST = 1e11  # s since 1970
 _LONGEST_NAME = 100
 _NOT_IN_NAMES = set('/\\:*?"<>|')
@@ -170,7 +171,7 @@ class Kept:
     def is_own(self, ending: str, text: str) -> bool:
         """Return whether this user wrote this text to the file, with this package."""
         mark = self._mark(ending)
-        return mark is not None and read_file(mark) == _digest(text)
+        return mark is not None and _digest(text) in (read_file(mark) or "").split()
 
     def changed(self, ending: str) -> str | None:
         """Return the text of a file if it was changed since it was read or written here.
@@ -243,8 +244,17 @@ def _state_folder() -> Path | None:
 
 
 def _note(mark: Path | None, digest: str) -> None:
-    """Note a hash; where that is impossible, the user is asked about the text next time."""
-    if mark is not None:
-        with suppress(OSError):
-            mark.parent.mkdir(parents=True, exist_ok=True)
-            write_file(mark, digest)
+    """Note a hash; where that is impossible, the user is asked about the text next time.
+
+    It is appended, because replacing another file with every key would take as long as keeping the text.
+    """
+    if mark is None:
+        return
+    with suppress(OSError):
+        mark.parent.mkdir(parents=True, exist_ok=True)
+        if mark.exists() and mark.stat().st_size > 2 * _NOTED:
+            write_file(mark, (read_file(mark) or "")[-_NOTED:])
+        flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+        handle = os.open(mark, flags, 0o600)
+        with os.fdopen(handle, "a") as stream:
+            stream.write(f"{digest}\n")

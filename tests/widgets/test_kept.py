@@ -5,6 +5,7 @@ import gc
 import json
 import os
 import tracemalloc
+from pathlib import Path
 
 import pytest
 
@@ -91,6 +92,18 @@ def test_without_a_cells_text_a_program_continues_with_what_this_user_wrote(cell
     assert connection.session.program.text == B
     assert connection.texts.text == BROKEN
     assert connection.texts.conflict is None
+
+
+def test_the_notes_about_own_texts_are_bounded(cell, monkeypatch):
+    state = Path(os.environ["XDG_STATE_HOME"]) / "lrp-jupyter" / "kept"
+    before = set(state.iterdir())
+    connection = cell(A)
+    for number in range(1200):
+        connection.texts.kept.write(".lrp", text(number))
+    (notes,) = (each for each in set(state.iterdir()) - before if each.stat().st_size > 1000)
+    assert notes.stat().st_size < 70_000
+    assert connection.texts.kept.is_own(".lrp", text(1199))
+    assert not connection.texts.kept.is_own(".lrp", EVIL)
 
 
 def test_a_folder_that_is_a_link_is_neither_read_nor_written(cell, tmp_path):
