@@ -366,7 +366,7 @@ describe("a text that no kernel has answered", () => {
   };
 
   beforeEach(async () => {
-    sessionStorage.clear();
+    localStorage.clear();
     await next();
   });
 
@@ -381,7 +381,7 @@ describe("a text that no kernel has answered", () => {
   it("is also kept when the page is left", async () => {
     page.type("; x\n");
     window.dispatchEvent(new Event("pagehide"));
-    expect(sessionStorage.getItem("lrp-typed:/home/follower")).toBe(`; x\n${snapshot.text}`);
+    expect(localStorage.getItem("lrp-typed:/home/follower")).toBe(`; x\n${snapshot.text}`);
   });
 
   it("is forgotten as soon as it is answered, or if the kernel has it", async () => {
@@ -393,7 +393,7 @@ describe("a text that no kernel has answered", () => {
     page.type("; y\n");
     await next(`; y\n${snapshot.text}`);
     expect(page.commands("recover")).toEqual([]);
-    expect(sessionStorage.getItem("lrp-typed:/home/follower")).toBe(null);
+    expect(localStorage.getItem("lrp-typed:/home/follower")).toBe(null);
   });
 
   it("includes one that the kernel could not keep before it ended", async () => {

@@ -188,7 +188,8 @@ class Kept:
         text = self.read(ending)
         if text is None and self.file(ending).is_file() and not self.file(ending).is_symlink():
             raise FileError(
-                f"`{shown(self.file(ending))}` was changed outside and is not a text in UTF-8. Rename it."
+                f"`{shown(self.file(ending))}` was changed outside and cannot be read: "
+                "it is not in UTF-8 or too large. Rename it."
             )
         return None if text is None or (known is not None and known[1] == _digest(text)) else text
 

@@ -1,6 +1,6 @@
 /**
- * Texts that no kernel has: what was typed after it ended, or on its way when it did. They are kept for the tab
- * and given to the next view of the same program, which asks what to do with them.
+ * Texts that no kernel has: what was typed after it ended, or on its way when it did. The browser keeps
+ * them, and the next view of the same program gets them, which asks what to do with them.
  */
 
 const PREFIX = "lrp-typed:";
@@ -9,7 +9,7 @@ const others = new Map<string, string>(); // where the browser keeps nothing, or
 export function keepLost(home: string, text: string): void {
   if (!home) return;
   try {
-    sessionStorage.setItem(PREFIX + home, text);
+    localStorage.setItem(PREFIX + home, text);
     others.delete(home);
   } catch {
     others.set(home, text);
@@ -18,7 +18,7 @@ export function keepLost(home: string, text: string): void {
 
 export function lostText(home: string): string | null {
   try {
-    return others.get(home) ?? sessionStorage.getItem(PREFIX + home);
+    return others.get(home) ?? localStorage.getItem(PREFIX + home);
   } catch {
     return others.get(home) ?? null;
   }
@@ -27,7 +27,7 @@ export function lostText(home: string): string | null {
 export function forgetLost(home: string): void {
   others.delete(home);
   try {
-    sessionStorage.removeItem(PREFIX + home);
+    localStorage.removeItem(PREFIX + home);
   } catch {
     // there was nothing
   }
