@@ -131,6 +131,31 @@ def test_the_text_is_written_into_a_new_cell(shell, run):
     assert shell.rl_next_input == f"%%lrp mine\n{A}"
 
 
+def test_earlier_texts_are_listed_and_written_into_a_new_cell(shell, run):
+    lab = cell(shell, "mine", A)
+    assert "no earlier texts of `mine`" in run("versions")
+    lab.text = B
+    lab.text = "(machine"
+    assert [version.text for version in lab.versions] == [B, A]
+    first, second = run("versions").splitlines()
+    assert first.startswith("1: 20")
+    assert first.endswith(", 1 line: " + B.strip())
+    assert second.endswith(A.strip())
+    run("version 2 mine")
+    assert shell.rl_next_input == f"%%lrp mine\n{A}"
+    with pytest.raises(UsageError, match="no version 3; there are 2"):
+        run("version 3")
+    with pytest.raises(UsageError, match="Write the number of a version"):
+        run("version mine")
+
+
+def test_a_program_is_shown_in_the_same_lab_by_every_cell(shell):
+    lab = cell(shell, "mine", A)
+    assert cell(shell, "mine", A) is lab
+    assert shell.run_line_magic("lrp", "mine") is lab
+    assert shell.run_line_magic("lrp", "show mine") is lab
+
+
 def test_another_bridge_is_chosen_by_its_name(shell, run):
     lab = cell(shell, "mine", A)
     assert "sim: lrp-jupyter" in run("bridge")
