@@ -11,7 +11,7 @@ import os
 from collections import deque
 from collections.abc import Callable
 from concurrent.futures import CancelledError, Future
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from threading import Lock, RLock
 from time import monotonic, time
 from typing import Any
@@ -466,16 +466,17 @@ class Texts:
         self._looked = now
         other = kept.changed(".lrp")
         if other is not None and other != accepted:
+            self._release(kept, ".lrp")
             self.ask(Conflict("file", other, (".lrp",)))
             return  # which is news to keep, too
         if accepted is not None and ".lrp" not in asked:
             kept.write(".lrp", accepted)
-        if ".draft" not in asked:
-            is_kept = typed == cell or (typed == accepted and ".lrp" not in asked)
-            if is_kept or not typed.strip():
-                kept.remove(".draft")
-            else:
-                kept.write(".draft", typed)
+        is_kept = not typed.strip() or typed == cell or (typed == accepted and ".lrp" not in asked)
+        if not is_kept:
+            self._release(kept, ".draft")
+            kept.write(".draft", typed)
+        elif ".draft" not in asked:
+            kept.remove(".draft")
         if cell is not None:
             kept.write(".cell", cell)
         if versions:
@@ -483,6 +484,18 @@ class Texts:
             with self._lock:
                 self._versions = [each for each in self._versions if each not in versions]
         self._stored = wanted
+
+    def _release(self, kept: Kept, ending: str) -> None:
+        """Make a file free that conflicts hold: their texts are versions from now on."""
+        with self._lock:
+            holding = [each for each in self.conflicts if ending in each.endings]
+        if holding:
+            kept.add_versions(Version(each.text, time()) for each in holding)
+        with self._lock:
+            for index, conflict in enumerate(self.conflicts):
+                if conflict in holding:
+                    rest = tuple(each for each in conflict.endings if each != ending)
+                    self.conflicts[index] = replace(conflict, endings=rest)
 
 
 def _fingerprint(text: str) -> tuple[int, int]:

@@ -4,6 +4,7 @@ import errno
 import gc
 import json
 import os
+import random
 import tracemalloc
 from pathlib import Path
 
@@ -392,3 +393,49 @@ def test_a_name_that_no_file_should_have_is_refused_in_a_sentence(cell, name):
 @pytest.mark.parametrize("name", ["mine", "Ä_1-b", "two words", "console", "ロボット", "x" * 100])
 def test_other_names_are_usable(name):
     assert checked_name(name) == name
+
+
+# -- anything in any order -------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("seed", range(30))
+def test_whatever_happens_no_text_is_lost(cell, tmp_path, seed):
+    """A text is found after each step: present, asked about, or a version; those of cells are in their cells."""
+    chance = random.Random(seed)
+    file = tmp_path / ".lrp" / "mine.lrp"
+    connection = cell(A)
+    done = []
+
+    def everywhere():
+        texts = connection.texts
+        return [texts.text, *(each.text for each in texts.conflicts), *(each.text for each in texts.versions)]
+
+    for number in range(25):
+        texts = connection.texts
+        step = chance.choice(
+            ["type", "break", "cell", "blank", "restart", "take", "keep", "outside", "recover"]
+        )
+        done.append(step)
+        before = {texts.text, *(each.text for each in texts.conflicts)}
+        if step in ("type", "break"):
+            texts.write(text(number) if step == "type" else f"{BROKEN} {number}")
+        elif step in ("cell", "restart"):
+            source = chance.choice([A, B, texts.cell])
+            if step == "restart":
+                connection = cell(source)
+            else:
+                registry.open_program("mine", source, namespace={}, folder=tmp_path)
+        elif step == "blank":
+            connection = cell("")
+        elif step in ("take", "keep"):
+            texts.end_conflict(None, use=step == "take")
+        elif step == "recover":
+            texts.recover(f"(machine recovered{number}")
+        else:
+            file.write_text(outside := f"{A} ; outside {number}")
+            texts.write(C)
+            before.add(outside)
+            texts._looked = float("-inf")  # the next comparison is due
+        connection.publish()
+        lost = {each for each in before if each.strip() and each not in (A, B)} - set(everywhere())
+        assert not lost, (done, lost, everywhere())
