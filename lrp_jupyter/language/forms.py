@@ -13,7 +13,7 @@ from lark.lexer import Lexer
 from lrp_jupyter.language.tokens import LEGAL
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = ["USAGE", "Mistake", "Shape", "expected_text", "shape_of"]
+__all__ = ["USAGE", "Mistake", "Shape", "expected_text", "shape_of", "short"]
 
 USAGE = {
     "var": "(var name := [value])",
@@ -83,11 +83,11 @@ def shape_of(types: tuple[str, ...]) -> Shape | Mistake | None:
     Shape or Mistake or None
         None for a valid form that is not a transition.
     """
-    shape = _shape(_short(types))
+    shape = _shape(_condensed(types))
     return _shape(types) if isinstance(shape, Mistake) else shape
 
 
-def _short(types: tuple[str, ...]) -> tuple[str, ...]:
+def _condensed(types: tuple[str, ...]) -> tuple[str, ...]:
     """Return the types without repeated blocks and forms, so that few distinct sequences reach lark."""
     head = next((index for index, kind in enumerate(types) if kind in _REPEATABLE), None)
     if head is None or len(types) - head < 2 or types[0] in _SINGLE:
@@ -153,3 +153,9 @@ def _name_word(keyword: str, before: tuple[str, ...]) -> str:
     if "LBRACE" in before:
         return "a state's name"
     return (FORMS[keyword].name if len(before) == 1 else "") or "the source state"
+
+
+def short(text: str) -> str:
+    """Return a piece of the text in one line, and its beginning if it is long."""
+    words = " ".join(text.split())
+    return words if len(words) < 30 else words[:27] + "…"

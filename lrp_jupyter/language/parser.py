@@ -17,7 +17,8 @@ from keyword import iskeyword
 from lrp_jupyter.errors import MOST_FINDINGS, Edit, LRPSyntaxError, listed
 from lrp_jupyter.language import nodes
 from lrp_jupyter.language.blocks import facts_of, faults_of
-from lrp_jupyter.language.forms import USAGE, Mistake, Shape, expected_text, shape_of
+from lrp_jupyter.language.corrections import correct, is_form
+from lrp_jupyter.language.forms import USAGE, Mistake, Shape, expected_text, shape_of, short
 from lrp_jupyter.language.matching import Matching, match
 from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
 from lrp_jupyter.language.source import Diagnosis
@@ -49,7 +50,36 @@ def parse(text: str, filename: str = "<lrp>") -> Program:
 
 def scan(text: str, filename: str = "<lrp>") -> tuple[Program | None, tuple[Finding, ...]]:
     """Return a program, or None and all errors in order of location; never raise."""
-    return _Reader(text, filename).read()
+    reader = _Reader(text, filename)
+    program = reader.read()
+    if not reader.findings:
+        return program, ()
+    found = reader.findings
+    if len(found) <= _MANY and not all(each.code.startswith(_INSIDE) for each in found):
+        found = _corrected(text)
+    place = Program(text=text).place
+    found = sorted(set(found))
+    first = [
+        Finding(each.code, "error", each.message, *place(each.start), *place(each.end), each.fix)
+        for each in found[:MOST_FINDINGS]
+    ]
+    return None, listed(first, len(found))
+
+
+_INSIDE = ("LRP109", "LRP110", "LRP111", "LRP112", "LRP5")
+"""Errors that hide nothing from the parser, by the beginnings of their codes."""
+_MANY = 100  # a text with more errors is something else than a program with mistakes
+
+
+def _corrected(text: str) -> list[Diagnosis]:
+    """Return the errors of a text: those that are corrected, and what is left elsewhere."""
+    corrected, found, moved = correct(text)
+    reader = _Reader(corrected, "")
+    reader.read()
+    left = [moved(diagnosis) for diagnosis in reader.findings]
+    return found + [
+        each for each in left if not any(each.start < one.end and one.start < each.end for one in found)
+    ]
 
 
 class _Form:
@@ -80,21 +110,12 @@ class _Reader:
         self.content = self.before = 0  # … its offset, and the bytes before that in its line
         self.findings: list[Diagnosis] = []
 
-    def read(self) -> tuple[Program | None, tuple[Finding, ...]]:
-        """Return the program, or None and the findings."""
+    def read(self) -> Program | None:
+        """Return the program, or at least what is found of it; `findings` are the errors."""
         tokens = tokenize(self.text)
         matching = match(self.text, self.starts, tokens)
         self.findings += matching.findings
-        program = None if matching.too_deep else self._build(tokens, matching)
-        if not self.findings:
-            return program, ()
-        place = Program(text=self.text).place
-        found = sorted(set(self.findings))
-        first = [
-            Finding(each.code, "error", each.message, *place(each.start), *place(each.end), each.fix)
-            for each in found[:MOST_FINDINGS]
-        ]
-        return None, listed(first, len(found))
+        return None if matching.too_deep else self._build(tokens, matching)
 
     def report(self, start: int, end: int, code: str, message: str, *edits: Edit) -> None:
         """Register an error at a range of the text, with the edits that certainly repair it."""
@@ -132,7 +153,7 @@ class _Reader:
                 part = self._integer(word, start, end)
             elif kind in _BROKEN:
                 self._broken(kind, word, start, end, form)
-                if kind == "STRAY":
+                if kind in _MEANINGLESS:
                     continue
                 kind = "BLOCK"
             types.append(kind)
@@ -161,8 +182,12 @@ class _Reader:
             what = (
                 "Unmatched `]`: there is no open block here"
                 if word == "]"
-                else f"`{_short(word)}` is not part of the language"
+                else f"`{short(word)}` is not part of the language"
             )
+            last = self.findings[-1] if self.findings else None
+            if last and last.code == "LRP104" and last.end == start and word != "]":
+                start = self.findings.pop().start  # one error for all of a row
+                what = f"`{short(self.text[start : min(end, start + 40)])}` is not part of the language"
             self.report(start, end, "LRP104", f"{what}. Remove it.", Edit(start, end, ""))
 
     def _integer(self, word: str, start: int, end: int) -> int:
@@ -195,7 +220,9 @@ class _Reader:
         empty, valid, declared = facts_of(block.text)
         if empty:
             form.empty = True
-        if not valid:
+        if not valid and is_form(block.text, form.keyword):
+            self.report(start, end, "LRP104", "A form stands in round brackets.")
+        elif not valid:
             for fault in faults_of(block.text, line, block.column - 1, form.keyword in _TESTED):
                 self.findings.append(fault.shifted(content))
         for name, first, last in declared:
@@ -271,22 +298,23 @@ class _Reader:
         """Return the shape of a form, after reporting what violates the grammar."""
         shape = shape_of(tuple(form.types))
         if isinstance(shape, Mistake):
-            self._drop_misplaced(form)
+            self._drop_misplaced(form, end)
             shape = shape_of(tuple(form.types))
         if isinstance(shape, Mistake):
             self._mistaken(form, shape, end)
         return shape
 
-    def _drop_misplaced(self, form: _Form) -> None:
+    def _drop_misplaced(self, form: _Form, end: int) -> None:
         """Report and drop what is not allowed in a form at all, so that the rest can be checked."""
         legal = LEGAL.get(form.keyword, frozenset())
         kept = []
-        for row in zip(form.types, form.parts, form.tokens, strict=True):
+        rows = list(zip(form.types, form.parts, form.tokens, strict=True))
+        for index, row in enumerate(rows):
             keyword = row[0].removesuffix("_FORM").lower()
             if keyword in legal or not row[0].endswith("_FORM"):
                 kept.append(row)
             else:
-                self._misplaced(keyword, row[2][1], form.keyword)
+                self._misplaced(keyword, form, index, end)
         if form.keyword == "program":
             for is_form, run in groupby(kept[1:], key=lambda row: row[0].endswith("_FORM")):
                 if not is_form:
@@ -299,13 +327,44 @@ class _Reader:
         message = "This is outside every form. Put it into a form, or after `;` as a comment."
         self.report(start, end, "LRP105", message)
 
-    def _misplaced(self, keyword: str, start: int, around: str) -> None:
+    def _misplaced(self, keyword: str, form: _Form, index: int, end: int) -> None:
+        around = form.keyword
         homes = [home for home, legal in LEGAL.items() if keyword in legal]
         where = "at the top level" if around == "program" else f"in `{around}`"
         right = " or ".join("at the top level" if home == "program" else f"in a `{home}`" for home in homes)
-        start = self.text.index(keyword, start)
+        start = self.text.index(keyword, form.tokens[index][1])
         message = f"`{keyword}` is not allowed {where}. Put it {right}."
-        self.report(start, start + len(keyword), "LRP107", message)
+        edits = self._relocated(keyword, form, index, end)
+        self.report(start, start + len(keyword), "LRP107", message, *edits)
+
+    def _relocated(self, keyword: str, form: _Form, index: int, end: int) -> tuple[Edit, ...]:
+        """Return the edits that put a form where it certainly belongs, or none."""
+        _, start, stop = form.tokens[index]
+        text = self.text[start:stop]
+        around = form.keyword
+        if keyword == "spawn" and around == "state":
+            return Edit(start, start, "(onentry "), Edit(stop, stop, ")")
+        if keyword == "spawn" and around in ("running", "onexit") and "BLOCK" not in form.types:
+            head = form.tokens[0]
+            if around == "running" and index == 1:
+                return (Edit(head[2] - len(around), head[2], "onentry"),)
+            return ()
+        before = start - len(self.text[:start]) + len(self.text[:start].rstrip())
+        gone = Edit(before, stop, "")
+        if around == "state" and keyword in LEGAL["machine"]:
+            if keyword in ("var", "event"):
+                opening = form.tokens[0][1]
+                return Edit(opening, opening, f"{text} "), gone
+            return gone, Edit(end, end, f" {text}")
+        if keyword == "spawn" and around == "machine":
+            return gone, Edit(end, end, f"\n{text}")
+        home = {"program": "MACHINE_FORM", "machine": "STATE_FORM"}.get(around)
+        inner = {"program": LEGAL["machine"], "machine": LEGAL["state"]}.get(around, frozenset())
+        last = next((at for at in range(index - 1, 0, -1) if form.types[at] == home), None)
+        if last is None or keyword not in inner or (around == "program" and form.types.count(str(home)) > 1):
+            return ()
+        close = form.tokens[last][2] - 1
+        return Edit(close, close, f" {text}"), gone
 
     def _mistaken(self, form: _Form, mistake: Mistake, end: int) -> None:
         index, expected = mistake
@@ -316,13 +375,14 @@ class _Reader:
             self.report(end - 1, end, "LRP108", message)
             return
         _, start, stop = form.tokens[index]
-        found = _short(self.text[start : min(stop, start + 40)])
+        found = short(self.text[start : min(stop, start + 40)])
         self.report(start, stop, "LRP108", f"Expected {what} instead of `{found}`. {usage}")
 
 
 _TESTED = frozenset({"event", "on", "exit"})
 """The forms whose block is a condition."""
-_BROKEN = frozenset({"STRAY", "UNCLOSED", "UNOPENED"})
+_BROKEN = frozenset({"COMMENT", "QUOTED", "STRAY", "UNCLOSED", "UNOPENED"})
+_MEANINGLESS = frozenset({"COMMENT", "QUOTED", "STRAY"})
 _FORM_TYPES = {keyword: f"{keyword.upper()}_FORM" for keyword in KEYWORDS}
 _VALIDATED = frozenset({"var", Epsilon.keyword})
 _FILLED = {
@@ -331,12 +391,6 @@ _FILLED = {
     **{keyword: form.block for keyword, form in FORMS.items() if form.block},
 }
 """What the block of a form must contain: the value of an empty block would be `None`."""
-
-
-def _short(text: str) -> str:
-    """Return a piece of the text in one line, and its beginning if it is long."""
-    words = " ".join(text.split())
-    return words if len(words) < 30 else words[:27] + "…"
 
 
 def _either(words: Iterable[str]) -> str:

@@ -45,6 +45,8 @@ class Diagnosis(NamedTuple):
 
 def _title(edits: tuple[Edit, ...]) -> str:
     """Return what edits do, in the imperative."""
+    if len(edits) == 2 and any(edit.start == edit.end for edit in edits) and not all(e.text for e in edits):
+        return "Move it"
     new = " … ".join(dict.fromkeys(filter(None, (" ".join(edit.text.split()) for edit in edits))))
     if not new:
         return "Change the blanks" if any(edit.text for edit in edits) else "Remove it"

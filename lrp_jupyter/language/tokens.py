@@ -7,7 +7,7 @@ import re
 from lrp_jupyter.language.scanner import block_end, brackets, line_end
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = ["KEYWORDS", "LEGAL", "Token", "keyword_of", "tokenize"]
+__all__ = ["FORM_LINE", "KEYWORDS", "LEGAL", "Token", "keyword_of", "tokenize"]
 
 LEGAL: dict[str, frozenset[str]] = {
     "program": frozenset({"var", "machine", "event", "spawn", "onpause", "onresume"}),
@@ -26,9 +26,11 @@ _NAME = (  # ASCII letters, digits and `_`, and all that is beyond ASCII; one se
 _TOKEN = re.compile(
     rf"{_SKIP}(?:(?P<OPEN>\({_SKIP}(?P<KEYWORD>{_NAME})?+)|(?P<CLOSE>\))|(?P<NAME>{_NAME})"
     r"|(?P<BLOCK>\[[^\[\]'\"#]*+\])|(?P<OTHER>\[)|(?P<ARROW>->)|(?P<ASSIGN>:=)|(?P<INTEGER>[0-9][\w.]*+)"
-    r"|(?P<STAR>\*)|(?P<LBRACE>\{)|(?P<RBRACE>\})|(?P<MINUS>-)|(?P<END>\Z)|(?P<STRAY>[!$%&'\"+,./<=>?@\\^`|~]++|[\s\S]))"
+    r"|(?P<STAR>\*)|(?P<LBRACE>\{)|(?P<RBRACE>\})"
+    r"|(?P<COMMENT>//[^\r\n]*|/\*(?:[\s\S]*?\*/|[^\r\n]*)|--+(?![>\w])[^\r\n]*)"
+    r"|(?P<MINUS>-)|(?P<END>\Z)|(?P<QUOTED>\"[^\"\r\n]*\"|'[^'\r\n]*')|(?P<STRAY>[!$%&+?@\\^`|~]{2,}+|[\s\S]))"
 )
-_FORM_LINE = re.compile(rf"[\r\n][ \t]*\((?={_SKIP}({'|'.join(sorted(KEYWORDS))})\b)")
+FORM_LINE = re.compile(rf"[\r\n][ \t]*\((?={_SKIP}({'|'.join(sorted(KEYWORDS))})\b)")
 _SPECIAL = frozenset({"OTHER", "STRAY"})
 _HEADS = {"var": 3, "event": 2}  # number of tokens before the block; 1 in other forms
 _BLOCKS = KEYWORDS - {"machine", "state", "spawn", "eps"}
@@ -88,11 +90,11 @@ def keyword_of(text: str, token: Token) -> str:
 def _guess_start(text: str, tokens: list[Token], end: int) -> int | None:
     """Return the token that probably begins a block whose ``[`` is missing, or None."""
     closed = 0
-    for index in range(len(tokens) - 1, max(len(tokens) - _FARTHEST, 0) - 1, -1):
+    line = max(text.rfind("\n", 0, end), text.rfind("\r", 0, end))
+    for index in range(len(tokens) - 1, max(-1, len(tokens) - _FARTHEST), -1):
         token = tokens[index]
-        if _NEWLINE.search(text, token[2], end):
+        if token[2] <= line:
             break
-        end = token[2]
         if token[0] == "CLOSE":
             closed += 1
         elif token[0] == "OPEN" and closed:
@@ -100,8 +102,15 @@ def _guess_start(text: str, tokens: list[Token], end: int) -> int | None:
         elif token[0] == "OPEN":
             keyword = keyword_of(text, token)
             first = index + _HEADS.get(keyword, 1)
-            return first if keyword in _BLOCKS and first < len(tokens) else None
+            if keyword not in _BLOCKS or first >= len(tokens):
+                return None
+            return None if any(_is_no_python(text, token) for token in tokens[first:]) else first
     return None
+
+
+def _is_no_python(text: str, token: Token) -> bool:
+    """Return whether a token cannot be in Python whose `[` is missing; a block directly after a name can."""
+    return token[0] == "ARROW" or (token[0] == "BLOCK" and text[token[1] - 1].isspace())
 
 
 def _guess_end(text: str, start: int) -> int:
@@ -111,7 +120,7 @@ def _guess_end(text: str, start: int) -> int:
     has swallowed the bracket, after a ``]`` that another block or a ``)`` follows, or before the next line
     that looks like a form; whichever comes first.
     """
-    form = _FORM_LINE.search(text, start)
+    form = FORM_LINE.search(text, start)
     stop = form.start() if form else len(text)
     opened: list[str] = []
     places: list[int] = []

@@ -40,7 +40,6 @@ _signs("arrow: `-->`", "ARROW", "-->")
 _signs("arrow: `to`", "ARROW", " to ")
 _signs("arrow: nothing", "ARROW", " ")
 _signs("arrow: `- >`", "ARROW", "- >")
-_signs("arrow: `<-`", "ARROW", "<-")
 
 
 # Keywords
@@ -222,13 +221,6 @@ def _(source: Source) -> Iterator[Slip]:
                 yield slip(end, end, ",")
 
 
-@kind("semicolon for `:=`-like signs")
-def _(source: Source) -> Iterator[Slip]:
-    for form in source.all("var"):
-        for _, start, end in form.of("ASSIGN"):
-            yield slip(start, end, ";=")
-
-
 # Delays
 
 
@@ -301,18 +293,23 @@ def _multiline(source: Source, form: Form) -> bool:
     return source.line(form.start) != source.line(form.end)
 
 
+def _left_open(source: Source, form: Form) -> tuple[int, ...]:
+    """Where a missing `)` is reported: where it was, or at a form that it leaves open."""
+    return (form.last, *(other.start for other in source.forms if other.start <= form.start < other.end))
+
+
 @kind("bracket: `)` missing")
 def _(source: Source) -> Iterator[Slip]:
     for form in source.forms:
         if form.column >= 0 or form.around in ("program", "machine"):
-            yield slip(form.last, form.end, "", form.last, form.start)
+            yield slip(form.last, form.end, "", *_left_open(source, form))
 
 
 @kind("bracket: `)` missing within a line")
 def _(source: Source) -> Iterator[Slip]:
     for form in source.forms:
         if form.column < 0 and form.around not in ("program", "machine"):
-            yield slip(form.last, form.end, "", form.last, form.start)
+            yield slip(form.last, form.end, "", *_left_open(source, form))
 
 
 @kind("bracket: `)` missing at the end")
@@ -321,7 +318,7 @@ def _(source: Source) -> Iterator[Slip]:
     yield slip(last.last, last.end, "", last.last, last.start)
     for form in source.all("machine"):
         if source.text[form.last - 1] == ")":
-            yield slip(form.last, form.end, "", form.last, form.start)
+            yield slip(form.last, form.end, "", *_left_open(source, form))
 
 
 @kind("bracket: surplus `)`")
@@ -456,12 +453,11 @@ def _(source: Source) -> Iterator[Slip]:
         ):
             yield slip(start + match.end() - 1, start + match.end(), "")
     for _, start, end in _blocks(source, "onentry", "onexit"):
-        if not re.search("['\"#]", source.text[start:end]):
-            yield slip(
-                start + 1,
-                start + 1,
-                'print("here); ' if "\n" not in source.text[start:end] else 'print("here)',
-            )
+        if not re.search("['\"#\n]", source.text[start:end]):
+            for said in ('print("here")', 'print("Hello, world")', 'robot.say("on it")'):
+                right = f"{source.text[: start + 1]}{said}; {source.text[start + 1 :]}"
+                quote = right.index('")', start)
+                yield Slip(((quote, quote + 1, ""),), (), right)
 
 
 @kind("block: empty")
@@ -572,6 +568,15 @@ def _(source: Source) -> Iterator[Slip]:
         first, second = form.of("NAME")
         if source.word(first) != source.word(second):
             yield Slip(((*first[1:], source.word(second)), (*second[1:], source.word(first))))
+
+
+@kind("parts: event and source swapped")
+def _(source: Source) -> Iterator[Slip]:
+    for form in source.all("on", "ontime"):
+        names = form.of("NAME")
+        if form.types[1:4] == ("NAME", "NAME", "ARROW"):
+            edits = (*names[0][1:], source.word(names[1])), (*names[1][1:], source.word(names[0]))
+            yield Slip(edits)
 
 
 @kind("parts: block before the name")

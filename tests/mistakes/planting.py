@@ -34,6 +34,8 @@ class Slip:
 
     edits: tuple[tuple[int, int, str], ...]
     at: tuple[int, ...] = ()
+    right: str = ""
+    """Another right text than the program's."""
 
 
 def slip(start: int, end: int, text: str, *at: int) -> Slip:
@@ -64,7 +66,8 @@ def applied(text: str, edits: tuple[tuple[int, int, str], ...]) -> str:
 
 def _mistake(name: str, source: Source, found: Slip) -> Mistake:
     edits = sorted(found.edits)
-    wrong = applied(source.text, tuple(edits))
+    right = found.right or source.text
+    wrong = applied(right, tuple(edits))
 
     def place(offset: int) -> int:
         """Where an offset of the right text is in the wrong one; if text begins there, its first word."""
@@ -73,7 +76,7 @@ def _mistake(name: str, source: Source, found: Slip) -> Mistake:
         return offset + before + len(new) - len(new.lstrip())
 
     at = [place(offset) for offset in found.at or [edits[0][0]]]
-    return Mistake(name, source.name, wrong, source.text, frozenset(line_of(wrong, each) for each in at))
+    return Mistake(name, source.name, wrong, right, frozenset(line_of(wrong, each) for each in at))
 
 
 def plant(name: str, count: int = PER_KIND, seed: int = 0) -> list[Mistake]:

@@ -38,6 +38,11 @@ class Form(NamedTuple):
         """The offset of its ``)``."""
         return self.end - 1
 
+    @property
+    def types(self) -> tuple[str, ...]:
+        """The types of its tokens."""
+        return tuple(token[0] for token in self.tokens)
+
     def of(self, *kinds: str) -> list[Token]:
         """Its tokens of some kinds."""
         return [token for token in self.tokens if token[0] in kinds]

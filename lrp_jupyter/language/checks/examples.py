@@ -33,10 +33,10 @@ EXAMPLES: dict[str, str] = {
 (spawn m a)
 """,
     "LRP104": """
-(machine m (state a!))
+(machine m (state a) & (state b) (eps a -> b))
 (spawn m a)
 ---
-(machine m (state a))
+(machine m (state a) (state b) (eps a -> b))
 (spawn m a)
 """,
     "LRP105": """
@@ -99,6 +99,44 @@ a robot that waits
 (spawn m a)
 ---
 (machine m (state a) (state b) (eps {a} -> b))
+(spawn m a)
+""",
+    "LRP113": """
+(import follower)
+(machine m (state a))
+(spawn m a)
+---
+(machine m (state a))
+(spawn m a)
+""",
+    "LRP114": """
+// waits
+(machine m (state a))
+(spawn m a)
+---
+; waits
+(machine m (state a))
+(spawn m a)
+""",
+    "LRP115": """
+(machine m (state a (running (robot.beep()))))
+(spawn m a)
+---
+(machine m (state a (running [robot.beep()])))
+(spawn m a)
+""",
+    "LRP116": """
+(machine m (state a (running [robot.beep()  # loud])))
+(spawn m a)
+---
+(machine m (state a (running [robot.beep()])))  # loud
+(spawn m a)
+""",
+    "LRP117": """
+(machine m (state a [robot.beep()]))
+(spawn m a)
+---
+(machine m (state a (running [robot.beep()])))
 (spawn m a)
 """,
     "LRP201": """

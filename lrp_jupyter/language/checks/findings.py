@@ -50,7 +50,7 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
     (
         "LRP104",
         "error",
-        "Stray character",
+        "Wrong sign",
         "Outside blocks there are only brackets, names, numbers, arrows, `:=`, `*` and braces.",
     ),
     (
@@ -95,6 +95,36 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "error",
         "`eps` from every state",
         "It would fire at every tick. Name the states that it leaves.",
+    ),
+    (
+        "LRP113",
+        "error",
+        "Import or export",
+        "LRP has no modules: a program is one text. Python's own modules are imported inside a block.",
+    ),
+    (
+        "LRP114",
+        "error",
+        "Comment of another language",
+        "Comments begin with `;` or `#` and end with their line.",
+    ),
+    (
+        "LRP115",
+        "error",
+        "Python outside square brackets",
+        "Values, conditions and actions are Python, and Python stands between `[` and `]`.",
+    ),
+    (
+        "LRP116",
+        "error",
+        "Bracket hidden by a comment",
+        "A comment ends with its line, so brackets in it close nothing.",
+    ),
+    (
+        "LRP117",
+        "error",
+        "Action outside an action form",
+        "`onentry`, `running` and `onexit` say when the Python of a state runs.",
     ),
     (
         "LRP201",

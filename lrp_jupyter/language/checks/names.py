@@ -20,12 +20,14 @@ def check_names(report: Reporter, names: Resolution) -> None:
     """Report what is wrong with the definitions of a program."""
     for element, scope, first, again in names.repeats:
         place = f" of `{path_text(scope.path)}`" if scope.path else ""
+        fix = Fix("Remove it", (Edit(*again.span, ""),)) if again == first else None
         report.add(
             "LRP201",
             again.name.span,
             f"`{again.name}` is already {_article(element.kind)}{place}, in line "
             f"{report.line(first.name.span)}, and only the first definition counts. "
             "Rename or remove this one.",
+            fix,
         )
     for scope in names.scopes:
         for variable in scope.variables.values():

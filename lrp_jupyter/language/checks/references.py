@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from lrp_jupyter.language.checks.report import Reporter, replace
-from lrp_jupyter.language.program import Event, Fix, Name, Span, Spawn, Transition, path_text
+from lrp_jupyter.language.program import Edit, Event, Fix, Name, Span, Spawn, Transition, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, Spawning
 
 __all__ = ["Links", "MeantArrow", "MeantSpawn", "check_references"]
@@ -100,6 +100,15 @@ class _References:
     def _spawn(self, spawning: Spawning) -> None:
         noun, scope, state, machine = spawning.noun, spawning.scope, spawning.state, spawning.machine
         name = noun.machine
+        swapped = scope.machine(state, str(noun.state)) if machine is None else None
+        if swapped and name in swapped.states:
+            message = f"The machine comes before its state. Write `(spawn {swapped.name} {name})`."
+            first, second = noun.machine.span, noun.state.span
+            edits = Edit(*first, str(noun.state)), Edit(*second, str(name))
+            fix = Fix("Swap them", edits)
+            self.report.add("LRP304", Span(first.start, second.end), message, fix)
+            self.links.spawned.append(MeantSpawn(noun, scope, state, swapped, str(name)))
+            return
         if machine is None:
             problem = f"There is no machine `{name}` that could be spawned here"
             if name in scope.path[::2]:
@@ -117,6 +126,11 @@ class _References:
     def _arrow(self, arrow: Arrow, around: list[Scope]) -> MeantArrow:
         before = len(self.report.findings)
         noun, scope, event = arrow.noun, arrow.scope, None
+        meant = self._swapped(arrow)
+        if meant:
+            event, state = meant
+            lead = self._exit if noun.outward else self._destination
+            return MeantArrow(noun, [state], event, lead(scope, around, noun), False)
         sources = [self._state("LRP302", source, scope) for source in noun.sources]
         if noun.trigger.reference is not None:
             kind, name = noun.trigger.reference
@@ -127,6 +141,22 @@ class _References:
         lead = self._exit if noun.outward else self._destination
         targets = lead(scope, around, noun)
         return MeantArrow(noun, sources, event, targets, len(self.report.findings) == before)
+
+    def _swapped(self, arrow: Arrow) -> tuple[Event | None, str] | None:
+        """Report a transition whose event and source have changed places; return what they are."""
+        noun, scope = arrow.noun, arrow.scope
+        reference = noun.trigger.reference
+        if reference is None or arrow.owner is not None or len(noun.sources) != 1 or noun.wildcard:
+            return None
+        (kind, first), second = reference, noun.sources[0]
+        known = scope.visible_events if kind == "event" else scope.visible
+        if first not in scope.states or second in scope.states or second not in known:
+            return None
+        what = "event" if kind == "event" else "delay"
+        message = f"The {what} comes before the source state. Write `{second} {first}`."
+        edits = Edit(*first.span, str(second)), Edit(*second.span, str(first))
+        self.report.add("LRP301", Span(first.span.start, second.span.end), message, Fix("Swap them", edits))
+        return (scope.event(second) if kind == "event" else None), str(first)
 
     def _state(self, code: str, name: Name, machine: Scope) -> str:
         if name in machine.states:

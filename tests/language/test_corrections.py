@@ -1,0 +1,186 @@
+"""What is spelt as in other languages, or slightly wrong, is one error, with the fix that takes it back."""
+
+from __future__ import annotations
+
+import pytest
+from checking import start_of
+
+from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.parser import parse, scan
+from lrp_jupyter.language.program import Finding
+
+RIGHT = """\
+(var speed := [0.2])
+(event bump [robot.bumper.data == 1])
+(machine drive
+  (state have_rest
+    (onentry [robot.stop()] (spawn inner first))
+    (machine inner
+      (state first (running [print("here")]))
+      (exit [speed > 1] first -> moving)))
+  (state moving
+    (running [robot.move(linear=speed)]) ; ahead
+    (onexit [
+      speed = 0.1
+      print("stops")]))
+  (on bump {have_rest moving} -> have_rest tbump)
+  (ontime 500 have_rest -> moving)
+  (on [speed > 3] *-{moving} -> moving))
+(spawn drive moving)
+"""
+
+
+def fixed(text: str, finding: Finding) -> str:
+    assert finding.fix
+    for start, end, new in sorted(finding.fix.edits, reverse=True):
+        text = text[:start] + new + text[end:]
+    return text
+
+
+def only(wrong: str, right: str) -> tuple[str, Finding]:
+    """The one error of the program in which `right` is replaced."""
+    assert RIGHT.count(right) == 1
+    text = RIGHT.replace(right, wrong)
+    (finding,) = check(text)
+    return text, finding
+
+
+SLIPS = [
+    ("speed = [0.2]", "speed := [0.2]", "LRP104", "A variable gets its value with `:=`, not with `=`."),
+    ("speed == [0.2]", "speed := [0.2]", "LRP104", "not with `==`"),
+    ("speed: [0.2]", "speed := [0.2]", "LRP104", "not with `:`"),
+    ("speed <- [0.2]", "speed := [0.2]", "LRP104", "not with `<-`"),
+    ("speed [0.2]", "speed := [0.2]", "LRP108", "`:=` is missing"),
+    ("speed := 0.2", "speed := [0.2]", "LRP115", "Python stands in square brackets."),
+    ("speed := (0.2)", "speed := [0.2]", "LRP115", "not in `( )`"),
+    ("speed := {0.2}", "speed := [0.2]", "LRP115", "not in `{ }`"),
+    ("speed := [0.2", "speed := [0.2]", "LRP103", "This `[` is not closed."),
+    ("speed := 0.2]", "speed := [0.2]", "LRP103", "A `[` is missing here"),
+    ("speed := [0.2]]", "speed := [0.2]", "LRP104", "Unmatched `]`"),
+    ("speed := [[0.2]", "speed := [0.2]", "LRP103", "This `[` is one too many."),
+    ("500 have_rest > moving", "500 have_rest -> moving", "LRP104", "The arrow to the destination is `->`"),
+    ("500 have_rest => moving", "500 have_rest -> moving", "LRP104", "not `=>`"),
+    ("500 have_rest-moving", "500 have_rest -> moving", "LRP104", "not `-`"),
+    ("500 have_rest→moving", "500 have_rest -> moving", "LRP104", "not `→`"),
+    ("500 have_rest --> moving", "500 have_rest -> moving", "LRP104", "not `-->`"),
+    ("500 have_rest to moving", "500 have_rest -> moving", "LRP104", "not `to`"),
+    ("500 have_rest moving", "500 have_rest -> moving", "LRP108", "The arrow `->` is missing"),
+    ("*-{moving} moving", "*-{moving} -> moving", "LRP108", "The arrow `->` is missing"),
+    ("(State have_rest", "(state have_rest", "LRP106", "Keywords are written in small letters."),
+    ("(ON bump", "(on bump", "LRP106", "Keywords are written in small letters."),
+    ("(stat have_rest", "(state have_rest", "LRP106", "Did you mean `state`?"),
+    ("(onetry [", "(onentry [", "LRP106", "Did you mean `onentry`?"),
+    ("(on entry [", "(onentry [", "LRP106", "Did you mean `onentry`?"),
+    ("(on-entry [", "(onentry [", "LRP106", "Did you mean `onentry`?"),
+    ("(entry [", "(onentry [", "LRP106", "Did you mean `onentry`?"),
+    ("(run [robot.move", "(running [robot.move", "LRP106", "Did you mean `running`?"),
+    ("(run inner", "(spawn inner", "LRP106", "Did you mean `spawn`?"),
+    ("(after 500", "(ontime 500", "LRP106", "Did you mean `ontime`?"),
+    ("(transition 500", "(ontime 500", "LRP106", "Did you mean `ontime`?"),
+    ("(transition bump", "(on bump", "LRP106", "Did you mean `on`?"),
+    ("(have_rest\n", "(state have_rest\n", "LRP106", "The keyword is missing"),
+    ("(bump [", "(event bump [", "LRP106", "The keyword is missing"),
+    ("(state 'moving'", "(state moving", "LRP110", "Names have no quotation marks. Write `moving`."),
+    ('-> "moving")\n  (on [', "-> moving)\n  (on [", "LRP110", "Names have no quotation marks."),
+    ("-> {moving})\n  (on [", "-> moving)\n  (on [", "LRP110", "A name has no brackets here."),
+    ("(state have-rest", "(state have_rest", "LRP110", "A name has letters, digits and `_`."),
+    ("(state have rest", "(state have_rest", "LRP110", "A name is one word. Write `have_rest`."),
+    ("(state 2moving", "(state moving", "LRP110", "A name begins with a letter or `_`."),
+    ("(state moving!", "(state moving", "LRP110", "Write `moving`."),
+    ("{have_rest, moving}", "{have_rest moving}", "LRP104", "not by commas. Remove the comma."),
+    ("(ontime 0.5s", "(ontime 500", "LRP108", "`0.5s` is not a whole number of milliseconds. Write `500`."),
+    ("(ontime 0.5 ", "(ontime 500 ", "LRP108", "`0.5` is not a whole number"),
+    ("(ontime 500ms", "(ontime 500", "LRP108", "Write `500`."),
+    ("(ontime 500 ms", "(ontime 500", "LRP108", "Write `500`."),
+    ("// ahead (slowly)", "; ahead", "LRP114", "A comment begins with `;` here, not with `//`."),
+    ("/* ahead */", "; ahead", "LRP114", "A comment begins with `;` here, not with `/*`."),
+    ("(var speed := [0.2]", "(var speed := [0.2])", "LRP101", "This `(var` is not closed."),
+    ("speed := [0.2]))", "speed := [0.2])", "LRP102", "Unmatched `)`"),
+    ("((event bump", "(event bump", "LRP102", "This `(` is one too many."),
+    ("\nevent bump", "\n(event bump", "LRP101", "A `(` is missing before `event`."),
+    ("(spawn drive moving]", "(spawn drive moving)", "LRP104", "This form ends with `)`, not with `]`."),
+    ("[spawn drive moving]", "(spawn drive moving)", "LRP104", "A form stands in round brackets."),
+    ("{spawn drive moving}", "(spawn drive moving)", "LRP104", "A form stands in round brackets."),
+    ("linear=speed)) ]", "linear=speed)])", "LRP103", "`]` comes before `)`"),
+    ("[robot.move(linear=speed)]", "(running [robot.move(linear=speed)])", "LRP117", "An action stands in"),
+    ("(running (robot.move(linear=speed)))", "(running [robot.move(linear=speed)])", "LRP115", "`( )`"),
+    ("(running robot.move(linear=speed))", "(running [robot.move(linear=speed)])", "LRP115", "around this"),
+    ("speed := [0.2 # slow])", "speed := [0.2])", "LRP116", "This comment hides the `]`"),
+    ('print("here)', 'print("here")', "LRP514", "This string is not closed."),
+    ("(on {have_rest moving} -> have_rest bump)", "(on bump {have_rest moving} -> have_rest tbump)", "", ""),
+    (
+        "(ontime have_rest -> moving 500)",
+        "(ontime 500 have_rest -> moving)",
+        "LRP108",
+        "The delay comes before",
+    ),
+    ("(on 500 have_rest", "(ontime 500 have_rest", "LRP108", "A time is tested by `ontime`."),
+    (
+        "(event [robot.bumper.data == 1] bump)",
+        "(event bump [robot.bumper.data == 1])",
+        "LRP108",
+        "The name comes",
+    ),
+    ("(import robot)\n(spawn drive moving)", "(spawn drive moving)", "LRP113", "LRP has no modules"),
+    ("(export speed)\n(spawn drive moving)", "(spawn drive moving)", "LRP113", "LRP has no modules"),
+]
+
+
+@pytest.mark.parametrize(("wrong", "right", "code", "words"), [row for row in SLIPS if row[2]])
+def test_a_slip_is_one_error_and_its_fix_takes_it_back(wrong: str, right: str, code: str, words: str) -> None:
+    text, finding = only(wrong, right)
+    assert finding.code == code
+    assert words in finding.message
+    assert parse(fixed(text, finding)) == parse(RIGHT)
+
+
+@pytest.mark.parametrize(("wrong", "right", "code", "words"), SLIPS)
+def test_a_slip_in_a_text_with_windows_line_ends_is_as_certain(
+    wrong: str, right: str, code: str, words: str
+) -> None:
+    text = RIGHT.replace(right, wrong).replace("\n", "\r\n")
+    assert [finding.code for finding in check(text)] == [
+        finding.code for finding in check(text.replace("\r\n", "\n"))
+    ]
+
+
+def test_a_wrong_name_is_one_error_wherever_it_is_and_its_fix_changes_all() -> None:
+    text = RIGHT.replace("have_rest", "have-rest")
+    (finding,) = check(text)
+    assert finding.line == 4
+    assert fixed(text, finding) == RIGHT
+
+
+def test_every_mistake_of_a_text_is_reported_and_their_fixes_do_not_disturb_each_other() -> None:
+    text = (
+        RIGHT.replace(":=", "=", 1)
+        .replace("500 have_rest ->", "500ms have_rest =>")
+        .replace("(state m", "(stat m")
+    )
+    found = [(finding.code, finding.line) for finding in check(text)]
+    assert found == [("LRP104", 1), ("LRP106", 9), ("LRP108", 15), ("LRP104", 15)]
+    for _ in found:
+        text = fixed(text, check(text)[0])
+    assert parse(text) == parse(RIGHT)
+
+
+def test_an_error_behind_a_correction_is_at_its_place() -> None:
+    text = RIGHT.replace(":= [0.2]", "= 0.2").replace("speed > 1", "speed >")
+    *_, last = check(text)
+    assert (last.code, last.line) == ("LRP501", 8)
+    assert text[start_of(text, last) :].startswith(">")
+
+
+def test_where_the_remedy_is_not_certain_there_is_no_fix() -> None:
+    for wrong, right in [
+        ("bump [] [True]", "bump [robot.bumper.data == 1]"),
+        ("", "drive\n"),
+        ("", "500 have_rest"),
+    ]:
+        findings = check(RIGHT.replace(right, wrong))
+        assert findings
+        assert all(finding.fix is None for finding in findings)
+
+
+def test_half_a_million_stray_characters_are_one_error() -> None:
+    assert len(scan("%" * 500_000)[1]) == 1
