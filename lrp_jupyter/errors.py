@@ -47,6 +47,12 @@ class Fix(NamedTuple):
     title: str
     edits: tuple[Edit, ...]
 
+    def apply(self, text: str) -> str:
+        """Return the text after the edits."""
+        for start, end, new in sorted(self.edits, reverse=True):
+            text = text[:start] + new + text[end:]
+        return text
+
 
 @dataclass(frozen=True, slots=True)
 class Finding:

@@ -188,15 +188,18 @@ def check(
     form: Annotated[
         Findings, typer.Option("--format", help="Text for people or JSON for other programs.")
     ] = Findings.text,
+    fix: Annotated[
+        bool, typer.Option("--fix", help="Apply every certain fix, write the files, and check again.")
+    ] = False,
 ) -> None:
     """Check programs without running them.
 
     **Exit code**: 0 when there are no errors (there may be warnings and hints), 1 when there are, 2 when a
-    file cannot be read.
+    file cannot be read or written.
     """
     from lrp_jupyter.cli.offline import check_files
 
-    raise typer.Exit(check_files(files, form is Findings.json))
+    raise typer.Exit(check_files(files, form is Findings.json, fix))
 
 
 @app.command()

@@ -12,8 +12,8 @@ from typing import Any, Literal
 from rich.text import Text
 
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
-from lrp_jupyter.cli.source import UnreadableError, read_source
-from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.cli.source import Source, UnreadableError, read_source
+from lrp_jupyter.errors import FileError, UnknownElementError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import scan
@@ -22,11 +22,15 @@ from lrp_jupyter.language.program import Finding, Program, path_text
 __all__ = ["Format", "check_files", "draw_graph", "grade_file"]
 
 Format = Literal["svg", "dot", "mermaid", "json"]
+_MOST_FIXES = 1000
 _SUFFIXES: dict[str, Format] = {".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".json": "json"}
 
 
-def check_files(files: Sequence[str], as_json: bool) -> int:
-    """Print the findings of files; return the exit code: 1 with errors, 2 if a file is unreadable."""
+def check_files(files: Sequence[str], as_json: bool, fix: bool = False) -> int:
+    """Print the findings of files; return the exit code: 1 with errors, 2 if a file is unreadable.
+
+    With `fix`, the certain fixes are applied first, and the files are written again.
+    """
     console, complaints = plain_console(), plain_console(stderr=True)
     found: list[Finding] = []
     lines: list[dict[str, Any]] = []
@@ -34,7 +38,10 @@ def check_files(files: Sequence[str], as_json: bool) -> int:
     for file in files:
         try:
             source = read_source(file)
-        except UnreadableError as error:
+            if fix:
+                source, done = _fixed(source)
+                (complaints if as_json else console).print(done, end="")
+        except (UnreadableError, FileError) as error:
             complaints.print(f"lrp: {error}")
             unreadable = True
             continue
@@ -52,6 +59,24 @@ def check_files(files: Sequence[str], as_json: bool) -> int:
     elif found:
         console.print(summary(found))
     return 2 if unreadable else int(any(finding.severity == "error" for finding in found))
+
+
+def _fixed(source: Source) -> tuple[Source, Text]:
+    """Apply the certain fixes of a file, one after the other; return it, and what was done."""
+    if source.path is None:
+        raise UnreadableError(f"`{source.name}` is not a file, so it cannot be corrected. Save it as one.")
+    text, done = source.text, Text()
+    for _ in range(_MOST_FIXES):
+        finding = next((each for each in check(text) if each.fix), None)
+        if finding is None or finding.fix is None:
+            break
+        done.append(f"{source.name}:{finding.line}:{finding.column}: ", "bold")
+        done.append("fixed", "green")
+        done.append(f" {finding.code}: {finding.message} ({finding.fix.title})\n")
+        text = finding.fix.apply(text)
+    if text != source.text:
+        write_file(source.path.resolve(), text)
+    return source._replace(text=text), done
 
 
 def _as_dict(name: str, finding: Finding) -> dict[str, Any]:

@@ -97,3 +97,75 @@ def test_wrong_usage_is_a_sentence_and_exit_code_2(lrp, arguments):
     assert result.exit_code == 2
     assert "Traceback" not in result.stderr
     assert "Error" in result.stderr
+
+
+WRONG = """\
+(var speed = [0.2]) // slow
+(machine m (State a (running (robot.move(linear=speed)))) (state b) (ontime 500ms a => b))
+(spawn m a)
+"""
+FIXED = """\
+(var speed := [0.2]) ; slow
+(machine m (state a (running [robot.move(linear=speed)])) (state b) (ontime 500 a -> b))
+(spawn m a)
+"""
+
+
+@pytest.mark.parametrize("end", ["\n", "\r\n"])
+def test_every_certain_fix_is_applied_and_printed_and_nothing_else_changes(lrp, program, end):
+    path = program(WRONG.replace("\n", end))
+    path.chmod(0o640)
+    result = lrp("check", "--fix", path)
+    assert result.exit_code == 0
+    assert path.read_bytes().decode() == FIXED.replace("\n", end)
+    assert path.stat().st_mode & 0o777 == 0o640
+    printed = result.stdout.splitlines()
+    assert printed[0].startswith(f"{path}:1:12: fixed LRP104: ")
+    assert printed[0].endswith("(Change to `:=`)")
+    assert [line.split(" ", 2)[1] for line in printed] == ["fixed"] * 6 + ["no"]
+
+
+def test_what_is_not_certain_is_left_to_the_user(lrp, program):
+    text = WRONG.replace("500ms ", "")
+    path = program(text)
+    result = lrp("check", "--fix", path)
+    assert result.exit_code == 1
+    assert "(ontime a -> b)" in path.read_text()
+    assert "error LRP108" in result.stdout
+
+
+def test_a_file_without_mistakes_is_not_written(lrp, program):
+    path = program(GOOD)
+    before = path.stat().st_mtime_ns, path.stat().st_ino
+    assert lrp("check", "--fix", path).exit_code == 0
+    assert (path.stat().st_mtime_ns, path.stat().st_ino) == before
+
+
+def test_a_link_is_followed_to_the_file_that_is_corrected(lrp, program, tmp_path):
+    path, link = program(WRONG), tmp_path / "link.lrp"
+    link.symlink_to(path)
+    assert lrp("check", "--fix", link).exit_code == 0
+    assert link.is_symlink()
+    assert path.read_text() == FIXED
+
+
+@pytest.mark.parametrize("name", ["-", "follower"])
+def test_only_files_can_be_corrected(lrp, name):
+    result = lrp("check", "--fix", name, input=WRONG)
+    assert result.exit_code == 2
+    assert "is not a file, so it cannot be corrected" in result.stderr
+
+
+def test_a_file_that_cannot_be_written_is_reported_in_a_sentence(lrp, program):
+    path = program(WRONG)
+    path.chmod(0o440)
+    result = lrp("check", "--fix", path)
+    assert result.exit_code == 2
+    assert "write-protected" in result.stderr
+    assert path.read_text() == WRONG
+
+
+def test_fixes_and_findings_for_programs_are_separate(lrp, program):
+    result = lrp("check", "--fix", "--format", "json", program(WRONG))
+    assert json.loads(result.stdout) == []
+    assert result.stderr.count(" fixed ") == 6
