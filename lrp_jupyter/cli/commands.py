@@ -234,11 +234,15 @@ def grade(
     seeds: Annotated[
         int, typer.Option(metavar="N", min=1, help="Number of runs in each world, each with different noise.")
     ] = 1,
+    limit: Annotated[
+        float,
+        typer.Option(metavar="SECONDS", min=0.1, help="Seconds of computing that one run may take."),
+    ] = 60,
 ) -> None:
     """Grade a program in a challenge; without arguments, list the challenges.
 
-    **Exit code**: 0 when every run met every criterion, 1 when not, 2 when the file or challenge does
-    not exist.
+    **Exit code**: 0 when every run met every criterion, 1 when not, or when a run took longer than the limit,
+    2 when the file or challenge does not exist.
     """
     if file is None or challenge is None:
         from lrp_jupyter.cli.lists import list_challenges
@@ -249,7 +253,7 @@ def grade(
         raise typer.Exit(2 if file is not None or challenge is not None else 0)
     from lrp_jupyter.cli.offline import grade_file
 
-    raise typer.Exit(grade_file(file, challenge, seeds))
+    raise typer.Exit(grade_file(file, challenge, seeds, limit))
 
 
 @app.command()

@@ -12,6 +12,7 @@ from typing import Any, Literal
 from rich.text import Text
 
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
+from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.source import Source, UnreadableError, read_source
 from lrp_jupyter.errors import FileError, UnknownElementError
 from lrp_jupyter.files import write_file
@@ -137,13 +138,14 @@ def _rendered(program: Program, machine: str | None, kind: Format) -> str:
     return write(find_machine(program, path) if path else program)
 
 
-def grade_file(file: str, name: str, seeds: int) -> int:
+def grade_file(file: str, name: str, seeds: int, limit: float) -> int:
     """Run a file in every world of a challenge with `seeds` seeds; return 1 if it does not pass."""
     from lrp_jupyter.grading.challenges import challenge
     from lrp_jupyter.grading.grade import grade
 
     task, source = challenge(name), read_source(file)
-    result = grade(source.text, task, seeds)
+    with watched_lock(limit):
+        result = grade(source.text, task, seeds, limit=limit)
     report = Text(f"{source.name}, {result}")
     report.highlight_regex(r"✓", "green")
     report.highlight_regex(r"✗", "bold red")

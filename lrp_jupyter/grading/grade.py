@@ -8,10 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from time import perf_counter
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.errors import LRPError, LRPSyntaxError
+from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError
 from lrp_jupyter.grading.challenges import Challenge, Hint, challenge
 from lrp_jupyter.grading.criteria import Criterion, Verdict, no_faults
 from lrp_jupyter.grading.record import RunRecord
@@ -24,13 +25,17 @@ __all__ = ["Attempt", "Grade", "grade"]
 
 
 class Attempt(NamedTuple):
-    """One run: world, seed, the verdicts of the criteria, and a hint (empty when there is none)."""
+    """One run: world, seed, the verdicts of the criteria, and a hint (empty when there is none).
+
+    `exceeded` is whether it was ended because it took too long to compute.
+    """
 
     world: str
     seed: int
     seconds: float
     verdicts: tuple[Verdict, ...]
     hint: str = ""
+    exceeded: bool = False
 
     @property
     def passed(self) -> bool:
@@ -99,6 +104,7 @@ def grade(
     criteria: Sequence[Criterion] = (),
     seconds: float = 60,
     namespace: dict[str, Any] | None = None,
+    limit: float = 60,
 ) -> Grade:
     """Run a program headless, in virtual time, and return how it did.
 
@@ -112,6 +118,9 @@ def grade(
         Number of runs in each world, or their seeds.
     namespace : dict, optional
         Names available to the blocks.
+    limit : float
+        Wall seconds of computing that one run may take, and one block at most a sixth of it; a run that
+        takes longer does not pass and is the last one.
 
     Returns
     -------
@@ -132,7 +141,12 @@ def grade(
     texts = [_text(each) for each in (program if isinstance(program, (list, tuple)) else [program])]
     numbers = range(seeds) if isinstance(seeds, int) else seeds
     runs = [(world, seed) for world in task.worlds for seed in numbers]
-    return Grade(task.name, tuple(_attempt(texts, task, world, seed, namespace) for world, seed in runs))
+    attempts = []
+    for world, seed in runs:
+        attempts.append(_attempt(texts, task, world, seed, namespace, limit))
+        if attempts[-1].exceeded:  # the others would take as long
+            break
+    return Grade(task.name, tuple(attempts))
 
 
 def _text(program: Any) -> str:
@@ -145,11 +159,19 @@ def _text(program: Any) -> str:
 
 
 def _attempt(
-    texts: list[str], task: Challenge, world: str | World, seed: int, namespace: dict[str, Any] | None
+    texts: list[str],
+    task: Challenge,
+    world: str | World,
+    seed: int,
+    namespace: dict[str, Any] | None,
+    limit: float,
 ) -> Attempt:
     name = world if isinstance(world, str) else world.name or "world"
     try:
-        record = _record(texts, task, world, seed, namespace)
+        record = _record(texts, task, world, seed, namespace, limit)
+    except SessionTimeoutError as error:
+        reason = Verdict(f"is computed within {limit:g} s", False, str(error))
+        return Attempt(name, seed, 0.0, (reason,), exceeded=True)
     except LRPSyntaxError as error:
         reason = Verdict("is a valid program", False, str(error.findings[0]))
         return Attempt(name, seed, 0.0, (reason,), "Correct the text first; the editor marks the error.")
@@ -161,8 +183,21 @@ def _attempt(
 
 
 def _record(
-    texts: list[str], task: Challenge, world: str | World, seed: int, namespace: dict[str, Any] | None
+    texts: list[str],
+    task: Challenge,
+    world: str | World,
+    seed: int,
+    namespace: dict[str, Any] | None,
+    limit: float,
 ) -> RunRecord:
+    """Run the program.
+
+    Raises
+    ------
+    SessionTimeoutError
+        It took longer than the limit.
+    """
+    end = perf_counter() + limit
     bridge = SimBridge(world, seed, task.noise)
     record = RunRecord(bridge.world)
     programs = [parse(text, "<lrp grade>") for text in texts]
@@ -173,12 +208,17 @@ def _record(
 
         def over() -> bool:
             record.sample(bridge, session.interpreter)
-            return task.until is not None and task.until(record)
+            return perf_counter() > end or (task.until is not None and task.until(record))
 
         for number, program in enumerate(programs):
             if number:
                 session.edit(program.text)
-            session.run(task.seconds / len(programs), after_tick=over)
+            session.run(task.seconds / len(programs), after_tick=over, limit=limit / 6)
+            if perf_counter() > end:
+                raise SessionTimeoutError(
+                    f"The run took longer than {limit:g} s of computing and was ended after "
+                    f"{record.seconds:.1f} s of its own time. Let the blocks compute less."
+                )
         if session.fault:
             raise LRPError(f"The interpreter itself failed, not the program:\n{session.fault}")
         record.issues = tuple(issue for issue in session.issues if not issue.resolved)

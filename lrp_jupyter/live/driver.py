@@ -37,7 +37,7 @@ from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.frame import Hung
 from lrp_jupyter.interpreter.variables import EXPRESSION
 from lrp_jupyter.live.commands import Pause
-from lrp_jupyter.live.interruption import RunningBlock, interrupt, running_block
+from lrp_jupyter.live.interruption import RunningBlock, interrupt, interrupt_call, running_block
 from lrp_jupyter.live.loop import Command, Loop
 
 __all__ = ["PATIENCE", "Driver", "LoopTask", "LoopThread", "Monitor"]
@@ -274,6 +274,39 @@ class Driver:
         if self._monitor is not None:
             self._monitor.seen()
 
+    @contextmanager
+    def limited(self, seconds: float) -> Iterator[None]:
+        """End the run of :meth:`exclusive` if a block takes longer than these wall seconds.
+
+        Raises
+        ------
+        SessionTimeoutError
+            It did.
+        """
+        monitor, alone = self._monitor, self._monitor is None
+        if monitor is None:
+            monitor = Monitor(self.loop, lambda: self._thread, min(2.0, seconds))
+            try:
+                monitor.start()
+            except RuntimeError:  # there are no threads (Pyodide)
+                yield
+                return
+            self._monitor = monitor
+        monitor.limit = seconds
+        try:
+            yield
+        except KeyboardInterrupt:
+            if not monitor.ended_run:
+                raise
+        finally:
+            monitor.limit = math.inf
+            if alone:
+                monitor.end()
+                self._monitor = None
+        ended, monitor.ended_run = monitor.ended_run, ""
+        if ended:
+            raise SessionTimeoutError(ended)
+
     # -- commands --------------------------------------------------------------------------------
 
     def ask(self, command: Command) -> Future[Any]:
@@ -391,6 +424,10 @@ class Monitor:
         self._waiting: float | None = None  # since when a command waits that interrupts
         self._interrupted: FrameType | None = None
         self._last = -math.inf  # wall time of the last interruption in this work
+        self.limit = math.inf
+        """Wall seconds after which a block is interrupted, and the program paused."""
+        self.ended_run = ""
+        """A sentence about the block that exceeded the limit; empty if none has."""
         self._end = threading.Event()
         context = contextvars.copy_context()
         self._thread = threading.Thread(
@@ -434,6 +471,8 @@ class Monitor:
         block = self._block[0]
         if since >= self._hung_after:
             self._report(block, since)
+            if since >= self.limit:
+                self._end_run()
             self._interrupt(wall)
         else:
             self._report(None, 0.0)
@@ -467,15 +506,31 @@ class Monitor:
             self._waiting = wall
         return since
 
+    def _end_run(self) -> None:
+        """Pause the program because of the limit, at once."""
+        loop = self._loop
+        if not self.ended_run and (hung := loop.hung) is not None:
+            place = f" (line {hung.line})" if hung.line else ""
+            self.ended_run = (
+                f"`{hung.where}`{place} did not return within {self.limit:g} s of computing, which ended the "
+                "run. A block must end at once: use a state with `ontime` instead of waiting in a block."
+            )
+            loop.inbox.put(Pause(self.ended_run))
+        self._waiting = -math.inf
+
     def _interrupt(self, wall: float) -> None:
         """Interrupt the block if a command waits for it, and again if it goes on."""
         (block, began), thread = self._block, self._driving()
         if block is None or thread is None or self._waiting is None or wall - self._waiting < PATIENCE:
             return
         enough = PATIENCE if self._interrupted is None else _AGAIN
-        if wall - began >= enough and wall - self._last >= _AGAIN:
+        if wall - began < enough or wall - self._last < _AGAIN:
+            return
+        if self.ended_run and block.frame is self._interrupted:
+            interrupt_call(thread)
+        else:
             interrupt(thread, block)
-            self.note(block)
+        self.note(block)
 
     def _report(self, block: RunningBlock | None, since: float) -> None:
         loop = self._loop

@@ -5,13 +5,15 @@ around ``try: … except: pass`` does. Then the exception returns: when it is ca
 it sets a trace function that raises another one at the next line of the block or of a function called
 by it, and so on until the block has ended.
 
-Nothing can be raised inside a call of C (``time.sleep``, ``sum(range(10**11))``) before it returns. A call
-that in addition holds the interpreter lock stops all threads of the process, so that nothing here runs.
+Nothing can be raised inside a call of C before it returns, unless it is one that Ctrl-C ends
+(``time.sleep``) and runs on the main thread. A call that in addition holds the interpreter lock
+(``sum(range(10**11))``) stops all threads of the process, so that nothing here runs.
 """
 
 from __future__ import annotations
 
 import ctypes
+import signal
 import sys
 import threading
 from collections.abc import Container
@@ -20,7 +22,7 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.faults import Interrupted
 
-__all__ = ["RunningBlock", "interrupt", "running_block"]
+__all__ = ["RunningBlock", "interrupt", "interrupt_call", "running_block"]
 
 
 class RunningBlock(NamedTuple):
@@ -87,6 +89,19 @@ def interrupt(thread: int, block: RunningBlock) -> bool:
         ctypes.c_ulong(thread), ctypes.py_object(_Interruption)
     )
     return raised == 1
+
+
+def interrupt_call(thread: int) -> None:
+    """End a call of C as Ctrl-C does, by a KeyboardInterrupt, which is possible on the main thread only.
+
+    Does nothing on other threads, and where Ctrl-C has another meaning.
+    """
+    is_main = thread == threading.main_thread().ident
+    if is_main and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), None)  # not both of them
+        _requested.pop(thread, None)
+        if hasattr(signal, "pthread_kill"):
+            signal.pthread_kill(thread, signal.SIGINT)
 
 
 class _Interruption(Interrupted):

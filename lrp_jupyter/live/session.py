@@ -319,6 +319,8 @@ class Session:
         seconds: float | None = None,
         until: Until | None = None,
         after_tick: Callable[[], object] | None = None,
+        *,
+        limit: float = 10.0,
     ) -> bool:
         """Run on the caller's thread, in virtual time, without waiting.
 
@@ -333,6 +335,8 @@ class Session:
         after_tick : callable, optional
             Called after every tick instead of `until`; a true result ends the run. It is cheaper, because
             no frame is created.
+        limit : float, optional
+            Wall seconds that one block may take; may be infinite.
 
         Returns
         -------
@@ -343,12 +347,14 @@ class Session:
         ------
         LRPError
             A block of the program itself is the caller.
+        SessionTimeoutError
+            A block has exceeded the limit. It was interrupted, and the program is paused.
         """
         if seconds is None and until is None and after_tick is None:
             raise ValueError("How long should it run? Pass `seconds`, `until`, or both.")
         self._driver.refuse_inside("run")
         self.open()
-        with self._driver.exclusive("run"):
+        with self._driver.exclusive("run"), self._driver.limited(limit):
             ends = after_tick if until is None else self._watch(until)
             self._leave_stop()
             self._loop.apply_queued()

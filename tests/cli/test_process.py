@@ -130,3 +130,13 @@ def test_a_save_resumes_a_run_that_paused_at_an_issue(process, program, tmp_path
     waiting(lambda: [e for e in events_of(trace, "entered") if e["state"] == "m/b"], "the next state")
     run.send_signal(signal.SIGINT)
     assert run.wait() == 130
+
+
+HOLDS = WAIT.replace("robot.move(linear=0.1)", "sum(range(10**12))")
+
+
+def test_grading_ends_though_a_call_never_gives_up_the_interpreter_lock(process, program):
+    graded = process("grade", program(HOLDS), "--challenge", "there and back", "--limit", "2")
+    _, complaints = graded.communicate()
+    assert graded.returncode == -signal.SIGVTALRM
+    assert "line 1 in a.running" in complaints

@@ -265,3 +265,20 @@ def test_what_is_missing_in_an_order_is_reported_with_the_time_of_the_one_before
     result = grade(DRIVE, world, criteria=list(expected), seconds=8)
     *reasons, _ = (verdict.reason for verdict in result.attempts[0].verdicts)  # without "no issue"
     assert reasons == list(expected.values())
+
+
+@pytest.mark.parametrize("block", ["while True: pass", "import time; time.sleep(1000)"])
+def test_a_block_that_does_not_return_ends_the_grading_with_a_sentence(block):
+    result = grade(DRIVE.replace("robot.move(linear=0.2)", block), "there and back", seeds=5, limit=1)
+    (attempt,) = result.attempts  # the other seeds would take as long
+    assert not result.passed
+    assert attempt.exceeded
+    assert "`driving.running` (line 1) did not return" in str(result)
+    assert "`ontime`" in str(result)
+
+
+def test_a_run_whose_blocks_compute_too_long_ends_with_a_sentence():
+    result = grade(DRIVE.replace("robot", "sum(range(300_000)); robot"), "there and back", limit=0.3)
+    (attempt,) = result.attempts
+    assert attempt.exceeded
+    assert "took longer than 0.3 s of computing" in str(result)

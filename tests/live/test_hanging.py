@@ -1,10 +1,11 @@
 """Blocks that do not return: they are named, interrupted for whoever waits, and become issues."""
 
+import signal
 import threading
 
 import pytest
 
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.commands import ReplaceProgram, Reset, SetVariable
 
@@ -169,3 +170,36 @@ def test_a_call_that_cannot_be_interrupted_is_named_as_such(hanging):
     gate.set()
     answer.result(LONG)
     assert runs_on(session).issues[0].code == "LRP611"
+
+
+@pytest.mark.parametrize("block", BLOCKS.values(), ids=BLOCKS)
+def test_a_run_in_virtual_time_ends_with_a_sentence_when_a_block_does_not_return(session, block):
+    made = session(RUNNING.format(block), "sim")
+    with pytest.raises(SessionTimeoutError, match=r"`a\.running` \(line \d+\) did not return within 0\.3 s"):
+        made.run(5, limit=0.3)
+    assert made.status == "paused"
+    assert [issue.code for issue in made.issues] == ["LRP611"]
+    made.edit(GOOD)
+    assert made.run(1)
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_kill"), reason="there are no signals to threads")
+def test_a_run_on_the_main_thread_ends_though_a_block_sleeps(session):
+    made = session(RUNNING.format("import time; time.sleep(1000)"))
+    with pytest.raises(SessionTimeoutError, match=r"did not return within 0\.2 s"):
+        made.run(5, limit=0.2)
+    made.edit(GOOD)
+    assert made.run(1)
+
+
+def test_a_run_whose_blocks_are_only_many_is_not_ended(session):
+    made = session(RUNNING.format("sum(range(300_000))"))
+    assert made.run(5, limit=0.2)
+
+
+def test_a_run_while_a_thread_drives_is_limited_as_well(session):
+    later = "(machine m (state a) (state b (running [while True: pass])) (ontime 3600000 a -> b)) (spawn m a)"
+    made = session(later)
+    made.start()
+    with pytest.raises(SessionTimeoutError, match=r"`b\.running`"):
+        made.run(4000, limit=0.2)
