@@ -129,7 +129,8 @@ def board_text(state: BoardState, width: int, rows: dict[str, int] | None = None
         body = [*left, *right]
     lines = [Text(), _header(state), Text(), *body, *_issues(state.frame, width)]
     if state.keys:
-        lines += [Text(), Text("space: pause or resume   s: one step   r: restart   q: quit", "dim")]
+        keys = "space: pause or resume   s: one step   r: restart   q: quit"
+        lines += [Text(), Text(f"i: interrupt the block   {keys}" if state.frame.hung else keys, "dim")]
     for line in lines:
         line.no_wrap = True
         line.truncate(width - 1, overflow="ellipsis")

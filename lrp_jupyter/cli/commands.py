@@ -87,12 +87,13 @@ def lrp(
 
 RUN_EPILOG = """
 **Exit code**: 0 when the run ended normally, 1 when the text is not a valid program (or `--until` was not
-reached, or the run paused at an issue and there is no keyboard to resume it), 2 when a file cannot be read, a
-robot cannot be opened or an option is wrong, 3 when the interpreter itself failed, 130 when Ctrl-C stopped
-the robot and ended the run.
+reached, or the run paused at an issue and there is no keyboard to resume it, or a block did not return for
+10 s in a run with `--for`), 2 when a file cannot be read, a robot cannot be opened or an option is wrong, 3
+when the interpreter itself failed, 130 when Ctrl-C stopped the robot and ended the run.
 
 **Live programming**: with `--watch` every save of the file patches the running program. A text that is not a
-valid program changes nothing: its errors are shown and the last valid program keeps running.
+valid program changes nothing: its errors are shown and the last valid program keeps running. A block that
+does not return is interrupted by the next save, or by the key `i`.
 
 **Traces**: `--trace` writes JSON Lines, one object per event, with `tick` (the first is 1), `time` (seconds)
 and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired` (`machine`, `transition`,

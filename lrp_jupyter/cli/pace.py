@@ -12,11 +12,15 @@ from queue import SimpleQueue
 from time import perf_counter
 from typing import Protocol
 
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.interpreter.frame import Frame
+from lrp_jupyter.live.commands import Pause, Resume
 from lrp_jupyter.live.session import Session
 
-__all__ = ["Clocked", "Pace", "Racing"]
+__all__ = ["LIMIT", "Clocked", "Pace", "Racing"]
+
+LIMIT = 10.0
+"""Wall seconds that a block may take in a run of limited length."""
 
 _PATIENCE = 1.0  # wall seconds for a block to return
 _SLICE = 1.0  # seconds of the run between two checks for pause and end
@@ -31,6 +35,9 @@ class Pace(Protocol):
 
     def is_over(self) -> bool:
         """Return whether the time is up or the run has ended by itself."""
+
+    def exceeded(self) -> str:
+        """Return a sentence about the block that exceeds the :data:`LIMIT`; empty if none does."""
 
     def is_paused(self) -> bool:
         """Return whether the run is paused."""
@@ -75,17 +82,21 @@ class Clocked:
         over = frame.time >= self._seconds - _ROUNDING or self._over()
         return over or frame.status in ("broken", "closed", "stopped")
 
+    def exceeded(self) -> str:
+        """See :class:`Pace`."""
+        return _hung_too_long(self._session)
+
     def is_paused(self) -> bool:
         """See :class:`Pace`."""
         return self._session.status == "paused"
 
     def pause(self) -> None:
         """See :class:`Pace`."""
-        self._session.pause()
+        self._session.ask(Pause())
 
     def resume(self) -> None:
         """See :class:`Pace`."""
-        self._session.resume()
+        self._session.ask(Resume())
 
     def displayed(self, frame: Frame) -> Frame:
         """See :class:`Pace`."""
@@ -119,6 +130,7 @@ class Racing:
         self._began = 0.0  # wall time
         self._going = threading.Event()
         self._stopping = False
+        self._exceeded = ""
         self._thread = threading.Thread(target=self._run, name="race", daemon=True)
 
     def start(self) -> None:
@@ -136,7 +148,13 @@ class Racing:
                 span = min(self._seconds - before, _SLICE)
                 if self._stopping or span <= _ROUNDING or session.fault:
                     break
-                reached = session.run(span, until=self._until)
+                try:
+                    reached = session.run(span, until=self._until, limit=LIMIT)
+                except SessionTimeoutError as error:  # a block did not return, which paused the run
+                    self._exceeded = str(error)
+                    self._going.clear()
+                    self._wake.put(None)
+                    continue
                 if reached and self._until is not None:
                     break
                 if session.frame.time < before + span - _ROUNDING:  # paused at an issue
@@ -151,6 +169,10 @@ class Racing:
         """See :class:`Pace`."""
         return self._done.is_set()
 
+    def exceeded(self) -> str:
+        """See :class:`Pace`."""
+        return self._exceeded or _hung_too_long(self._session)
+
     def is_paused(self) -> bool:
         """See :class:`Pace`."""
         return not self._going.is_set()
@@ -161,6 +183,7 @@ class Racing:
 
     def resume(self) -> None:
         """See :class:`Pace`."""
+        self._exceeded = ""
         self._going.set()
 
     def displayed(self, frame: Frame) -> Frame:
@@ -179,3 +202,8 @@ class Racing:
             if self._thread.is_alive() and self._session.interrupt():
                 self._thread.join(_PATIENCE)
         self._session.stop()
+
+
+def _hung_too_long(session: Session) -> str:
+    hung = session.frame.hung
+    return "" if hung is None or hung.seconds < LIMIT else f"{hung} It ended the run."

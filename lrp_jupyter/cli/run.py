@@ -13,7 +13,7 @@ import select
 import signal
 import sys
 from collections import deque
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, suppress
 from difflib import get_close_matches
 from pathlib import Path as FilePath
@@ -30,9 +30,10 @@ from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_brid
 from lrp_jupyter.cli.board import Board, BoardState
 from lrp_jupyter.cli.events import EventCollector, EventPrinter
 from lrp_jupyter.cli.excerpt import finding_text, plain_console
+from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.map import Map, columns_for
 from lrp_jupyter.cli.options import RunOptions, with_initials
-from lrp_jupyter.cli.pace import Clocked, Pace, Racing
+from lrp_jupyter.cli.pace import LIMIT, Clocked, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, recorded_signals
 from lrp_jupyter.errors import LRPError
@@ -139,6 +140,9 @@ class _Run:
         self._drawing: Future[list[str]] | None = None
         self._rows: list[str] = []
         self._printed = 0
+        self._edits: deque[tuple[str, Future[Any]]] = deque()  # saved texts that wait to be applied
+        self._was_hung = False
+        self._stuck = ""  # a sentence about the block because of which the run was ended
         self._notices: set[str] = set()  # of the robot, printed already
         self._last: deque[str] = deque(maxlen=_LAST)
         self._values: dict[Path, str] = {}
@@ -175,9 +179,11 @@ class _Run:
                 stack.enter_context(self._board)
             began = perf_counter()
             alone = False
+            if wanted.seconds < math.inf:
+                stack.enter_context(watched_lock(LIMIT))
             try:
                 pace.start()
-                while not (self._caught or self._quit or alone or pace.is_over()):
+                while not (self._caught or self._quit or self._overdue() or alone or pace.is_over()):
                     with suppress(Empty):
                         self._wake.get(timeout=self._pause_between_refreshes())
                     self._refresh()
@@ -194,6 +200,12 @@ class _Run:
             self._refresh()
         return self._end(frame, wall, alone)
 
+    def _overdue(self) -> bool:
+        """Return whether a run of limited length cannot end, because a block does not return."""
+        if self.wanted.seconds < math.inf:
+            self._stuck = self.pace.exceeded()
+        return bool(self._stuck)
+
     def _pause_between_refreshes(self) -> float:
         left = (self.wanted.seconds - self.session.frame.time) / self.wanted.speed
         return min(_REFRESH, max(left, 0.005))
@@ -203,8 +215,10 @@ class _Run:
     def _refresh(self) -> None:
         self._write_trace()
         self._apply_saves()
+        self._print_edits()
         frame = self.pace.displayed(self.session.frame)
         self._print_events(frame)
+        self._print_hang(frame)
         if self._board is not None:
             self._board.show(self._board_state(frame))
 
@@ -242,6 +256,18 @@ class _Run:
             if notice.text not in self._notices:
                 self._notices.add(notice.text)
                 self.print(Text(f"{notice.now:8.1f} s  robot: {notice.text}", "yellow"))
+
+    def _print_hang(self, frame: Frame) -> None:
+        """Print that a block does not return, once."""
+        hung, before = frame.hung, self._was_hung
+        self._was_hung = hung is not None
+        if hung is None or before:
+            return
+        words = f"{frame.time:8.1f} s  hung: {hung}"
+        if self.wanted.watch:
+            words += " Save the corrected file: that interrupts the block."
+        show = self.print if self._board is not None else plain_console(stderr=True).print
+        show(Text(words, "bold red"))
 
     def _board_state(self, frame: Frame) -> BoardState:
         values = dict(frame.variables)
@@ -291,9 +317,11 @@ class _Run:
                 (pace.resume if pace.is_paused() else pace.pause)()
             elif key == "s":
                 pace.pause()
-                self.session.step()
+                self.session.ask(do.Step())
             elif key == "r":
-                self.session.reset()
+                self.session.ask(do.Reset())
+            elif key == "i":
+                self.session.interrupt()
             elif key in "qQ":
                 self._quit = True
         except LRPError as error:
@@ -320,9 +348,22 @@ class _Run:
             _report(self.print, self.source.name, text, findings)
             return
         try:
-            answer = self.session.submit(do.ReplaceProgram(with_initials(program, self.wanted.assignments)))
-            self.session.call(lambda: None)  # applied, also while nothing runs
+            command = do.ReplaceProgram(with_initials(program, self.wanted.assignments))
+            self._edits.append((text, self.session.ask(command)))
+        except LRPError as error:
+            self.print(Text(f"{head}{error}", "bold yellow"))
+
+    def _print_edits(self) -> None:
+        """Print the effects of the saved texts that have been applied."""
+        while self._edits and self._edits[0][1].done():
+            self._print_edit(*self._edits.popleft())
+
+    def _print_edit(self, text: str, answer: Future[Any]) -> None:
+        head = f"{self.session.frame.time:8.1f} s  saved: "
+        try:
             patch = answer.result(0)
+        except CancelledError:  # a newer one came before it was applied
+            return
         except LRPError as error:
             self.print(Text(f"{head}{error}", "bold yellow"))
             return
@@ -336,7 +377,7 @@ class _Run:
             self.print(Text(f"{head}applied while it runs: {patch.changes}", "green"))
         if self._keys is None and self.pace.is_paused():  # at an issue, and there is no keyboard
             self.pace.resume()
-        _report(self.print, self.source.name, text, check(program))
+        _report(self.print, self.source.name, text, check(text))
 
     # -- the end ------------------------------------------------------------------------------------
 
@@ -346,7 +387,9 @@ class _Run:
                 f"lrp: The interpreter itself failed, not your program. Report this:\n{self.session.fault}"
             )
             return 3
-        if alone:
+        if self._stuck:
+            plain_console(stderr=True).print(f"lrp: {self._stuck}")
+        elif alone:
             issue = max(frame.issues, key=lambda each: each.last_tick)
             self.print(f"Paused at an issue:\n{issue.traceback or issue}")
         active = ", ".join("/".join(path) for path in frame.active) or "nothing"
@@ -359,7 +402,7 @@ class _Run:
         if self._caught:
             return 128 + self._caught[0]
         missed = self.wanted.until is not None and not (self._events.reached.is_set() or self._quit)
-        return int(alone or missed)
+        return int(alone or missed or bool(self._stuck))
 
 
 def _short(value: object) -> str:

@@ -86,7 +86,7 @@ def interrupt(thread: int, block: RunningBlock) -> bool:
     """
     _requested[thread] = block.frame
     raised: int = ctypes.pythonapi.PyThreadState_SetAsyncExc(
-        ctypes.c_ulong(thread), ctypes.py_object(_Interruption)
+        ctypes.c_ulong(thread), ctypes.py_object(Interruption)
     )
     return raised == 1
 
@@ -104,7 +104,7 @@ def interrupt_call(thread: int) -> None:
             signal.pthread_kill(thread, signal.SIGINT)
 
 
-class _Interruption(Interrupted):
+class Interruption(Interrupted):
     """Returns when it is caught, until the block has ended."""
 
     _block: FrameType | None = None
@@ -132,7 +132,7 @@ class _Interruption(Interrupted):
 
         def trace(frame: FrameType, event: str, _: object) -> Any:
             if event == "line":
-                raise _Interruption(block)  # which ends the tracing
+                raise Interruption(block)  # which ends the tracing
             if event == "return" and frame is block:
                 sys.settrace(before)
                 for each in frames:

@@ -4,6 +4,7 @@ import pytest
 
 from lrp_jupyter.cli.board import BoardState, board_text
 from lrp_jupyter.cli.map import columns_for
+from lrp_jupyter.interpreter.frame import Hung
 from lrp_jupyter.live.session import Session
 
 NESTED = """(var speed := [0.2])
@@ -76,6 +77,15 @@ def test_the_header_shows_what_is_unusual():
         assert words in header
 
 
+def test_the_key_that_interrupts_a_block_is_named_while_one_hangs():
+    from dataclasses import replace
+
+    state = replace(state_after(0.1), keys=True)
+    assert not any("interrupt" in line for line in text_of(state))
+    hanging = replace(state, frame=replace(state.frame, hung=Hung("a.running", 3.0)))
+    assert any("i: interrupt the block" in line for line in text_of(hanging))
+
+
 def test_a_map_fits_into_its_room():
     assert columns_for((3, 1), 72, 30) == 72
     assert columns_for((3, 1), 72, 5) == 30
@@ -99,6 +109,20 @@ def test_the_board_shows_a_run_and_obeys_the_keys(terminal):
     run.press("q")
     run.wait_for("\x1b[?25h")  # the cursor is back
     run.wait_for("active\r\n")
+    assert run.end() == 0
+
+
+@pytest.mark.slow
+def test_a_block_that_does_not_return_is_interrupted_by_a_key(terminal, program):
+    path = program("(machine m\n  (state a (running [while True: pass])))\n(spawn m a)\n")
+    run = terminal("run", path, "--bridge", "none")
+    run.wait_for("hung: `a.running` has run for")
+    run.wait_for("(line 2)")
+    run.wait_for("i: interrupt the block")
+    run.press("i")
+    run.wait_for("LRP611")
+    run.press("q")
+    run.wait_for("1 issue")
     assert run.end() == 0
 
 

@@ -10,6 +10,7 @@ from seeds import seeds
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.panel import Panel, Question
+from lrp_jupyter.cli import pace, run
 
 COUNT = """(var n := [0])
 (machine counter
@@ -306,3 +307,31 @@ def test_the_address_of_a_robot_has_an_option_of_its_own(lrp, program):
     Recorder.log.clear()
     lrp("run", program(DRIVE), "--bridge", "recorder", "--host", "10.0.0.1", "--for", "0.1")
     assert Recorder.log[0] == ("made", 1, "10.0.0.1")
+
+
+@pytest.mark.parametrize("speed", ["1", "max"])
+@pytest.mark.parametrize("block", ["while True: pass", "import time; time.sleep(60)"])
+def test_a_run_of_limited_length_ends_though_a_block_does_not_return(lrp, program, monkeypatch, speed, block):
+    monkeypatch.setattr(pace, "LIMIT", 2.5)
+    text = "(machine m\n  (state a (running [" + block + "])))\n(spawn m a)\n"
+    result = lrp("run", program(text), "--for", "1", "--speed", speed, "--bridge", "none")
+    assert result.exit_code == 1
+    assert "hung: `a.running` has run for" in result.stderr
+    assert "(line 2)" in result.stderr
+    assert "ended the run" in result.stderr
+
+
+def test_a_block_that_does_not_return_is_interrupted_by_a_save(lrp, program, monkeypatch):
+    endless = COUNT.replace("n += 1", "while True: pass")
+    file = program(endless)
+    begun = []
+
+    def repair(board, *_):
+        if not begun:
+            begun.append(file.write_text(COUNT))
+
+    monkeypatch.setattr(run._Run, "_print_hang", lambda self, frame: frame.hung and repair(self))
+    result = lrp("run", file, "--watch", "--until", "two", "--bridge", "none")
+    assert result.exit_code == 0
+    assert "saved: restarted" in result.stdout
+    assert "LRP611" in result.stdout
