@@ -14,6 +14,7 @@ from lrp_jupyter.language.checks.python import check_python
 from lrp_jupyter.language.checks.reachability import check_reachability
 from lrp_jupyter.language.checks.references import check_references
 from lrp_jupyter.language.checks.report import Reporter
+from lrp_jupyter.language.checks.waiting import check_waiting
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program
 from lrp_jupyter.language.resolution import resolve
@@ -49,6 +50,7 @@ def check(text_or_program: str | Program, names: Collection[str] = ()) -> tuple[
     check_names(report, resolution)
     check_reachability(report, resolution, check_references(report, resolution))
     check_python(report, resolution)
+    check_waiting(report, resolution)
     first = sorted(report.findings, key=lambda finding: finding.severity != "error")[:MOST_FINDINGS]
     return listed(sorted(first, key=_place), len(report.findings))
 

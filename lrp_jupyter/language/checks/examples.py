@@ -508,4 +508,47 @@ a robot that waits
 (machine m (state a (running [print('ready')])))
 (spawn m a)
 """,
+    "LRP540": """
+(machine m (state a (running [while True: robot.move(linear=0.1)])))
+(spawn m a)
+---
+(machine m (state a (running [robot.move(linear=0.1)])))
+(spawn m a)
+""",
+    "LRP541": """
+(machine m
+  (state a (running [while robot.distance.data > 0.3: robot.move(linear=0.1)]))
+  (state b)
+  (ontime 9000 a -> b))
+(spawn m a)
+---
+(machine m
+  (state a (running [robot.move(linear=0.1)]))
+  (state b)
+  (on [robot.distance.data <= 0.3] a -> b))
+(spawn m a)
+""",
+    "LRP542": """
+(machine m (state a (onentry [
+  import time
+  robot.move(linear=0.1)
+  time.sleep(2)
+  robot.stop()])))
+(spawn m a)
+---
+(machine m
+  (state a (running [robot.move(linear=0.1)]))
+  (state b (onentry [robot.stop()]))
+  (ontime 2000 a -> b))
+(spawn m a)
+""",
+    "LRP543": """
+(var speed := [float(input("How fast? "))])
+(machine m (state a (running [robot.move(linear=speed)])))
+(spawn m a)
+---
+(var speed := [0.1])
+(machine m (state a (running [robot.move(linear=speed)])))
+(spawn m a)
+""",
 }

@@ -346,6 +346,33 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "A call needs parentheses, arguments need commas, and the parts of a name are joined by points.",
     ),
     (
+        "LRP540",
+        "warning",
+        "Loop without a way out",
+        "A block runs within one tick: while it loops, nothing else runs and no edit is applied. `running` "
+        "is repeated at every tick, so it needs no loop of its own.",
+    ),
+    (
+        "LRP541",
+        "warning",
+        "Loop that waits for a change",
+        "Sensors are read once per tick and variables are changed by blocks only, so inside the loop the "
+        "condition keeps its value. States wait: a transition tests the condition at every tick.",
+    ),
+    (
+        "LRP542",
+        "warning",
+        "Sleeping block",
+        "A block runs within one tick: while it sleeps, nothing else runs, no edit is applied and the robot "
+        "keeps its last command. States wait, with `ontime`.",
+    ),
+    (
+        "LRP543",
+        "warning",
+        "Block that waits for typing",
+        "A program is not asked questions while it runs. Its variables can be set at any time.",
+    ),
+    (
         "LRP601",
         "error",
         "Exception in a block",

@@ -1,0 +1,181 @@
+"""540 to 543: blocks that wait, and so hold up the whole program: endless loops, sleeping, typing.
+
+Paper: §5.1 (a block runs within one tick).
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from functools import lru_cache
+from itertools import chain
+from typing import NamedTuple
+
+from lrp_jupyter.language.blocks import read
+from lrp_jupyter.language.checks.report import Reporter
+from lrp_jupyter.language.names import Offsets
+from lrp_jupyter.language.program import Span
+from lrp_jupyter.language.resolution import Resolution
+
+__all__ = ["check_waiting"]
+
+_MESSAGES = {
+    "LRP540": (
+        "This loop has no way out, so its block never returns and holds up the whole program. "
+        "Remove the loop, because `running` is repeated at every tick, or add a `break`."
+    ),
+    "LRP541": (
+        "Nothing in this loop changes its condition, because sensors are read once per tick, so it never "
+        "ends. Use a state, and a transition that tests the condition."
+    ),
+    "LRP542": (
+        "This holds up the whole program: until it returns, nothing else runs and no edit is applied. "
+        "Use a state, and `ontime`."
+    ),
+    "LRP543": (
+        "`input` waits until someone types, and holds up the whole program. Declare a variable, and set its "
+        "value while the program runs."
+    ),
+}
+_PURE = frozenset({"abs", "bool", "float", "int", "len", "max", "min", "round", "sum"})
+"""Functions whose values depend on their arguments alone."""
+_SIGNS = ("while", "sleep", "input")
+_FUNCTIONS = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
+
+
+class _Wait(NamedTuple):
+    """A place where a block waits; `name` is the outside name on which that depends, or empty."""
+
+    code: str
+    span: Span
+    name: str = ""
+
+
+def check_waiting(report: Reporter, names: Resolution) -> None:
+    """Report the blocks of a program that wait."""
+    for place in chain.from_iterable(names.blocks.values()):
+        start = place.block.span.start + 1
+        for code, span, name in _waits(place.block.text):
+            if name not in place.visible:  # a variable of the program may have any value
+                report.add(code, Span(start + span.start, start + span.end), _MESSAGES[code])
+
+
+@lru_cache(maxsize=20_000)
+def _waits(text: str) -> tuple[_Wait, ...]:
+    if not any(sign in text for sign in _SIGNS):
+        return ()
+    try:
+        tree, suite, source, _ = read(text)
+    except SyntaxError:  # only in a program built by hand; the parser rejects such a block
+        return ()
+    return tuple(_Block(tree, Offsets(source), suite.shift).waits())
+
+
+class _Block:
+    """The tree of a block, and what is imported and called in it."""
+
+    def __init__(self, tree: ast.Module, offsets: Offsets, shift: int) -> None:
+        self._tree = tree
+        self._offsets = offsets
+        self._shift = shift
+        nodes = list(ast.walk(tree))
+        self._called = {n.func.id for n in nodes if isinstance(n, ast.Call) and isinstance(n.func, ast.Name)}
+        self._stored = {n.id for n in nodes if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store)}
+        self._imported: dict[str, str] = {}
+        for node in nodes:
+            if isinstance(node, ast.Import | ast.ImportFrom):
+                module = f"{node.module}." if isinstance(node, ast.ImportFrom) else ""
+                for alias in node.names:
+                    self._imported[alias.asname or alias.name] = module + alias.name
+
+    def waits(self) -> Iterator[_Wait]:
+        """Yield the places where the block waits, in what runs when the block runs."""
+        nodes: list[tuple[ast.AST, bool]] = [(statement, False) for statement in reversed(self._tree.body)]
+        while nodes:
+            node, caught = nodes.pop()
+            if isinstance(node, _FUNCTIONS) and getattr(node, "name", "") not in self._called:
+                continue  # it may run on a thread of its own
+            if isinstance(node, ast.While):
+                yield from self._loop(node, caught)
+            elif isinstance(node, ast.Call):
+                yield from self._call(node)
+            caught = caught or (isinstance(node, ast.Try) and bool(node.handlers))
+            nodes += [(child, caught) for child in reversed(list(ast.iter_child_nodes(node)))]
+
+    def _loop(self, loop: ast.While, caught: bool) -> Iterator[_Wait]:
+        if caught or _has_way_out(loop):
+            return
+        if isinstance(loop.test, ast.Constant):
+            code = "LRP540" if loop.test.value else ""
+        else:
+            code = "LRP541" if self._never_changes(loop) else ""
+        if code:
+            yield _Wait(code, self._span(loop, loop.test))
+
+    def _never_changes(self, loop: ast.While) -> bool:
+        """Return whether the condition of a loop has the same value each time, for certain."""
+        read: set[str] = set()
+        for node in ast.walk(loop.test):
+            if isinstance(node, ast.Call):
+                if not (isinstance(node.func, ast.Name) and node.func.id in _PURE):
+                    return False
+            elif isinstance(node, ast.Name):
+                read.add(node.id)
+            elif isinstance(node, ast.NamedExpr | ast.Await | ast.Yield | ast.YieldFrom | ast.GeneratorExp):
+                return False
+        read -= _PURE
+        body = [node for statement in loop.body for node in ast.walk(statement)]
+        calls = [node for node in body if isinstance(node, ast.Call)]
+        if read == {"robot"}:
+            return not any(isinstance(node, ast.Name) and node.id == "robot" for node in _stored(body))
+        return not calls and not any(_root(node) in read for node in _stored(body))
+
+    def _call(self, call: ast.Call) -> Iterator[_Wait]:
+        name = ast.unparse(call.func) if isinstance(call.func, ast.Name | ast.Attribute) else ""
+        root, dot, rest = name.partition(".")
+        whole = self._imported.get(root, root) + dot + rest
+        outside = "" if root in self._imported else root
+        if whole == "time.sleep":
+            yield _Wait("LRP542", self._span(call, call.func), outside)
+        elif whole == "input" and root not in self._stored:
+            yield _Wait("LRP543", self._span(call, call.func), outside)
+
+    def _span(self, first: ast.expr | ast.stmt, last: ast.expr) -> Span:
+        return Span(self._offsets.start_of(first) + self._shift, self._offsets.end_of(last) + self._shift)
+
+
+def _has_way_out(loop: ast.While) -> bool:
+    """Return whether a loop may be left by `break`, `return`, an exception or another task."""
+    nodes: list[tuple[ast.AST, bool]] = [(statement, False) for statement in loop.body]
+    while nodes:
+        node, inner = nodes.pop()
+        if isinstance(node, ast.Return | ast.Raise | ast.Assert | ast.Await | ast.Yield | ast.YieldFrom):
+            return True
+        if isinstance(node, ast.Break) and not inner:
+            return True
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in _ENDING:
+            return True
+        if isinstance(node, _FUNCTIONS | ast.ClassDef):
+            continue
+        if isinstance(node, ast.While | ast.For | ast.AsyncFor):
+            nodes += [(child, True) for child in node.body]
+            nodes += [(child, inner) for child in node.orelse]
+        else:
+            nodes += [(child, inner) for child in ast.iter_child_nodes(node)]
+    return False
+
+
+_ENDING = frozenset({"exit", "quit", "next"})
+"""Functions that end a loop by an exception."""
+
+
+def _stored(nodes: list[ast.AST]) -> list[ast.expr]:
+    """Return the names, attributes and items that are assigned or deleted."""
+    kinds = ast.Name | ast.Attribute | ast.Subscript
+    return [node for node in nodes if isinstance(node, kinds) and not isinstance(node.ctx, ast.Load)]
+
+
+def _root(node: ast.expr) -> str:
+    while isinstance(node, ast.Attribute | ast.Subscript):
+        node = node.value
+    return node.id if isinstance(node, ast.Name) else ""
