@@ -32,12 +32,12 @@ if TYPE_CHECKING:
     from lrp_jupyter.interpreter.frame import Frame as Frame
     from lrp_jupyter.interpreter.interpreter import Interpreter as Interpreter
     from lrp_jupyter.interpreter.issues import Issue as Issue
-    from lrp_jupyter.language.checks import check as check
     from lrp_jupyter.language.diff import diff as diff
     from lrp_jupyter.language.parser import parse as parse
     from lrp_jupyter.language.printer import to_source as to_source
     from lrp_jupyter.language.program import Machine as Machine
     from lrp_jupyter.language.program import Program as Program
+    from lrp_jupyter.live.checking import check as check
     from lrp_jupyter.live.clock import VirtualClock as VirtualClock
     from lrp_jupyter.live.session import Session as Session
     from lrp_jupyter.sim import World as World
@@ -65,11 +65,11 @@ _HOMES = {
     "interpreter.frame": ("Frame",),
     "interpreter.interpreter": ("Interpreter",),
     "interpreter.issues": ("Issue",),
-    "language.checks": ("check",),
     "language.diff": ("diff",),
     "language.parser": ("parse",),
     "language.printer": ("to_source",),
     "language.program": ("Machine", "Program"),
+    "live.checking": ("check",),
     "live.clock": ("VirtualClock",),
     "grading.grade": ("grade",),
     "live.session": ("Session",),

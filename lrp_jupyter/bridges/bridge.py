@@ -114,6 +114,9 @@ class Bridge(Interface, ABC):
         `advance` only. None where time passes by itself.
     stop_timeout : float or None
         Seconds that `stop` may take; None where it cannot block and is called directly.
+    complete : bool
+        Whether `add_members` adds every member that there will be, so that a program which uses another one
+        is wrong, and the checks say so before it runs.
     robot : Robot
         What a program sees.
     safety : Safety
@@ -121,6 +124,7 @@ class Bridge(Interface, ABC):
     """
 
     time_step: ClassVar[float | None] = None
+    complete: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Bridge]]] = {}
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -146,6 +150,12 @@ class Bridge(Interface, ABC):
     _opened_panel: Panel | None
 
     # -- what the author of a bridge writes -------------------------------------------------------
+
+    def add_members(self) -> None:
+        """Add the members that are known without a connection; called before `open_interface`.
+
+        It must not connect: the checks call it for a bridge that is never opened. Default: none.
+        """
 
     @abstractmethod
     def open_interface(self) -> Panel | None:
@@ -255,6 +265,7 @@ class Bridge(Interface, ABC):
             return self.panel()
         self.set_status(ConnectionState.CONNECTING)
         try:
+            self.add_members()
             self._opened_panel = self.open_interface()
         except Exception as error:
             sentence = sentence_of(error)

@@ -109,6 +109,7 @@ class SimBridge(Bridge):
     name = "sim"
     hardware = False
     time_step = STEP
+    complete = True
     stop_timeout = None
 
     def __init__(
@@ -136,7 +137,7 @@ class SimBridge(Bridge):
 
     # -- the robot --------------------------------------------------------------------------------
 
-    def open_interface(self) -> Panel | None:
+    def add_members(self) -> None:
         """Register the members of this world's robot."""
         robot = self.simulation.robot
         spec = robot.spec
@@ -153,7 +154,10 @@ class SimBridge(Bridge):
             )
         if spec.bumper:
             self.add_variable(
-                "bumper.data", lambda: self._robot.readings.bumper, "1 pressed, 0 free", type=int
+                "bumper.data",
+                lambda: bool(self._robot.readings.bumper),
+                "True pressed, False free",
+                type=bool,
             )
         if spec.distance:
             self.add_variable(
@@ -186,7 +190,10 @@ class SimBridge(Bridge):
         )
         self.add_method("stop", lambda: self.simulation.drive(), "stand still", velocity=True)
         self.add_method("pen", self._pen, "lower the pen (True) or lift it (False): it leaves a trail")
-        self.simulation.latch()  # so that there is something to see before the first tick
+
+    def open_interface(self) -> Panel | None:
+        """Read the sensors, so that there is something to see before the first tick."""
+        self.simulation.latch()
         return None
 
     @property
@@ -297,6 +304,7 @@ class SimBridge(Bridge):
         self.simulation = self._simulate(world, seed)
         if self.is_open:
             self.nodes.clear()
+            self.add_members()
             self.open_interface()
 
     def reset_world(self, drawings: bool = False) -> None:

@@ -192,6 +192,13 @@ def check(
     fix: Annotated[
         bool, typer.Option("--fix", help="Apply every certain fix, write the files, and check again.")
     ] = False,
+    bridge: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help="Check for this robot: see `lrp bridges`. Default: that of the world named in the text.",
+        ),
+    ] = None,
 ) -> None:
     """Check programs without running them.
 
@@ -200,7 +207,7 @@ def check(
     """
     from lrp_jupyter.cli.offline import check_files
 
-    raise typer.Exit(check_files(files, form is Findings.json, fix))
+    raise typer.Exit(check_files(files, form is Findings.json, fix, bridge))
 
 
 @app.command()

@@ -11,6 +11,7 @@ from typing import Any, Literal
 
 from rich.text import Text
 
+from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
 from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.source import Source, UnreadableError, read_source
@@ -19,6 +20,8 @@ from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program, path_text
+from lrp_jupyter.language.robot import RobotMembers
+from lrp_jupyter.live.checking import members_of, members_of_world
 
 __all__ = ["Format", "check_files", "draw_graph", "grade_file"]
 
@@ -27,11 +30,13 @@ _MOST_FIXES = 1000
 _SUFFIXES: dict[str, Format] = {".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".json": "json"}
 
 
-def check_files(files: Sequence[str], as_json: bool, fix: bool = False) -> int:
+def check_files(files: Sequence[str], as_json: bool, fix: bool = False, bridge: str | None = None) -> int:
     """Print the findings of files; return the exit code: 1 with errors, 2 if a file is unreadable.
 
+    Each is checked for the robot of a bridge or, by default, of the world that its text names.
     With `fix`, the certain fixes are applied first, and the files are written again.
     """
+    robot = None if bridge is None else members_of(make_bridge(choose_bridge(bridge)))
     console, complaints = plain_console(), plain_console(stderr=True)
     found: list[Finding] = []
     lines: list[dict[str, Any]] = []
@@ -40,13 +45,13 @@ def check_files(files: Sequence[str], as_json: bool, fix: bool = False) -> int:
         try:
             source = read_source(file)
             if fix:
-                source, done = _fixed(source)
+                source, done = _fixed(source, robot)
                 (complaints if as_json else console).print(done, end="")
         except (UnreadableError, FileError) as error:
             complaints.print(f"lrp: {error}")
             unreadable = True
             continue
-        findings = check(source.text)
+        findings = _check(source, robot)
         found += findings
         for finding in findings:
             lines.append(_as_dict(source.name, finding))
@@ -62,22 +67,27 @@ def check_files(files: Sequence[str], as_json: bool, fix: bool = False) -> int:
     return 2 if unreadable else int(any(finding.severity == "error" for finding in found))
 
 
-def _fixed(source: Source) -> tuple[Source, Text]:
+def _check(source: Source, robot: RobotMembers | None) -> tuple[Finding, ...]:
+    """Return the findings of a file, for a robot or, by default, that of its world."""
+    return check(source.text, robot=robot or (members_of_world(source.world) if source.world else None))
+
+
+def _fixed(source: Source, robot: RobotMembers | None) -> tuple[Source, Text]:
     """Apply the certain fixes of a file, one after the other; return it, and what was done."""
     if source.path is None:
         raise UnreadableError(f"`{source.name}` is not a file, so it cannot be corrected. Save it as one.")
-    text, done = source.text, Text()
+    fixed, done = source, Text()
     for _ in range(_MOST_FIXES):
-        finding = next((each for each in check(text) if each.fix), None)
+        finding = next((each for each in _check(fixed, robot) if each.fix), None)
         if finding is None or finding.fix is None:
             break
         done.append(f"{source.name}:{finding.line}:{finding.column}: ", "bold")
         done.append("fixed", "green")
         done.append(f" {finding.code}: {finding.message} ({finding.fix.title})\n")
-        text = finding.fix.apply(text)
-    if text != source.text:
-        write_file(source.path.resolve(), text)
-    return source._replace(text=text), done
+        fixed = fixed._replace(text=finding.fix.apply(fixed.text))
+    if fixed.text != source.text:
+        write_file(source.path.resolve(), fixed.text)
+    return fixed, done
 
 
 def _as_dict(name: str, finding: Finding) -> dict[str, Any]:

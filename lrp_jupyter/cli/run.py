@@ -38,7 +38,6 @@ from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, recorded_signals
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.frame import Frame, matches
-from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live import commands as do
@@ -174,7 +173,7 @@ class _Run:
             if wanted.watch and self.source.path is not None:
                 stack.callback(Watch(self.source.path, self.source.text, self._saved.put).close)
             if program is not None:
-                _report(self.print, self.source.name, program.text, check(program))
+                _report(self.print, self.source.name, program.text, session.check(program))
             if self._board is not None:
                 stack.enter_context(self._board)
             began = perf_counter()
@@ -377,7 +376,7 @@ class _Run:
             self.print(Text(f"{head}applied while it runs: {patch.changes}", "green"))
         if self._keys is None and self.pace.is_paused():  # at an issue, and there is no keyboard
             self.pace.resume()
-        _report(self.print, self.source.name, text, check(text))
+        _report(self.print, self.source.name, text, self.session.check(text))
 
     # -- the end ------------------------------------------------------------------------------------
 

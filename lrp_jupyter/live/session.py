@@ -62,7 +62,9 @@ from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.program import Finding, Path, Program
+from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.checking import members_of
 from lrp_jupyter.live.clock import Clock, MonotonicClock
 from lrp_jupyter.live.driver import Driver
 from lrp_jupyter.live.foreign import surviving
@@ -145,6 +147,7 @@ class Session:
         """The findings of the checks about the last text."""
         self._text = program.text
         self.bridge = make_bridge(bridge, **options) if isinstance(bridge, str) else bridge
+        self._members: tuple[object, RobotMembers] = self.bridge.nodes.table, members_of(self.bridge)
         interpreter = Interpreter(
             program,
             robot=self.bridge.robot,
@@ -444,16 +447,25 @@ class Session:
             nothing: Future[Any] = Future()
             nothing.set_result(None)
             return None, nothing
-        self.findings = self._check(program)
+        self.findings = self.check(program)
         link(program)  # here and now, so that the loop stands still only for the swap of plans
         return program, self._driver.ask(do.ReplaceProgram(program))
 
-    def _check(self, program: Program) -> tuple[Finding, ...]:
+    def check(self, program: Program | str) -> tuple[Finding, ...]:
+        """Return the findings about a program, for the robot and the namespace of this session."""
         try:
-            return check(program, self.namespace)
+            return check(program, self.namespace, self._robot_members())
         except Exception as error:  # a fault of the checks is reported as such and does not block the edit
             message = f"The checks themselves failed, not the program: {sentence_of(error)}"
             return (Finding("LRP699", "warning", message, 1, 1, 1, 1),)
+
+    def _robot_members(self) -> RobotMembers:
+        table, members = self._members
+        if self.bridge.is_open and table is not self.bridge.nodes.table:  # a new table after every change
+            table = self.bridge.nodes.table
+            members = members_of(self.bridge)
+            self._members = table, members
+        return members
 
     def save(self, path: str | FilePath) -> None:
         """Write the text to a file, with its own line ends: as a whole or not at all.

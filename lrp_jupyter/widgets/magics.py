@@ -20,7 +20,6 @@ from lrp_jupyter.bridges.discovery import find_bridges
 from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.graph.still import svg
-from lrp_jupyter.language.checks import check
 from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
@@ -211,7 +210,7 @@ class LRPMagics(Magics):
     def check(self, rest: list[str]) -> None:
         """Print the findings of the checks."""
         connection = _the(rest)
-        found = check(connection.texts.text, self._names)
+        found = connection.session.check(connection.texts.text)
         print("\n".join(str(finding) for finding in found) or f"`{connection.name}` has no findings.")  # noqa: T201
 
     def graph(self, rest: list[str]) -> None:

@@ -18,7 +18,6 @@ from typing import Any
 
 from lrp_jupyter.errors import FileError, SessionClosedError
 from lrp_jupyter.files import read_file, write_file
-from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
@@ -261,7 +260,7 @@ class Texts:
         """Check a text that is not offered to the session."""
         self.noun, self.findings = scan(text, f"<lrp {self._session.name}>")
         if self.noun is not None:
-            self.findings = check(self.noun, self._session.namespace)
+            self.findings = self._session.check(self.noun)
 
     # -- out: the publisher's thread ---------------------------------------------------------------
 

@@ -28,7 +28,7 @@ EXAMPLES = [code for code in CODES.values() if code.example]
 
 @pytest.mark.parametrize("code", EXAMPLES, ids=lambda code: code.code)
 def test_an_example_has_its_code_and_no_other(code: Code) -> None:
-    findings = check(code.example)
+    findings = lrp_jupyter.check(code.example)
     assert {(finding.code, finding.severity) for finding in findings} == {(code.code, code.severity)}
     for finding in findings:
         assert re.fullmatch(r"(`|[A-Z]).*[.?]", finding.message)
@@ -36,7 +36,7 @@ def test_an_example_has_its_code_and_no_other(code: Code) -> None:
 
 @pytest.mark.parametrize("code", EXAMPLES, ids=lambda code: code.code)
 def test_a_repaired_example_has_no_findings(code: Code) -> None:
-    assert check(code.repaired) == ()
+    assert lrp_jupyter.check(code.repaired) == ()
 
 
 def test_every_code_has_an_example_or_belongs_to_a_running_program() -> None:
@@ -518,7 +518,7 @@ def test_errors_are_listed_before_what_may_be_right():
 
 def test_names_are_compared_within_bounds(monkeypatch):
     compared = []
-    monkeypatch.setattr(report, "_nearest", lambda name, known: compared.append(len(known)))
+    monkeypatch.setattr(report, "nearest", lambda name, known: compared.append(len(known)))
     check(
         "(machine m " + " ".join(f"(state a{i}) (eps a{i} -> b{i})" for i in range(1000)) + ") (spawn m a0)"
     )

@@ -51,7 +51,11 @@ MISTAKES = [
     ("edit it live", [HELLO, HELLO.replace("linear=forward", "linear=0.1")], "its `running` changed"),
     ("edit it live", [HELLO, HELLO.replace("driver left)", "driver left")], "Correct the text first"),
     ("bump and stay", CAREFUL.replace("(on bump driving -> stopped)", ""), "robot keeps pushing"),
-    ("bump and stay", CAREFUL.replace(" == 1", ""), "A condition must be True or False"),
+    (
+        "bump and stay",
+        CAREFUL.replace("bumper.data == 1", "distance.data"),
+        "A condition must be True or False",
+    ),
     ("bump and stay", CAREFUL.replace("(spawn careful driving)", ""), "Nothing was active"),
     ("bump and stay", CAREFUL.replace("robot.move(linear=0.2)", ""), "never received a command"),
     ("bump and stay", CAREFUL.replace("(state stopped)", "(state stopped"), "Correct the text first"),

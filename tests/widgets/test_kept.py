@@ -400,7 +400,7 @@ def test_other_names_are_usable(name):
 
 @pytest.mark.parametrize("seed", range(30))
 def test_whatever_happens_no_text_is_lost(cell, tmp_path, seed):
-    """A text is found after each step: present, asked about, or a version; those of cells are in their cells."""
+    """Each text is present, asked about, or a version; those of cells are in their cells."""
     chance = random.Random(seed)
     file = tmp_path / ".lrp" / "mine.lrp"
     connection = cell(A)

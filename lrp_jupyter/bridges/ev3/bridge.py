@@ -48,6 +48,7 @@ class EV3Bridge(Bridge):
     """
 
     name = "ev3"
+    complete = True
     stop_timeout = 0.8
 
     def __init__(
@@ -104,7 +105,6 @@ class EV3Bridge(Bridge):
             self.link.search()
         else:
             self.link.open()
-        self._add_members()
         return self.panel()
 
     def close_interface(self) -> None:
@@ -135,7 +135,9 @@ class EV3Bridge(Bridge):
         snapshot = self.link.snapshot
         return None if snapshot.reading is None else time.monotonic() - snapshot.time
 
-    def _add_members(self) -> None:
+    def add_members(self) -> None:
+        """Add the motors, the sensors and what the brick itself offers."""
+
         def variable(name: str, getter: Callable[[], object], doc: str, unit: str, kind: type | str) -> None:
             self.add_variable(name, getter, doc, unit, type=kind, age=self._age)
 

@@ -18,11 +18,14 @@ from lrp_jupyter.language.checks.waiting import check_waiting
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program
 from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.language.robot import RobotMembers
 
 __all__ = ["CODES", "Code", "check"]
 
 
-def check(text_or_program: str | Program, names: Collection[str] = ()) -> tuple[Finding, ...]:
+def check(
+    text_or_program: str | Program, names: Collection[str] = (), robot: RobotMembers | None = None
+) -> tuple[Finding, ...]:
     """Return the findings about a program, without running it.
 
     Parameters
@@ -31,6 +34,8 @@ def check(text_or_program: str | Program, names: Collection[str] = ()) -> tuple[
         A text that is not a valid program has only the parser's findings.
     names : collection of str
         Names in the session's namespace, such as a notebook's functions and imports.
+    robot : RobotMembers, optional
+        The members of the robot that the program is for, if they are known.
 
     Returns
     -------
@@ -49,7 +54,7 @@ def check(text_or_program: str | Program, names: Collection[str] = ()) -> tuple[
     resolution = resolve(program)
     check_names(report, resolution)
     check_reachability(report, resolution, check_references(report, resolution))
-    check_python(report, resolution)
+    check_python(report, resolution, robot)
     check_waiting(report, resolution)
     first = sorted(report.findings, key=lambda finding: finding.severity != "error")[:MOST_FINDINGS]
     return listed(sorted(first, key=_place), len(report.findings))

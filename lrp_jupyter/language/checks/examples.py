@@ -508,6 +508,77 @@ a robot that waits
 (machine m (state a (running [print('ready')])))
 (spawn m a)
 """,
+    "LRP520": """
+; world: line
+(machine m (state a (running [robot.moove(linear=0.2)])))
+(spawn m a)
+---
+; world: line
+(machine m (state a (running [robot.move(linear=0.2)])))
+(spawn m a)
+""",
+    "LRP521": """
+; world: line
+(machine m (state a (running [robot.move(lineal=0.2)])))
+(spawn m a)
+---
+; world: line
+(machine m (state a (running [robot.move(linear=0.2)])))
+(spawn m a)
+""",
+    "LRP522": """
+; world: line
+(machine m (state a) (state b)
+  (on [robot.distance < 0.3] a -> b))
+(spawn m a)
+---
+; world: line
+(machine m (state a) (state b)
+  (on [robot.distance.data < 0.3] a -> b))
+(spawn m a)
+""",
+    "LRP523": """
+; world: line
+(machine m (state a (running [robot.light = 0])))
+(spawn m a)
+---
+; world: line
+(machine m (state a (running [print(robot.light.data)])))
+(spawn m a)
+""",
+    "LRP524": """
+; world: line
+(machine m (state a) (state b)
+  (on [robot.light.data() < 50] a -> b))
+(spawn m a)
+---
+; world: line
+(machine m (state a) (state b)
+  (on [robot.light.data < 50] a -> b))
+(spawn m a)
+""",
+    "LRP525": """
+; world: line
+(machine m (state a) (state b)
+  (on [robot.light.data < "50"] a -> b))
+(spawn m a)
+---
+; world: line
+(machine m (state a) (state b)
+  (on [robot.light.data < 50] a -> b))
+(spawn m a)
+""",
+    "LRP526": """
+; world: line
+(machine m (state a) (state b)
+  (on [robot.light.data == "black"] a -> b))
+(spawn m a)
+---
+; world: line
+(machine m (state a) (state b)
+  (on [robot.light.data < 50] a -> b))
+(spawn m a)
+""",
     "LRP540": """
 (machine m (state a (running [while True: robot.move(linear=0.1)])))
 (spawn m a)

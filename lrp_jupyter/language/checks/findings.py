@@ -346,6 +346,48 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "A call needs parentheses, arguments need commas, and the parts of a name are joined by points.",
     ),
     (
+        "LRP520",
+        "error",
+        "Unknown member of the robot",
+        "The robot has only the members that its bridge offers; in a simulated world, those of its robot.",
+    ),
+    (
+        "LRP521",
+        "error",
+        "Wrong arguments of a method of the robot",
+        "A method accepts the arguments that its signature names. Numbers of a command are passed by name.",
+    ),
+    (
+        "LRP522",
+        "error",
+        "Sensor instead of its value",
+        "`robot.distance` is the sensor; its value is `robot.distance.data`.",
+    ),
+    (
+        "LRP523",
+        "error",
+        "Member of the robot assigned",
+        "Readings are only read and methods are only called. Values are kept in variables.",
+    ),
+    (
+        "LRP524",
+        "error",
+        "Value called, or method not called",
+        "A reading is written without parentheses, and a method does nothing without them.",
+    ),
+    (
+        "LRP525",
+        "error",
+        "Values that cannot be compared",
+        "A number is neither smaller nor larger than a text.",
+    ),
+    (
+        "LRP526",
+        "warning",
+        "Comparison that never changes",
+        "Values of different kinds are never equal.",
+    ),
+    (
         "LRP540",
         "warning",
         "Loop without a way out",

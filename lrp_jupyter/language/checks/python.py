@@ -12,8 +12,11 @@ from itertools import chain
 from lrp_jupyter.language.checks.facts import Facts, facts_of
 from lrp_jupyter.language.checks.names import BUILTINS
 from lrp_jupyter.language.checks.report import Reporter, replace
-from lrp_jupyter.language.program import Block, Span, path_text
+from lrp_jupyter.language.checks.robot import check_robot
+from lrp_jupyter.language.checks.uses import robot_uses
+from lrp_jupyter.language.program import Block, Edit, Fix, Span, path_text
 from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
+from lrp_jupyter.language.robot import RobotMembers
 
 __all__ = ["check_python"]
 
@@ -22,14 +25,15 @@ _SPELT = {"nil": "None", "null": "None", "undefined": "None", "self": "robot"}
 """Names from other languages, for which `difflib` would find no similar name."""
 
 
-def check_python(report: Reporter, names: Resolution) -> None:
+def check_python(report: Reporter, names: Resolution, robot: RobotMembers | None) -> None:
     """Report what is wrong inside the blocks of a program."""
-    _Python(report, names).check()
+    _Python(report, names, robot).check()
 
 
 class _Python:
-    def __init__(self, report: Reporter, names: Resolution) -> None:
+    def __init__(self, report: Reporter, names: Resolution, robot: RobotMembers | None) -> None:
         self.report = report
+        self.robot = robot
         self.scopes = names.scopes
         self.blocks = tuple(chain.from_iterable(names.blocks.values()))
         self.known = BUILTINS | _PROVIDED | set(report.names)
@@ -38,7 +42,33 @@ class _Python:
         for place in self.blocks:
             facts = facts_of(place.block.text)
             self._names(place, facts)
-            self._values(place, facts)
+            self._values(place, facts, self._robot(place))
+
+    # The robot
+
+    def _robot(self, place: PlacedBlock) -> set[Span]:
+        """Report wrong uses of the robot; return their places."""
+        if self.robot is None or "robot" in place.visible:
+            return set()
+
+        def is_number(name: str) -> bool:
+            scope = place.visible.get(name)
+            literal = facts_of(scope.variables[name].initial.text).literal if scope else None
+            return literal is not None and literal[0] == "a number"
+
+        wrong = set()
+        is_condition, is_action = place.purpose == "condition", place.purpose == "action"
+        for use in robot_uses(place.block.text):
+            remedied = check_robot(use, self.robot, is_condition, is_action, is_number)
+            if remedied is not None:
+                wrong.add(use.span)
+                code, span, message, fix = remedied
+                start = place.block.span.start + 1
+                if fix is not None:
+                    edits = tuple(Edit(edit.start + start, edit.end + start, edit.text) for edit in fix.edits)
+                    fix = Fix(fix.title, edits)
+                self.report.add(code, _shifted(place.block, span), message, fix)
+        return wrong
 
     # Names
 
@@ -106,7 +136,7 @@ class _Python:
 
     # Values
 
-    def _values(self, place: PlacedBlock, facts: Facts) -> None:
+    def _values(self, place: PlacedBlock, facts: Facts, wrong: set[Span]) -> None:
         used = place.purpose != "action"
         for remark in facts.comparisons:
             if not (used and remark.last):
@@ -119,7 +149,7 @@ class _Python:
                 message = f"This only compares, and the result is not used. {remedy}."
                 self._add("LRP504", place, remark.span, message, fix, remark.edit)
         for remark in facts.uncalled:
-            if not (used and remark.last):
+            if not (used and remark.last) and remark.span not in wrong:
                 text = place.block.text[slice(*remark.span)]
                 message = (
                     f"This only names `{text}` and does nothing. Write `{text}()` to call it, or remove it."

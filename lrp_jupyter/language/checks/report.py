@@ -9,7 +9,7 @@ from functools import lru_cache
 from lrp_jupyter.language.checks.findings import CODES
 from lrp_jupyter.language.program import Edit, Finding, Fix, Name, Program, Span
 
-__all__ = ["COMPARED", "Reporter", "replace"]
+__all__ = ["COMPARED", "Reporter", "nearest", "replace"]
 
 COMPARED = 30_000
 """How many names one check compares, to suggest the most similar one."""
@@ -56,7 +56,7 @@ class Reporter:
             return None
         names = frozenset(map(str, known))
         self._compared += len(names)
-        return _nearest(str(name), names)
+        return nearest(str(name), names)
 
     def line(self, span: Span) -> int:
         """Return the line in which a range begins."""
@@ -69,6 +69,7 @@ def replace(span: Span, text: str) -> Fix:
 
 
 @lru_cache(maxsize=500)
-def _nearest(name: str, known: frozenset[str]) -> str | None:
+def nearest(name: str, known: frozenset[str]) -> str | None:
+    """Return the known name most similar to `name`, if one is similar."""
     same = sorted(other for other in known if other.lower() == name.lower())
     return next(iter(same or get_close_matches(name, sorted(known), n=1, cutoff=0.7)), None)

@@ -1,0 +1,207 @@
+"""The uses of `robot` in a block, and what is done with each."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator
+from functools import lru_cache
+from typing import Literal, NamedTuple
+
+from lrp_jupyter.language.blocks import read
+from lrp_jupyter.language.names import Offsets
+from lrp_jupyter.language.program import Span
+from lrp_jupyter.language.suites import children
+
+__all__ = ["Argument", "Other", "RobotCall", "RobotUse", "robot_uses"]
+
+Role = Literal[
+    "read", "called", "assigned", "deleted", "stated", "compared", "computed", "tested", "value", "with"
+]
+"""What is done: `stated` is a statement without an effect, `value` the value of the block."""
+
+
+class Argument(NamedTuple):
+    """An argument of a call; `name` is empty if it has none, `kind` empty if its value is not a literal."""
+
+    name: str
+    span: Span
+    value: Span
+    kind: str = ""
+    root: str = ""
+    """The name that its value is, if it is one."""
+    text: str = ""
+    """Its value, if that is a string."""
+    assigns: Span | None = None
+    """The sign of ``name := value``."""
+
+
+class RobotCall(NamedTuple):
+    """A call: where its parentheses are, and its arguments; `is_open` if some are unpacked."""
+
+    brackets: Span
+    arguments: tuple[Argument, ...]
+    is_open: bool = False
+
+
+class Other(NamedTuple):
+    """The literal with which something is compared."""
+
+    sign: str
+    kind: str
+    span: Span
+    value: object
+
+
+class RobotUse(NamedTuple):
+    """A use of the robot.
+
+    Parameters
+    ----------
+    span : Span
+        From `robot` to the last name.
+    names : tuple of str
+        The names after it: ``("light", "data")``.
+    spans : tuple of Span
+        Their places.
+    role : str
+    call : RobotCall or None
+    other : Other or None
+    """
+
+    span: Span
+    names: tuple[str, ...]
+    spans: tuple[Span, ...]
+    role: Role
+    call: RobotCall | None = None
+    other: Other | None = None
+
+
+_SIGNS: dict[type[ast.cmpop], str] = {
+    ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
+}  # fmt: skip
+_LITERALS: dict[type, str] = {bool: "truth value", int: "number", float: "number", str: "text"}
+
+
+@lru_cache(maxsize=20_000)
+def robot_uses(text: str) -> tuple[RobotUse, ...]:
+    """Return the uses of the name `robot` in a block, in no particular order; none if the block binds it."""
+    if "robot" not in text:
+        return ()
+    try:
+        tree, suite, source, names = read(text)
+    except SyntaxError:  # only in a program built by hand; the parser rejects such a block
+        return ()
+    if any(use.writes and use.name == "robot" for use in names.found):
+        return ()
+    parents: dict[ast.AST, ast.AST] = {}
+    found = []
+    level: list[ast.AST] = [tree]
+    while level:
+        after: list[ast.AST] = []
+        for node in level:
+            if isinstance(node, ast.JoinedStr):  # positions inside one are wrong before Python 3.12
+                continue
+            for child in children([node]):
+                parents[child] = node
+                after.append(child)
+                if isinstance(child, ast.Name) and child.id == "robot" and isinstance(child.ctx, ast.Load):
+                    found.append(child)
+        level = after
+    reader = _Uses(parents, Offsets(source), suite.shift, tree.body[-1] if tree.body else None)
+    return tuple(reader.use(name) for name in found)
+
+
+class _Uses:
+    def __init__(
+        self, parents: dict[ast.AST, ast.AST], places: Offsets, shift: int, last: ast.stmt | None
+    ) -> None:
+        self.parents, self.places, self.shift, self.last = parents, places, shift, last
+
+    def span(self, node: ast.AST) -> Span:
+        return Span(self.places.start_of(node) + self.shift, self.places.end_of(node) + self.shift)
+
+    def use(self, name: ast.Name) -> RobotUse:
+        node: ast.expr = name
+        names, spans = [], []
+        while isinstance(parent := self.parents[node], ast.Attribute):
+            node = parent
+            end = self.span(node).end
+            names.append(node.attr)
+            spans.append(Span(end - len(node.attr), end))
+        use = RobotUse(self.span(node), tuple(names), tuple(spans), "read")
+        if isinstance(parent, ast.Call) and parent.func is node:
+            return use._replace(role="called", call=self.call(parent, use.span.end))
+        if isinstance(parent, ast.Compare):
+            return use._replace(role="compared", other=self.other(parent, node))
+        return use._replace(role=self.role(node, parent))
+
+    def role(self, node: ast.expr, parent: ast.AST) -> Role:
+        if isinstance(node, ast.Attribute) and not isinstance(node.ctx, ast.Load):
+            return "assigned" if isinstance(node.ctx, ast.Store) else "deleted"
+        if isinstance(parent, ast.Expr):
+            return "value" if parent is self.last else "stated"
+        if isinstance(parent, ast.Return):
+            return "value"
+        if isinstance(parent, ast.BinOp) or (
+            isinstance(parent, ast.UnaryOp) and not isinstance(parent.op, ast.Not)
+        ):
+            return "computed"
+        if isinstance(parent, ast.BoolOp | ast.UnaryOp | ast.Assert):
+            return "tested"
+        if isinstance(parent, ast.If | ast.While | ast.IfExp) and parent.test is node:
+            return "tested"
+        if isinstance(parent, ast.Call) and isinstance(parent.func, ast.Name) and len(parent.args) == 1:
+            if parent.func.id in ("bool", "not"):
+                return "tested"
+            if parent.func.id in ("abs", "round", "int", "float"):
+                return "computed"
+        return "with" if isinstance(parent, ast.withitem) else "read"
+
+    def call(self, node: ast.Call, start: int) -> RobotCall:
+        arguments = [self.argument("", value, self.span(value).start) for value in node.args]
+        for keyword in node.keywords:
+            if keyword.arg:
+                arguments.append(self.argument(keyword.arg, keyword.value, self.span(keyword).start))
+        is_open = any(isinstance(value, ast.Starred) for value in node.args)
+        is_open |= any(keyword.arg is None for keyword in node.keywords)
+        return RobotCall(Span(start, self.span(node).end), tuple(arguments), is_open)
+
+    def argument(self, name: str, value: ast.expr, start: int) -> Argument:
+        span, assigns = self.span(value), None
+        if isinstance(value, ast.NamedExpr):
+            name = value.target.id
+            value = value.value
+            sign = self.places.source.find(":=", start - self.shift) + self.shift
+            assigns, span = Span(sign, sign + 2), self.span(value)
+        root = value.id if isinstance(value, ast.Name) else ""
+        text = value.value if isinstance(value, ast.Constant) and isinstance(value.value, str) else ""
+        return Argument(name, Span(start, span.end), span, _kind(value), root, text, assigns)
+
+    def other(self, node: ast.Compare, operand: ast.expr) -> Other | None:
+        operands = [node.left, *node.comparators]
+        place = next(i for i, each in enumerate(operands) if each is operand)
+        for other, sign in self._neighbours(node, operands, place):
+            if isinstance(other, ast.Constant) and type(other.value) in _LITERALS and type(sign) in _SIGNS:
+                kind = _LITERALS[type(other.value)]
+                return Other(_SIGNS[type(sign)], kind, self.span(other), other.value)
+        return None
+
+    @staticmethod
+    def _neighbours(
+        node: ast.Compare, operands: list[ast.expr], place: int
+    ) -> Iterator[tuple[ast.expr, ast.cmpop]]:
+        if place + 1 < len(operands):
+            yield operands[place + 1], node.ops[place]
+        if place:
+            yield operands[place - 1], node.ops[place - 1]
+
+
+def _kind(node: ast.expr) -> str:
+    """Return the kind of an argument's value, if it is certain."""
+    if isinstance(node, ast.Constant):
+        return _LITERALS.get(type(node.value), "None" if node.value is None else "")
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.USub | ast.UAdd):
+        return _kind(node.operand) or "number"
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Sub | ast.Mult | ast.Div):
+        return "number" if "number" in (_kind(node.left), _kind(node.right)) else ""
+    return ""

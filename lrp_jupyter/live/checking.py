@@ -1,0 +1,95 @@
+"""Checks of a program for the robot that it is written for."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from functools import lru_cache
+
+from lrp_jupyter import programs
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.bridges.members import Member
+from lrp_jupyter.bridges.nodes import RobotMethod
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.language import checks
+from lrp_jupyter.language.program import Finding, Program
+from lrp_jupyter.language.robot import RobotMember, RobotMembers, parameters_of
+
+__all__ = ["check", "members_of", "members_of_world"]
+
+
+def check(
+    text_or_program: str | Program, names: Collection[str] = (), bridge: Bridge | str | None = None
+) -> tuple[Finding, ...]:
+    """Return the findings about a program, without running it.
+
+    Parameters
+    ----------
+    text_or_program : str or Program
+        A text that is not a valid program has only the parser's findings.
+    names : collection of str
+        Names in the session's namespace, such as a notebook's functions and imports.
+    bridge : Bridge or str, optional
+        The robot that the program is for: a bridge (which need not be open), or the name of one. By default
+        the simulated robot of the world that the text names, as in ``; world: line``; without that line,
+        nothing is assumed about the robot.
+
+    Returns
+    -------
+    tuple of Finding
+        In order of position; :data:`~lrp_jupyter.language.checks.CODES` explains their codes. An error
+        certainly cannot work; a correct program has no findings.
+
+    Raises
+    ------
+    BridgeError
+        There is no such bridge.
+    """
+    robot: RobotMembers | None
+    if bridge is not None:
+        robot = members_of(make_bridge(bridge))
+    else:
+        text = text_or_program if isinstance(text_or_program, str) else text_or_program.text
+        world = programs.heading(text).world if "robot" in text else None
+        robot = members_of_world(world) if world is not None else None
+    return checks.check(text_or_program, names, robot)
+
+
+def members_of(bridge: Bridge) -> RobotMembers:
+    """Return what the checks need to know of a bridge's robot; the bridge need not be open.
+
+    Where its members are not complete, the readings are left out: their types may change.
+    """
+    is_known = bridge.is_open or bool(bridge.nodes.table)
+    if not is_known:
+        bridge.add_members()
+    nodes = [node for node in bridge.nodes.members() if bridge.complete or isinstance(node, RobotMethod)]
+    members = [_described(node.describe()) for node in nodes]
+    if not is_known:
+        bridge.nodes.clear()
+    return RobotMembers({member.path: member for member in members}, bridge.complete and bool(members))
+
+
+def _described(member: Member) -> RobotMember:
+    if member.kind == "variable":
+        return RobotMember(member.name, member.type)
+    fields = set()
+    for field in member.fields:
+        name = field.name.rpartition(".")[2]
+        fields |= {name, *(f"{name}_{inner.name.rpartition('.')[2]}" for inner in field.fields)}
+    return RobotMember(member.name, parameters=parameters_of(member.signature, fields))
+
+
+def members_of_world(world: str) -> RobotMembers | None:
+    """Return the members of the robot of a simulated world; None if there is no such world, or no robot."""
+    return _simulated(world) if world.endswith(".json") else _bundled(world)
+
+
+def _simulated(world: str) -> RobotMembers | None:
+    try:
+        return members_of(make_bridge("sim", world=world))
+    except BridgeError:
+        return None
+
+
+_bundled = lru_cache(maxsize=32)(_simulated)

@@ -1,0 +1,202 @@
+"""Checks of programs for the robot that they are written for."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+import lrp_jupyter
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.language import checks
+from lrp_jupyter.live.checking import check
+from lrp_jupyter.live.session import Session
+
+PROGRAM = """; world: line
+(var speed := [0.2])
+(machine m (state a (running [ACTION])) (state b) (on [CONDITION] a -> b))
+(spawn m a)"""
+
+
+def action(block: str) -> str:
+    return PROGRAM.replace("ACTION", block).replace("CONDITION", "True")
+
+
+def condition(block: str) -> str:
+    return PROGRAM.replace("ACTION", "robot.stop()").replace("CONDITION", block)
+
+
+def fixed(text: str) -> str:
+    """Apply the fix of the only finding of a text."""
+    (finding,) = check(text)
+    assert finding.fix
+    for start, end, new in sorted(finding.fix.edits, reverse=True):
+        text = text[:start] + new + text[end:]
+    return text
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        "robot.move(linear=0.2, angular=-1)",
+        "robot.move(linear_x=0.2, angular_z=speed)",
+        "robot.move(lambda msg: msg.linear(x=speed))",
+        "with robot.move as msg: msg.linear.x = speed",
+        "robot.move(**{'linear': 0.2})",
+        "def twist(msg): msg.linear.x = 1\nrobot.move(twist)",
+        "robot.pen(True); robot.pen(down=False); robot.pen()",
+        "sensor = robot.distance\nprint(sensor.data, robot)",
+        "go = robot.move\ngo(linear=robot.light.data / 255)",
+        "if robot.bumper.data == 1 or robot.bumper.data: robot.stop()",
+        "if robot.light.data.real > 1: robot.stop()",
+        "robot = speed\nprint(robot.nothing)",
+        "print([robot for robot in 'ab'])",
+        "print(dir(robot), robot.odom)",
+        "f'{robot.nothing}'",
+    ],
+)
+def test_uses_of_the_robot_that_work_have_no_findings(block: str) -> None:
+    assert check(action(block)) == ()
+
+
+@pytest.mark.parametrize(
+    ("block", "code", "message"),
+    [
+        ("robot.moove(linear=1)", "LRP520", "`robot` has no `moove`. Did you mean `move`?"),
+        ("print(robot.sonar)", "LRP520", "`robot` has no `sonar`. It has `light`, `bumper`, `distance`, "),
+        ("print(robot.odom.z)", "LRP520", "`robot.odom` has no `z`. It has `x`, `y`, `theta`."),
+        ("print(robot.light.data.x)", "LRP520", "`robot.light.data` is a number and has no `x`."),
+        ("robot.move.linear = 1", "LRP520", "`robot.move` is a method and has no `linear`. Call it as"),
+        ("robot.move(fast=1)", "LRP521", "`robot.move` has no argument `fast`. It takes `linear`"),
+        ("robot.move(1, 2, 3)", "LRP521", "The arguments of `robot.move` need names."),
+        ("robot.move(linear='x')", "LRP521", "`linear` must be a number, not a text. Write one."),
+        ("robot.pen(True, 1)", "LRP521", "`robot.pen` takes `(down=True)`. Remove what is too much."),
+        ("print(robot.odom + 1)", "LRP522", "`robot.odom` is a part of the robot, not a value. It has"),
+        ("robot.move = 0.2", "LRP523", "`robot.move` is a method and cannot be assigned. Call it as"),
+        ("robot.light.data = 3", "LRP523", "`robot.light.data` is read from the robot and cannot"),
+        ("robot.light = 3", "LRP523", "`robot.light` is a part of the robot and cannot be assigned."),
+        ("if robot.light.data < 'x': speed = 1", "LRP525", "`robot.light.data` is a number, not a text."),
+        ("if robot.light.data == 'x': speed = 1", "LRP526", "`robot.light.data` is a number, never equal"),
+        ("if robot.bumper.data == 2: speed = 1", "LRP526", "`robot.bumper.data` is `True` or `False`, never"),
+        ("robot.light.data", "LRP507", "This only reads `robot.light.data` and does nothing with it."),
+    ],
+)  # fmt: skip
+def test_a_wrong_use_of_the_robot_is_one_finding(block: str, code: str, message: str) -> None:
+    (finding,) = check(action(block))
+    assert finding.code == code
+    assert finding.message.startswith(message)
+    assert finding.line == 3
+
+
+@pytest.mark.parametrize(
+    ("block", "repaired"),
+    [
+        ("robot.move(lienar=1)", "robot.move(linear=1)"),
+        ("robot.move(linear := 1)", "robot.move(linear=1)"),
+        ("robot.move(speed, 1)", "robot.move(linear=speed, angular=1)"),
+        ("robot.move(linear='0.2')", "robot.move(linear=0.2)"),
+        ("robot.stop", "robot.stop()"),
+        ("robot.stop(0)", "robot.stop()"),
+        ("print(robot.light.data())", "print(robot.light.data)"),
+        ("print(robot.light())", "print(robot.light.data)"),
+        ("print(robot.light - 1)", "print(robot.light.data - 1)"),
+        ("print(robot.theta)", "print(robot.odom.theta)"),
+        ("print(robot.light.data.data)", "print(robot.light.data)"),
+        ("if not robot.bumper: robot.stop()", "if not robot.bumper.data: robot.stop()"),
+        ("if robot.light.data < '100': robot.stop()", "if robot.light.data < 100: robot.stop()"),
+    ],
+)
+def test_certain_remedies_are_fixes(block: str, repaired: str) -> None:
+    assert fixed(action(block)) == action(repaired)
+
+
+@pytest.mark.parametrize(
+    ("block", "repaired"),
+    [
+        ("robot.distance < 0.3", "robot.distance.data < 0.3"),
+        ("robot.bumper", "robot.bumper.data"),
+        ("robot.bumper() == 1", "robot.bumper.data == 1"),
+        ("robot.distanse.data < 0.3", "robot.distance.data < 0.3"),
+        ("robot.bumper.data = 1", "robot.bumper.data == 1"),
+    ],
+)
+def test_wrong_uses_in_a_condition_have_fixes(block: str, repaired: str) -> None:
+    assert fixed(condition(block)) == condition(repaired)
+
+
+def test_a_number_is_not_a_condition() -> None:
+    (finding,) = check(condition("robot.light.data"))
+    assert finding.code == "LRP508"
+    assert finding.message == (
+        "A condition is `True` or `False`, but `robot.light.data` is a number. Compare it with a number."
+    )
+    assert check(condition("robot.bumper.data")) == ()
+
+
+def test_a_sensor_is_called_by_its_name() -> None:
+    (finding,) = check(condition("robot.distance < 0.3"))
+    assert finding.message == "`robot.distance` is the sensor; its value is `robot.distance.data`."
+
+
+# For which robot?
+
+
+WRONG = "(machine m (state a (running [robot.moove(); robot.motorA.stop()])))(spawn m a)"
+
+
+def codes(*args: object) -> list[str]:
+    return [finding.code for finding in check(*args)]  # type: ignore[arg-type]
+
+
+def test_without_a_world_nothing_is_assumed_about_the_robot() -> None:
+    assert codes(WRONG) == codes(f"; world: none\n{WRONG}") == codes(f"; world: nowhere\n{WRONG}") == []
+    assert codes(f"; world: line\n{WRONG}") == ["LRP520", "LRP520"]
+
+
+def test_the_bridge_can_be_named_and_is_not_connected() -> None:
+    assert codes(WRONG, (), "sim") == ["LRP520", "LRP520"]
+    assert codes(WRONG, (), "ev3") == ["LRP520"]
+    assert codes(WRONG, (), "ros") == codes(WRONG, (), "none") == []
+
+
+def test_a_world_of_ones_own_has_the_members_of_its_robot(tmp_path: Path) -> None:
+    path = tmp_path / "mine.json"
+    path.write_text('{"version": 1, "robots": [{"pose": [0.5, 0.5, 0], "bumper": false}], "size": [2, 2]}')
+    text = f"; world: {path}\n(machine m (state a) (state b) (on [robot.bumper.data] a -> b))(spawn m a)"
+    assert codes(text) == ["LRP520"]
+
+
+class Growing(Bridge):
+    """A robot whose members may come later."""
+
+    name = "growing"
+    hardware = False
+
+    def open_interface(self) -> None:
+        self.add_variable("light.data", lambda: 1, type=int)
+        self.add_method("go", lambda speed, turn=0: None)
+
+
+def test_a_bridge_that_may_add_members_gives_no_false_alarm() -> None:
+    bridge = Growing()
+    text = "(machine m (state a (running [{}])))(spawn m a)"
+    assert codes(text.format("robot.later(); print(robot.light < 'x')"), (), bridge) == []
+    bridge.open()
+    assert codes(text.format("robot.later(); print(robot.light.data < 'x')"), (), bridge) == []
+    assert codes(text.format("robot.go(1, speedy=1)"), (), bridge) == ["LRP521"]
+    assert codes(text.format("robot.go(turn=1)"), (), bridge) == ["LRP521"]
+    assert codes(text.format("robot.go(1, turn=1)"), (), bridge) == []
+
+
+def test_a_session_checks_for_its_robot_before_and_after_it_is_opened() -> None:
+    with Session("", "sim") as session:
+        session.edit(WRONG)
+        assert [finding.code for finding in session.findings] == ["LRP520", "LRP520"]
+        session.open()
+        session.edit(WRONG.replace("moove", "move"))
+        assert [finding.code for finding in session.findings] == ["LRP520"]
+
+
+def test_the_public_check_knows_the_world_and_that_of_the_language_does_not() -> None:
+    assert lrp_jupyter.check is check
+    assert checks.check(f"; world: line\n{WRONG}") == ()
