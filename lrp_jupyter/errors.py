@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple
+from typing import Literal, NamedTuple, NoReturn
 
 __all__ = [
     "MOST_FINDINGS",
@@ -20,6 +20,7 @@ __all__ = [
     "LRPError",
     "LRPSyntaxError",
     "NoDataYet",
+    "NotAValue",
     "SessionClosedError",
     "SessionTimeoutError",
     "Severity",
@@ -140,6 +141,30 @@ class BridgeError(LRPError):
 
 class FileError(LRPError, OSError):
     """A file cannot be written; the message gives the reason."""
+
+
+class NotAValue:
+    """A part or a method of a robot: it cannot be compared, computed with or tested, and says what can be.
+
+    Equality stays identity, because values are compared everywhere, and not only by programs.
+    """
+
+    __slots__ = ()
+
+    def _not_a_value(self) -> str:
+        """Return a sentence: what this is, and what to write instead."""
+        raise NotImplementedError
+
+    def _refuse(self, *_: object) -> NoReturn:
+        raise BridgeError(self._not_a_value())
+
+    __lt__ = __le__ = __gt__ = __ge__ = _refuse
+    __add__ = __radd__ = __sub__ = __rsub__ = __mul__ = __rmul__ = _refuse
+    __truediv__ = __rtruediv__ = __floordiv__ = __rfloordiv__ = __mod__ = __rmod__ = __pow__ = __rpow__ = (
+        _refuse
+    )
+    __and__ = __rand__ = __or__ = __ror__ = __xor__ = __rxor__ = __invert__ = _refuse
+    __neg__ = __pos__ = __abs__ = __round__ = __int__ = __float__ = __index__ = __getitem__ = _refuse
 
 
 class NoDataYet(LRPError):  # noqa: N818  (not an error: the reading has not arrived yet)

@@ -15,7 +15,7 @@ from typing import NoReturn, Protocol
 from lrp_jupyter.bridges.members import Member, MemberError, describe_value, did_you_mean
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.safety import Safety
-from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet
+from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, NotAValue
 
 __all__ = ["Limits", "MemberOwner", "Nodes", "RobotMethod", "RobotVariable"]
 
@@ -134,7 +134,7 @@ class RobotVariable:
         return describe_value(member, self.type)
 
 
-class RobotMethod:
+class RobotMethod(NotAValue):
     """A method of the robot. A command among them passes the bridge's safety.
 
     ``robot.move(...)`` sends; ``with robot.move as msg:`` fills a message and sends it at the end,
@@ -191,6 +191,10 @@ class RobotMethod:
         message = self._filling.pop()
         if kind is None:
             self._bridge.send(self, message)
+
+    def _not_a_value(self) -> str:
+        path = f"robot.{self.path}"
+        return f"`{path}` is a method, not a value. Call it as `{path}{self.signature}`."
 
     def __getattr__(self, name: str) -> NoReturn:
         if name.startswith("_"):  # copy, pickle and notebooks ask for these

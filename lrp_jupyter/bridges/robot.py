@@ -8,15 +8,16 @@ Paper: §3.2 (the pseudo-variable ``robot``), §7.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NoReturn
 
 from lrp_jupyter.bridges.members import MemberError, did_you_mean
 from lrp_jupyter.bridges.nodes import MemberOwner, RobotMethod, RobotVariable
+from lrp_jupyter.errors import NotAValue
 
 __all__ = ["Robot", "attach"]
 
 
-class Robot:
+class Robot(NotAValue):
     """The robot of a program, or a part of it (``robot.light``).
 
     Attributes are the members that the bridge added. A name that does not exist raises
@@ -56,6 +57,20 @@ class Robot:
 
     def __delattr__(self, name: str) -> None:
         raise MemberError(f"`robot.{self._prefix}{name}` cannot be deleted; its bridge provides it.")
+
+    def __bool__(self) -> bool:
+        return not self._prefix or self._refuse()
+
+    def __call__(self, *_: object, **__: object) -> NoReturn:
+        """Raise: a part of the robot cannot be called."""
+        self._refuse()
+
+    def _not_a_value(self) -> str:
+        what, names = f"robot.{self._prefix}".rstrip("."), dir(self)
+        if "data" in names:
+            return f"`{what}` is the sensor; its value is `{what}.data`."
+        listed = ", ".join(f"`{what}.{name}`" for name in names) or "no members"
+        return f"`{what}` is a part of the robot, not a value. It has {listed}."
 
     def __dir__(self) -> list[str]:
         start = len(self._prefix)

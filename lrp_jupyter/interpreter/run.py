@@ -13,7 +13,7 @@ from operator import itemgetter
 from types import CellType
 from typing import Any
 
-from lrp_jupyter.errors import NoDataYet
+from lrp_jupyter.errors import NoDataYet, NotAValue
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, place_of, traceback_of
@@ -135,11 +135,11 @@ class Run:
         """Return whether a condition that is neither True nor False holds: only numpy's True does."""
         if is_boolean(value):
             return bool(value)
-        self.report(
-            edge.tested,
-            "not boolean",
-            f"A condition must be True or False, not {short(value)}. Compare it with something.",
-        )
+        if issubclass(type(value), NotAValue):
+            message = value._not_a_value()  # type: ignore[attr-defined]
+        else:
+            message = f"A condition must be True or False, not {short(value)}. Compare it with something."
+        self.report(edge.tested, "not boolean", message)
         return False
 
     def find_destination(self, edge: Edge) -> Row | None:

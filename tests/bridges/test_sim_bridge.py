@@ -328,3 +328,51 @@ def test_a_program_that_stops_its_robot_gets_no_notice_of_the_command_watchdog(s
         sim.begin_tick(tick * PERIOD, PERIOD)
         sim.end_tick(tick * PERIOD)
     assert sim.safety.notices == ()
+
+
+@pytest.mark.parametrize(
+    "use",
+    [
+        "robot.distance < 0.3",
+        "0.3 > robot.distance",
+        "robot.distance - 1",
+        "2 * robot.distance",
+        "abs(robot.distance)",
+        "float(robot.distance)",
+        "bool(robot.distance)",
+        "not robot.distance",
+        "robot.distance()",
+        "robot.distance[0]",
+        "max(robot.distance, 1)",
+        "sum([robot.distance])",
+    ],
+)
+def test_a_sensor_used_as_a_value_says_where_its_value_is(use: str) -> None:
+    bridge = SimBridge("line")
+    bridge.open()
+    with pytest.raises(BridgeError) as caught:
+        eval(use, {"robot": bridge.robot})
+    assert str(caught.value) == "`robot.distance` is the sensor; its value is `robot.distance.data`."
+
+
+def test_a_part_and_a_method_used_as_values_say_what_to_write() -> None:
+    bridge = SimBridge("line")
+    bridge.open()
+    robot = bridge.robot
+    assert bool(robot)
+    assert robot.distance == robot.distance != 3
+    assert len({robot.distance, robot.odom}) == 2
+    with pytest.raises(
+        BridgeError, match=r"`robot.odom` is a part of the robot, not a value. It has `robot.odom"
+    ):
+        robot.odom + 1
+    with pytest.raises(
+        BridgeError, match=r"`robot.stop` is a method, not a value. Call it as `robot.stop\(\)`."
+    ):
+        max(robot.stop, 1)
+
+
+def test_the_bumper_is_a_truth_value() -> None:
+    bridge = SimBridge("line")
+    bridge.open()
+    assert bridge.robot.bumper.data is False

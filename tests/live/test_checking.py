@@ -200,3 +200,12 @@ def test_a_session_checks_for_its_robot_before_and_after_it_is_opened() -> None:
 def test_the_public_check_knows_the_world_and_that_of_the_language_does_not() -> None:
     assert lrp_jupyter.check is check
     assert checks.check(f"; world: line\n{WRONG}") == ()
+
+
+@pytest.mark.parametrize("block", ["robot.distance < 0.3", "robot.distance", "not robot.distance"])
+def test_a_running_program_says_it_in_the_same_words(block: str) -> None:
+    text = f"(machine m (state a) (state b) (on [{block}] a -> b))(spawn m a)"
+    with Session(text, "sim") as session:
+        session.run(seconds=1)
+        (issue,) = session.issues
+    assert issue.message == "`robot.distance` is the sensor; its value is `robot.distance.data`."
