@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.names import as_path
@@ -75,9 +76,13 @@ class Frame:
         Seconds of the run, without pauses.
     active : tuple of paths
         The innermost active states, as spawned.
+    values : mapping of path to object
+        The values of the variables: the objects themselves, so that a list shows what it holds *now*. Read
+        by path (``"follower/nobump"``, also as a tuple) or by an unambiguous name (``"nobump"``), as are
+        `variables` and `numbers`.
     variables : mapping of path to str
-        Values as text, bounded in depth and length. While the program runs, the text of a value whose
-        rendering takes long may be older than the frame.
+        The same values as text, bounded in depth and length. While the program runs, the text of a value
+        whose rendering takes long may be older than the frame.
     numbers : mapping of path to float
         Those of them that are numbers.
     visits, visited_at : mapping of path to int
@@ -119,8 +124,9 @@ class Frame:
     tick: int = 0
     time: float = 0.0
     active: tuple[Path, ...] = ()
-    variables: Mapping[Path, str] = field(default_factory=dict)
-    numbers: Mapping[Path, float] = field(default_factory=dict)
+    values: ByPath[object] = field(default_factory=ByPath)
+    variables: ByPath[str] = field(default_factory=ByPath)
+    numbers: ByPath[float] = field(default_factory=ByPath)
     visits: Mapping[Path, int] = field(default_factory=dict)
     visited_at: Mapping[Path, int] = field(default_factory=dict)
     fired: Mapping[Path, int] = field(default_factory=dict)

@@ -43,7 +43,7 @@ from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
 from lrp_jupyter.interpreter.run import Run, undo_change
 from lrp_jupyter.interpreter.tree import Count, bind_block
-from lrp_jupyter.interpreter.variables import VariableMapping, assign
+from lrp_jupyter.interpreter.variables import VariableMapping, assign, evaluate
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.identity import Successors, after_rename, after_undo
 from lrp_jupyter.language.names import as_path
@@ -389,7 +389,19 @@ class Interpreter:
             Whatever the expression raises; the variable keeps its value.
         """
         self._advance(now)
-        assign(self._run, path, expression)
+        assign(self._run, path, evaluate(self._run, path, expression))
+        self._done()
+
+    def assign(self, path: Path | str, value: object, now: float | None = None) -> None:
+        """Assign a value to a variable.
+
+        Raises
+        ------
+        UnknownElementError
+            If there is no such variable now.
+        """
+        self._advance(now)
+        assign(self._run, path, value)
         self._done()
 
     def transition_to(self, path: Path | str, now: float | None = None) -> None:

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator, Mapping
 
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.by_path import full_path
 from lrp_jupyter.interpreter.cells import content
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.journal import undo_write
@@ -15,7 +16,7 @@ from lrp_jupyter.language.blocks import compile_block, facts_of, faults_of
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Block, Path, path_text
 
-__all__ = ["EXPRESSION", "VariableMapping", "assign", "find_variable"]
+__all__ = ["EXPRESSION", "VariableMapping", "assign", "evaluate", "find_variable"]
 
 EXPRESSION = "<expression>"
 """The file name, in tracebacks, of an expression that is assigned."""
@@ -53,6 +54,22 @@ class VariableMapping(Mapping[Path, object]):
             if (value := content(slot.cell)) is not UNSET
         ]
 
+    def path(self, wanted: Path | str) -> Path:
+        """Return the path of a variable, with a value or not, for its path or its unambiguous name.
+
+        Raises
+        ------
+        UnknownElementError
+            If there is no such variable now, or several have that name.
+        """
+        try:
+            environment, name = find_variable(self._run, wanted)
+        except UnknownElementError:
+            return full_path(
+                wanted, [(*home.path, name) for home in self._run.live.values() for name in home.own]
+            )
+        return (*environment.path, name)
+
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
@@ -77,24 +94,35 @@ def find_variable(run: Run, path: Path | str) -> tuple[Environment, str]:
     )
 
 
-def assign(run: Run, path: Path | str, expression: str) -> None:
-    """Assign the value of a Python expression, evaluated in the variable's scope.
+def assign(run: Run, path: Path | str, value: object) -> None:
+    """Assign a value to a variable.
+
+    Raises
+    ------
+    UnknownElementError
+        If there is no such variable now.
+    """
+    environment, name = find_variable(run, path)
+    cell = environment.own[name].cell
+    if run.log is not None:
+        run.log += (content(cell), cell, undo_write)
+    cell.cell_contents = value
+
+
+def evaluate(run: Run, path: Path | str, expression: str) -> object:
+    """Return the value of a Python expression, evaluated in a variable's scope.
 
     Raises
     ------
     UnknownElementError
         If there is no such variable now.
     Exception
-        Whatever the expression raises; the variable keeps its value.
+        Whatever the expression raises.
     """
-    environment, name = find_variable(run, path)
+    environment, _ = find_variable(run, path)
     text = expression.strip()
     if not facts_of(text).valid:
         raise SyntaxError(faults_of(text)[0].message)
     ast.parse(text, EXPRESSION, "eval")  # an expression, not statements
     code = compile_block(Block(text), frozenset(environment.visible), EXPRESSION, "expression")
-    value = bind_code(run, code, environment.visible)()
-    cell = environment.own[name].cell
-    if run.log is not None:
-        run.log += (content(cell), cell, undo_write)
-    cell.cell_contents = value
+    return bind_code(run, code, environment.visible)()

@@ -16,6 +16,7 @@ from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.live.loop import Command, Loop
 
 __all__ = [
+    "Assign",
     "Call",
     "Force",
     "Pause",
@@ -71,7 +72,20 @@ class SetVariable(Command):
 
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
-        loop.interpreter.set_variable(self.path, self.expression, loop.now)
+        variable = loop.interpreter.variables.path(self.path)
+        loop.interpreter.set_variable(variable, self.expression, loop.now)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Assign(Command):
+    """Assign a value to a variable."""
+
+    path: Path
+    value: object
+
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        loop.interpreter.assign(loop.interpreter.variables.path(self.path), self.value, loop.now)
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,6 +47,7 @@ from typing import Any, ClassVar, Literal
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, sentence_of
+from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.frame import Frame, Hung, Status, is_active
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -459,8 +460,9 @@ class Loop:
             tick=interpreter.tick,
             time=self.now,
             active=interpreter.active,
-            variables=MappingProxyType(variables),
-            numbers=MappingProxyType(numbers),
+            values=ByPath(dict(values)),
+            variables=ByPath(variables),
+            numbers=ByPath(numbers),
             visits=MappingProxyType({path: count.times for path, count in visits.items()}),
             visited_at=MappingProxyType({path: count.tick for path, count in visits.items()}),
             fired=MappingProxyType({path: count.times for path, count in firings.items()}),

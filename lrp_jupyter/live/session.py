@@ -41,7 +41,7 @@ import atexit
 import math
 import threading
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, MutableMapping, Sequence
 from concurrent.futures import CancelledError, Future
 from dataclasses import replace
 from functools import partial
@@ -61,7 +61,7 @@ from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse, scan
-from lrp_jupyter.language.program import Finding, Path, Program
+from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.checking import members_of
@@ -71,7 +71,9 @@ from lrp_jupyter.live.foreign import surviving
 from lrp_jupyter.live.loop import Command, Loop
 from lrp_jupyter.live.output import Output
 
-__all__ = ["Session", "Until"]
+__all__ = ["LiveVariables", "Session", "Until"]
+
+_ABSENT = object()
 
 Until = str | Path | Callable[[Frame], object]
 """The end of a run or a wait: a state, by bare name or path, or a condition on a frame."""
@@ -213,6 +215,15 @@ class Session:
     def program(self) -> Program:
         """The program that runs."""
         return self._loop.frame.program
+
+    @property
+    def variables(self) -> LiveVariables:
+        """The existing variables and their values, by path or by an unambiguous name.
+
+        Assigning sets the value between two ticks: ``session.variables["nobump"] = True``. To read values
+        and texts of one moment, use :attr:`frame`.
+        """
+        return LiveVariables(self)
 
     @property
     def text(self) -> str:
@@ -542,15 +553,31 @@ class Session:
         """Make a state active without any action. An unknown one is an issue. Paper: §6.4."""
         self._driver.do(do.Force(as_path(state), teleport=True))
 
-    def set_variable(self, variable: str | Path, expression: str) -> None:
-        """Assign the value of a Python expression, evaluated in the variable's scope.
+    def set_variable(self, variable: str | Path, value: object = _ABSENT, *, evaluate: str = "") -> None:
+        """Assign a value to a variable, or the value of a Python expression.
+
+        Parameters
+        ----------
+        variable : str or path
+            Its name if that is unambiguous, else its path: ``"follower/nobump"``.
+        value : object
+            The value. A text is evaluated like `evaluate`; to assign a text itself, write
+            ``session.variables["name"] = "text"``.
+        evaluate : str
+            A Python expression, evaluated in the variable's scope.
 
         Raises
         ------
         UnknownElementError
-            There is no such variable now.
+            There is no such variable now, or there are several.
         """
-        self._driver.do(do.SetVariable(as_path(variable), expression))
+        if (value is _ABSENT) == (not evaluate):
+            raise TypeError("Pass either a value or `evaluate`, an expression.")
+        expression = evaluate or value
+        if isinstance(expression, str):
+            self._driver.do(do.SetVariable(as_path(variable), expression))
+        else:
+            self._driver.do(do.Assign(as_path(variable), value))
 
     def rewind(self, ticks: int = 1) -> None:
         """Go back by so many ticks: program, simulated world, time.
@@ -621,6 +648,38 @@ class Session:
 def _count(interpreter: Interpreter, state: str | Path) -> int:
     wanted = definition_of(state, interpreter.program)
     return sum(count.times for path, count in interpreter.visits.items() if matches(wanted, path))
+
+
+class LiveVariables(MutableMapping[str, Any]):
+    """The variables of a session: read from its newest frame, and assigned between two ticks.
+
+    Keys are as those of :class:`~lrp_jupyter.interpreter.by_path.ByPath`; iteration yields paths as text.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+
+    def __getitem__(self, name: str | Path) -> Any:
+        return self._session.frame.values[name]
+
+    def __setitem__(self, name: str | Path, value: object) -> None:
+        self._session._driver.do(do.Assign(as_path(name), value))
+
+    def __delitem__(self, name: str) -> None:
+        raise TypeError("A variable cannot be deleted here. Remove it from the program's text.")
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._session.frame.values
+
+    def __iter__(self) -> Iterator[str]:
+        return iter([path_text(path) for path in self._session.frame.values])
+
+    def __len__(self) -> int:
+        return len(self._session.frame.values)
+
+    def __repr__(self) -> str:
+        texts = self._session.frame.variables
+        return "\n".join(f"{path_text(path)} = {text}" for path, text in texts.items()) or "(no variables)"
 
 
 @atexit.register

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, MutableMapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path as FilePath
 from typing import Any, ClassVar
 from weakref import WeakValueDictionary
@@ -23,8 +23,8 @@ from lrp_jupyter.files import write_file
 from lrp_jupyter.graph.still import draw
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Path, Program, path_text
-from lrp_jupyter.live.session import Session
+from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.live.session import LiveVariables, Session
 from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
@@ -195,8 +195,11 @@ class Lab(Part):
 
     @property
     def variables(self) -> LiveVariables:
-        """The existing variables, by path (``"follower/nobump"``) or by an unambiguous name."""
-        return LiveVariables(self._connection)
+        """The existing variables, by path (``"follower/nobump"``) or by an unambiguous name.
+
+        Assigning sets the value between two ticks: ``lab.variables["nobump"] = True``.
+        """
+        return self.session.variables
 
     @property
     def fault(self) -> str:
@@ -276,65 +279,6 @@ class Tree(Part):
     """The machines, nested as in the program."""
 
     part = "tree"
-
-
-class LiveVariables(MutableMapping[str, Any]):
-    """Variables of the running program: read, and assigned between two ticks."""
-
-    def __init__(self, connection: PageConnection) -> None:
-        self._connection = connection
-
-    def _path(self, name: str | Path) -> Path:
-        path = tuple(name.split("/")) if isinstance(name, str) else tuple(name)
-        living = [tuple(known) for known in self._session.frame.variables]
-        if path in living or len(path) > 1:
-            return path
-        found = [known for known in living if known[-1:] == path]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            listed = ", ".join(f"`{path_text(known)}`" for known in found)
-            raise UnknownElementError(f"Several variables are called `{path[0]}`. Use one of {listed}.")
-        raise UnknownElementError(
-            f"There is no variable `{path[0]}` now. Variables exist while their machine runs."
-        )
-
-    @property
-    def _session(self) -> Session:
-        return self._connection.session
-
-    def __getitem__(self, name: str | Path) -> Any:
-        path = self._path(name)
-        return self._session.call(lambda: self._session.interpreter.variables[path])
-
-    def __setitem__(self, name: str | Path, value: Any) -> None:
-        session, path = self._session, self._path(name)
-
-        def assign() -> None:
-            names = session.namespace
-            names[_VALUE] = value  # the only way in is an expression
-            try:
-                session.interpreter.set_variable(path, _VALUE)
-            finally:
-                del names[_VALUE]
-
-        session.call(assign)
-
-    def __delitem__(self, name: str) -> None:
-        raise TypeError("A variable cannot be deleted here. Remove it from the program's text.")
-
-    def __iter__(self) -> Iterator[str]:
-        return iter([path_text(path) for path in self._session.frame.variables])
-
-    def __len__(self) -> int:
-        return len(self._session.frame.variables)
-
-    def __repr__(self) -> str:
-        values = self._session.frame.variables
-        return "\n".join(f"{path_text(path)} = {text}" for path, text in values.items()) or "(no variables)"
-
-
-_VALUE = "__lrp_value__"
 
 
 def _notebook() -> dict[str, Any] | None:

@@ -551,3 +551,52 @@ def test_a_name_is_the_same_name_in_every_way_to_write_it(session):
     running.rename("state", f"m/{micro}", "c")
     running.rename("state", "m/c", micro)
     assert (running.frame.active, running.issues) == ((("m", mu),), ())
+
+
+NAMED = "(var n := [1]) (machine m (var k := [[1, 2]]) (state a) (state b) (ontime 300 a -> b)) (spawn m a)"
+
+
+def test_a_frame_has_values_beside_their_texts_by_name(session):
+    named = session(NAMED)
+    named.step()
+    assert (named.frame.values["n"], named.frame.values["k"], named.frame.values["m/k"]) == (
+        1,
+        [1, 2],
+        [1, 2],
+    )
+    assert (named.frame.variables["n"], named.frame.variables["k"]) == ("1", "[1, 2]")
+    assert named.frame.numbers["n"] == 1.0
+    assert named.run(1, until=lambda frame: frame.values["n"] > 0)
+
+
+def test_a_variable_is_set_to_a_value_to_a_text_and_by_an_expression(session):
+    named = session(NAMED)
+    named.step()
+    named.set_variable("n", 5)
+    named.set_variable("m/k", evaluate="k + [n]")
+    assert (named.variables["n"], named.variables["k"]) == (5, [1, 2, 5])
+    named.set_variable("n", "n + 1")  # an expression, as ever
+    assert named.variables["n"] == 6
+    named.variables["n"] = "n + 1"
+    assert named.variables["n"] == "n + 1"
+    named.set_variable("k", None)
+    assert dict(named.variables) == {"n": "n + 1", "m/k": None}
+    assert repr(named.variables) == "n = 'n + 1'\nm/k = None"
+
+
+def test_a_value_that_is_set_is_taken_back_by_rewinding(session):
+    named = session(NAMED)
+    named.step()
+    named.step()
+    named.set_variable("n", 5)
+    named.step()
+    named.rewind(2)
+    assert named.variables["n"] == 1
+
+
+@pytest.mark.parametrize(("arguments", "options"), [((), {}), ((5,), {"evaluate": "5"})])
+def test_a_variable_is_set_to_either_a_value_or_an_expression(session, arguments, options):
+    named = session(NAMED)
+    named.step()
+    with pytest.raises(TypeError, match="Pass either a value or `evaluate`"):
+        named.set_variable("n", *arguments, **options)

@@ -1,0 +1,100 @@
+"""Variables by path: as a tuple or as text, or by a bare name where it is unambiguous."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, ItemsView, Iterator, Mapping
+from difflib import get_close_matches
+from typing import Any, TypeVar
+
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.program import Path, path_text
+
+__all__ = ["ByPath", "full_path"]
+
+V = TypeVar("V", covariant=True)
+
+
+class ByPath(Mapping[Path, V]):
+    """A frozen mapping of the paths of variables.
+
+    A key is a path, as a tuple (``("follower", "nobump")``) or as text (``"follower/nobump"``), or a bare
+    name (``"nobump"``) if only one path ends with it. Iteration yields tuples.
+
+    Parameters
+    ----------
+    items : mapping of path to value
+
+    Raises
+    ------
+    UnknownElementError
+        When a key names none of the paths, or several.
+
+    Examples
+    --------
+    >>> values = ByPath({("n",): 5, ("m", "k"): 2})
+    >>> values["n"], values["m/k"], values["k"], values["m", "k"]
+    (5, 2, 2, 2)
+    """
+
+    __slots__ = ("_items",)
+
+    def __init__(self, items: Mapping[Path, V] | None = None) -> None:
+        self._items: Mapping[Path, V] = {} if items is None else items
+
+    def __getitem__(self, key: Path | str) -> V:
+        if isinstance(key, tuple) and key in self._items:
+            return self._items[key]
+        return self._items[full_path(key, self._items)]
+
+    def __contains__(self, key: object) -> bool:
+        return key in self._items or bool(
+            isinstance(key, (str, tuple)) and _matching(as_path(key), self._items)
+        )
+
+    def get(self, key: Path | str, default: Any = None) -> Any:
+        """Return the value of a key, or the default if there is none; an ambiguous name raises."""
+        known = _matching(as_path(key), self._items)
+        return self[key] if known else default
+
+    def items(self) -> ItemsView[Path, V]:
+        """Return all paths with their values."""
+        return self._items.items()
+
+    def __iter__(self) -> Iterator[Path]:
+        return iter(self._items)
+
+    def __len__(self) -> int:
+        return len(self._items)
+
+    def __repr__(self) -> str:
+        return repr({path_text(path): value for path, value in self._items.items()})
+
+
+def full_path(wanted: Path | str, known: Collection[Path]) -> Path:
+    """Return the path of a variable, for its whole path or its unambiguous name.
+
+    Raises
+    ------
+    UnknownElementError
+        There is no such variable now, or several have that name.
+    """
+    path = as_path(wanted)
+    found = _matching(path, known)
+    if len(found) == 1:
+        return found[0]
+    if found:
+        listed = ", ".join(f"`{path_text(other)}`" for other in found)
+        raise UnknownElementError(f"Several variables are called `{path[0]}`. Use one of {listed}.")
+    names = dict.fromkeys(name for other in known for name in (path_text(other), other[-1]))
+    close = get_close_matches(path_text(path), names, n=1)
+    hint = f" Did you mean `{close[0]}`?" if close else ""
+    raise UnknownElementError(
+        f"There is no variable `{path_text(path)}` now. Variables exist while their machine runs.{hint}"
+    )
+
+
+def _matching(path: Path, known: Collection[Path]) -> list[Path]:
+    if path in known:
+        return [path]
+    return [other for other in known if other[-1:] == path] if len(path) == 1 else []
