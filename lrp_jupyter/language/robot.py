@@ -53,11 +53,14 @@ class RobotMember(NamedTuple):
         Name of the type of a reading; empty where it is unknown.
     parameters : Parameters or None
         Of a method; None for a reading.
+    acts : bool
+        Whether it is a method that makes the robot do something, and returns nothing.
     """
 
     path: str
     type: str = ""
     parameters: Parameters | None = None
+    acts: bool = False
 
 
 @dataclass(frozen=True)

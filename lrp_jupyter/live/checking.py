@@ -64,20 +64,20 @@ def members_of(bridge: Bridge) -> RobotMembers:
     if not is_known:
         bridge.add_members()
     nodes = [node for node in bridge.nodes.members() if bridge.complete or isinstance(node, RobotMethod)]
-    members = [_described(node.describe()) for node in nodes]
+    members = [_described(node.describe(), isinstance(node, RobotMethod) and node.command) for node in nodes]
     if not is_known:
         bridge.nodes.clear()
     return RobotMembers({member.path: member for member in members}, bridge.complete and bool(members))
 
 
-def _described(member: Member) -> RobotMember:
+def _described(member: Member, acts: bool) -> RobotMember:
     if member.kind == "variable":
         return RobotMember(member.name, member.type)
     fields = set()
     for field in member.fields:
         name = field.name.rpartition(".")[2]
         fields |= {name, *(f"{name}_{inner.name.rpartition('.')[2]}" for inner in field.fields)}
-    return RobotMember(member.name, parameters=parameters_of(member.signature, fields))
+    return RobotMember(member.name, parameters=parameters_of(member.signature, fields), acts=acts)
 
 
 def members_of_world(world: str) -> RobotMembers | None:

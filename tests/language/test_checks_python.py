@@ -326,3 +326,77 @@ def test_a_delay_is_a_number() -> None:
     assert found(delay("True")) == [("LRP508", "True")]
     for block in ("5", "-5", "2.5", "1000 * 2"):
         assert check(delay(block)) == ()
+
+
+# What Python accepts, and means something else
+
+
+@pytest.mark.parametrize(
+    ("block", "repaired", "code"),
+    [
+        ("time = 0,5", "time = 0.5", "LRP518"),
+        ("time += 0,25", "time += 0.25", "LRP518"),
+        ("time = 5,", "time = 5", "LRP518"),
+        ("time: 5", "time = 5", "LRP518"),
+        ("time =+ 1", "time += 1", "LRP518"),
+        ("time =- 1", "time -= 1", "LRP518"),
+        ("++time", "time += 1", "LRP518"),
+        ("time = speed ^ 2", "time = speed ** 2", "LRP518"),
+        ("x = [1]; x[0] = 0,5; print(x)", "x = [1]; x[0] = 0.5; print(x)", "LRP518"),
+        ("if speed == 1 or 2: time = 1", "if speed == 1 or speed == 2: time = 1", "LRP527"),
+        ("if speed is 1: time = 1", "if speed == 1: time = 1", "LRP528"),
+        ("if speed is not 'é': time = 1", "if speed != 'é': time = 1", "LRP528"),
+        ("time <- 2", "time = 2", "LRP504"),
+        ("def f():\n  time = 1\nf()", "def f():\n  nonlocal time\n  time = 1\nf()", "LRP529"),
+        ("def f(): time = 1\nf()", "def f(): nonlocal time; time = 1\nf()", "LRP529"),
+        ("def f():\n  time = time + 1\nf()", "def f():\n  nonlocal time\n  time = time + 1\nf()", "LRP503"),
+        ("def f():\n  'é'\n  time += 1\nf()", "def f():\n  'é'\n  nonlocal time\n  time += 1\nf()", "LRP503"),
+        ("tiem = 2", "time = 2", "LRP530"),
+        ("if speed > 1:\n  retrun\nprint(1)", "if speed > 1:\n  return\nprint(1)", "LRP502"),
+    ],
+)  # fmt: skip
+def test_python_that_means_something_else_is_found(block: str, repaired: str, code: str) -> None:
+    (finding,) = check(action(block))
+    assert finding.code == code
+    assert fixed(action(block)) == action(repaired)
+    assert check(action(repaired)) == ()
+
+
+@pytest.mark.parametrize(
+    "block",
+    [
+        "x = 1, 2\nprint(x)",
+        "x = (5,)\nprint(x)",
+        "x, y = 0,1\nprint(x, y, {(1,2): 3}[1,2])",
+        "x = -1; y = +1\nprint(x, y)",
+        "x: int = 5\nprint(x)",
+        "if speed == 1 or time: print(1)",
+        "if speed is None or speed is True: print(1)",
+        "print(5 ^ 6, time ^ speed)",
+        "def f(time): time += 1; return time\nf(1)",
+        "def f():\n  time = 1\n  return time\nf()",
+        "def f():\n  for time in []: pass\nf()",
+        "def f():\n  nonlocal time\n  time = 1\nf()",
+        "class C:\n  time = 1\nC()",
+        "qqqqq = 1",
+        "tiem = 2\nprint(tiem)",
+    ],
+)
+def test_python_that_means_what_it_seems_to_has_no_findings(block: str) -> None:
+    assert check(action(block)) == ()
+
+
+def test_a_decimal_comma_in_a_condition_is_one_finding() -> None:
+    assert fixed(condition("x < 0,5"), ["x"]) == condition("x < 0.5")
+
+
+def test_a_condition_that_assigns_a_comparison_is_the_comparison() -> None:
+    assert fixed(condition("near = x < 2"), ["x"]) == condition("x < 2")
+    (finding,) = check(condition("flag = not x"), ["x"])
+    assert finding.message == "This condition only assigns and has no value. Write the test alone: `not x`."
+    assert finding.fix is None  # it may be meant as well: `flag` is a variable
+
+
+def test_a_local_name_that_another_block_reads_is_reported_there_only() -> None:
+    text = "(var time := [1])(machine m (state a (onentry [tiem = 2]) (running [print(tiem)])))(spawn m a)"
+    assert found(text) == [("LRP502", "tiem")]

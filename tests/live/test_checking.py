@@ -209,3 +209,11 @@ def test_a_running_program_says_it_in_the_same_words(block: str) -> None:
         session.run(seconds=1)
         (issue,) = session.issues
     assert issue.message == "`robot.distance` is the sensor; its value is `robot.distance.data`."
+
+
+def test_a_command_is_not_a_condition() -> None:
+    (finding,) = check(condition("robot.stop()"))
+    assert (finding.code, finding.message) == (
+        "LRP505",
+        "`robot.stop` does something and has no value. Call it in an action, and write a test here.",
+    )

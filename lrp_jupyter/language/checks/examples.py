@@ -579,6 +579,62 @@ a robot that waits
   (on [robot.light.data < 50] a -> b))
 (spawn m a)
 """,
+    "LRP518": """
+(var speed := [0.2])
+(machine m (state a (onentry [speed = 0,5]) (running [robot.move(linear=speed)])))
+(spawn m a)
+---
+(var speed := [0.2])
+(machine m (state a (onentry [speed = 0.5]) (running [robot.move(linear=speed)])))
+(spawn m a)
+""",
+    "LRP527": """
+(var speed := [0.2])
+(machine m (state a
+  (onentry [if speed == 1 or 2: robot.stop()])
+  (running [robot.move(linear=speed)])))
+(spawn m a)
+---
+(var speed := [0.2])
+(machine m (state a
+  (onentry [if speed == 1 or speed == 2: robot.stop()])
+  (running [robot.move(linear=speed)])))
+(spawn m a)
+""",
+    "LRP528": """
+(var speed := [0.2])
+(machine m (state a (onentry [if speed is 1: robot.stop()]) (running [robot.move(linear=speed)])))
+(spawn m a)
+---
+(var speed := [0.2])
+(machine m (state a (onentry [if speed == 1: robot.stop()]) (running [robot.move(linear=speed)])))
+(spawn m a)
+""",
+    "LRP529": """
+(var speed := [0.2])
+(machine m (state a (onentry [
+    def slow():
+      speed = 0.1
+    slow()]) (running [robot.move(linear=speed)])))
+(spawn m a)
+---
+(var speed := [0.2])
+(machine m (state a (onentry [
+    def slow():
+      nonlocal speed
+      speed = 0.1
+    slow()]) (running [robot.move(linear=speed)])))
+(spawn m a)
+""",
+    "LRP530": """
+(var speed := [0.2])
+(machine m (state a (onentry [sped = 0.5]) (running [robot.move(linear=speed)])))
+(spawn m a)
+---
+(var speed := [0.2])
+(machine m (state a (onentry [speed = 0.5]) (running [robot.move(linear=speed)])))
+(spawn m a)
+""",
     "LRP540": """
 (machine m (state a (running [while True: robot.move(linear=0.1)])))
 (spawn m a)

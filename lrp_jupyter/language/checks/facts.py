@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import ast
 from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import NamedTuple
 
 from lrp_jupyter.language.blocks import read
+from lrp_jupyter.language.checks.misreadings import misreadings
 from lrp_jupyter.language.names import Offsets, Use, Uses
 from lrp_jupyter.language.program import Span
+from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.suites import children
 
 __all__ = ["Facts", "Remark", "Word", "facts_of"]
@@ -60,12 +63,29 @@ class Remark(NamedTuple):
         The variable that a fix would assign or compare; for a bitwise operator, the operator.
     last : bool
         Whether it is the last statement of the block, and so its value.
+    is_test : bool
+        Whether what it assigns is a comparison or the like; `edit` is then what stands before that.
     """
 
     span: Span
     edit: Span | None = None
     name: str = ""
     last: bool = False
+    is_test: bool = False
+
+
+class Inner(NamedTuple):
+    """A name that a function in the block assigns for itself only.
+
+    `lost`: the function never reads it; else it reads it before it has a value. `start` and `text` are
+    those of the `nonlocal` that is missing.
+    """
+
+    name: str
+    span: Span
+    lost: bool
+    start: int
+    text: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,6 +109,12 @@ class Facts:
         Its last statement, if its value is None for certain.
     literal : tuple of str and Span, or None
         Kind and place of its value, if that is written as a literal.
+    misread : tuple of Diagnosis
+        Python that means something other than it seems to.
+    inner : tuple of Inner
+        Names that functions inside assign without `nonlocal`, and without any use.
+    unread : tuple of Word
+        Names that it assigns and never reads.
     """
 
     reads: tuple[Word, ...] = ()
@@ -100,6 +126,9 @@ class Facts:
     bitwise: tuple[Remark, ...] = ()
     valueless: Remark | None = None
     literal: tuple[str, Span] | None = None
+    misread: tuple[Diagnosis, ...] = ()
+    inner: tuple[Inner, ...] = ()
+    unread: tuple[Word, ...] = ()
 
 
 @lru_cache(maxsize=20_000)
@@ -128,6 +157,9 @@ def facts_of(text: str) -> Facts:
         bitwise=tuple(values.bitwise),
         valueless=values.valueless(),
         literal=values.literal(),
+        misread=misreadings(tree, places, suite.shift),
+        inner=tuple(_inner(values.functions, found, places)),
+        unread=tuple(_unread(tree.body, free, found, places)),
     )
 
 
@@ -165,6 +197,56 @@ def _augmented(found: Uses, changed: set[Span], places: _Places) -> tuple[Word, 
     )
 
 
+def _inner(
+    functions: list[ast.FunctionDef | ast.AsyncFunctionDef], found: Uses, places: _Places
+) -> Iterator[Inner]:
+    """Yield the names that functions assign by a statement of their own body, to no effect."""
+    by_start = {each.start: each for each in found.found if each.writes}
+    for function in functions:
+        first = next((each for each in function.body if not _is_text(each)), function.body[0])
+        start = places.start_of(first)
+        line = places.source.rfind("\n", 0, start) + 1
+        margin = places.source[line:start]
+        after = "; " if margin.strip() else f"\n{margin}"
+        seen: set[str] = set()
+        for statement in ast.walk(ast.Module(function.body, [])):
+            target: ast.expr
+            if isinstance(statement, ast.AugAssign):
+                target = statement.target
+            elif isinstance(statement, ast.Assign) and len(statement.targets) == 1:
+                target = statement.targets[0]
+            else:
+                continue
+            use = by_start.get(places.start_of(target)) if isinstance(target, ast.Name) else None
+            if use is None or use.name in seen or use.name in use.scope.outer_names | use.scope.global_names:
+                continue
+            seen.add(use.name)
+            mine = [each for each in found.found if each.owner is use.scope and each.name == use.name]
+            reads = [each.start for each in mine if not each.writes]
+            writes = [each.start for each in mine if each.writes]
+            changes = isinstance(statement, ast.AugAssign) and min([*writes, *reads]) == use.start
+            itself = [at for at in reads if places.start_of(statement) < at < places.end_of(statement)]
+            changes |= bool(itself) and min(writes) == use.start and min(reads) == itself[0]
+            if changes or not (reads or isinstance(statement, ast.AugAssign)):
+                text = f"nonlocal {use.name}{after}"
+                yield Inner(use.name, places.word(use).span, not changes, start + places.shift, text)
+
+
+def _is_text(statement: ast.stmt) -> bool:
+    return isinstance(statement, ast.Expr) and isinstance(statement.value, ast.Constant)
+
+
+def _unread(body: list[ast.stmt], free: list[Use], found: Uses, places: _Places) -> Iterator[Word]:
+    """Yield the names that a block assigns by a plain statement, and reads nowhere."""
+    read = {use.name for use in found.found if not use.writes}
+    by_start = {use.start: use for use in free if use.writes and use.name not in read}
+    for statement in ast.walk(ast.Module(body, [])) if by_start else ():
+        if isinstance(statement, ast.Assign) and len(statement.targets) == 1:
+            use = by_start.get(places.start_of(statement.targets[0]))
+            if use is not None and isinstance(statement.targets[0], ast.Name):
+                yield places.word(use)
+
+
 class _Values:
     """Finds statements of a block without an effect or a value."""
 
@@ -176,6 +258,7 @@ class _Values:
         self.comparisons: list[Remark] = []
         self.uncalled: list[Remark] = []
         self.bitwise: list[Remark] = []
+        self.functions: list[ast.FunctionDef | ast.AsyncFunctionDef] = []
         waiting: list[tuple[ast.AST, bool]] = [(statement, False) for statement in reversed(body)]
         while waiting:
             node, nested = waiting.pop()
@@ -192,6 +275,8 @@ class _Values:
         elif isinstance(node, ast.AugAssign):
             if isinstance(node.target, ast.Name):
                 self.changes.append(node)
+        elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+            self.functions.append(node)
         elif isinstance(node, ast.Return):
             self.returns |= not nested and node.value is not None
 
@@ -201,6 +286,9 @@ class _Values:
             name = _root(value.left)
             single = len(value.ops) == 1 and isinstance(value.ops[0], ast.Eq)
             edit = self.places.between(value.left, "==", value.comparators[0]) if single and name else None
+            right = value.comparators[0]
+            if name and isinstance(value.ops[0], ast.Lt) and isinstance(right, ast.UnaryOp):  # `x <- 5`
+                edit = self.places.between(value.left, "<-", right.operand)
             self.comparisons.append(Remark(span, edit, name, last))
         elif isinstance(value, ast.Attribute) and _root(value) == "robot":
             self.uncalled.append(Remark(span, last=last))
@@ -224,6 +312,10 @@ class _Values:
         span = self.places.span(last)
         if isinstance(last, ast.Assign) and len(last.targets) == 1 and _root(last.targets[0]):
             target = last.targets[0]
+            is_negation = isinstance(last.value, ast.UnaryOp) and isinstance(last.value.op, ast.Not)
+            if is_negation or isinstance(last.value, ast.Compare | ast.BoolOp):
+                before = Span(span.start, self.places.start_of(last.value) + self.places.shift)
+                return Remark(span, before, _root(target), last=True, is_test=True)
             return Remark(span, self.places.between(target, "=", last.value), _root(target), last=True)
         return Remark(span, last=True)
 

@@ -346,6 +346,12 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "A call needs parentheses, arguments need commas, and the parts of a name are joined by points.",
     ),
     (
+        "LRP518",
+        "warning",
+        "Sign that means something else in Python",
+        "`0,5` is two numbers, `x: 5` assigns nothing, `x =+ 1` assigns 1, and `^` is not a power.",
+    ),
+    (
         "LRP520",
         "error",
         "Unknown member of the robot",
@@ -386,6 +392,30 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "warning",
         "Comparison that never changes",
         "Values of different kinds are never equal.",
+    ),
+    (
+        "LRP527",
+        "warning",
+        "Value that is not compared",
+        "`x == 1 or 2` is `(x == 1) or 2`: each side of `or` and `and` stands alone.",
+    ),
+    (
+        "LRP528",
+        "warning",
+        "`is` with a number or text",
+        "`is` asks whether two names stand for one object; `==` compares values.",
+    ),
+    (
+        "LRP529",
+        "warning",
+        "Assigned in a function only",
+        "An assignment in a function makes a name of its own, unless the function declares it `nonlocal`.",
+    ),
+    (
+        "LRP530",
+        "hint",
+        "Local name that nothing reads",
+        "A name that is not a variable of the program is forgotten at the end of the block.",
     ),
     (
         "LRP540",

@@ -21,6 +21,8 @@ from lrp_jupyter.language.robot import RobotMembers
 __all__ = ["check_python"]
 
 _PROVIDED = frozenset({"robot", "print"})
+_STATEMENTS = frozenset({"return", "pass", "break", "continue"})
+"""Keywords that are a statement by themselves: misspelt, they are names."""
 _SPELT = {"nil": "None", "null": "None", "undefined": "None", "self": "robot"}
 """Names from other languages, for which `difflib` would find no similar name."""
 
@@ -77,20 +79,42 @@ class _Python:
         for name, span, _ in facts.reads:
             if name not in visible and name not in self.known and not name.startswith("__"):
                 problem = f"`{name}` is not defined where this block can see it"
-                self._unknown("LRP502", place, name, span, problem, chain(visible, facts.binds), self.known)
+                known = chain(visible, facts.binds), self.known, _STATEMENTS
+                self._unknown("LRP502", place, name, span, problem, *known)
         for name, span, _ in facts.nonlocals:
             if name not in visible:
                 problem = f"There is no variable `{name}` that could be `nonlocal` here"
                 self._unknown("LRP502", place, name, span, problem, chain(visible, facts.binds))
         for name, span, nested in facts.augmented:
-            if nested and (name in visible or name in facts.binds):
-                message = (
-                    f"`{name}` is local to this function and has no value. Write `nonlocal {name}` first."
-                )
-                self._add("LRP503", place, span, message)
-            elif name not in visible:
+            if name not in visible and not (nested and name in facts.binds):
                 problem = f"`{name}` is not a variable here, so it has no value to change"
                 self._unknown("LRP503", place, name, span, problem, chain(visible, facts.binds))
+        for inner in facts.inner:
+            if inner.name in visible or inner.name in facts.binds:
+                what = ", so the variable does not change" if inner.lost else " and has no value"
+                message = f"`{inner.name}` is local to this function{what}. "
+                message += f"Write `nonlocal {inner.name}` first."
+                start = place.block.span.start + 1 + inner.start
+                fix = Fix(f"Insert `nonlocal {inner.name}`", (Edit(start, start, inner.text),))
+                code = "LRP529" if inner.lost else "LRP503"
+                self.report.add(code, _shifted(place.block, inner.span), message, fix)
+        if place.purpose == "action":
+            for name, span, _ in facts.unread:
+                meant = None if name in visible else self.report.nearest(name, visible)
+                if meant and name not in self._undefined:
+                    message = f"`{name}` is a name of this block only, and nothing reads it. "
+                    message += f"Did you mean `{meant}`?"
+                    self._add("LRP530", place, span, message, meant)
+
+    @cached_property
+    def _undefined(self) -> set[str]:
+        """Names that some block reads although nothing defines them: that is reported there."""
+        return {
+            word.name
+            for place in self.blocks
+            for word in facts_of(place.block.text).reads
+            if word.name not in place.visible and word.name not in self.known
+        }
 
     def _unknown(
         self, code: str, place: PlacedBlock, name: str, span: Span, problem: str, *known: Iterable[str]
@@ -138,6 +162,10 @@ class _Python:
 
     def _values(self, place: PlacedBlock, facts: Facts, wrong: set[Span]) -> None:
         used = place.purpose != "action"
+        for diagnosis in facts.misread:
+            start = place.block.span.start + 1
+            span = Span(diagnosis.start + start, diagnosis.end + start)
+            self.report.add(diagnosis.code, span, diagnosis.message, diagnosis.shifted(start).fix)
         for remark in facts.comparisons:
             if not (used and remark.last):
                 fix = (
@@ -162,12 +190,20 @@ class _Python:
         if facts.valueless and place.purpose == "initialiser":
             message = "This ends in a statement, so the variable is `None`. End with its value on a new line."
             self._add("LRP506", place, facts.valueless.span, message)
+        elif facts.valueless and facts.valueless.is_test and place.purpose == "condition":
+            edit = facts.valueless.edit or facts.valueless.span
+            test = " ".join(place.block.text[edit.end : facts.valueless.span.end].split()).replace("`", "'")
+            message = f"This condition only assigns and has no value. Write the test alone: `{test}`."
+            edits = (Edit(*_shifted(place.block, edit), ""),)
+            fixed = None if facts.valueless.name in place.visible else Fix(f"Change to `{test}`", edits)
+            self.report.add("LRP505", _shifted(place.block, facts.valueless.span), message, fixed)
         elif facts.valueless and used:
             remedy = "Write `==` to compare" if facts.valueless.edit else "End with an expression"
             message = f"This {place.purpose} ends in a statement and has no value. {remedy}."
             fix = "==" if place.purpose == "condition" and facts.valueless.edit else None
             self._add("LRP505", place, facts.valueless.span, message, fix, facts.valueless.edit)
-        if facts.literal and place.purpose in _WANTED:
+        halved = any(diagnosis.code == "LRP518" for diagnosis in facts.misread)
+        if facts.literal and place.purpose in _WANTED and not halved:
             kind, wanted = facts.literal[0], _WANTED[place.purpose]
             if kind != wanted:
                 message = (

@@ -59,6 +59,8 @@ def check_robot(
             if member.parameters is not None:
                 if left:
                     return _inside_method(use, member, index)
+                if is_condition and use.is_value and member.acts and members.complete:
+                    return _command(use, member)
                 return _method(use, member, member.parameters, is_action, is_number)
             if left:
                 return _inside_reading(use, member, index) if members.complete else None
@@ -66,6 +68,12 @@ def check_robot(
         if not members.inside(path):
             return _unknown(use, members, around, index) if members.complete else None
     return _part(use, members, path, is_condition, is_action) if path else None
+
+
+def _command(use: RobotUse, member: RobotMember) -> Remedied:
+    path = f"robot.{member.path}"
+    message = f"`{path}` does something and has no value. Call it in an action, and write a test here."
+    return Remedied("LRP505", use.span, message)
 
 
 def _unknown(use: RobotUse, members: RobotMembers, around: str, index: int) -> Remedied:

@@ -66,6 +66,8 @@ class RobotUse(NamedTuple):
     role : str
     call : RobotCall or None
     other : Other or None
+    is_value : bool
+        Whether the call is the value of the block.
     """
 
     span: Span
@@ -74,6 +76,7 @@ class RobotUse(NamedTuple):
     role: Role
     call: RobotCall | None = None
     other: Other | None = None
+    is_value: bool = False
 
 
 _SIGNS: dict[type[ast.cmpop], str] = {
@@ -130,7 +133,8 @@ class _Uses:
             spans.append(Span(end - len(node.attr), end))
         use = RobotUse(self.span(node), tuple(names), tuple(spans), "read")
         if isinstance(parent, ast.Call) and parent.func is node:
-            return use._replace(role="called", call=self.call(parent, use.span.end))
+            is_value = self.role(parent, self.parents[parent]) == "value"
+            return use._replace(role="called", call=self.call(parent, use.span.end), is_value=is_value)
         if isinstance(parent, ast.Compare):
             return use._replace(role="compared", other=self.other(parent, node))
         return use._replace(role=self.role(node, parent))
