@@ -840,8 +840,8 @@ def _equals(code: _Code) -> _Candidates:
         if token.text == "=":
             if code.around(index) == "{":
                 yield _change(token, ":", "LRP516", "In `{ }`, a value comes after `:`. Write `:`.")
-            head = next(line[0] for line in code.lines() if line[-1] >= index)
-            compares = code.tokens[head].text in ("if", "elif", "while", "assert", "return", "not")
+            before = [each.text for each in code.tokens[:index] if each.line == token.line]
+            compares = not {"if", "elif", "while", "assert", "return", "not"}.isdisjoint(before)
             if compares or code.is_condition or "==" in code.problem or "assign" in code.problem:
                 yield _change(token, "==", "LRP516", "`=` assigns. Write `==` to compare.")
         elif token.text == ":" and code.around(index) == "(" and code.get(index - 1).kind == "name":

@@ -386,6 +386,13 @@ def test_python_that_means_what_it_seems_to_has_no_findings(block: str) -> None:
     assert check(action(block)) == ()
 
 
+def test_a_comparison_that_is_meant_to_assign_defines_its_name() -> None:
+    assert fixed(action("total == 0\ntotal += 1\nprint(total)")) == action(
+        "total = 0\ntotal += 1\nprint(total)"
+    )
+    assert found(condition("total == 0")) == [("LRP502", "total")]
+
+
 def test_a_decimal_comma_in_a_condition_is_one_finding() -> None:
     assert fixed(condition("x < 0,5"), ["x"]) == condition("x < 0.5")
 

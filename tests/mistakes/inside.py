@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from typing import NamedTuple
 
+from lrp_jupyter import programs
 from lrp_jupyter.language.names import Offsets
 from lrp_jupyter.language.scanner import strings
 from lrp_jupyter.language.suites import parse_suite
@@ -234,3 +235,53 @@ def _is_start(source: Source, found: Place) -> bool:
     offsets = Offsets(suite.source(source.text[start:end]))
     starts = {offsets.start_of(node) + suite.shift for node in ast.walk(tree) if isinstance(node, ast.stmt)}
     return found.end - start in starts
+
+
+# The robot, in programs that name a world
+
+
+def in_worlds(name: str, pattern: str, new: str, *keywords: str) -> None:
+    """Register a kind as `words` does, for programs whose robot is known."""
+
+    @kind(f"robot: {name}")
+    def _(source: Source) -> Iterator[Slip]:
+        if programs.heading(source.text).world not in (None, "none"):
+            for found in places(source, pattern, *keywords):
+                yield slip(found.start, found.end, found.match.expand(new))
+
+
+in_worlds("member misspelt, letters swapped", r"\brobot\.(\w)(\w)(\w)(?=\w)", r"robot.\1\3\2")
+in_worlds("member misspelt, a letter twice", r"\brobot\.(\w)(\w)(?=\w)", r"robot.\1\2\2")
+in_worlds("member with a capital", r"\brobot\.l", "robot.L")
+in_worlds("field misspelt", r"\b(robot\.\w+)\.data", r"\1.dta")
+in_worlds("without `.data`, compared", r"\b(robot\.\w+)\.data (?=[<>=!])", r"\1 ")
+in_worlds("without `.data`, computed", r"\b(robot\.\w+)\.data(?=\))(?=[^\n]* [<>])", r"\1")
+in_worlds("argument misspelt", r"\blinear=", "lienar=")
+in_worlds("arguments without names", r"\brobot\.move\(linear=(?=[-\d])", "robot.move(")
+in_worlds("`:=` for `=` of an argument", r"\b(linear|angular)=(?=[-\d.])", r"\1 := ")
+in_worlds("number in quotes, compared", r"(\.data [<>]=? )(\d+(?:\.\d+)?)", r'\1"\2"')
+in_worlds("number in quotes, passed", r"\b(linear|angular)=(\d+(?:\.\d+)?)", r'\1="\2"')
+in_worlds("sensor called", r"\b(robot\.\w+\.data)\b", r"\1()")
+in_worlds("sensor called instead of read", r"\b(robot\.\w+)\.data\b", r"\1()")
+in_worlds("missing parentheses of a call", r"\b(robot\.\w+)\(\)(?= *(?:$|\Z|;))", r"\1", *ACTIONS)
+in_worlds("argument too many", r"\brobot\.stop\(\)", "robot.stop(1)")
+
+# Python that is valid
+
+words("`nonlocal` missing", r"^( *)nonlocal [^\n]*\n", "", "var", *ACTIONS)
+words("`==` for `=`", r"^( *\w+) = (?=[\w.-]+$)", r"\1 == ", *ACTIONS)
+words("`=+` for `+=`", r" \+= ", " =+ ", *ACTIONS)
+words("`is` for `==`", r" == (?=\d|['\"])", " is ")
+
+
+@kind("inside: variable misspelt where it is set")
+def _(source: Source) -> Iterator[Slip]:
+    names = {source.word(form.tokens[1]) for form in source.all("var")}
+    for found in places(source, r"(?:^|; |(?<=\[))( *)(\w{4,})(?= = )", *ACTIONS):
+        name = found.match[2]
+        if name in names and len(re.findall(rf"\b{name}\b", source.text[slice(*found.block)])) == 1:
+            yield slip(
+                found.start + found.match.start(2) - found.match.start(),
+                found.end,
+                name[0] + name[2] + name[1] + name[3:],
+            )

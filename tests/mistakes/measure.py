@@ -8,7 +8,7 @@ from collections.abc import Iterable
 from functools import cache
 from typing import NamedTuple
 
-from lrp_jupyter.language.checks import check
+from lrp_jupyter import check
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program
 

@@ -209,7 +209,7 @@ def _inner(
         margin = places.source[line:start]
         after = "; " if margin.strip() else f"\n{margin}"
         seen: set[str] = set()
-        for statement in ast.walk(ast.Module(function.body, [])):
+        for statement in _statements(function.body):
             target: ast.expr
             if isinstance(statement, ast.AugAssign):
                 target = statement.target
@@ -230,6 +230,16 @@ def _inner(
             if changes or not (reads or isinstance(statement, ast.AugAssign)):
                 text = f"nonlocal {use.name}{after}"
                 yield Inner(use.name, places.word(use).span, not changes, start + places.shift, text)
+
+
+def _statements(body: list[ast.stmt]) -> Iterator[ast.AST]:
+    """Yield the statements of a function, those of functions and classes inside left out."""
+    waiting: list[ast.AST] = list(reversed(body))
+    while waiting:
+        node = waiting.pop()
+        if not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef | ast.expr):
+            yield node
+            waiting += reversed(children([node]))
 
 
 def _is_text(statement: ast.stmt) -> bool:
@@ -312,8 +322,7 @@ class _Values:
         span = self.places.span(last)
         if isinstance(last, ast.Assign) and len(last.targets) == 1 and _root(last.targets[0]):
             target = last.targets[0]
-            is_negation = isinstance(last.value, ast.UnaryOp) and isinstance(last.value.op, ast.Not)
-            if is_negation or isinstance(last.value, ast.Compare | ast.BoolOp):
+            if isinstance(target, ast.Name) and _is_test(last.value):
                 before = Span(span.start, self.places.start_of(last.value) + self.places.shift)
                 return Remark(span, before, _root(target), last=True, is_test=True)
             return Remark(span, self.places.between(target, "=", last.value), _root(target), last=True)
@@ -325,6 +334,13 @@ class _Values:
             return None
         kind = _kind(self.last.value)
         return (kind, self.places.span(self.last)) if kind else None
+
+
+def _is_test(node: ast.expr) -> bool:
+    """Return whether an expression is a comparison, a negation, or begins with one."""
+    if isinstance(node, ast.BoolOp):
+        return _is_test(node.values[0])
+    return isinstance(node, ast.Compare) or (isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not))
 
 
 def _root(node: ast.expr) -> str:

@@ -76,7 +76,11 @@ class _Python:
 
     def _names(self, place: PlacedBlock, facts: Facts) -> None:
         visible = place.visible
+        stated = [each for each in facts.comparisons if place.purpose == "action" or not each.last]
+        meant = {remark.name for remark in stated if remark.edit}  # `x == 1` for `x = 1`
         for name, span, _ in facts.reads:
+            if name in meant:
+                continue
             if name not in visible and name not in self.known and not name.startswith("__"):
                 problem = f"`{name}` is not defined where this block can see it"
                 known = chain(visible, facts.binds), self.known, _STATEMENTS
@@ -86,7 +90,7 @@ class _Python:
                 problem = f"There is no variable `{name}` that could be `nonlocal` here"
                 self._unknown("LRP502", place, name, span, problem, chain(visible, facts.binds))
         for name, span, nested in facts.augmented:
-            if name not in visible and not (nested and name in facts.binds):
+            if name not in visible and name not in meant and not (nested and name in facts.binds):
                 problem = f"`{name}` is not a variable here, so it has no value to change"
                 self._unknown("LRP503", place, name, span, problem, chain(visible, facts.binds))
         for inner in facts.inner:
@@ -100,11 +104,11 @@ class _Python:
                 self.report.add(code, _shifted(place.block, inner.span), message, fix)
         if place.purpose == "action":
             for name, span, _ in facts.unread:
-                meant = None if name in visible else self.report.nearest(name, visible)
-                if meant and name not in self._undefined:
+                similar = None if name in visible else self.report.nearest(name, visible)
+                if similar and name not in self._undefined:
                     message = f"`{name}` is a name of this block only, and nothing reads it. "
-                    message += f"Did you mean `{meant}`?"
-                    self._add("LRP530", place, span, message, meant)
+                    message += f"Did you mean `{similar}`?"
+                    self._add("LRP530", place, span, message, similar)
 
     @cached_property
     def _undefined(self) -> set[str]:
@@ -170,7 +174,7 @@ class _Python:
             if not (used and remark.last):
                 fix = (
                     "="
-                    if remark.edit and (remark.name in place.visible or remark.name in facts.binds)
+                    if remark.edit and (remark.name in place.visible or remark.name not in self.known)
                     else None
                 )
                 remedy = "Write `=` to assign" if remark.edit else "Use its result, or remove it"
@@ -179,10 +183,12 @@ class _Python:
         for remark in facts.uncalled:
             if not (used and remark.last) and remark.span not in wrong:
                 text = place.block.text[slice(*remark.span)]
+                end = Span(remark.span.end, remark.span.end)
                 message = (
                     f"This only names `{text}` and does nothing. Write `{text}()` to call it, or remove it."
                 )
-                self._add("LRP507", place, remark.span, message)
+                call = "()" if text.count(".") == 1 else None
+                self._add("LRP507", place, remark.span, message, call, end)
         for remark in facts.bitwise:
             word = "and" if remark.name == "&" else "or"
             message = f"`{remark.name}` binds more tightly than the comparison. Write `{word}`."
