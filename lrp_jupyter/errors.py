@@ -140,7 +140,7 @@ class BridgeError(LRPError):
 
 
 class FileError(LRPError, OSError):
-    """A file cannot be written; the message gives the reason."""
+    """A file cannot be read or written; the message gives the reason."""
 
 
 class NotAValue:

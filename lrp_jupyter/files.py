@@ -15,7 +15,7 @@ from pathlib import Path
 
 from lrp_jupyter.errors import FileError, ended
 
-__all__ = ["read_file", "shown", "write_file"]
+__all__ = ["decoded", "read_file", "read_text", "shown", "write_file"]
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 _LARGEST = 32_000_000  # bytes that are read
@@ -88,6 +88,30 @@ def read_file(path: str | os.PathLike[str]) -> str | None:
             return stream.read(_LARGEST).decode()
     except (OSError, ValueError):
         return None
+
+
+def read_text(path: str | os.PathLike[str]) -> str:
+    """Return the text of a file that a person named, its line ends unchanged.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or is not UTF-8.
+    """
+    try:
+        data = Path(path).read_bytes()
+    except (OSError, ValueError) as error:  # a ValueError: there is a null character in its name
+        reason = getattr(error, "strerror", None) or str(error)
+        raise FileError(f"`{shown(path)}` cannot be read: {ended(reason)}") from error
+    return decoded(data, f"`{shown(path)}`")
+
+
+def decoded(data: bytes, name: str) -> str:
+    """Return bytes in UTF-8 as text; `name` says in the error where they are from."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise FileError(f"{name} is not valid UTF-8: byte {error.start} cannot be decoded.") from error
 
 
 def shown(path: str | os.PathLike[str]) -> str:

@@ -15,7 +15,7 @@ import inspect
 import os
 import sys
 from ast import literal_eval
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
 from importlib.metadata import EntryPoint, entry_points
@@ -25,7 +25,7 @@ from lrp_jupyter.bridges.bridge import Bridge, NullBridge
 from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["GROUP", "Offer", "choose_bridge", "find_bridges", "make_bridge", "open_bridge"]
+__all__ = ["GROUP", "Offer", "check_options", "choose_bridge", "find_bridges", "make_bridge", "open_bridge"]
 
 GROUP = "lrp.bridges"
 
@@ -124,18 +124,48 @@ def make_bridge(which: str | type[Bridge] | Bridge | None = None, **options: Any
         The name is unknown, the class cannot be loaded, or it does not take these options.
     """
     if isinstance(which, Bridge):
-        if options:
-            raise BridgeError(f"The bridge `{which.name}` exists already and accepts no more options.")
+        check_options(which, options)
         return which
-    if which is None:
-        bridge: type[Bridge] = NullBridge
-    else:
-        bridge = find_bridges()[choose_bridge(which)].load() if isinstance(which, str) else which
+    bridge = _class_of(which)
     if inspect.isabstract(bridge):
         missing = ", ".join(f"`{name}`" for name in sorted(bridge.__abstractmethods__))
         raise BridgeError(f"`{bridge.__name__}` lacks {missing}, which every bridge needs.")
     _check_options(bridge, options)
     return bridge(**_as_numbers(bridge, options))
+
+
+def _class_of(which: str | type[Bridge] | None) -> type[Bridge]:
+    if which is None:
+        return NullBridge
+    if isinstance(which, str):
+        return find_bridges()[choose_bridge(which)].load()
+    if isinstance(which, type) and issubclass(which, Bridge):
+        return which
+    kind = which.__name__ if isinstance(which, type) else type(which).__name__
+    raise TypeError(f"A bridge is a name, a subclass of Bridge or an object of one, not {kind}.")
+
+
+def check_options(
+    which: str | type[Bridge] | Bridge | None, options: Mapping[str, Any], others: Iterable[str] = ()
+) -> None:
+    """Raise a BridgeError for an option that a bridge does not take, or lacks.
+
+    Parameters
+    ----------
+    which : str, subclass of Bridge, Bridge or None
+        As for :func:`make_bridge`.
+    options : mapping
+    others : iterable of str
+        Other keywords of the caller, of which one may be meant.
+    """
+    if isinstance(which, Bridge):
+        for option in options:
+            raise BridgeError(
+                f"The bridge `{which.name}` exists already and accepts no more options, such as `{option}`."
+                f"{did_you_mean(option, others)}"
+            )
+    elif options:
+        _check_options(_class_of(which), options, others)
 
 
 def _as_numbers(bridge: type[Bridge], options: Mapping[str, Any]) -> dict[str, Any]:
@@ -153,7 +183,7 @@ def _as_numbers(bridge: type[Bridge], options: Mapping[str, Any]) -> dict[str, A
     return read
 
 
-def _check_options(bridge: type[Bridge], options: Mapping[str, Any]) -> None:
+def _check_options(bridge: type[Bridge], options: Mapping[str, Any], others: Iterable[str] = ()) -> None:
     """Raise a BridgeError for a wrong option, before Python names ``__init__`` in its own."""
     known = dict(inspect.signature(bridge).parameters)
     if bridge.__init__ is object.__init__:
@@ -165,7 +195,7 @@ def _check_options(bridge: type[Bridge], options: Mapping[str, Any]) -> None:
             listed = ", ".join(f"`{name}`" for name in known) or "no options"
             raise BridgeError(
                 f"The bridge `{bridge.name}` has no option `{option}`; it takes {listed}."
-                f"{did_you_mean(option, known)}"
+                f"{did_you_mean(option, [*known, *others])}"
             )
     for name, parameter in known.items():
         if parameter.default is parameter.empty and name not in options:

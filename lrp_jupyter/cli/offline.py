@@ -14,7 +14,7 @@ from rich.text import Text
 from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
 from lrp_jupyter.cli.lock import watched_lock
-from lrp_jupyter.cli.source import Source, UnreadableError, read_source
+from lrp_jupyter.cli.source import Source, read_source
 from lrp_jupyter.errors import FileError, UnknownElementError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
@@ -47,7 +47,7 @@ def check_files(files: Sequence[str], as_json: bool, fix: bool = False, bridge: 
             if fix:
                 source, done = _fixed(source, robot)
                 (complaints if as_json else console).print(done, end="")
-        except (UnreadableError, FileError) as error:
+        except FileError as error:
             complaints.print(f"lrp: {error}")
             unreadable = True
             continue
@@ -75,7 +75,7 @@ def _check(source: Source, robot: RobotMembers | None) -> tuple[Finding, ...]:
 def _fixed(source: Source, robot: RobotMembers | None) -> tuple[Source, Text]:
     """Apply the certain fixes of a file, one after the other; return it, and what was done."""
     if source.path is None:
-        raise UnreadableError(f"`{source.name}` is not a file, so it cannot be corrected. Save it as one.")
+        raise FileError(f"`{source.name}` is not a file, so it cannot be corrected. Save it as one.")
     fixed, done = source, Text()
     for _ in range(_MOST_FIXES):
         finding = next((each for each in _check(fixed, robot) if each.fix), None)

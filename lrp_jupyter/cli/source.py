@@ -13,13 +13,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from lrp_jupyter import programs
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.errors import FileError
+from lrp_jupyter.files import decoded, read_text
 
-__all__ = ["Source", "UnreadableError", "Watch", "read_file", "read_source"]
-
-
-class UnreadableError(LRPError):
-    """A file does not exist or is not text."""
+__all__ = ["Source", "Watch", "read_source"]
 
 
 class Source(NamedTuple):
@@ -41,10 +38,7 @@ class Source(NamedTuple):
     @property
     def world(self) -> str | None:
         """The world named in the text's heading; a file name is relative to the program's folder."""
-        world = programs.heading(self.text).world
-        if world is not None and self.path is not None and world.endswith(".json"):
-            return str(self.path.parent / world)
-        return world
+        return programs.world_of(self.text, self.path.parent if self.path is not None else None)
 
 
 def read_source(what: str) -> Source:
@@ -52,41 +46,20 @@ def read_source(what: str) -> Source:
 
     Raises
     ------
-    UnreadableError
+    FileError
         The file cannot be read; the message lists the alternatives.
     """
     if what == "-":
-        return Source("<stdin>", _decoded(sys.stdin.buffer.read(), "Standard input"))
+        return Source("<stdin>", decoded(sys.stdin.buffer.read(), "Standard input"))
     path = Path(what)
     if path.exists():
-        return Source(what, read_file(path), path)
+        return Source(what, read_text(path), path)
     if what in programs.names():
         return Source(what, programs.load(what))
     known = [*programs.names(), *sorted(str(each) for each in Path().glob("*.lrp"))]
     close = get_close_matches(what, known, n=1) or get_close_matches(path.stem, known, n=1)
     hint = f"Did you mean `{close[0]}`?" if close else f"Bundled programs: {', '.join(programs.names())}."
-    raise UnreadableError(f"There is no file or bundled program `{what}`. {hint}")
-
-
-def read_file(path: Path) -> str:
-    """Return the text of a file, its line endings unchanged.
-
-    Raises
-    ------
-    UnreadableError
-        The file cannot be read or is not UTF-8.
-    """
-    try:
-        return _decoded(path.read_bytes(), f"`{path}`")
-    except OSError as error:
-        raise UnreadableError(f"`{path}` cannot be read: {error.strerror or str(error)}.") from error
-
-
-def _decoded(data: bytes, name: str) -> str:
-    try:
-        return data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise UnreadableError(f"{name} is not valid UTF-8: byte {error.start} cannot be decoded.") from error
+    raise FileError(f"There is no file or bundled program `{what}`. {hint}")
 
 
 _DEBOUNCE = 50  # ms without a change: editors write in several steps
@@ -130,8 +103,8 @@ class Watch:
             raise_interrupt=False,
         ):
             try:
-                text = read_file(self._path)
-            except UnreadableError:  # for a moment or for good: the last text stays valid
+                text = read_text(self._path)
+            except FileError:  # for a moment or for good: the last text stays valid
                 continue
             if text != self._text:
                 self._text = text

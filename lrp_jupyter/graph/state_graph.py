@@ -16,6 +16,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from lrp_jupyter.arguments import A_PROGRAM, check_type
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, resolve
@@ -95,6 +96,7 @@ def state_graph(program: Program, *, expand: bool = True) -> StateGraph:
         ``wildcard``, ``order`` (index in the machine) and ``dangling`` (why it can never fire, or
         None).
     """
+    check_type("program", program, Program, A_PROGRAM)
     names = resolve(program)
     graph = _states_and_spawns(names)
     for scope, arrows in names.arrows.items():

@@ -16,7 +16,7 @@ from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.names import as_path
-from lrp_jupyter.language.program import Path, Program, Spawn
+from lrp_jupyter.language.program import Path, Program, Spawn, path_text
 from lrp_jupyter.language.resolution import resolve
 
 __all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "matches"]
@@ -59,7 +59,7 @@ class Hung:
         return f"{what} A block must end at once: use a state with `ontime` instead of waiting in a block."
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Frame:
     """A snapshot of a run.
 
@@ -147,6 +147,10 @@ class Frame:
     bridge: str = ""
     robot: object = None
     hung: Hung | None = None
+
+    def __repr__(self) -> str:
+        active = ", ".join(map(path_text, self.active)) or "nothing"
+        return f"<Frame: {self.status}, tick {self.tick}, {self.time:g} s, {active} active>"
 
     def is_active(self, state: str | Path) -> bool:
         """Return whether a state is active, at any depth.

@@ -33,8 +33,10 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
+from types import NoneType
 from typing import Any, Literal
 
+from lrp_jupyter.arguments import A_PROGRAM, check_choice, check_number, check_type
 from lrp_jupyter.interpreter.events import UNSET, Observer
 from lrp_jupyter.interpreter.forcing import How, find_state, force
 from lrp_jupyter.interpreter.issues import IssueLog
@@ -48,12 +50,15 @@ from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.identity import Successors, after_rename, after_undo
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.language.rename import rename as renamed_text
 
 __all__ = ["Interpreter", "VariableMapping"]
 
 _KEPT = 20  # number of recent edits whose maps are kept
+
+
+_POLICIES = {"on_active_edit": ("restart", "keep"), "on_issue": ("record", "pause")}
 
 
 class Interpreter:
@@ -102,6 +107,10 @@ class Interpreter:
         journal: int = 10_000,
         output: Callable[..., object] | None = None,
     ) -> None:
+        check_type("program", program, Program, A_PROGRAM)
+        check_type("namespace", namespace, (dict, NoneType), "a dict")
+        check_type("journal", journal, int, "a number of ticks")
+        check_number("journal", journal, "a number of ticks", least=0)
         self.on_active_edit = on_active_edit
         self.on_issue = on_issue
         self.paused = False
@@ -122,6 +131,15 @@ class Interpreter:
         self._run = self._new_run(program)
         show_in_tracebacks(program)
         self._report_duplicates()
+
+    def __repr__(self) -> str:
+        active = ", ".join(map(path_text, self.active)) or "nothing"
+        return f"<Interpreter: tick {self.tick}, {active} active>"
+
+    def __setattr__(self, name: str, value: object) -> None:
+        if name in _POLICIES:
+            check_choice(name, value, _POLICIES[name])
+        super().__setattr__(name, value)
 
     # ---- what can be seen -------------------------------------------------------------------
 

@@ -19,6 +19,7 @@ from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Literal, TypeVar
 
+from lrp_jupyter.arguments import A_PROGRAM, check_type
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import (
     Element,
@@ -99,6 +100,8 @@ def diff(old: Program, new: Program) -> ChangeSet:
     ChangeSet
         Empty if the two mean the same: ``not diff(p, p)``.
     """
+    check_type("old", old, Program, A_PROGRAM)
+    check_type("new", new, Program, A_PROGRAM)
     groups: dict[str, list[Element]] = {"added": [], "removed": [], "changed": [], "moved": []}
     became: dict[Element, Element] = {}
     for change in _program(old, new):

@@ -326,4 +326,8 @@ def normal(name: str) -> str:
 
 def as_path(path: str | Path) -> Path:
     """Return a path as a tuple of names as the parser makes them; it may be written as ``"m/a"``."""
-    return tuple([normal(name) for name in (path.split("/") if isinstance(path, str) else path)])
+    try:
+        return tuple([normal(name) for name in (path.split("/") if isinstance(path, str) else path)])
+    except TypeError:
+        message = f"A path is a text such as `m/a`, or a tuple of names, not {type(path).__name__}."
+        raise TypeError(message) from None

@@ -14,6 +14,7 @@ from difflib import get_close_matches
 from itertools import groupby
 from keyword import iskeyword
 
+from lrp_jupyter.arguments import check_type
 from lrp_jupyter.errors import MOST_FINDINGS, Edit, LRPSyntaxError, listed
 from lrp_jupyter.language import nodes
 from lrp_jupyter.language.blocks import facts_of, faults_of
@@ -42,6 +43,7 @@ def parse(text: str, filename: str = "<lrp>") -> Program:
     LRPSyntaxError
         The text is not a valid program; its ``findings`` are all the errors, in order of location.
     """
+    check_type("text", text, str, "the text of a program")
     program, findings = scan(text, filename)
     if program is None:
         raise LRPSyntaxError(findings)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from lrp_jupyter.arguments import A_PROGRAM, check_type
 from lrp_jupyter.language.program import (
     Action,
     Block,
@@ -33,6 +34,7 @@ _LINE = re.compile(r"(\r\n|\r|\n)([ \t]*+)(?=\S)")
 
 def to_source(program: Program) -> str:
     """Return a program as text, in a canonical and readable layout."""
+    check_type("program", program, Program, A_PROGRAM)
     sections = [
         [_variable(variable, "") for variable in program.variables],
         [_event(event, "") for event in program.events],

@@ -7,9 +7,12 @@ takes wall time is up to the clock. So the same loop serves a robot, a test and 
 from __future__ import annotations
 
 import math
+from numbers import Real
 from threading import Event
 from time import monotonic
-from typing import Protocol
+from typing import Protocol, runtime_checkable
+
+from lrp_jupyter.arguments import check_type
 
 __all__ = ["LAG", "Clock", "MonotonicClock", "VirtualClock"]
 
@@ -21,6 +24,7 @@ _LONGEST = 3600.0  # wall seconds that one wait lasts: those of an extreme speed
 _FASTEST = 1e9  # above it, the time of a wall second is no longer exact
 
 
+@runtime_checkable
 class Clock(Protocol):
     """The interface of a clock. Only the thread that drives the session calls it."""
 
@@ -57,7 +61,11 @@ class VirtualClock:
     speed = math.inf
 
     def __init__(self, start: float = 0.0) -> None:
+        check_type("start", start, Real, "a time in seconds")
         self._now = start
+
+    def __repr__(self) -> str:
+        return f"<VirtualClock at {self._now:g} s>"
 
     def now(self) -> float:
         """Return the virtual time."""
@@ -160,6 +168,7 @@ class MonotonicClock:
 
 
 def _checked(speed: float) -> float:
+    check_type("speed", speed, Real, "a number")
     if not speed > 0:
         raise ValueError(f"The speed must be above 0, not {speed!r}.")
     return float(speed) if speed <= _FASTEST else math.inf

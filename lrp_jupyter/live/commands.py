@@ -203,6 +203,7 @@ class SetSpeed(Command):
 class SetPolicy(Command):
     """Change ``on_active_edit`` or ``on_issue``."""
 
+    misuse: ClassVar[tuple[type[Exception], ...]] = _ARGUMENTS
     name: Literal["on_active_edit", "on_issue"]
     value: str
 

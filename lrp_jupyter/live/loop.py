@@ -41,10 +41,12 @@ from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import replace
+from numbers import Real
 from time import perf_counter
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal
 
+from lrp_jupyter.arguments import check_type
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, sentence_of
 from lrp_jupyter.interpreter.by_path import ByPath
@@ -233,6 +235,7 @@ class Loop:
         ValueError
             The rate is negative, too small, too large, or not a number.
         """
+        check_type("rate", rate, Real, "a number of ticks per second")
         if not (rate == 0 or SLOWEST <= rate <= FASTEST):
             raise ValueError(
                 f"A rate is between {SLOWEST:g} and {FASTEST:,.0f} ticks per second, "

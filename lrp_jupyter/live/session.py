@@ -38,8 +38,11 @@ Paper: §5.1 (the loop and its rate), §6 (live programming), §6.3 (pause), §6
 from __future__ import annotations
 
 import atexit
+import inspect
 import math
+import os
 import threading
+import warnings
 import weakref
 from collections.abc import Callable, Iterator, MutableMapping, Sequence
 from concurrent.futures import CancelledError, Future
@@ -47,12 +50,16 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
 from time import monotonic
+from types import NoneType
 from typing import Any, Literal, Self
 
+from lrp_jupyter import programs
+from lrp_jupyter.arguments import check_choice, check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.discovery import make_bridge
-from lrp_jupyter.errors import LRPError, SessionTimeoutError, sentence_of
-from lrp_jupyter.files import write_file
+from lrp_jupyter.bridges.discovery import check_options, make_bridge
+from lrp_jupyter.bridges.members import did_you_mean
+from lrp_jupyter.errors import LRPError, SessionTimeoutError, UnknownElementError, sentence_of
+from lrp_jupyter.files import read_text, write_file
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -89,8 +96,8 @@ class Session:
     program : Program or str
         A text that is not a valid program raises; to start with one, create an empty session and pass the
         text to :meth:`edit`.
-    bridge : str or Bridge
-        A name (``"none"``, ``"sim"``, …; `options` are passed to it), or an existing bridge.
+    bridge : str, Bridge or subclass of Bridge
+        A name (``"none"``, ``"sim"``, …) or a class, to which `options` are passed, or an existing bridge.
     clock : Clock, optional
         A :class:`~lrp_jupyter.live.clock.VirtualClock` never waits; by default wall time.
     rate : float
@@ -119,13 +126,22 @@ class Session:
     LRPSyntaxError
         The text is not a valid program.
     BridgeError
-        There is no such bridge.
+        There is no such bridge, or it does not take these options.
+    TypeError, ValueError
+        Another argument has a wrong type or value.
+
+    Examples
+    --------
+    >>> program = "(machine m (state a) (state b) (ontime 300 a -> b)) (spawn m a)"
+    >>> with Session(program) as session:
+    ...     session.run(until="b", seconds=5)
+    True
     """
 
     def __init__(
         self,
         program: Program | str = "",
-        bridge: str | Bridge = "none",
+        bridge: str | type[Bridge] | Bridge | None = "none",
         clock: Clock | None = None,
         rate: float = 10,
         *,
@@ -140,6 +156,15 @@ class Session:
         dead_man: float | None = None,
         **options: Any,
     ) -> None:
+        check_type("program", program, (str, Program), "a text or a Program")
+        check_type("name", name, str, "a text")
+        check_type("namespace", namespace, (dict, NoneType), "a dict")
+        check_type("clock", clock, (Clock, NoneType), "a clock, such as `VirtualClock()`")
+        check_choice("driver", driver, ("thread", "asyncio"))
+        check_number("hung_after", hung_after, "a number of seconds", above=0)
+        if dead_man is not None:
+            check_number("dead_man", dead_man, "a number of seconds", above=0)
+        check_options(bridge, options, _KEYWORDS)
         if isinstance(program, str):
             program = parse(program, f"<lrp {name}>")
         self.name = name
@@ -148,7 +173,7 @@ class Session:
         self.findings: tuple[Finding, ...] = ()
         """The findings of the checks about the last text."""
         self._text = program.text
-        self.bridge = make_bridge(bridge, **options) if isinstance(bridge, str) else bridge
+        self.bridge = make_bridge(bridge, **options)
         self._members: tuple[object, RobotMembers] = self.bridge.nodes.table, members_of(self.bridge)
         interpreter = Interpreter(
             program,
@@ -167,13 +192,36 @@ class Session:
             self.bridge,
             MonotonicClock(speed) if clock is None else clock,
             rate,
-            self._notify,
+            self._notifier(),
             journal,
-            lambda: self.output.count,
+            partial(getattr, self.output, "count"),
         )
         self._driver = Driver(self._loop, name)
         self._start_driver = partial(self._driver.start, driver, hung_after, dead_man)
         _open_sessions.add(self)
+        self._dropped = weakref.finalize(self, _drop, name, self._driver, self._loop, self.bridge)
+        self._dropped.atexit = False
+
+    @classmethod
+    def from_file(cls, path: str | os.PathLike[str], *arguments: Any, **keywords: Any) -> Self:
+        """Create a session of a file's text; other arguments are those of :class:`Session`.
+
+        The name is that of the file, unless it is given. The simulator loads the world that the text names
+        (``; world: line``), unless it is given.
+
+        Raises
+        ------
+        FileError
+            The file cannot be read.
+        LRPSyntaxError
+            The text is not a valid program.
+        """
+        file = FilePath(path)
+        text = read_text(file)
+        bridge = keywords.get("bridge", arguments[0] if arguments else "none")
+        if bridge == "sim" and (world := programs.world_of(text, file.parent)) not in (None, "none"):
+            keywords.setdefault("world", world)
+        return cls(text, *arguments, **{"name": file.stem, **keywords})
 
     def __repr__(self) -> str:
         frame = self.frame
@@ -305,6 +353,7 @@ class Session:
         """Stop, and disconnect the robot. A second call does nothing."""
         self._end("closed")
         self.bridge.close()
+        self._dropped.detach()
         _open_sessions.discard(self)
 
     def _end(self, status: Literal["stopped", "closed"]) -> None:
@@ -359,6 +408,11 @@ class Session:
 
         Raises
         ------
+        UnknownElementError
+            The program has no such state.
+
+        Raises
+        ------
         LRPError
             A block of the program itself is the caller.
         SessionTimeoutError
@@ -366,6 +420,8 @@ class Session:
         """
         if seconds is None and until is None and after_tick is None:
             raise ValueError("How long should it run? Pass `seconds`, `until`, or both.")
+        if seconds is not None:
+            check_number("seconds", seconds, "a number", least=0)
         self._driver.refuse_inside("run")
         self.open()
         with self._driver.exclusive("run"), self._driver.limited(limit):
@@ -383,6 +439,8 @@ class Session:
         if callable(until):
             return lambda: bool(until(loop.make_frame()))
         state, interpreter = until, loop.interpreter
+        if missing := _missing(state, interpreter.program):
+            raise UnknownElementError(missing)
         before = _count(interpreter, state)
         return lambda: _count(interpreter, state) > before or loop.is_active(state)
 
@@ -399,12 +457,12 @@ class Session:
         SessionTimeoutError
             It did not happen within `timeout` seconds.
         LRPError
-            It cannot happen: the session is stopped, broken or closed, or nothing drives its loop.
+            It cannot happen: the session was not started, is stopped, broken or closed, or is driven by
+            this very thread.
         """
-        if not self._driver.runs_elsewhere and (timeout is None or self._driver.running):
-            raise LRPError("Nothing would run meanwhile. Call `start` first, or use `run(until=…)`.")
         end = math.inf if timeout is None else monotonic() + timeout
         before = 0 if callable(condition) else self._loop.frame.count_of(condition)
+        runs = self._driver.runs_elsewhere
         while True:
             version, frame = self._version, self.frame
             if callable(condition):
@@ -414,9 +472,17 @@ class Session:
                 return frame
             if frame.status in ("stopped", "broken", "closed"):
                 raise LRPError(f"The session is {frame.status}. {frame.reason}".strip())
+            if not runs:
+                why = "" if self._driver.running else " The session was not started."
+                raise LRPError(
+                    f"Nothing would run meanwhile.{why} Call `start` first, or use `run(until=…)`."
+                )
             if (left := end - monotonic()) <= 0:
                 what = "The condition" if callable(condition) else f"`{'/'.join(as_path(condition))}`"
-                raise SessionTimeoutError(f"{what} did not come within {timeout:g} s: {self!r}.")
+                missing = "" if callable(condition) else _missing(condition, frame.program)
+                raise SessionTimeoutError(
+                    f"{what} did not come within {timeout:g} s: {self!r}. {missing}".rstrip()
+                )
             with self._changed:
                 self._changed.wait_for(lambda old=version: self._version != old, min(left, 3600))  # type: ignore[misc]
 
@@ -450,6 +516,7 @@ class Session:
         Future
             Its result is the :class:`~lrp_jupyter.interpreter.patching.Patch`, or None without a program.
         """
+        check_type("text", text, str, "the text of a program")
         self._driver.check_open()
         program, findings = scan(text, f"<lrp {self.name}>")
         self._text = text
@@ -589,6 +656,7 @@ class Session:
         BridgeError
             A real robot is armed.
         """
+        check_type("ticks", ticks, int, "a number of ticks")
         before = self.program
         self._driver.do(do.Rewind(ticks))
         if self.program is not before:  # edits were undone, too
@@ -637,6 +705,16 @@ class Session:
         self._listeners = (*self._listeners, guarded)
         return unlisten
 
+    def _notifier(self) -> Callable[[], None]:
+        """Return :meth:`_notify` for the loop, whose thread must not keep a dropped session alive."""
+        method = weakref.WeakMethod(self._notify)
+
+        def notify() -> None:
+            if (call := method()) is not None:
+                call()
+
+        return notify
+
     def _notify(self) -> None:
         with self._changed:
             self._version += 1
@@ -645,9 +723,36 @@ class Session:
             listener()
 
 
+def _missing(state: str | Path, program: Program) -> str:
+    """Return a sentence if the program has no such state, else an empty text."""
+    wanted = definition_of(state, program)
+    known = [(*path, str(noun.name)) for path, machine in program.walk() for noun in machine.states]
+    if any(matches(wanted, path) for path in known):
+        return ""
+    name = path_text(as_path(state))
+    return f"There is no state `{name}`.{did_you_mean(name, [path[-1] for path in known])}"
+
+
 def _count(interpreter: Interpreter, state: str | Path) -> int:
     wanted = definition_of(state, interpreter.program)
     return sum(count.times for path, count in interpreter.visits.items() if matches(wanted, path))
+
+
+def _drop(name: str, driver: Driver, loop: Loop, bridge: Bridge) -> None:
+    """End what a session has started that was dropped without :meth:`Session.close`."""
+    if not driver.running:
+        return
+
+    def end() -> None:
+        bridge.stop_all()
+        driver.end()
+        loop.halt("closed")
+        bridge.close()
+
+    # The collector may run on any thread, with any lock held; only a thread of its own may wait.
+    threading.Thread(target=end, name=f"lrp {name} end", daemon=True).start()
+    message = f"The session `{name}` was dropped while it ran, and ended. Call `close`, or use `with`."
+    warnings.warn(message, ResourceWarning, stacklevel=2)
 
 
 class LiveVariables(MutableMapping[str, Any]):
@@ -680,6 +785,10 @@ class LiveVariables(MutableMapping[str, Any]):
     def __repr__(self) -> str:
         texts = self._session.frame.variables
         return "\n".join(f"{path_text(path)} = {text}" for path, text in texts.items()) or "(no variables)"
+
+
+_KEYWORDS = tuple(inspect.signature(Session).parameters)[:-1]
+"""The keywords of :class:`Session` itself, one of which may be meant by an unknown option."""
 
 
 @atexit.register

@@ -9,11 +9,12 @@ from __future__ import annotations
 import re
 from difflib import get_close_matches
 from importlib.resources import files
+from pathlib import Path
 from typing import NamedTuple
 
 from lrp_jupyter.errors import LRPError
 
-__all__ = ["Heading", "heading", "load", "names"]
+__all__ = ["Heading", "heading", "load", "names", "world_of"]
 
 _COMMENT = re.compile(r"\s*[;#]+ ?(.*)")
 _WORLD = re.compile(r"world: *(\S+)\s*$", re.IGNORECASE)
@@ -68,3 +69,11 @@ def heading(text: str) -> Heading:
     worlds = (found[1] for line in comments if (found := _WORLD.match(line)))
     described = (line for line in comments if line and not _WORLD.match(line))
     return Heading(next(described, ""), next(worlds, None))
+
+
+def world_of(text: str, folder: Path | None) -> str | None:
+    """Return the world that a text names; that of a file's text may be a file relative to its folder."""
+    world = heading(text).world
+    if world is not None and folder is not None and world.endswith(".json"):
+        return str(folder / world)
+    return world

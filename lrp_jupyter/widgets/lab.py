@@ -17,6 +17,7 @@ import anywidget
 import traitlets
 
 from lrp_jupyter import programs
+from lrp_jupyter.arguments import check_type
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.files import write_file
@@ -63,6 +64,7 @@ class Part(anywidget.AnyWidget):
     part: ClassVar[str] = "lab"
 
     def __init__(self, session: Session | Part | str) -> None:
+        check_type("session", session, (Session, Part, str), "a Session, a Lab or the name of a program")
         if isinstance(session, str):
             found = registry.find(session)
             if found is None:
@@ -147,6 +149,7 @@ class Lab(Part):
         namespace: dict[str, Any] | None = None,
         **options: Any,
     ) -> None:
+        check_type("program", program, (str, Program, Session), "a text, a Program or a Session")
         if isinstance(program, Session):
             self._connect(registry.connection_of(program))
             return

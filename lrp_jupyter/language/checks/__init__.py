@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
+from lrp_jupyter.arguments import check_type
 from lrp_jupyter.errors import MOST_FINDINGS, listed
 from lrp_jupyter.language.checks.findings import CODES, Code
 from lrp_jupyter.language.checks.names import check_names
@@ -43,6 +44,7 @@ def check(
         In order of position, the first 200 and the number of the others; :data:`CODES` explains their
         codes. An error certainly cannot work; a correct program has no findings.
     """
+    check_type("text_or_program", text_or_program, (str, Program), "a text or a Program")
     if isinstance(text_or_program, Program):
         program = text_or_program
     else:

@@ -1,0 +1,67 @@
+"""Checks of arguments: a mistake is one sentence, where it is made."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from difflib import get_close_matches
+from numbers import Real
+from typing import Any
+
+__all__ = ["A_PROGRAM", "check_choice", "check_number", "check_type"]
+
+
+A_PROGRAM = "a Program, which `parse(text)` makes of a text"
+"""What a program is, for :func:`check_type`."""
+
+
+def check_type(name: str, value: object, kind: type | tuple[type, ...], what: str) -> None:
+    """Raise a TypeError if an argument has another type.
+
+    Parameters
+    ----------
+    name : str
+        The argument's name.
+    value : object
+    kind : type or tuple of types
+    what : str
+        What the argument is, in words: ``a text``.
+    """
+    if not isinstance(value, kind):
+        raise TypeError(f"`{name}` is {what}, not {_kind(value)}.")
+
+
+def check_choice(name: str, value: object, choices: Iterable[str]) -> None:
+    """Raise a ValueError if an argument is not one of some words."""
+    known = list(choices)
+    if value not in known:
+        listed = " or ".join(f"`{choice}`" for choice in known)
+        shown = f"`{value}`" if isinstance(value, str) else _kind(value)
+        close = get_close_matches(str(value), known, n=1)
+        hint = f" Did you mean `{close[0]}`?" if close else ""
+        raise ValueError(f"`{name}` is {listed}, not {shown}.{hint}")
+
+
+def check_number(
+    name: str, value: Any, what: str, *, above: float = -math.inf, least: float = -math.inf
+) -> None:
+    """Raise an error if an argument is not a number, or too small.
+
+    Parameters
+    ----------
+    name : str
+        The argument's name.
+    value : object
+    what : str
+        What the argument is, in words: ``a number of seconds``.
+    above, least : float
+        The number must be greater than `above`, and not less than `least`.
+    """
+    check_type(name, value, Real, what)
+    if not (value > above and value >= least):
+        limit = f"above {above:g}" if above > -math.inf else f"of {least:g} or more"
+        raise ValueError(f"`{name}` is {what} {limit}, not {value!r}.")
+
+
+def _kind(value: object) -> str:
+    return "None" if value is None else type(value).__name__

@@ -1,0 +1,189 @@
+"""Wrong arguments of the public API: one sentence, where they are made."""
+
+import gc
+import threading
+
+import pytest
+
+import lrp_jupyter as lrp
+from lrp_jupyter.errors import BridgeError, FileError, LRPSyntaxError, UnknownElementError
+
+PROGRAM = "(var n := [1]) (machine m (state a) (state b) (ontime 300 a -> b)) (spawn m a)"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ({"spede": 3}, "The bridge `none` has no option `spede`; it takes no options. Did you mean `speed`?"),
+        (
+            {"bridge": "sim", "wrld": "line"},
+            "The bridge `sim` has no option `wrld`; it takes `world`, `seed`, `noise`. Did you mean `world`?",
+        ),
+        (
+            {"bridge": lrp.SimBridge(), "on_isue": "pause"},
+            "The bridge `sim` exists already and accepts no more options, such as `on_isue`."
+            " Did you mean `on_issue`?",
+        ),
+        ({"bridge": 3}, "A bridge is a name, a subclass of Bridge or an object of one, not int."),
+        ({"on_issue": "paus"}, "`on_issue` is `record` or `pause`, not `paus`. Did you mean `pause`?"),
+        ({"on_active_edit": None}, "`on_active_edit` is `restart` or `keep`, not None."),
+        ({"driver": "threads"}, "`driver` is `thread` or `asyncio`, not `threads`. Did you mean `thread`?"),
+        ({"journal": -1}, "`journal` is a number of ticks of 0 or more, not -1."),
+        ({"journal": "many"}, "`journal` is a number of ticks, not str."),
+        ({"rate": "fast"}, "`rate` is a number of ticks per second, not str."),
+        ({"speed": None}, "`speed` is a number, not None."),
+        ({"clock": 3}, "`clock` is a clock, such as `VirtualClock()`, not int."),
+        ({"namespace": ["n"]}, "`namespace` is a dict, not list."),
+        ({"name": 3}, "`name` is a text, not int."),
+        ({"hung_after": 0}, "`hung_after` is a number of seconds above 0, not 0."),
+        ({"dead_man": "never"}, "`dead_man` is a number of seconds, not str."),
+        ({"program": b"text"}, "`program` is a text or a Program, not bytes."),
+    ],
+)
+def test_a_wrong_argument_of_a_session_is_one_sentence(arguments, sentence):
+    with pytest.raises((BridgeError, TypeError, ValueError)) as caught:
+        lrp.Session(**{"program": PROGRAM, **arguments})
+    assert str(caught.value) == sentence
+
+
+A_PROGRAM = "a Program, which `parse(text)` makes of a text"
+A_PATH = "A path is a text such as `m/a`, or a tuple of names, not int."
+
+
+@pytest.mark.parametrize(
+    ("call", "sentence"),
+    [
+        (lambda: lrp.parse(3), "`text` is the text of a program, not int."),
+        (lambda: lrp.check(None), "`text_or_program` is a text or a Program, not None."),
+        (lambda: lrp.diff(PROGRAM, 3), f"`old` is {A_PROGRAM}, not str."),
+        (lambda: lrp.to_source(PROGRAM), f"`program` is {A_PROGRAM}, not str."),
+        (lambda: lrp.state_graph(3), f"`program` is {A_PROGRAM}, not int."),
+        (lambda: lrp.Interpreter(PROGRAM), f"`program` is {A_PROGRAM}, not str."),
+        (lambda: lrp.Lab(3), "`program` is a text, a Program or a Session, not int."),
+        (lambda: lrp.StateGraph(3), "`session` is a Session, a Lab or the name of a program, not int."),
+        (lambda: lrp.grade("", 4), "`what` is the name of a challenge, a Challenge or a World, not int."),
+        (lambda: lrp.VirtualClock("now"), "`start` is a time in seconds, not str."),
+    ],
+)
+def test_a_wrong_type_anywhere_is_one_sentence(call, sentence):
+    with pytest.raises(TypeError) as caught:
+        call()
+    assert str(caught.value) == sentence
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "sentence"),
+    [
+        (lambda s: s.edit(3), TypeError, "`text` is the text of a program, not int."),
+        (lambda s: s.run("b"), TypeError, "`seconds` is a number, not str."),
+        (lambda s: s.run(-1), ValueError, "`seconds` is a number of 0 or more, not -1."),
+        (lambda s: s.run(float("nan")), ValueError, "`seconds` is a number of 0 or more, not nan."),
+        (
+            lambda s: s.run(1, until="bb"),
+            UnknownElementError,
+            "There is no state `bb`. Did you mean `b`?",
+        ),
+        (lambda s: s.rewind("x"), TypeError, "`ticks` is a number of ticks, not str."),
+        (
+            lambda s: s.transition_to(3),
+            TypeError,
+            A_PATH,
+        ),
+        (
+            lambda s: s.frame.is_active(3),
+            TypeError,
+            A_PATH,
+        ),
+        (
+            lambda s: setattr(s, "on_issue", "stop"),
+            ValueError,
+            "`on_issue` is `record` or `pause`, not `stop`.",
+        ),
+        (lambda s: setattr(s, "rate", "fast"), TypeError, "`rate` is a number of ticks per second, not str."),
+        (
+            lambda s: s.wait_for("b", 5),
+            lrp.LRPError,
+            "Nothing would run meanwhile. The session was not started."
+            " Call `start` first, or use `run(until=…)`.",
+        ),
+    ],
+)
+def test_a_wrong_call_of_a_session_is_one_sentence_and_breaks_nothing(call, error, sentence):
+    with lrp.Session(PROGRAM) as session:
+        session.step()
+        with pytest.raises(error) as caught:
+            call(session)
+        assert str(caught.value) == sentence
+        assert session.run(1, until="b")
+        assert not session.issues
+
+
+def test_a_session_takes_a_subclass_of_bridge_with_its_options():
+    with lrp.Session(PROGRAM, lrp.SimBridge, world="empty") as session:
+        assert session.bridge.world.name == "empty"
+
+
+def test_waiting_in_vain_names_a_state_that_does_not_exist():
+    with lrp.Session(PROGRAM) as session:
+        session.start()
+        with pytest.raises(TimeoutError, match=r"There is no state `bb`\. Did you mean `b`\?"):
+            session.wait_for("bb", 0.01)
+
+
+def test_a_session_begins_with_a_file_its_name_and_its_world(tmp_path):
+    path = tmp_path / "mine.lrp"
+    path.write_bytes("\ufeff; Mine.\r\n; world: oval\r\n".encode() + PROGRAM.encode())
+    with lrp.Session.from_file(path, "sim", rate=20) as session:
+        assert (session.name, session.rate, session.bridge.world.name) == ("mine", 20.0, "oval")
+        assert session.text == "; Mine.\r\n; world: oval\r\n" + PROGRAM
+    with lrp.Session.from_file(str(path), bridge="sim", world="empty", name="other") as session:
+        assert (session.name, session.bridge.world.name) == ("other", "empty")
+    with lrp.Session.from_file(path) as session:
+        assert session.bridge.name == "none"
+
+
+def test_a_file_that_cannot_be_read_is_a_sentence(tmp_path):
+    with pytest.raises(FileError, match=r"missing\.lrp` cannot be read: No such file or directory\."):
+        lrp.Session.from_file(tmp_path / "missing.lrp")
+    with pytest.raises(FileError, match="cannot be read: Is a directory"):
+        lrp.Session.from_file(tmp_path)
+    path = tmp_path / "picture.lrp"
+    path.write_bytes(b"\x89PNG")
+    with pytest.raises(FileError, match="is not valid UTF-8: byte 0 cannot be decoded"):
+        lrp.Session.from_file(path)
+    path.write_text("(machine")
+    with pytest.raises(LRPSyntaxError):
+        lrp.Session.from_file(path)
+
+
+def test_a_started_session_that_is_dropped_ends_with_a_warning():
+    def threads() -> list[threading.Thread]:
+        return [thread for thread in threading.enumerate() if thread.name.startswith("lrp dropped")]
+
+    sessions = [lrp.Session(PROGRAM, "sim", name="dropped")]
+    sessions[0].start()
+    bridge = sessions[0].bridge
+    assert threads()
+    with pytest.warns(ResourceWarning, match="The session `dropped` was dropped while it ran, and ended"):
+        sessions.clear()
+    for thread in threads():
+        thread.join(10)
+    assert not threads()
+    assert not bridge.is_open
+
+
+def test_a_closed_session_and_one_that_never_started_are_dropped_in_silence():
+    session = lrp.Session(PROGRAM)
+    session.start()
+    session.close()
+    del session
+    lrp.Session(PROGRAM).run(1)
+    gc.collect()
+
+
+def test_what_a_newcomer_prints_is_short():
+    with lrp.Session(PROGRAM) as session:
+        session.run(1)
+        assert repr(session.frame) == "<Frame: paused, tick 10, 1 s, m/b active>"
+        assert repr(session.interpreter) == "<Interpreter: tick 10, m/b active>"
+        assert repr(lrp.VirtualClock(2)) == "<VirtualClock at 2 s>"
