@@ -1,14 +1,14 @@
 // @vitest-environment happy-dom
 import { describe, expect, it, vi } from "vitest";
-import { hungNote } from "../src/parts/notes";
+import { hungNote, unstartedNote } from "../src/parts/notes";
 import type { Lab } from "../src/session/store";
 
-/** The note of a lab whose state changes by `show`. */
-function noteOf(act: (command: unknown) => void) {
+/** A note of a lab whose state changes by `show`. */
+function noteOf(act: (command: unknown) => void, make = hungNote) {
   const state: Record<string, unknown> = { hung: null, reason: "" };
   let redraw = () => {};
   const store = { state, watch: (_: unknown, call: () => void) => (redraw = call) };
-  const note = hungNote({ store, act } as unknown as Lab);
+  const note = make({ store, act } as unknown as Lab);
   const show = (changes: Record<string, unknown>) => {
     Object.assign(state, changes);
     redraw();
@@ -37,5 +37,17 @@ describe("the note about a block that does not return", () => {
     const { show, button } = noteOf(() => {});
     show({ hung: { ...hung, held: true } });
     expect(button.hidden).toBe(true);
+  });
+});
+
+describe("the note about a program that was not started", () => {
+  it("has the reason until the program is started", () => {
+    const { note, show } = noteOf(() => {}, unstartedNote);
+    show({ status: "paused", tick: 0, reason: "A block did not return." });
+    expect([note.hidden, note.textContent]).toEqual([false, "A block did not return."]);
+    show({ status: "running", tick: 0, reason: "" });
+    expect(note.hidden).toBe(true);
+    show({ status: "paused", tick: 8, reason: "The robot was stopped." });
+    expect(note.hidden).toBe(true);
   });
 });

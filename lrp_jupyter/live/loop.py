@@ -192,6 +192,7 @@ class Loop:
         self.fault = ""
         """The traceback of the fault that broke the session, or an empty text."""
         self.ticking = False
+        self._unstarted = False  # whether it was paused before it was started
         self._texts = ValueTexts(self._watch)
         self._step = bridge.time_step  # seconds; None where time passes by itself
         self.changed = changed
@@ -559,8 +560,9 @@ class Loop:
         if self.status == "running":
             self.interpreter.pause(self.now)
             self._stand_still(reason)
-        elif self.status == "paused" and reason:
-            self.reason = reason
+        elif self.status in ("ready", "paused") and reason:
+            self._unstarted = self._unstarted or self.status == "ready"
+            self.status, self.reason = "paused", reason
 
     def _stand_still(self, reason: str) -> None:
         """Pause time and robot; the interpreter has paused already."""
@@ -572,7 +574,7 @@ class Loop:
         """Start the run, or continue it after a pause; a stopped loop stays stopped."""
         if self.status in ("running", "stopped", "closed"):
             return
-        first = self.status == "ready"
+        first, self._unstarted = self.status == "ready" or self._unstarted, False
         self.status, self.reason = "running", ""
         self.clock.resume()
         self.clock.rebase(self.now)
@@ -584,7 +586,8 @@ class Loop:
     def step(self) -> None:
         """Run one tick and one period of time; paused before and after. Paper: §6.3."""
         self.pause()
-        if self.status == "ready":
+        if self.status == "ready" or self._unstarted:
+            self._unstarted = False
             self._call_hook(self.bridge.on_start)
         if self.status != "stopped":
             self.status, self.reason = "paused", ""

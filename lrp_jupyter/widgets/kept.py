@@ -4,6 +4,7 @@
 ``.lrp``      the last accepted text
 ``.draft``    the last typed text, while it is not that one
 ``.cell``     the text of the cell, as the lab knew it last
+``.hung``     the text of a program that hung, until it has run well
 ``.versions`` the last texts that were replaced, with their times, as JSON
 ============= ============================================================================================
 

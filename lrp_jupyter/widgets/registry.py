@@ -24,6 +24,11 @@ __all__ = ["connection_of", "find", "forget", "names", "open_program", "running"
 DEAD_MAN = 5.0
 """Wall seconds without a view after which the program of a real robot pauses."""
 
+_HAS_HUNG = (
+    "A block of this program did not return when it last ran, so the program was not started. "
+    "Correct the block, then start the program."
+)
+
 _connections: dict[str, PageConnection] = {}
 
 
@@ -105,8 +110,9 @@ def open_program(
         kept = Kept(FilePath(folder or os.getcwd()) / FOLDER, name)
         texts = Texts(kept)
         first, *later = _first_texts(texts, kept, text) or [""]
+        has_hung = kept.read(".hung") in (first, *later)
         session = _open_session(
-            name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options
+            name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options, has_hung
         )
         connection = PageConnection(session, texts, _reopen, options)
         _connections[name] = connection
@@ -135,6 +141,7 @@ def _open_session(
     namespace: dict[str, Any] | None,
     rate: float,
     options: dict[str, Any],
+    paused: bool = False,
 ) -> Session:
     program, _ = scan(text, f"<lrp {name}>")
     robot = make_bridge(bridge, **options)
@@ -147,7 +154,9 @@ def _open_session(
         dead_man=DEAD_MAN if robot.hardware else None,
     )
     try:
-        session.start()
+        session.start(paused)
+        if paused:
+            session.pause(_HAS_HUNG)
     except BaseException:
         session.close()
         raise

@@ -7,6 +7,7 @@ user's, is a conflict: until the user has chosen, it neither runs nor is overwri
 
 from __future__ import annotations
 
+import math
 import os
 from collections import deque
 from collections.abc import Callable
@@ -33,6 +34,7 @@ _SHOWING = 0.1  # s in which an applied program appears in a frame
 _LOOK = 1.0  # s between two comparisons of the file with what was written
 _AGAIN = 5.0  # s until a text that could not be kept is tried again
 _PAUSE = 5.0  # s without typing that make a text a version
+_WELL = 10.0  # s that a program has to run after a block of it did not return
 
 
 @dataclass(eq=False)
@@ -143,6 +145,8 @@ class Texts:
         self._accepted: str | None = None
         self._typed = float("-inf")
         self._numbers = 0  # of conflicts
+        self._hung: str | None = None if kept is None else kept.read(".hung")
+        self._well = 0.0  # since when the text that hung has run well
         self._saved_as: dict[str, tuple[int, int]] = {}  # what this lab wrote to files of the user's choice
 
     def attach(
@@ -447,6 +451,7 @@ class Texts:
             if self.kept is None or (self._clock() < self._again and not at_once):
                 return
             try:
+                self._keep_hung(self.kept)
                 self._save(self.kept)
                 self.problem = ""
             except FileError as error:
@@ -454,6 +459,23 @@ class Texts:
                 if not self.problem:
                     self._session.output.print(f"The text is not kept. {error}")
                 self.problem = str(error)
+
+    def _keep_hung(self, kept: Kept) -> None:
+        """Keep the text of a program that hangs, so that it is not started again by itself."""
+        frame, now = self._session.frame, self._clock()
+        text = frame.program.text
+        if frame.hung is not None:
+            kept.write(".hung", text)
+            self._hung = text
+        elif self._hung is None:
+            return
+        elif frame.program.text and text != self._hung:
+            now = math.inf  # it was edited
+        if frame.hung is not None or (text == self._hung and frame.status != "running"):
+            self._well = now
+        elif now - self._well > _WELL:
+            kept.remove(".hung")
+            self._hung = None
 
     def _save(self, kept: Kept) -> None:
         with self._lock:

@@ -306,3 +306,18 @@ def test_the_rate_reached_is_that_of_a_running_program(session, monkeypatch):
     running.resume()
     go_on(3)
     assert running.frame.achieved_rate == pytest.approx(10, rel=0.2), "the pause does not count"
+
+
+@pytest.mark.parametrize("act", ["resume", "step"])
+def test_a_program_that_is_paused_before_its_start_starts_once(session, act):
+    calls = []
+    waiting = session(COUNT)
+    waiting.bridge.on_start = lambda: calls.append("start")
+    waiting.bridge.on_resume = lambda: calls.append("resume")
+    waiting.open()
+    waiting.pause("Not yet.")
+    assert (waiting.status, waiting.frame.reason, waiting.frame.tick) == ("paused", "Not yet.", 0)
+    getattr(waiting, act)()
+    waiting.pause()
+    waiting.resume()
+    assert calls == ["start", "resume"]

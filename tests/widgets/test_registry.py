@@ -6,7 +6,7 @@ import pytest
 
 from lrp_jupyter.errors import BridgeError, LRPError
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets import registry, texts
 
 A = "(machine m (state a)) (spawn m a)"
 B = "(machine m (state a) (state b)) (spawn m a)"
@@ -192,3 +192,51 @@ def test_a_cell_that_is_run_again_starts_a_session_again_that_failed_itself(cell
     assert cell(B, rate=20.0) is connection
     frame = connection.session.wait_for("a", 60)
     assert (frame.status, frame.program.text, frame.rate) == ("running", B, 20)
+
+
+HANGS = "(machine m (state a (running [while True: pass]))) (spawn m a)"
+
+
+def hung(cell):
+    connection = cell(HANGS)
+    connection.session.wait_for(lambda frame: frame.status == "hung", 60)
+    connection.publish()
+    return connection
+
+
+@pytest.mark.parametrize("text", [HANGS, None])
+def test_a_text_that_hung_is_not_started_again_by_itself(cell, restart_kernel, text):
+    hung(cell)
+    restart_kernel()
+    session = cell(text).session
+    assert (session.status, session.frame.tick, session.text) == ("paused", 0, HANGS)
+    assert "did not return when it last ran" in session.frame.reason
+    session.resume()
+    session.wait_for(lambda frame: frame.status == "hung", 60)
+
+
+def test_a_text_that_hung_is_started_again_once_it_was_edited(cell, restart_kernel):
+    hung(cell).texts.write(A)
+    registry.find("mine").session.wait_for(lambda frame: frame.program.text == A, 60)
+    registry.find("mine").publish()
+    restart_kernel()
+    assert cell(None).session.status == "running"
+    restart_kernel()
+    assert cell(HANGS).session.status == "running"
+
+
+def test_a_text_that_hung_is_started_again_once_it_has_run_well(cell, restart_kernel, monkeypatch):
+    text = "(machine m (state a (running [while not done: pass]))) (spawn m a)"
+    names = {"done": []}
+    monkeypatch.setattr(texts, "_WELL", 0.5)
+    connection = cell(text)
+    connection.session.namespace.update(names)
+    connection.session.wait_for(lambda frame: frame.status == "hung", 60)
+    connection.publish()
+    names["done"].append(True)
+    kept = connection.texts.kept
+    assert kept.read(".hung") == text
+    ticks = connection.session.frame.tick
+    connection.session.wait_for(lambda frame: frame.tick > ticks + 10, 60)
+    connection.publish()
+    assert kept.read(".hung") is None

@@ -11,6 +11,7 @@ export function notes(lab: Lab, text: () => string): HTMLElement {
     { class: "lrp-notes" },
     linkNote(lab, text),
     hungNote(lab),
+    unstartedNote(lab),
     heldNote(lab),
     conflictNote(lab),
   );
@@ -65,6 +66,17 @@ export function hungNote(lab: Lab): HTMLElement {
     note.hidden = !hung;
     interrupt.hidden = !hung || hung.held;
     if (hung) words.replaceChildren(...prose(reason));
+  });
+  return note;
+}
+
+export function unstartedNote(lab: Lab): HTMLElement {
+  const words = h("p", {});
+  const note = h("div", { class: "lrp-note lrp-note-warning", role: "status" }, words);
+  lab.store.watch(["status", "reason", "tick"], () => {
+    const { status, reason, tick } = lab.store.state;
+    note.hidden = !(status === "paused" && tick === 0 && reason);
+    if (!note.hidden) words.replaceChildren(...prose(reason));
   });
   return note;
 }
