@@ -99,8 +99,9 @@ def checked_name(name: str) -> str:
     )
     if not is_usable:
         raise LRPError(
-            f"`{shown(name)}` is not a valid name for a program. Use letters, digits, `_` and `-`, "
-            f"at most {_LONGEST_NAME} of them."
+            f"`{shown(name)}` is not a valid name for a program, because it is also the name of its files. "
+            f"Use letters, digits, `_` and `-`, at most {_LONGEST_NAME} of them, and no name that Windows "
+            "reserves, such as `con`."
         )
     return name
 
