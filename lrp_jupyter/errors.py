@@ -70,6 +70,8 @@ class Finding:
         From 1; columns in characters; the end is after the last character.
     fix : Fix or None
         None unless the remedy is certain.
+    prefix : bool
+        Whether the name at this range only begins a known one: perhaps it is half typed.
     """
 
     code: str
@@ -80,6 +82,7 @@ class Finding:
     end_line: int
     end_column: int
     fix: Fix | None = None
+    prefix: bool = False
 
     def __str__(self) -> str:
         return f"{self.line}:{self.column}: {self.code} {self.severity}: {self.message}"

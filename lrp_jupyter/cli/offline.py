@@ -26,7 +26,6 @@ from lrp_jupyter.live.checking import members_of, members_of_world
 __all__ = ["Format", "check_files", "draw_graph", "grade_file"]
 
 Format = Literal["svg", "dot", "mermaid", "json"]
-_MOST_FIXES = 1000
 _SUFFIXES: dict[str, Format] = {".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".json": "json"}
 
 
@@ -77,10 +76,13 @@ def _fixed(source: Source, robot: RobotMembers | None) -> tuple[Source, Text]:
     if source.path is None:
         raise FileError(f"`{source.name}` is not a file, so it cannot be corrected. Save it as one.")
     fixed, done = source, Text()
-    for _ in range(_MOST_FIXES):
-        finding = next((each for each in _check(fixed, robot) if each.fix), None)
+    tried = set()  # a fix that leaves the finding is not applied again
+    while True:
+        findings = _check(fixed, robot)
+        finding = next((each for each in findings if each.fix and _id(each) not in tried), None)
         if finding is None or finding.fix is None:
             break
+        tried.add(_id(finding))
         done.append(f"{source.name}:{finding.line}:{finding.column}: ", "bold")
         done.append("fixed", "green")
         done.append(f" {finding.code}: {finding.message} ({finding.fix.title})\n")
@@ -88,6 +90,10 @@ def _fixed(source: Source, robot: RobotMembers | None) -> tuple[Source, Text]:
     if fixed.text != source.text:
         write_file(source.path.resolve(), fixed.text)
     return fixed, done
+
+
+def _id(finding: Finding) -> tuple[str, str, int, int]:
+    return finding.code, finding.message, finding.line, finding.column
 
 
 def _as_dict(name: str, finding: Finding) -> dict[str, Any]:

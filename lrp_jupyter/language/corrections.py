@@ -369,6 +369,8 @@ class _Walk:
         remedy = f"Write `{meant}`" if word.lower() == meant or not certain else f"Did you mean `{meant}`?"
         message = f"{what}. {remedy.rstrip('.')}" + ("" if remedy.endswith("?") else ".")
         self._add(start, end, "LRP106", message, Edit(start, end, meant), certain=certain)
+        if any(keyword.startswith(word) for keyword in KEYWORDS):
+            self.found[-1] = self.found[-1]._replace(prefix=True)
         self.frames.append(_Frame(meant, opened))
 
     def _follower(self, index: int, word: str) -> tuple[str, int] | None:
@@ -635,7 +637,7 @@ class _Walk:
                 source -= 1
             if self._kind(source - 1) == "MINUS" and self._kind(source - 2) == "STAR":
                 source -= 2
-        if source <= index + 1 or not self._kind(arrow):
+        if source <= index + 1 or self._kind(source) not in ("NAME", "STAR", "LBRACE"):
             return 0
         start, end = self.tokens[index][1], self.tokens[source - 1][2]
         python = self.text[start:end]
@@ -703,16 +705,16 @@ class _Walk:
         inside = self.text[start + 1 : end].strip()
         if inside.startswith("["):
             inner = block_end(inside, 0)
-            empty = not inside.strip("[] ")
-            condition = frame.keyword in FORMS and inner > 0
-            if condition or (0 < inner == len(inside) - 1 and not empty and "," not in inside):
+            is_list = inner != len(inside) - 1 or not inside.strip("[] ") or "," in inside
+            if inner > 0 and not (frame.keyword == "var" and is_list):
                 message = "This `[` is one too many. Remove it."
                 self._add(start, start + 1, "LRP103", message, Edit(start, start + 1, ""))
                 return
         source = _SOURCE.search(self.text, start, end) if frame.keyword in FORMS else None
         if source and _is_python(self.text[start + 1 : source.start()]):
             end = source.start()
-        if source or self.text[end : end + 1] == ")":
+        closes = block_end(f"{self.text[start:end]}]", 0) == end - start
+        if closes and (source or self.text[end : end + 1] == ")"):
             message = "This `[` is not closed. Put its `]` after the Python that it opens."
             self._add(start, start + 1, "LRP103", message, Edit(end, end, "]"))
 
@@ -955,32 +957,27 @@ class _Walk:
         if "ARROW" not in frame.types:
             items = self._arrow(frame)
         types = tuple([item.kind for item in items])
-        if types[:3] == ("NAME", "ARROW", "NAME") and len(types) == 4 and frame.keyword != "eps":
-            trigger = items[3]
-            moves = trigger.kind in ("BLOCK", "INTEGER") or (
-                trigger.kind == "NAME"
-                and (self._word(trigger) in self.events or frame.keyword == "ontime")
-                and self._word(trigger) not in self.states
-            )
-            if moves:
-                what = "The delay" if frame.keyword == "ontime" else "The event"
-                word = self._word(trigger)
-                message = f"{what} comes before the states. Write `{USAGE[frame.keyword]}`."
-                first, before = items[0].start, items[2].end
-                self._add(
-                    trigger.start,
-                    trigger.end,
-                    "LRP108",
-                    message,
-                    Edit(first, first, f"{word} "),
-                    Edit(before, trigger.end, ""),
-                )
+        arrow = _source_length(types)
+        if frame.keyword != "eps" and arrow and types[arrow:-1] == ("ARROW", "NAME"):
+            self._trigger_last(frame, items[0], items[arrow + 1], items[-1])
         if types[:1] == ("INTEGER",) and frame.keyword == "on" and len(types) > 3:
             self._change_keyword(frame, "ontime", "A time is tested by `ontime`")
         elif frame.keyword == "eps" and "ARROW" in types[2:3] and types[0] in ("NAME", "BLOCK", "INTEGER"):
             meant = "ontime" if types[0] == "INTEGER" else "on"
             if types[1] in ("NAME", "STAR"):
                 self._change_keyword(frame, meant, "An `eps` has neither an event nor a delay")
+
+    def _trigger_last(self, frame: _Frame, first: _Item, destination: _Item, trigger: _Item) -> None:
+        """Move the event or delay of a transition from its end to its beginning."""
+        word = self._word(trigger)
+        if trigger.kind == "NAME" and (
+            word in self.states or (word not in self.events and frame.keyword != "ontime")
+        ):
+            return
+        what = "The delay" if frame.keyword == "ontime" else "The event"
+        message = f"{what} comes before the states. Write `{USAGE[frame.keyword]}`."
+        edits = Edit(first.start, first.start, f"{word} "), Edit(destination.end, trigger.end, "")
+        self._add(trigger.start, trigger.end, "LRP108", message, *edits)
 
     def _change_keyword(self, frame: _Frame, meant: str, reason: str) -> None:
         start = self.text.find(frame.keyword, frame.start)
@@ -1072,12 +1069,14 @@ class _Walk:
             self._two_words(frame)
         if frame.keyword != "state":
             return
-        present = {item.keyword for item in frame.items}
         for item in frame.items:
             if item.kind == "BLOCK":
-                message = "An action stands in `onentry`, `running` or `onexit`. Write `(running […])`."
+                message = (
+                    "A state has actions in forms that say when they run. "
+                    "Write `(running […])` or `(onentry […])`."
+                )
                 edits = Edit(item.start, item.start, "(running "), Edit(item.end, item.end, ")")
-                self._add(item.start, item.end, "LRP117", message, *edits, certain="running" not in present)
+                self._add(item.start, item.end, "LRP117", message, *edits, certain=False)
 
 
 _LONGEST = 40

@@ -22,6 +22,7 @@ from lrp_jupyter.language.corrections import correct, is_form
 from lrp_jupyter.language.forms import USAGE, Mistake, Shape, expected_text, shape_of, short
 from lrp_jupyter.language.matching import Matching, match
 from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
+from lrp_jupyter.language.scanner import block_end
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
 from lrp_jupyter.language.triggers import FORMS, Epsilon
@@ -62,7 +63,7 @@ def scan(text: str, filename: str = "<lrp>") -> tuple[Program | None, tuple[Find
     place = Program(text=text).place
     found = sorted(set(found))
     first = [
-        Finding(each.code, "error", each.message, *place(each.start), *place(each.end), each.fix)
+        Finding(each.code, "error", each.message, *place(each.start), *place(each.end), each.fix, each.prefix)
         for each in found[:MOST_FINDINGS]
     ]
     return None, listed(first, len(found))
@@ -176,7 +177,8 @@ class _Reader:
                     self.findings.append(faults[0].shifted(start + 1))
                     return
             message = "This `[` is not closed. Put its `]` after the Python that it opens."
-            self.report(start, start + 1, "LRP103", message, Edit(end, end, "]"))
+            closes = block_end(f"{word}]", 0) == len(word)  # else a string or comment would hide it
+            self.report(start, start + 1, "LRP103", message, *([Edit(end, end, "]")] if closes else []))
         elif kind == "UNOPENED":
             message = "A `[` is missing here, before the Python that ends with `]`. Insert it."
             self.report(start, start + 1, "LRP103", message, Edit(start, start, "["))
@@ -300,10 +302,12 @@ class _Reader:
         """Return the shape of a form, after reporting what violates the grammar."""
         shape = shape_of(tuple(form.types))
         if isinstance(shape, Mistake):
+            before = len(form.types)
             self._drop_misplaced(form, end)
             shape = shape_of(tuple(form.types))
-        if isinstance(shape, Mistake):
-            self._mistaken(form, shape, end)
+            emptied = len(form.types) == 1 < before  # what it lacks was perhaps in the wrong form
+            if isinstance(shape, Mistake) and not emptied:
+                self._mistaken(form, shape, end)
         return shape
 
     def _drop_misplaced(self, form: _Form, end: int) -> None:
@@ -315,7 +319,7 @@ class _Reader:
             keyword = row[0].removesuffix("_FORM").lower()
             if keyword in legal or not row[0].endswith("_FORM"):
                 kept.append(row)
-            else:
+            elif form.keyword not in ("running", "onexit") or rows[index - 1][0] != row[0]:
                 self._misplaced(keyword, form, index, end)
         if form.keyword == "program":
             for is_form, run in groupby(kept[1:], key=lambda row: row[0].endswith("_FORM")):

@@ -31,6 +31,7 @@ class Diagnosis(NamedTuple):
     code: str
     message: str
     edits: tuple[Edit, ...] = ()
+    prefix: bool = False
 
     def shifted(self, offset: int) -> Diagnosis:
         """Return it for a longer text, in which its own begins at an offset."""

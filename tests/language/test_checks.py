@@ -239,7 +239,7 @@ def test_an_exit_within_its_own_machine_becomes_on() -> None:
 
 
 def test_an_exit_to_nowhere_names_the_machine_around() -> None:
-    (finding, _) = check(EXITS.format("(exit [robot.b] a -> xyz)"))
+    (finding,) = check(EXITS.format("(exit [robot.b] a -> xyz)"))
     assert (
         finding.message
         == "`exit` leads to a state of `m`, where there is no `xyz`. Define `(state xyz)` there."
@@ -511,8 +511,8 @@ def test_of_thousands_of_findings_the_first_are_listed_and_the_others_counted():
 
 def test_errors_are_listed_before_what_may_be_right():
     hints = " ".join(f"(state s{i})" for i in range(400))
-    findings = check(f"(machine m (state a) {hints} (eps a -> nowhere)) (spawn m a)")
-    assert [finding.code for finding in findings].count("LRP303") == 1
+    findings = check(f"(machine m (state a) {hints} (on nothing a -> a)) (spawn m a)")
+    assert [finding.code for finding in findings].count("LRP301") == 1
     assert findings[-1].code == "LRP698"
 
 
@@ -523,3 +523,39 @@ def test_names_are_compared_within_bounds(monkeypatch):
         "(machine m " + " ".join(f"(state a{i}) (eps a{i} -> b{i})" for i in range(1000)) + ") (spawn m a0)"
     )
     assert 0 < sum(compared) < 2 * report.COMPARED
+
+
+@pytest.mark.parametrize(
+    ("text", "prefix"),
+    [
+        ("(machine m (state moving) (state b) (ontime 5 b -> mov)) (spawn m b)", True),
+        ("(machine m (state moving) (state b) (ontime 5 b -> movign)) (spawn m b)", False),
+        ("(var speed := [1]) (machine m (state a (running [sp]))) (spawn m a)", True),
+        ("(var speed := [1]) (machine m (state a (running [speeed]))) (spawn m a)", False),
+        ("(machine m (stat a)) (spawn m a)", True),
+        ("(machine m (stata a)) (spawn m a)", False),
+    ],
+)
+def test_a_finding_says_whether_its_name_only_begins_a_known_one(text: str, prefix: bool) -> None:
+    (finding,) = check(text)
+    assert finding.prefix == prefix
+
+
+def test_the_only_state_from_which_all_are_reached_is_where_a_machine_starts() -> None:
+    text = "(machine m (state b) (state a) (ontime 5 a -> b))\n"
+    assert fixed(text) == text + "(spawn m a)\n"
+    (finding,) = check("(machine m (state b) (state a) (ontime 5 a -> b) (ontime 5 b -> a))")
+    assert finding.fix is None
+
+
+@pytest.mark.parametrize(
+    ("text", "code"),
+    [
+        ("(machine m (state a) (state b) (ontime 5 a -> elsewhere)) (spawn m a)", "LRP303"),
+        ("(machine m (state a) (state b) (ontime 5 nowhere -> b)) (spawn m a)", "LRP302"),
+        ("(event e [True]) (machine m (state a) (state b) (on other a -> b)) (spawn m a)", "LRP301"),
+        ("(machine m (state a (machine n (state b)))) (spawn other a)", "LRP304"),
+    ],
+)
+def test_what_follows_from_an_unknown_name_is_not_reported(text: str, code: str) -> None:
+    assert [finding.code for finding in check(text)] == [code]

@@ -102,7 +102,6 @@ SLIPS = [
     ("[spawn drive moving]", "(spawn drive moving)", "LRP104", "A form stands in round brackets."),
     ("{spawn drive moving}", "(spawn drive moving)", "LRP104", "A form stands in round brackets."),
     ("linear=speed)) ]", "linear=speed)])", "LRP103", "`]` comes before `)`"),
-    ("[robot.move(linear=speed)]", "(running [robot.move(linear=speed)])", "LRP117", "An action stands in"),
     ("(running (robot.move(linear=speed)))", "(running [robot.move(linear=speed)])", "LRP115", "`( )`"),
     ("(running robot.move(linear=speed))", "(running [robot.move(linear=speed)])", "LRP115", "around this"),
     ("speed := [0.2 # slow])", "speed := [0.2])", "LRP116", "This comment hides the `]`"),

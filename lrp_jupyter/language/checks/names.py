@@ -74,12 +74,13 @@ def _colliding(report: Reporter, scope: Scope) -> None:
 
 
 def _no_spawn(report: Reporter) -> None:
-    """Report, at the first line, that nothing is spawned; with a single state, there is a fix."""
+    """Report, at the first line, that nothing is spawned; where the start is certain, with a fix."""
     program = report.program
     machine: Machine = program.machines[0]
-    start = machine.states[0].name if machine.states else Name("state")
+    starts = _starts(machine)
+    start = starts[0] if starts else machine.states[0].name if machine.states else Name("state")
     text = f"(spawn {machine.name} {start})"
-    certain = len(program.machines) == len(machine.states) == 1
+    certain = len(program.machines) == len(starts) == 1
     newline = next(iter(_LINE_END.findall(program.text)), "\n")
     begin = "" if program.text.endswith(("\n", "\r")) else newline
     edit = Edit(len(program.text), len(program.text), f"{begin}{text}{newline}")
@@ -89,3 +90,25 @@ def _no_spawn(report: Reporter) -> None:
         f"Nothing is spawned, so nothing runs. End the program with `{text}`.",
         Fix(f"Add `{text}`", (edit,)) if certain else None,
     )
+
+
+def _starts(machine: Machine) -> list[Name]:
+    """Return the states from which every state of a machine can be reached."""
+    names = [state.name for state in machine.states]
+    following = {
+        str(name): {str(each.destination) for each in machine.transitions if each.leaves(name)} & set(names)
+        for name in names[:_FEW]
+    }
+
+    def reached(name: str) -> int:
+        found, waiting = {name}, [name]
+        while waiting:
+            new = following.get(waiting.pop(), set()) - found
+            found |= new
+            waiting += new
+        return len(found)
+
+    return [name for name in names[:_FEW] if reached(str(name)) == len(names)]
+
+
+_FEW = 50  # states: of more, the first is suggested

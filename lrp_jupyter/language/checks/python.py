@@ -125,15 +125,17 @@ class _Python:
     ) -> None:
         """Report an unknown name, with a remedy."""
         elsewhere = self._elsewhere(place, name)
+        groups = [tuple(names) for names in known]
+        prefix = any(each.startswith(name) for names in groups for each in names)
         meant = _SPELT.get(name) or next(
-            filter(None, (self.report.nearest(name, names) for names in known)), None
+            filter(None, (self.report.nearest(name, names) for names in groups)), None
         )
+        remedy = f"{problem}. Declare `(var {name} := [value])`."
         if elsewhere:
-            self._add(code, place, span, f"{problem}. {elsewhere}.")
+            remedy, meant = f"{problem}. {elsewhere}.", None
         elif meant:
-            self._add(code, place, span, f"{problem}. Did you mean `{meant}`?", meant)
-        else:
-            self._add(code, place, span, f"{problem}. Declare `(var {name} := [value])`.")
+            remedy = f"{problem}. Did you mean `{meant}`?"
+        self._add(code, place, span, remedy, meant, prefix=prefix)
 
     def _elsewhere(self, place: PlacedBlock, name: str) -> str | None:
         """Return what the name is that is out of scope in this block, and what to do; else None."""
@@ -225,10 +227,11 @@ class _Python:
         message: str,
         text: str | None = None,
         edit: Span | None = None,
+        prefix: bool = False,
     ) -> None:
         """Report a finding at a range of a block; `text` is what a fix puts there, or at `edit`."""
         fix = None if text is None else replace(_shifted(place.block, edit or span), text)
-        self.report.add(code, _shifted(place.block, span), message, fix)
+        self.report.add(code, _shifted(place.block, span), message, fix, prefix)
 
 
 _WANTED = {"condition": "a truth value", "delay": "a number"}

@@ -15,6 +15,7 @@ from lrp_jupyter.language.checks.references import Links, MeantArrow, MeantSpawn
 from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.program import Transition
 from lrp_jupyter.language.resolution import Resolution, Scope
+from lrp_jupyter.language.triggers import Occurrence
 
 __all__ = ["check_reachability"]
 
@@ -67,11 +68,25 @@ def _spawned_again(report: Reporter, names: Resolution, links: Links) -> None:
 
 def _unreached(report: Reporter, names: Resolution, links: Links) -> None:
     reached = _reach(names, links)
+    uncertain = _uncertain(links)
     for scope, states in reached.items():
+        if scope in uncertain:
+            continue
         for name, state in scope.states.items():
             if name not in states:
                 message = f"`{scope.name}` never enters `{name}`. Add a transition that leads there."
                 report.add("LRP401", state.name.span, message)
+
+
+def _uncertain(links: Links) -> set[Scope]:
+    """Return the machines any state of which may be meant by a reference that cannot even be guessed."""
+    found = set()
+    for scope, arrows in links.arrows.items():
+        for arrow in arrows:
+            if not arrow.sound:
+                named = [(scope, source) for source in arrow.sources] + arrow.targets
+                found |= {machine for machine, name in named if name not in machine.states}
+    return found
 
 
 def _reach(names: Resolution, links: Links) -> dict[Scope, set[str]]:
@@ -117,7 +132,10 @@ class _Outgoing:
 
 
 def _unused_events(report: Reporter, names: Resolution, links: Links) -> None:
-    used = {id(arrow.event) for arrows in links.arrows.values() for arrow in arrows}
+    arrows = [arrow for arrows in links.arrows.values() for arrow in arrows]
+    if any(arrow.event is None and isinstance(arrow.noun.trigger, Occurrence) for arrow in arrows):
+        return  # an unknown event that cannot even be guessed may mean any
+    used = {id(arrow.event) for arrow in arrows}
     for scope in names.scopes:
         for name, event in scope.events.items():
             if id(event) not in used:

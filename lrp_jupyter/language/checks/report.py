@@ -31,19 +31,21 @@ class Reporter:
         self.findings: list[Finding] = []
         self._compared = 0  # names compared so far, of which the most similar was wanted
 
-    def add(self, code: str, span: Span, message: str, fix: Fix | None = None) -> None:
+    def add(self, code: str, span: Span, message: str, fix: Fix | None = None, prefix: bool = False) -> None:
         """Report a finding of the given code at a range of the text."""
         start, end = self.program.place(span.start), self.program.place(span.end)
-        self.findings.append(Finding(code, CODES[code].severity, message, *start, *end, fix))
+        self.findings.append(Finding(code, CODES[code].severity, message, *start, *end, fix, prefix))
 
     def unknown(self, code: str, name: Name, problem: str, known: Iterable[str], remedy: str) -> str | None:
         """Report an unknown name, with the most similar known name, if there is one.
 
         Returns that name, so that dependent elements are checked as if it were repaired.
         """
-        meant = self.nearest(name, known)
+        names = tuple(map(str, known))
+        meant = self.nearest(name, names)
         message = f"{problem}. Did you mean `{meant}`?" if meant else f"{problem}. {remedy}."
-        self.add(code, name.span, message, replace(name.span, meant) if meant else None)
+        fix = replace(name.span, meant) if meant else None
+        self.add(code, name.span, message, fix, any(each.startswith(name) for each in names))
         return meant
 
     def nearest(self, name: str, known: Iterable[str]) -> str | None:
@@ -72,4 +74,6 @@ def replace(span: Span, text: str) -> Fix:
 def nearest(name: str, known: frozenset[str]) -> str | None:
     """Return the known name most similar to `name`, if one is similar."""
     same = sorted(other for other in known if other.lower() == name.lower())
-    return next(iter(same or get_close_matches(name, sorted(known), n=1, cutoff=0.7)), None)
+    close = same or get_close_matches(name, sorted(known), n=1, cutoff=0.7)
+    begun = [other for other in known if len(name) > 1 and other.startswith(name)]
+    return next(iter(close or (begun if len(begun) == 1 else [])), None)
