@@ -79,12 +79,17 @@ def _mistake(name: str, source: Source, found: Slip) -> Mistake:
     return Mistake(name, source.name, wrong, right, frozenset(line_of(wrong, each) for each in at))
 
 
+def _changes(found: Slip, source: Source) -> bool:
+    text = found.right or source.text
+    return any(text[start:end] != new for start, end, new in found.edits)
+
+
 def plant(name: str, count: int = PER_KIND, seed: int = 0) -> list[Mistake]:
     """Some mistakes of a kind, at random places of as many programs as possible."""
     chance = random.Random(f"{seed} {name}")
     places = []
     for source in sources():
-        slips = [each for each in KINDS[name](source) if each.edits]
+        slips = [each for each in KINDS[name](source) if _changes(each, source)]
         chance.shuffle(slips)
         if slips:
             places.append((source, slips))

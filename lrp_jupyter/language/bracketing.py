@@ -1,0 +1,235 @@
+"""Python whose square brackets are wrong, missing, or hidden by a comment or a string."""
+
+from __future__ import annotations
+
+import builtins
+import re
+from keyword import iskeyword, kwlist
+
+from lrp_jupyter.errors import Edit
+from lrp_jupyter.language.draft import OpenForm, Piece, TextDraft, is_python
+from lrp_jupyter.language.scanner import block_end, brackets, line_end
+from lrp_jupyter.language.spellings import AMOUNT, SIGN
+from lrp_jupyter.language.tokens import FORM_LINE
+from lrp_jupyter.language.triggers import FORMS
+
+__all__ = ["Bracketing"]
+
+_ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
+_WORDS = re.compile(r"[^\W\d]\w*(?:\s+[^\W\d]\w*)*")
+_LONGEST_STRING = 200
+_WORD = re.compile(r"[^\W\d]\w*")
+_SOURCE = re.compile(r"\s+(?:\w+|\*|(?:\*\s*-\s*)?\{[^{}]*\})\s*->")
+_LOADED = re.compile(r"(?<![\w.])[^\W\d]\w*(?!\w|\s*=[^=])")
+
+
+class Bracketing(TextDraft):
+    """The part of the corrections that is about blocks."""
+
+    def _wants(self, frame: OpenForm) -> bool:
+        """Return whether a block could be next in a form."""
+        types = frame.types
+        if frame.keyword == "var":
+            return types in (("NAME", "ASSIGN"), ("NAME", "SIGN"), ("NAME",))
+        if frame.keyword == "event":
+            return types in (("NAME",), ("NAME", "ASSIGN"), ("NAME", "SIGN"))
+        return frame.keyword in _ACTIONS or (frame.keyword in ("on", "exit", "ontime") and not types)
+
+    def _end_of_python(self, start: int) -> int:
+        """Return the offset of the bracket that closes what is around Python from an offset on; or -1."""
+        form = FORM_LINE.search(self.text, start)
+        opened = 0
+        for offset, char in brackets(self.text, start, form.start() if form else None):
+            if char in "([{":
+                opened += 1
+            elif char in ")]}":
+                if not opened:
+                    return offset
+                opened -= 1
+            else:
+                return -1
+        return -1
+
+    def _parenthesised(self, index: int, frame: OpenForm) -> int:
+        """Put Python in round brackets into square ones; return the index after it, or 0."""
+        start = self.tokens[index][1]
+        if not self._wants(frame):
+            return 0
+        close = self._end_of_python(start + 1)
+        if close < 0 or self.text[close] != ")" or not is_python(self.text[start + 1 : close]):
+            return 0
+        after = self._after(close + 1)
+        if frame.keyword in ("var", "event") and self._kind(after) != "CLOSE":
+            return self._bare(start, frame)
+        self._wrong_brackets(start, close, "( )")
+        frame.items.append(Piece("BLOCK", start, close + 1))
+        return after
+
+    def _wrong_brackets(self, start: int, close: int, which: str) -> None:
+        message = f"Python stands in square brackets, not in `{which}`. Write `[…]` here."
+        self._add(
+            start, close + 1, "LRP115", message, Edit(start, start + 1, "["), Edit(close, close + 1, "]")
+        )
+
+    def _bare(self, start: int, frame: OpenForm) -> int:
+        """Put Python from here to the end of the form into brackets; return the index after it, or 0."""
+        end = self._end_of_python(start)
+        python = self.text[start:end].rstrip() if end > 0 else ""
+        if end < 0 or self.text[end] != ")" or not is_python(python):
+            return 0
+        self._unbracketed(start, start + len(python))
+        frame.items.append(Piece("BLOCK", start, start + len(python)))
+        return self._after(end)
+
+    def _unbracketed(self, start: int, end: int) -> None:
+        message = "Python stands in square brackets. Write `[…]` around this."
+        self._add(start, end, "LRP115", message, Edit(start, start, "["), Edit(end, end, "]"))
+
+    def _python(self, index: int, frame: OpenForm) -> int:
+        """Correct Python that has braces or no brackets; return the index after it, or 0."""
+        kind, start, _ = self.tokens[index]
+        if not self._wants(frame) or kind in ("BLOCK", "OTHER"):
+            return 0
+        if SIGN.match(self.text, start) and kind != "MINUS":
+            return 0
+        if kind == "LBRACE":
+            close = self._end_of_python(start + 1)
+            inside = self.text[start + 1 : close] if close > 0 else ""
+            names = _WORDS.fullmatch(inside.strip())
+            if (
+                close < 0
+                or self.text[close] != "}"
+                or (names and frame.keyword in FORMS and not iskeyword(names[0]))
+            ):
+                return 0
+            if is_python(inside) and not (frame.keyword == "var" and set(inside) & set(":,")):
+                self._wrong_brackets(start, close, "{ }")
+                frame.items.append(Piece("BLOCK", start, close + 1))
+                return self._after(close + 1)
+        if frame.keyword in FORMS:
+            return self._bare_condition(index, frame)
+        if frame.keyword == "var" and frame.types == ("NAME",) and kind == "NAME":
+            return 0  # `(var x is 5)` and `(var max speed := [1])`
+        if frame.keyword == "event" and kind == "NAME" and self._kind(index + 1) == "BLOCK":
+            return 0
+        return self._bare(start, frame)
+
+    def _bare_condition(self, index: int, frame: OpenForm) -> int:
+        """Put the condition of a transition into brackets; return the index after it, or 0."""
+        arrow = index
+        while self._kind(arrow) not in ("ARROW", ""):
+            if self._kind(arrow) == "CLOSE" and arrow > index + 12:
+                return 0
+            arrow += 1
+        source = arrow - 1
+        if self._kind(source) == "RBRACE":
+            while source > index and self._kind(source) != "LBRACE":
+                source -= 1
+            if self._kind(source - 1) == "MINUS" and self._kind(source - 2) == "STAR":
+                source -= 2
+        if source <= index + 1 or self._kind(source) not in ("NAME", "STAR", "LBRACE"):
+            return 0
+        start, end = self.tokens[index][1], self.tokens[source - 1][2]
+        python = self.text[start:end]
+        if not is_python(python) or AMOUNT.fullmatch(python) or python.endswith(",") or "\n" in python:
+            return 0
+        self._unbracketed(start, end)
+        frame.items.append(Piece("BLOCK", start, end))
+        return source
+
+    def _unclosed(self, index: int) -> int:
+        """Close a block whose `]` is missing, or hidden by a comment or a string."""
+        _, start, end = self.tokens[index]
+        frame = self.frames[-1]
+        form = FORM_LINE.search(self.text, start)
+        self._find_end(start, end, form.start() if form else len(self.text), frame)
+        frame.items.append(Piece("BLOCK", start, end))
+        return index + 1
+
+    def _find_end(self, start: int, end: int, stop: int, frame: OpenForm) -> None:
+        opened = 0
+        for offset, char in brackets(self.text, start, stop):
+            if char == "#":
+                if self._hidden_by_comment(offset):
+                    return
+            elif char == '"':
+                if self._hidden_by_string(start, offset, stop):
+                    return
+            elif char in "([{":
+                opened += 1
+            elif char == ")" and opened == 1:
+                break
+            else:
+                opened -= 1
+        self._missing_end(start, end, frame)
+
+    def _missing_end(self, start: int, end: int, frame: OpenForm) -> None:
+        """Report the missing `]` of a block, if its place is certain; else the parser does."""
+        inside = self.text[start + 1 : end].strip()
+        if inside.startswith("["):
+            inner = block_end(inside, 0)
+            is_list = inner != len(inside) - 1 or not inside.strip("[] ") or "," in inside
+            if inner > 0 and not (frame.keyword == "var" and is_list):
+                message = "This `[` is one too many. Remove it."
+                self._add(start, start + 1, "LRP103", message, Edit(start, start + 1, ""))
+                return
+        source = _SOURCE.search(self.text, start, end) if frame.keyword in FORMS else None
+        if source and is_python(self.text[start + 1 : source.start()]):
+            end = source.start()
+        closes = block_end(f"{self.text[start:end]}]", 0) == end - start
+        if closes and (source or self.text[end : end + 1] == ")"):
+            message = "This `[` is not closed. Put its `]` after the Python that it opens."
+            self._add(start, start + 1, "LRP103", message, Edit(end, end, "]"))
+
+    def _hidden_by_comment(self, offset: int) -> bool:
+        """Move a comment that hides a `]` to the end of its line; return whether it does."""
+        stop = line_end(self.text, offset)
+        depth = 0
+        for at in range(offset, stop):
+            depth += (self.text[at] == "[") - (self.text[at] == "]")
+            if depth < 0:
+                break
+        else:
+            return False
+        before = len(self.text[:offset].rstrip(" \t"))
+        comment = self.text[offset:at].rstrip()
+        message = "This comment hides the `]` after it. Put the `]` before the `#`."
+        self._add(offset, stop, "LRP116", message, Edit(before, at, ""), Edit(stop, stop, f"  {comment}"))
+        return True
+
+    def _hidden_by_string(self, start: int, offset: int, stop: int) -> bool:
+        """Close a string that ends with its line and hides a `]`; return whether it is clear where."""
+        quote = self.text[offset]
+        last = line_end(self.text, offset)
+        known = self._known()
+        found = []
+        for at in range(offset + 1, min(last, offset + _LONGEST_STRING)):
+            if self.text[at] in ")]},;:":
+                closed = self.text[start:at] + quote + self.text[at:stop]
+                end = block_end(closed, 0)
+                words = _LOADED.findall(closed[at - start + 1 : end])
+                if end > 0 and known.issuperset(words) and is_python(closed[1:end]):
+                    found.append(at)
+        if not found:
+            return False
+        sensible = [at for at in found if _is_balanced(self.text[offset + 1 : at])] or found
+        message = f"This string is not closed. Write `{quote}` at its end."
+        edit = Edit(sensible[-1], sensible[-1], quote)
+        self._add(offset, line_end(self.text, offset), "LRP514", message, edit, certain=len(sensible) == 1)
+        return True
+
+    def _known(self) -> set[str]:
+        """Return the names that are used anywhere in the text, and Python's own."""
+        words = {
+            word for token in self.tokens if token[0] == "BLOCK" for word in _WORD.findall(self._word(token))
+        }
+        return words | set(self.names) | set(kwlist) | set(dir(builtins)) | {"robot"}
+
+
+def _is_balanced(text: str) -> bool:
+    depth = 0
+    for char in text:
+        depth += (char in "([{") - (char in ")]}")
+        if depth < 0:
+            return False
+    return not depth

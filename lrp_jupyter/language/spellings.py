@@ -1,0 +1,77 @@
+"""How other languages, and slips of the pen, spell what the language has."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from difflib import get_close_matches
+
+__all__ = [
+    "AMOUNT",
+    "ARROWS",
+    "ARROW_WORDS",
+    "ASSIGN_WORDS",
+    "FOLLOWERS",
+    "MODULES",
+    "OTHERS",
+    "SIGN",
+    "UNITS",
+    "closest",
+]
+
+OTHERS: dict[str, tuple[str, ...]] = {
+    word: tuple(meant.split())
+    for meant, words in {
+        "var": "let variable const def define set int float global param parameter constant assign",
+        "event": "condition trigger sensor guard signal",
+        "machine": "statemachine fsm automaton sm",
+        "state": "node mode",
+        "spawn": "launch instantiate",
+        "onentry": "entry enter onenter onstart init entryaction",
+        "onexit": "leave onleave exitaction",
+        "running": "doactivity during always whilerunning action",
+        "ontime": "after timeout wait delay timer ontimeout every sleep timed",
+        "onpause": "pause",
+        "onresume": "resume",
+        "eps": "epsilon immediate",
+        "exit": "return break",
+        "on eps": "transition trans goto arrow edge go move",
+        "on": "when if event",
+        "spawn onentry": "start begin",
+        "spawn running": "run loop do execute while",
+        "onexit exit": "end finish stop",
+    }.items()
+    for word in words.split()
+}
+"""What keywords of other languages are called here, by the words without `_` and capitals."""
+MODULES = frozenset({"import", "export", "from", "include", "require", "use", "using", "module"})
+FOLLOWERS = {"onentry": ("entry", "enter", "start"), "onexit": ("exit", "leave", "end"), "ontime": ("time",)}
+FOLLOWERS |= {"onpause": ("pause",), "onresume": ("resume",)}
+ARROWS = "→⇒⟶⟹➔➜➝➞←⇐"
+SIGN = re.compile(rf"[=:<>~\-{ARROWS}]+")
+ARROW_WORDS = frozenset({"to", "into", "then", "goto", "zu", "nach"})
+ASSIGN_WORDS = frozenset({"is", "be", "equals", "becomes", "to"})
+UNITS = {
+    "ms": 1,
+    "msec": 1,
+    "msecs": 1,
+    "millis": 1,
+    "milliseconds": 1,
+    "millisecond": 1,
+    "s": 1000,
+    "sec": 1000,
+    "secs": 1000,
+    "second": 1000,
+    "seconds": 1000,
+    "min": 60_000,
+    "minute": 60_000,
+    "minutes": 60_000,
+    "": 0,
+}
+AMOUNT = re.compile(r"([0-9][0-9_]*(?:\.[0-9]*)?(?:[eE][0-9]+)?)([a-zA-Z]*)")
+
+
+def closest(word: str, known: Iterable[str], cutoff: float) -> str:
+    """Return the keyword of which a word is a misspelling, else an empty text."""
+    swapped = [keyword for keyword in known if sorted(keyword) == sorted(word)]
+    return next(iter(swapped or get_close_matches(word, sorted(known), 1, cutoff)), "")
