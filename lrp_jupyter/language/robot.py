@@ -63,9 +63,9 @@ class RobotMember(NamedTuple):
     acts: bool = False
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class RobotMembers:
-    """The members of a robot.
+    """The members of a robot; it equals only itself, so that results for it can be cached.
 
     Parameters
     ----------

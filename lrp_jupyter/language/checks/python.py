@@ -12,8 +12,7 @@ from itertools import chain
 from lrp_jupyter.language.checks.facts import Facts, facts_of
 from lrp_jupyter.language.checks.names import BUILTINS
 from lrp_jupyter.language.checks.report import Reporter, replace
-from lrp_jupyter.language.checks.robot import check_robot
-from lrp_jupyter.language.checks.uses import robot_uses
+from lrp_jupyter.language.checks.robot import check_robot, suspicious_uses
 from lrp_jupyter.language.program import Block, Edit, Fix, Span, path_text
 from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
 from lrp_jupyter.language.robot import RobotMembers
@@ -60,8 +59,8 @@ class _Python:
 
         wrong = set()
         is_condition, is_action = place.purpose == "condition", place.purpose == "action"
-        for use in robot_uses(place.block.text):
-            remedied = check_robot(use, self.robot, is_condition, is_action, is_number)
+        for use, known in suspicious_uses(place.block.text, self.robot, is_condition, is_action):
+            remedied = known or check_robot(use, self.robot, is_condition, is_action, is_number)
             if remedied is not None:
                 wrong.add(use.span)
                 code, span, message, fix = remedied

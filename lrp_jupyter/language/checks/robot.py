@@ -6,14 +6,15 @@ Paper: §3.2, §7.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import NamedTuple
 
 from lrp_jupyter.language.checks.report import nearest
-from lrp_jupyter.language.checks.uses import Argument, RobotCall, RobotUse
+from lrp_jupyter.language.checks.uses import Argument, RobotCall, RobotUse, robot_uses
 from lrp_jupyter.language.program import Edit, Fix, Span
 from lrp_jupyter.language.robot import Parameters, RobotMember, RobotMembers
 
-__all__ = ["Remedied", "check_robot"]
+__all__ = ["Remedied", "check_robot", "suspicious_uses"]
 
 
 class Remedied(NamedTuple):
@@ -30,6 +31,19 @@ _ARTICLES = {"number": "a number", "truth value": "`True` or `False`", "text": "
 _TYPES: dict[str, type] = {"int": int, "float": float, "bool": bool, "str": str, "tuple": tuple}
 _USED = frozenset({"compared", "computed", "tested"})
 _CALLABLE = frozenset({*_USED, "value"})
+
+
+@lru_cache(maxsize=20_000)
+def suspicious_uses(
+    text: str, members: RobotMembers, is_condition: bool, is_action: bool
+) -> tuple[tuple[RobotUse, Remedied | None], ...]:
+    """Return the uses of the robot in a block that are wrong, and those that depend on a variable."""
+    found = []
+    for use in robot_uses(text):
+        remedied = check_robot(use, members, is_condition, is_action, lambda _: False)
+        if remedied or (use.call and any(argument.root for argument in use.call.arguments)):
+            found.append((use, remedied))
+    return tuple(found)
 
 
 def check_robot(
