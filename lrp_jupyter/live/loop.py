@@ -71,6 +71,8 @@ _FREE = 0.0005  # wall seconds that a free-running loop keeps the interpreter lo
 _FRAMES = 60.0  # frames per wall second, at most
 _PICTURES = 30.0  # of a world that moves between two ticks, per wall second
 _ROUNDING = 1e-6  # s
+_KEYBOARD = "The run was interrupted from the keyboard."
+_RAISED = "The program raised `KeyboardInterrupt`, as Ctrl-C does."
 
 
 class Command(ABC):
@@ -327,9 +329,9 @@ class Loop:
         except Interrupted:  # too late: the block had returned
             return self.now
         except KeyboardInterrupt:
-            self.pause("The run was interrupted from the keyboard.")
+            self.pause(_KEYBOARD if _on_main_thread() else _RAISED)
             self.publish()
-            if threading.current_thread() is threading.main_thread():
+            if _on_main_thread():
                 raise
             return math.inf
         except BaseException as error:
@@ -513,40 +515,46 @@ class Loop:
 
         An error that is not the caller's own mistake (:attr:`Command.misuse`) breaks the session.
         """
-        answers: list[tuple[Future[Any], Any, Exception | None]] = []
-        for _ in range(len(self.inbox)):
-            entry = self.inbox.get()
-            if entry is None:  # a newer edit has replaced it
-                break
-            command, answer = entry
-            if not answer.set_running_or_notify_cancel():
-                continue
-            restarts = self.interpreter.restarts
-            outer, self.foreign = self.foreign, Foreign()  # it may run blocks, hooks and code of the caller
-            try:
-                if not command.mends:
-                    self._check_whole()
-                answers.append((answer, command.apply(self), None))
-            except KeyboardInterrupt as error:
-                answer.set_exception(error)
-                raise
-            except BaseException as error:
-                if not isinstance(error, (*command.misuse, Interrupted)):
-                    self.break_down(error)
-                answers.append(
-                    (answer, None, error if isinstance(error, Exception) else LRPError(sentence_of(error)))
-                )
-            finally:
-                self.foreign = outer
-                if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
-                    self.bridge.stop_all()
-        if answers:
-            self.publish()
-        for answer, result, refusal in answers:  # a waiting caller finds the new frame
-            if refusal is None:
-                answer.set_result(result)
-            else:
-                answer.set_exception(refusal)
+        answers: list[tuple[Future[Any], Any, BaseException | None]] = []
+        try:
+            for _ in range(len(self.inbox)):
+                entry = self.inbox.get()
+                if entry is None:  # a newer edit has replaced it
+                    break
+                command, answer = entry
+                if answer.set_running_or_notify_cancel():
+                    answers.append((answer, *self._apply(command)))
+                    if isinstance(answers[-1][2], KeyboardInterrupt):
+                        raise answers[-1][2]
+        finally:
+            if answers:
+                self.publish()
+            for answer, result, refusal in answers:  # a waiting caller finds the new frame
+                if refusal is None:
+                    answer.set_result(result)
+                else:
+                    answer.set_exception(refusal)
+
+    def _apply(self, command: Command) -> tuple[Any, BaseException | None]:
+        """Apply a command; return its result, and what it raised."""
+        restarts = self.interpreter.restarts
+        outer, self.foreign = self.foreign, Foreign()  # it may run blocks, hooks and code of the caller
+        try:
+            if not command.mends:
+                self._check_whole()
+            return command.apply(self), None
+        except BaseException as error:
+            if isinstance(error, KeyboardInterrupt) and _on_main_thread():
+                return None, error
+            if isinstance(error, KeyboardInterrupt):
+                self.pause(_RAISED)
+            elif not isinstance(error, (*command.misuse, Interrupted)):
+                self.break_down(error)
+            return None, error if isinstance(error, Exception) else LRPError(sentence_of(error))
+        finally:
+            self.foreign = outer
+            if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
+                self.bridge.stop_all()
 
     def _check_whole(self) -> None:
         if self.fault:
@@ -676,6 +684,11 @@ class Loop:
         except BaseException as error:
             self.bridge.lose(hook.__name__, error)
             self.bridge.stop_all()
+
+
+def _on_main_thread() -> bool:
+    """Return whether a KeyboardInterrupt can come from the keyboard; elsewhere a block has raised it."""
+    return threading.current_thread() is threading.main_thread()
 
 
 def _full_path(program: Program, path: Path) -> Path:

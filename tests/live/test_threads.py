@@ -10,7 +10,7 @@ from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.live import driver
 from lrp_jupyter.live.clock import VirtualClock
-from lrp_jupyter.live.commands import Pause, Step
+from lrp_jupyter.live.commands import Call, Pause, Step
 
 COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
 BLINK = "(machine m (state a) (state b) (ontime 20 a -> b) (ontime 20 b -> a)) (spawn m a)"
@@ -227,10 +227,30 @@ def test_a_block_that_raises_a_keyboard_interrupt_pauses_the_thread_and_does_not
     stopping = session(COUNT.replace("n + 1", "n + 1; give_up()"), namespace={"give_up": give_up})
     stopping.start()
     frame = stopping.wait_for(lambda frame: frame.status == "paused", LONG)
-    assert "keyboard" in frame.reason
+    assert frame.reason == "The program raised `KeyboardInterrupt`, as Ctrl-C does."
     stopping.edit(COUNT)
     stopping.resume()
     assert stopping.wait_for(lambda frame: frame.numbers.get(("n",), 0) > 2, LONG)
+
+
+def test_a_keyboard_interrupt_raised_by_a_command_on_the_thread_does_not_reach_the_caller(session, gates):
+    def wait():
+        gates["entered"].set()
+        assert gates["gate"].wait(LONG)
+
+    def give_up():
+        raise KeyboardInterrupt
+
+    running = session(COUNT)
+    running.start()
+    first = running.submit(Call(wait))
+    assert gates["entered"].wait(LONG)
+    answers = [first, *(running.submit(Call(each)) for each in (lambda: 1, give_up, lambda: 2))]
+    gates["gate"].set()
+    assert [answer.result(LONG) for answer in (answers[1], answers[3])] == [1, 2]
+    with pytest.raises(LRPError):
+        answers[2].result(LONG)
+    assert running.fault == ""
 
 
 def test_an_interruption_that_comes_too_late_does_no_harm(session, monkeypatch):
