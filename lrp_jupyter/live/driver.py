@@ -386,7 +386,7 @@ class Driver:
 
     def _blocked(self, what: str) -> SessionTimeoutError:
         block, hung = self._block, self.loop.hung
-        if hung is not None and hung.held:
+        if hung is not None:
             return SessionTimeoutError(f"The command `{what}` waits: {hung}")
         why = f"`{block.name}` has not returned" if block else "the session has been busy"
         return SessionTimeoutError(f"The command `{what}` waits: {why} for {PATIENCE:g} s.")
@@ -500,7 +500,11 @@ class Monitor:
         known, began = self._block
         same = block is not None and known is not None and block.frame is known.frame
         self._block = block, began if same else wall
-        if not loop.inbox.interrupts():
+        foreign = loop.foreign
+        applies = (
+            foreign is not None and not foreign.name and not loop.ticking
+        )  # a command, other than a step
+        if not (applies or loop.inbox.interrupts()):
             self._waiting = None
         elif self._waiting is None:
             self._waiting = wall

@@ -45,3 +45,18 @@ def test_running_the_repaired_cell_gets_through_to_a_program_that_hangs(open_lab
     notebook.write_cell(1, f"%%lrp m\n{COUNTER}")
     notebook.run_cell(1)
     notebook.lab().ready("running").goes_on()
+
+
+def test_a_cell_whose_program_hung_opens_paused_after_a_restart_of_the_kernel(open_lab):
+    notebook = open_lab(COUNTER).notebook
+    notebook.write_cell(1, "%%lrp m\n" + COUNTER.replace("n = n + 1", "while True: n = n + 1"))
+    notebook.run_cell(1)
+    notebook.lab().sees(HUNG)
+    notebook.restart_kernel()
+    notebook.run_cell(0)
+    notebook.run_cell(1)
+    lab = notebook.lab().ready("paused")
+    lab.until("note => note.textContent.includes('did not return when it last ran')", NOTE)
+    lab.replace("while True: n = n + 1", "n = n + 1")
+    lab.do("run")
+    lab.goes_on()

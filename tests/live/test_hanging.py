@@ -203,3 +203,29 @@ def test_a_run_while_a_thread_drives_is_limited_as_well(session):
     made.start()
     with pytest.raises(SessionTimeoutError, match=r"`b\.running`"):
         made.run(4000, limit=0.2)
+
+
+@pytest.mark.parametrize(
+    ("text", "act", "code"),
+    [
+        ("(onpause [while True: pass])" + GOOD, lambda session: session.pause(), "LRP611"),
+        (
+            "(machine m (state a) (state b (onentry [while True: pass])) (on [False] a -> b)) (spawn m a)",
+            lambda session: session.transition_to("b"),
+            "LRP611",
+        ),
+        (
+            GOOD,
+            lambda session: session.edit("(var more := [while True: pass])" + GOOD),
+            "LRP611",
+        ),
+    ],
+    ids=["pause", "force", "edit"],
+)
+def test_a_command_whose_own_block_does_not_return_is_completed(session, text, act, code):
+    made = session(text, hung_after=0.2)
+    made.start()
+    made.wait_for("a", LONG)
+    act(made)
+    assert [issue.code for issue in made.issues] == [code]
+    assert made.status == ("paused" if "onpause" in text else "running")
