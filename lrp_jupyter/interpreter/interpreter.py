@@ -323,6 +323,10 @@ class Interpreter:
             interrupted, run.interrupted = run.interrupted, None
             raise interrupted
 
+    def weigh(self) -> None:
+        """Have the journal weigh its values after the next tick; for loops, a few times a second."""
+        self._run.full = 0
+
     # ---- changes ----------------------------------------------------------------------------
 
     def patch(self, program: Program, now: float | None = None) -> Patch:

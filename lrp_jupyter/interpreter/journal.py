@@ -8,18 +8,24 @@ recorded inputs.
 
 The log is one flat list. A tuple per record would cost four times as much, because Python's garbage
 collector visits each of them.
+
+It is bounded by ticks and by bytes. Weighing every value would cost more than the tick, so a sample is
+weighed now and then; once there are large values, all of them are, after every tick.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Iterable
-from types import CellType
-from typing import Any
+from collections.abc import Callable, Iterable, Iterator
+from sys import getsizeof
+from types import CellType, FunctionType, NoneType
+from typing import Any, TypeVar
 
 from lrp_jupyter.interpreter.cells import content, put
 
-__all__ = ["Journal", "Log", "SavedState", "undo_write", "undoes"]
+__all__ = ["Journal", "Log", "SavedState", "undo_write", "undoes", "weightless"]
+
+Kind = TypeVar("Kind")
 
 
 Log = list[Any]
@@ -47,7 +53,21 @@ def undo_write(log: Log) -> None:
 
 
 EDITS = 300
-"""Maximum number of saved states: each keeps a whole program alive, and people type for hours."""
+"""Maximum number of saved states: each is that of a whole run, and people type for hours."""
+MOST = 100_000_000
+"""Maximum number of bytes of values and texts, roughly; beyond it the older half is dropped."""
+
+_PAUSE = 256  # ticks between two weighings of small values, if nothing asks for one before
+_SAMPLE = 16  # items of the log, and a 64th of the new ones
+_HEAVY = 100_000  # bytes after which everything is weighed
+_ITEM = 32  # bytes of a small item of a collection
+_LIGHT = {id(kind) for kind in (int, float, bool, NoneType, CellType, FunctionType)}  # `==` may be foreign
+
+
+def weightless(kind: type[Kind]) -> type[Kind]:
+    """Declare that the size of objects of a class does not matter."""
+    _LIGHT.add(id(kind))
+    return kind
 
 
 class Journal:
@@ -57,13 +77,29 @@ class Journal:
     first tick that can be undone began.
     """
 
-    __slots__ = ("_bound", "_first", "_mark", "_saved", "log")
+    __slots__ = (
+        "_bound",
+        "_bytes",
+        "_first",
+        "_known",
+        "_mark",
+        "_pause",
+        "_saved",
+        "_weighed",
+        "_weights",
+        "log",
+    )
 
     def __init__(self, bound: int) -> None:
         self._bound = bound
         self._first = 0  # ticks that can no longer be undone
         self._mark = 0, 0  # a tick, and the index in the log at which it ends
         self._saved: deque[int] = deque()  # the ticks after which they were made
+        self._weights: deque[tuple[int, int]] = deque()  # ticks, and the bytes added since the one before
+        self._bytes = 0  # their sum
+        self._weighed = 1  # items of the log that are weighed
+        self._known: set[int] = set()  # ids of large values in the log: each is weighed once
+        self._pause = 1
         self.log: Log = [0.0]
 
     def reach(self, tick: int) -> int:
@@ -75,15 +111,60 @@ class Journal:
         if self._saved and self._saved[-1] == ended:
             return
         self._saved.append(ended)
-        self.log += (make(), _undo_everything)
+        state = make()
+        self.log += (state, _undo_everything)
+        self._add(ended, sum(map(self._weight, state.values())))
         if len(self._saved) > EDITS:
             self._drop(self._saved[0] + 1)
 
     def trim(self, tick: int) -> int:
-        """Drop what is older than `bound` ticks; return after how many ticks to call this again."""
-        self._drop(tick - self._bound)
-        self._mark = tick, len(self.log) - 1  # where to cut the next time
-        return self._bound
+        """Drop what is too old or too much; return after how many ticks to call this again."""
+        if tick - self._mark[0] >= self._bound:
+            self._drop(tick - self._bound)
+            self._mark = tick, len(self.log) - 1  # where to cut the next time
+        weight = self._weigh()
+        self._add(tick, weight)
+        self._pause = 1 if weight >= _HEAVY else min(2 * self._pause, _PAUSE)
+        if self._bytes > MOST:
+            first = 0
+            while self._weights and self._bytes > MOST // 2:
+                first, weight = self._weights.popleft()
+                self._bytes -= weight
+            self._drop(min(first + 1, tick))
+            self._known.clear()  # of what is dropped, other values may have the ids
+        return max(1, min(self._pause, self._mark[0] + self._bound - tick))
+
+    def _weigh(self) -> int:
+        """Return roughly how many bytes the log holds that were not weighed before."""
+        log, new = self.log, len(self.log) - self._weighed
+        self._weighed = len(log)
+        count = new if self._pause == 1 else min(new, new // 64 + _SAMPLE)
+        if count <= 0:
+            return 0
+        weight = sum([self._weight(item) for item in log[-count:] if id(type(item)) not in _LIGHT])
+        return weight * new // count
+
+    def _weight(self, value: object) -> int:
+        """Return roughly the bytes of a value, 0 if it is known; contents are followed by one step only."""
+        try:
+            weight = getsizeof(value)
+            kind = type(value)
+            if kind is list or kind is tuple or kind is dict or kind is set:
+                weight += _ITEM * len(value)  # type: ignore[arg-type]
+            elif weight < _HEAVY and type(inner := getattr(value, "__dict__", None)) is dict:
+                weight += sum([getsizeof(part) for part in inner.values()])
+        except Exception:  # `__sizeof__` is foreign code
+            return 0
+        if weight < _HEAVY // 100:
+            return weight
+        if id(value) in self._known:
+            return 0
+        self._known.add(id(value))
+        return weight
+
+    def _add(self, tick: int, weight: int) -> None:
+        self._weights.append((tick, weight))
+        self._bytes += weight
 
     def _drop(self, first: int) -> None:
         """Raise the number of ticks that can no longer be undone to `first`, unless it is already higher."""
@@ -92,7 +173,10 @@ class Journal:
         cut = place if marked == first else self.ends()[self._first - first - 1]
         del self.log[:cut]
         self._mark = marked, place - cut
+        self._weighed = max(self._weighed - cut, 0)
         self._first = first
+        while self._weights and self._weights[0][0] < first:
+            self._bytes -= self._weights.popleft()[1]
         while self._saved and self._saved[0] < first:
             self._saved.popleft()
 
@@ -143,6 +227,11 @@ class Journal:
                 ends += 1
         while self._saved and self._saved[-1] >= tick - ticks:
             self._saved.pop()
+        while self._weights and self._weights[-1][0] > tick - ticks:
+            self._bytes -= self._weights.pop()[1]
+        self._weighed = min(self._weighed, len(log))
+        self._known.clear()
+        self._pause = 1
         time: float = item
         return time
 
@@ -167,6 +256,13 @@ class SavedState:
             self._parts += (part, names, *[getattr(part, name) for name in names])
         self._cells = list(cells)
         self._values = [content(cell) for cell in self._cells]
+
+    def values(self) -> Iterator[object]:
+        """Yield what may be large: the contents of cells, and texts among the attributes."""
+        yield from self._values
+        for item in self._parts:
+            if type(item) is tuple and item and type(item[0]) is str:
+                yield item[0]
 
     def restore(self) -> None:
         """Restore everything."""

@@ -72,8 +72,8 @@ class Run:
         }
         self.journal = Journal(journal) if journal > 0 else None
         self.log: Log | None = self.journal.log if self.journal is not None else None
-        self.full = journal
-        """The tick after which the journal is trimmed; done rarely, because it moves the whole log."""
+        self.full = 0
+        """The tick after which the journal is trimmed the next time."""
         self.counts: dict[Element, Count] = {}
         self.firings: dict[tuple[Element, Element], Count] = {}
         """How often a transition has led to a state since that was last added to `counts`: one number to
@@ -426,6 +426,7 @@ class Run:
         """
         if self.journal is not None:
             self.journal.save(self.ticks if ended is None else ended, self._saved_state)
+            self.full = 0  # it may be large
 
     @property
     def source(self) -> tuple[str, str] | Program:
@@ -449,7 +450,7 @@ class Run:
         )
 
     def trim(self) -> None:
-        """Drop the records that are older than the journal's bound."""
+        """Drop the records that are beyond the journal's bounds."""
         if self.journal is not None:
             self.full = self.ticks + self.journal.trim(self.ticks)
 
@@ -467,6 +468,7 @@ class Run:
             act.machine = self.plan.machines[act.place[:-1]]
         self._set_counts(counts | self.counts)
         self.ticks -= ticks
+        self.full = 0
         self.live = {
             (): self.globals,
             **{act.machine.path: act for act in self._walk()},

@@ -20,7 +20,7 @@ from lrp_jupyter.interpreter.cells import Slot, content, writes_of
 from lrp_jupyter.interpreter.events import UNSET, Firing
 from lrp_jupyter.interpreter.faults import Fault
 from lrp_jupyter.interpreter.issues import IssueLog
-from lrp_jupyter.interpreter.journal import Log
+from lrp_jupyter.interpreter.journal import Log, weightless
 from lrp_jupyter.interpreter.linker import (
     BlockPlan,
     Broken,
@@ -80,6 +80,7 @@ class Environment:
             slot.last = content(slot.cell)
 
 
+@weightless
 class Activation(Environment):
     """One running machine."""
 

@@ -444,6 +444,7 @@ class Loop:
             )
         else:
             self.frame = self.make_frame()
+            self.interpreter.weigh()
         self.changed()
 
     def make_frame(self) -> Frame:
