@@ -177,6 +177,7 @@ class Lab(Part):
     @text.setter
     def text(self, text: str) -> None:
         self._connection.texts.write(text)
+        self._connection.texts.save()
 
     @property
     def versions(self) -> list[Version]:

@@ -130,6 +130,7 @@ def open_program(
         connection.session.start()
     if rate is not None:
         connection.session.rate = rate
+    connection.texts.save()  # no page may ever open
     connection.wake()
     return connection
 

@@ -14,6 +14,7 @@ from lrp_jupyter import files
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.kept import checked_name
+from lrp_jupyter.widgets.lab import Lab
 
 A = "(machine m (state a)) (spawn m a)"
 B = "(machine m (state a) (state b)) (spawn m a)"
@@ -134,6 +135,16 @@ def test_links_in_the_folder_lead_nowhere(cell, tmp_path):
     assert secret.read_text() == "secret"
     assert (tmp_path / ".lrp" / "mine.lrp").read_text() == C
     assert "secret" not in [version.text for version in connection.texts.versions]
+
+
+def test_a_text_is_kept_at_once_though_no_page_is_open(tmp_path, monkeypatch, cell):
+    monkeypatch.chdir(tmp_path)
+    lab = Lab(A, name="mine", namespace={})
+    assert (tmp_path / ".lrp" / "mine.lrp").read_text() == A
+    lab.text = B
+    assert (tmp_path / ".lrp" / "mine.lrp").read_text() == B
+    lab.text = BROKEN
+    assert (tmp_path / ".lrp" / "mine.draft").read_text() == BROKEN
 
 
 # -- conflicts -------------------------------------------------------------------------------------
