@@ -121,7 +121,7 @@ class Arrangement(TextDraft):
             names.append(item)
         name = "_".join(map(self._word, names))
         start, end = names[0].start, names[-1].end
-        if name in self.names:
+        if name in self._known():
             message = f"A name is one word. Write `{name}`."
             self._add(start, end, "LRP110", message, Edit(start, end, name))
 

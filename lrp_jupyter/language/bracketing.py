@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import builtins
 import re
-from keyword import iskeyword, kwlist
+from keyword import iskeyword
 
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.draft import OpenForm, Piece, TextDraft, is_python
@@ -217,13 +216,6 @@ class Bracketing(TextDraft):
         edit = Edit(sensible[-1], sensible[-1], quote)
         self._add(offset, line_end(self.text, offset), "LRP514", message, edit, certain=len(sensible) == 1)
         return True
-
-    def _known(self) -> set[str]:
-        """Return the names that are used anywhere in the text, and Python's own."""
-        words = {
-            word for token in self.tokens if token[0] == "BLOCK" for word in _WORD.findall(self._word(token))
-        }
-        return words | set(self.names) | set(kwlist) | set(dir(builtins)) | {"robot"}
 
 
 def _is_balanced(text: str) -> bool:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import builtins
+import re
 from bisect import bisect_left
+from keyword import kwlist
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
@@ -14,6 +17,9 @@ __all__ = ["LONGEST", "OpenForm", "Piece", "TextDraft", "is_python"]
 
 LONGEST = 40
 """Number of parts that are looked at: more than any form has that can be corrected."""
+
+
+_WORD = re.compile(r"[^\W\d]\w*")
 
 
 class Piece(NamedTuple):
@@ -92,6 +98,13 @@ class TextDraft:
                 break
             rest.append(token)
         return rest
+
+    def _known(self) -> set[str]:
+        """Return the names that are used anywhere in the text, and Python's own."""
+        words = {
+            word for token in self.tokens if token[0] == "BLOCK" for word in _WORD.findall(self._word(token))
+        }
+        return words | set(self.names) | set(kwlist) | set(dir(builtins)) | {"robot"}
 
 
 def is_python(text: str) -> bool:

@@ -9,6 +9,7 @@ Paper: §3.1, §3.2.
 from __future__ import annotations
 
 import unicodedata
+from bisect import bisect_right
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
 from itertools import groupby
@@ -381,6 +382,11 @@ class _Reader:
             self.report(end - 1, end, "LRP108", message)
             return
         _, start, stop = form.tokens[index]
+        _, first, last = form.tokens[index - 1]
+        if index and bisect_right(self.starts, last) < bisect_right(self.starts, start):
+            message = f"`{form.keyword}` lacks {what} after this. {usage}"
+            self.report(first, last, "LRP108", message)
+            return
         found = short(self.text[start : min(stop, start + 40)])
         self.report(start, stop, "LRP108", f"Expected {what} instead of `{found}`. {usage}")
 
