@@ -56,6 +56,7 @@ def explain(text: str, line: int = 1, column: int = 0, is_condition: bool = Fals
             break
         place = _offset(text, error.lineno, error.offset)
         best: _Guess | None = None
+        guess: _Guess | None = None  # Python would accept it, but something else may be meant
         if "too " in error.msg:  # deeply nested: nothing is misspelt
             left = 0
         code = _Code(text, place, error.msg, column, is_condition)
@@ -64,13 +65,16 @@ def explain(text: str, line: int = 1, column: int = 0, is_condition: bool = Fals
             if left < 0:
                 break
             follower = _error(_applied(text, candidate.edits))
-            if follower is None:
+            if follower is None and candidate.is_certain:
                 best = candidate
                 break
-            if best is None and _is_progress(text, candidate, place, follower):
+            if follower is None:
+                guess = guess or candidate
+            elif best is None and _is_progress(text, candidate, place, follower):
                 best = candidate
+        best = best or guess
         if best is None:
-            fault = fault_of(error, text, line)
+            fault = _known_pattern(code) or fault_of(error, text, line)
             faults.append(fault._replace(start=origins[fault.start], end=origins[fault.end]))
             break
         edits = [Edit(origins[start], origins[end], new) for start, end, new in best.edits if best.is_certain]
@@ -120,7 +124,41 @@ def _is_progress(text: str, candidate: _Guess, place: int, follower: SyntaxError
     later = _offset(_applied(text, candidate.edits), follower.lineno, follower.offset)
     first = min(edit.start for edit in candidate.edits)
     grown = sum(len(new) - (end - start) for start, end, new in candidate.edits)
-    return later - max(grown, 0) > place and "\n" in text[max(place, first) : later - grown]
+    if later - max(grown, 0) <= place:
+        return False
+    return candidate.code in _CERTAIN or "\n" in text[max(place, first) : later - grown]
+
+
+_CERTAIN = frozenset({"LRP510", "LRP511"})
+"""What is wrong wherever it stands, even if more is wrong in its line."""
+
+
+def _known_pattern(code: _Code) -> Diagnosis | None:
+    """Return what is wrong with a line that no single change can mend, if it looks like something known."""
+    start = code.starts[code.at]
+    end = code.starts[code.at + 1] if code.at + 1 < len(code.starts) else len(code.text)
+    for pattern, code_of, message in _PATTERNS:
+        if match := pattern.search(code.text, start, end):
+            return Diagnosis(match.start(), match.end(), code_of, message)
+    return None
+
+
+_RANGE = "Python counts with `range`. Write `for i in range(3):`."
+_PATTERNS = [
+    (re.compile(pattern), number, message)
+    for pattern, number, message in (
+        (r"\bfor\s*\(", "LRP510", _RANGE),
+        (r"\bfor\s+\w+\s*=", "LRP510", _RANGE),
+        (r"\d\s*\.\.+\s*\d", "LRP510", _RANGE),
+        (r"\b(?:repeat|loop)\b", "LRP511", _RANGE),
+        (r"\bis\s+(?:less|greater|equal|bigger|smaller|not equal)\b|\bequals?\b", "LRP511",
+         "Python compares with signs. Write `<`, `>` or `==`."),
+        (r"\b(?:and|or)\s*[<>=!]", "LRP517",
+         "`and` and `or` join whole comparisons. Write the name again before the sign."),
+        (r"\)\s*\{|\belse\s*\{|\}\s*else\b", "LRP510",
+         "Python has no braces around statements. Write `:`, and the rest in new lines, further right."),
+    )
+]  # fmt: skip
 
 
 # The text as the rules see it
@@ -298,6 +336,10 @@ def _tokens(text: str) -> Iterator[_Token]:
             position, closed = string_end(text, position - 1, 0)
             kind = "string" if closed else "open"
         word = text[start:position]
+        if kind == "name" and not word.isidentifier():  # `y²`: some characters of words are not of names
+            good = next(size for size in range(len(word), -1, -1) if word[:size].isidentifier() or not size)
+            kind, position = ("name", start + good) if good else ("other", start + 1)
+            word = text[start:position]
         if begins and word in _HEADERS | _SIMPLE and word not in ("if", "else", "for"):
             depth = 0  # an unclosed bracket does not reach across statements
         begins = False
@@ -400,7 +442,7 @@ _MEANT: dict[str, tuple[str, ...]] = {
     "=<": ("<=",),
     "<>": ("!=",),
     "=:": ("=",),
-    "::": (".",),
+    "::": (".", ":"),
     "->": (".", "="),
 }
 
@@ -461,11 +503,13 @@ def _assignments(code: _Code) -> _Candidates:
         )
     ]
     message = "`:=` belongs outside of blocks. In Python, `=` assigns: write `=`."
-    if plain:
+    if plain and not code.is_condition:
         first = code.tokens[plain[0]]
         edits = tuple(Edit(code.tokens[index].start, code.tokens[index].end, "=") for index in plain)
         yield _Guess("LRP510", message, first.start, first.end, edits)
     for index in signs:
+        if code.is_condition:
+            yield _change(code.tokens[index], "==", "LRP516", "`:=` assigns. Write `==` to compare.")
         yield _change(code.tokens[index], "=", "LRP510", message)
         yield _change(code.tokens[index], "==", "LRP516", "`:=` assigns. Write `==` to compare.")
 
@@ -554,7 +598,23 @@ def _numbers(code: _Code) -> _Candidates:
 
 
 def _strings(code: _Code) -> _Candidates:
-    """Strings without their first or second quote."""
+    """Strings without their first or second quote, or with one inside."""
+    for index, token in enumerate(code.tokens):
+        after = code.get(index + 1)
+        if token.kind == "string" and after.kind == "name" and after.start == token.end:
+            last = next((each for each in code.tokens[index:] if each.kind == "open"), None)
+            other = '"' if token.text[0] == "'" else "'"
+            if last and last.line == token.line and last.text[0] == token.text[0] != other:
+                whole = code.text[token.start + 1 : last.start]
+                if other not in whole:
+                    message = (
+                        f"The `{token.text[0]}` inside ends this string. Write it with `{other}` around it."
+                    )
+                    pair = (
+                        Edit(token.start, token.start + 1, other),
+                        Edit(last.start, last.start + 1, other),
+                    )
+                    yield _Guess("LRP514", message, token.start, last.start + 1, pair)
     for index, token in enumerate(code.tokens):
         start = index - 1
         if token.kind not in ("string", "open") or code.get(start).kind != "name":
@@ -587,8 +647,7 @@ def _strings(code: _Code) -> _Candidates:
         for end in ends:
             shown = code.piece(token.start + 1, end)
             message = f"This string is not closed. Write `{quote}` after `{shown}`."
-            edits = (Edit(end, end, quote),)
-            yield _Guess("LRP514", message, token.start, end, edits, is_certain)
+            yield _Guess("LRP514", message, token.start, end, (Edit(end, end, quote),), is_certain)
 
 
 def _brackets(code: _Code) -> _Candidates:
@@ -686,9 +745,9 @@ def _keywords(code: _Code) -> _Candidates:
         if token.kind != "name":
             continue
         word = token.text
-        if word in ("then", "do") and not code.begins(index):
+        if word in ("then", "do") and (not code.begins(index) or code.get(index - 1).text == ":"):
             before = code.get(index - 1)
-            if after.text == ":":
+            if ":" in (after.text, before.text):
                 message = f"Python has no `{word}`. Remove it."
                 yield _Guess("LRP511", message, token.start, token.end, (Edit(before.end, token.end, ""),))
             else:
@@ -699,7 +758,10 @@ def _keywords(code: _Code) -> _Candidates:
             yield _Guess("LRP511", "Python writes `else if` in one word. Write `elif`.", *edit[:2], (edit,))
         if word in _DECLARING and after.kind == "name" and code.begins(index):
             message = f"Python has no `{word}`. Write the assignment without it."
-            yield _Guess("LRP511", message, token.start, token.end, (Edit(token.start, after.start, ""),))
+            edits = [Edit(token.start, after.start, "")]
+            if code.get(index + 2).text == ":=":
+                edits.append(Edit(code.get(index + 2).start, code.get(index + 2).end, "="))
+            yield _Guess("LRP511", message, token.start, token.end, tuple(edits))
         if word in _ENDING and code.begins(index) and code.ends(index + 1):
             message = f"Python has no `{word}`; the lines further right belong together. Remove it."
             yield _change(token, "", "LRP511", message)
@@ -754,6 +816,52 @@ def _meant(word: str) -> tuple[str, ...]:
         if is_similar:
             found.append((-SequenceMatcher(None, small, keyword).ratio(), keyword))
     return tuple(keyword for _, keyword in sorted(found)[:3])
+
+
+def _calls_in_brackets(code: _Code) -> _Candidates:
+    """Change the brackets of a call into parentheses."""
+    for index in code.near():
+        token, before = code.tokens[index], code.get(index - 1)
+        if token.text in ("[", "{") and before.kind == "name" and before.end == token.start:
+            last = code.partner(index)
+            if any(each.text == "=" for each in code.tokens[index:last]):
+                message = f"A call has parentheses. Write `(` instead of `{token.text}`."
+                end = code.tokens[last]
+                edits = (Edit(token.start, token.end, "("), Edit(end.start, end.end, ")"))
+                yield _Guess("LRP513", message, token.start, token.end, edits)
+
+
+def _conditions(code: _Code) -> _Candidates:
+    """Conditions that are written like a statement: `if x > 1:`."""
+    if not code.is_condition or not code.tokens:
+        return
+    first, second, last = code.tokens[0], code.get(1), code.tokens[-1]
+    edits = []
+    if first.text.lower() in ("if", "when", "while", "until") and second.start >= 0:
+        edits.append(Edit(first.start, second.start, ""))
+    if last.text in (":", "then"):
+        edits.append(Edit(code.get(len(code.tokens) - 2).end, last.end, ""))
+    if edits:
+        word = first if edits[0].start == first.start else last
+        message = f"A condition is written without `{word.text}`. Remove it."
+        yield _Guess("LRP511", message, word.start, word.end, tuple(edits))
+
+
+def _forms(code: _Code) -> _Candidates:
+    """Forms of the program inside a block."""
+    for index in code.near():
+        token, word = code.tokens[index], code.get(index + 1)
+        if token.text == "(" and word.text in _FORMS and code.get(index + 2).kind == "name":
+            end = code.tokens[code.partner(index)].end
+            message = (
+                f"`({word.text} …)` is a form of the program, not Python. Put it after the `]` of this block."
+            )
+            yield _Guess("LRP510", message, token.start, word.end, (Edit(token.start, end, "pass"),), False)
+
+
+_FORMS = frozenset(
+    {"var", "event", "machine", "state", "spawn", "on", "ontime", "eps", "onentry", "running", "onexit"}
+)
 
 
 def _braces(code: _Code) -> _Candidates:
@@ -828,13 +936,24 @@ def _colons(code: _Code) -> _Candidates:
             yield _Guess("LRP512", message.format(shown), head.start, end, (Edit(end, end, ":"),))
         for index in line[1:]:
             token = code.tokens[index]
-            if token.text in (";", ",", "=") and not token.depth:
+            if token.text in (";", ",") and not (token.depth or colons):
                 fault = f"`{token.text}` does not end a header. Write `:`."
                 yield _Guess("LRP512", fault, token.start, token.end, (Edit(token.start, token.end, ":"),))
 
 
 def _equals(code: _Code) -> _Candidates:
-    """`=` where a comparison is meant, and `:` where an argument has a value."""
+    """Compare instead of assigning, and give an argument its value with `=`."""
+    signs = [token for token in code.tokens if token.text == "=" and not token.depth]
+    if code.is_condition and len(signs) > 1:
+        edits = tuple(Edit(token.start, token.end, "==") for token in signs)
+        yield _Guess("LRP516", "`=` assigns. Write `==` to compare.", signs[0].start, signs[0].end, edits)
+    for index in code.near():
+        token = code.tokens[index]
+        if token.text == "," and not token.depth and code.get(index + 2).text == "=":
+            message = f"A comma does not separate statements. Write `;` before `{code.get(index + 1).text}`."
+            yield _change(token, ";", "LRP516", message)
+        elif token.text == ";" and code.around(index) == "(":
+            yield _change(token, ",", "LRP516", "Arguments are separated by commas. Write `,`.")
     for index in code.near():
         token = code.tokens[index]
         if token.text == "=":
@@ -842,8 +961,11 @@ def _equals(code: _Code) -> _Candidates:
                 yield _change(token, ":", "LRP516", "In `{ }`, a value comes after `:`. Write `:`.")
             before = [each.text for each in code.tokens[:index] if each.line == token.line]
             compares = not {"if", "elif", "while", "assert", "return", "not"}.isdisjoint(before)
-            if compares or code.is_condition or "==" in code.problem or "assign" in code.problem:
+            if compares or code.is_condition:
                 yield _change(token, "==", "LRP516", "`=` assigns. Write `==` to compare.")
+            elif "==" in code.problem or "assign" in code.problem:
+                message = "Only a name can be assigned. Write one before the `=`, or `==` to compare."
+                yield _change(token, "==", "LRP516", message)._replace(is_certain=False)
         elif token.text == ":" and code.around(index) == "(" and code.get(index - 1).kind == "name":
             name = code.tokens[index - 1].text
             message = f"An argument has its value after `=`. Write `{name}=`."
@@ -947,7 +1069,7 @@ def _gaps(code: _Code) -> _Candidates:
             yield _Guess("LRP517", message, left.start, right.end, (between._replace(text="."),))
         yield from calls
         before = [each.text for each in code.tokens[:index] if each.line == left.line]
-        if left.text == ")" or "=" in before:
+        if right.kind == "name" and (left.text == ")" or "=" in before):
             message = f"Two statements are in one line. Write `;` before `{_short(right)}`, or a new line."
             yield _Guess("LRP517", message, left.start, right.end, (Edit(left.end, left.end, ";"),))
     for index in code.near():
@@ -976,13 +1098,19 @@ def _calls(code: _Code, index: int) -> _Candidates:
         end = code.tokens[stop - 1].end
         call = code.piece(code.tokens[start].start, left.end) + "(" + code.piece(right.start, end) + ")"
         edits = (Edit(left.end, right.start, "("), Edit(end, end, ")"))
-        yield _Guess("LRP517", f"A call needs parentheses. Write `{call}`.", left.start, end, edits)
+        is_certain = left.text in _FUNCTIONS or start < index or not _is_word(right)
+        message = f"A call needs parentheses. Write `{call}`."
+        yield _Guess("LRP517", message, left.start, end, edits, is_certain)
 
 
 _FUNCTIONS = frozenset(
     {"print", "range", "abs", "len", "min", "max", "round", "int", "float", "str", "bool", "sum"}
 )
 _AFTER = frozenset({":", ";", "and", "or", "if", "else", "<", ">", "<=", ">=", "==", "!="})
+
+
+def _is_word(token: _Token) -> bool:
+    return token.kind == "name"
 
 
 def _short(token: _Token) -> str:
@@ -1077,10 +1205,13 @@ def _strays(code: _Code) -> _Candidates:
 
 
 _RULES: tuple[Callable[[_Code], _Candidates], ...] = (
+    _conditions,
+    _forms,
     _signs,
     _characters,
     _strings,
     _numbers,
+    _calls_in_brackets,
     _braces,
     _brackets,
     _keywords,

@@ -89,6 +89,10 @@ _WORDS: tuple[tuple[str, _Words], ...] = (
         r"expected 'except' or 'finally'",
         "A `try` is followed by an `except`. Write `except` below it, with what to do after a fault.",
     ),
+    (
+        r"Missing parentheses in call to '(\w+)'",
+        lambda found: f"A call needs parentheses. Write `{found[1]}(…)`.",
+    ),
     (r"expected '\('", "A `(` is missing here. Write `()` after the name."),
     (r"forgot a comma", "Something is missing here. Write a comma or an operator between the two values."),
     (
@@ -123,6 +127,8 @@ def in_words(message: str, found: str, line: int) -> str:
     if message == "invalid syntax":
         if not found:
             return "Something is missing at the end of this line. Complete it."
+        if found == ":":
+            return "Something is missing before this `:`. Complete it."
         if found in _PARTNERS:
             return f"This `{found}` has no `{_PARTNERS[found]}`. Start it below its `{_PARTNERS[found]}`."
         return f"Python does not understand `{found}` here. Correct it, or what is before it."

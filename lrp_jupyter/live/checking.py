@@ -50,7 +50,7 @@ def check(
         robot = members_of(make_bridge(bridge))
     else:
         text = text_or_program.text if isinstance(text_or_program, Program) else text_or_program
-        world = programs.heading(text).world if isinstance(text, str) and "robot" in text else None
+        world = programs.heading(text).world if isinstance(text, str) else None
         robot = members_of_world(world) if world is not None else None
     return checks.check(text_or_program, names, robot)
 

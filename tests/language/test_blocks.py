@@ -278,7 +278,7 @@ def test_the_same_block_in_another_line_is_compiled_for_that_line() -> None:
         ("[a async for a in b]", "[a", "outside of an asynchronous function"),
         ("é = 1; break", "break", "`break` works only in"),
         ("\n  a = 1\n  ö = (1", "(1", "`(` is not closed"),
-        ("\n  é, (1 = 2)", "= 2", "`=` assigns"),
+        ("\n  é, (1 = 2)", "= 2", "Only a name can be assigned"),
         ("def f(a, a): pass", "a): pass", "Two parameters have the name `a`"),
         ("x = '\0'", "\0'", "does not know this character"),
         ("\nx = '\ud800'", "\ud800'", "does not know this character"),

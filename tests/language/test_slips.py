@@ -142,3 +142,67 @@ def test_any_text_is_explained(text: str, is_condition: bool) -> None:
         assert all(0 <= start <= end <= len(text) for start, end, _ in slip.edits)
         assert slip.message.endswith((".", "?"))
     scan(f"(var x := [{text}])")
+
+
+@pytest.mark.parametrize(
+    ("block", "repaired"),
+    [
+        ("if x > 1: then y = 2", "if x > 1: y = 2"),
+        ("if x = y: z = 1", "if x == y: z = 1"),
+        ("x = 3, y = 4", "x = 3; y = 4"),
+        ("var x := 3", "x = 3"),
+        ("x = y²", "x = y**2"),
+        ("f(a=1; b=2)", "f(a=1, b=2)"),
+        ("robot.move[linear=0.2]", "robot.move(linear=0.2)"),
+        ("robot.move{linear=0.2}", "robot.move(linear=0.2)"),
+        ("print('it's far')", 'print("it\'s far")'),
+        ("if x == 1:: y = 2", "if x == 1: y = 2"),
+    ],
+)
+def test_more_slips_have_remedies(block: str, repaired: str) -> None:
+    assert applied(block) == repaired
+
+
+@pytest.mark.parametrize(
+    ("block", "repaired"),
+    [
+        ("if x > 1", "x > 1"),
+        ("if x > 1 then", "x > 1"),
+        ("x > 1:", "x > 1"),
+        ("x := 1", "x == 1"),
+        ("x = 1 and y = 2", "x == 1 and y == 2"),
+    ],
+)
+def test_a_condition_is_no_statement(block: str, repaired: str) -> None:
+    (slip,) = explain(block, is_condition=True)
+    for start, end, new in sorted(slip.edits, reverse=True):
+        block = block[:start] + new + block[end:]
+    assert block == repaired
+
+
+@pytest.mark.parametrize(
+    ("block", "message"),
+    [
+        ("for (i = 0; i < 3; i++) print(i)", "Python counts with `range`. Write `for i in range(3):`."),
+        ("for i = 1 to 10: print(i)", "Python counts with `range`. Write `for i in range(3):`."),
+        ("if x is less than 3: y = 1", "Python compares with signs. Write `<`, `>` or `==`."),
+        ("if x > 1 and < 5: y = 1", "`and` and `or` join whole comparisons."),
+        (
+            "(spawn m a)",
+            "`(spawn …)` is a form of the program, not Python. Put it after the `]` of this block.",
+        ),
+        ("len(x) = 3", "Only a name can be assigned."),
+        ("if: y = 2", "Something is missing before this `:`. Complete it."),
+    ],
+)
+def test_what_no_single_change_repairs_is_explained(block: str, message: str) -> None:
+    (slip,) = explain(block)
+    assert slip.message.startswith(message)
+    assert slip.edits == ()
+
+
+def test_two_slips_in_one_line_are_two_faults() -> None:
+    assert [slip.message for slip in explain("if x && y || z: a = 1")] == [
+        "Python has no `&&`. Write `and`.",
+        "Python has no `||`. Write `or`.",
+    ]

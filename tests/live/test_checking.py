@@ -217,3 +217,13 @@ def test_a_command_is_not_a_condition() -> None:
         "LRP505",
         "`robot.stop` does something and has no value. Call it in an action, and write a test here.",
     )
+
+
+def test_a_member_without_robot_is_recognized() -> None:
+    assert fixed(action("stop()")) == action("robot.stop()")
+    assert fixed(condition("distance.data < 1")) == condition("robot.distance.data < 1")
+
+
+def test_a_module_that_is_not_imported_is_named() -> None:
+    (finding,) = check(action("print(random.random())"))
+    assert finding.message == "`random` is not imported. Write `import random` before it."

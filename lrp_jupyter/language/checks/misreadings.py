@@ -105,6 +105,10 @@ def _is_truth(node: ast.AST) -> bool:
 def _statement(node: ast.Expr, places: Offsets) -> Iterator[Diagnosis]:
     value = node.value
     yield from _halved(value, places)
+    if isinstance(value, ast.Tuple) and len(value.elts) == 1 and places.source[places.start_of(value)] != "(":
+        last, end = places.end_of(value.elts[0]), places.end_of(value)
+        message = "The comma at the end makes a tuple of this. Remove it."
+        yield Diagnosis(end - 1, end, "LRP518", message, (Edit(last, end, ""),))
     if isinstance(value, ast.UnaryOp) and isinstance(value.operand, ast.UnaryOp):
         inner = value.operand
         sign = {ast.UAdd: "+", ast.USub: "-"}.get(type(value.op))

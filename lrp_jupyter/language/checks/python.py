@@ -5,6 +5,7 @@ Paper: §3.2 (line 32 of the listing compares where it should assign), §9.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from functools import cached_property
 from itertools import chain
@@ -129,9 +130,16 @@ class _Python:
         meant = _SPELT.get(name) or next(
             filter(None, (self.report.nearest(name, names) for names in groups)), None
         )
+        if meant in BUILTINS and meant[:1].lower() != name[:1].lower():
+            meant = None  # of that many names, one is always a little similar
         remedy = f"{problem}. Declare `(var {name} := [value])`."
         if elsewhere:
             remedy, meant = f"{problem}. {elsewhere}.", None
+        elif self.robot is not None and name in self.robot.inside("") and meant not in place.visible:
+            meant = f"robot.{name}"
+            remedy = f"{problem}. Write `{meant}`."
+        elif name in sys.stdlib_module_names and meant not in place.visible:
+            remedy, meant = f"`{name}` is not imported. Write `import {name}` before it.", None
         elif meant:
             remedy = f"{problem}. Did you mean `{meant}`?"
         self._add(code, place, span, remedy, meant, prefix=prefix)
