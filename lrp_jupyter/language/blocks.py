@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 from lrp_jupyter.language.names import Offsets, Uses, normal, uses
 from lrp_jupyter.language.program import Block
 from lrp_jupyter.language.scanner import block_end
-from lrp_jupyter.language.slips import explain, fault_of
+from lrp_jupyter.language.slips import brief, explain, fault_of
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.suites import Suite, children, no_warnings, parse_block, parse_suite
 
@@ -121,12 +121,14 @@ def facts_of(text: str) -> BlockFacts:
 
 
 @lru_cache(maxsize=512)
-def faults_of(text: str, line: int = 1, column: int = 0, is_condition: bool = False) -> tuple[Diagnosis, ...]:
-    """Return the errors of a block that is not valid Python, as `explain` does."""
+def faults_of(
+    text: str, line: int = 1, column: int = 0, is_condition: bool = False, is_brief: bool = False
+) -> tuple[Diagnosis, ...]:
+    """Return the errors of a block that is not valid Python, as `explain` or, if `is_brief`, `brief` does."""
     try:
         tree, suite, source, found = read(text)
     except SyntaxError:
-        return explain(text, line, column, is_condition)
+        return brief(text, line) if is_brief else explain(text, line, column, is_condition)
     fault = _generator_fault(tree, suite, source)
     if fault is not None:
         return (fault,)

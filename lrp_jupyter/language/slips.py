@@ -27,9 +27,11 @@ from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.suites import parse_block
 from lrp_jupyter.language.wordings import in_words
 
-__all__ = ["explain", "fault_of"]
+__all__ = ["brief", "explain", "fault_of"]
 
 
+LONGEST = 6_000
+"""Characters of a block in which remedies are searched for."""
 _ATTEMPTS = 250_000
 """Characters parsed at most in search of the remedies of one block."""
 _MOST = 8
@@ -47,6 +49,8 @@ def explain(text: str, line: int = 1, column: int = 0, is_condition: bool = Fals
     is_condition : bool
         Whether the block's value is tested, so that `=` is probably meant as `==`.
     """
+    if len(text) > LONGEST:
+        return brief(text, line)
     faults: list[Diagnosis] = []
     origins = list(range(len(text) + 1))  # of each character of the present text, its offset in the block's
     left = _ATTEMPTS
@@ -86,6 +90,12 @@ def explain(text: str, line: int = 1, column: int = 0, is_condition: bool = Fals
             origins[start:end] = [origins[start]] * len(new)
         column = 0 if column and origins[0] else column
     return tuple(faults)
+
+
+def brief(text: str, line: int = 1) -> tuple[Diagnosis, ...]:
+    """Return the first error of a block in words, without a search for its remedy."""
+    error = _error(text)
+    return () if error is None else (fault_of(error, text, line),)
 
 
 def fault_of(error: SyntaxError, text: str, line: int = 1) -> Diagnosis:

@@ -206,3 +206,11 @@ def test_two_slips_in_one_line_are_two_faults() -> None:
         "Python has no `&&`. Write `and`.",
         "Python has no `||`. Write `or`.",
     ]
+
+
+def test_the_search_for_remedies_is_bounded() -> None:
+    text = "".join(f"(onpause [print x{i}])\n" for i in range(100))
+    findings = scan(text)[1]
+    assert len([finding for finding in findings if finding.fix]) == 20
+    (slip,) = explain("x y " * 10_000)
+    assert slip.edits == ()
