@@ -48,6 +48,8 @@ class BoardState:
         Variables that changed since the last redraw.
     keys : bool
         Whether the keyboard is read.
+    differs : str
+        Why the file on disk is not what runs, a sentence; empty if it is.
     """
 
     frame: Frame
@@ -59,6 +61,7 @@ class BoardState:
     last: Sequence[str] = ()
     changed: frozenset[Path] = frozenset()
     keys: bool = False
+    differs: str = ""
 
 
 class Board:
@@ -127,7 +130,7 @@ def board_text(state: BoardState, width: int, rows: dict[str, int] | None = None
         body = [_beside(a, b) for a, b in zip_longest(left, right, fillvalue=Text())]
     else:
         body = [*left, *right]
-    lines = [Text(), _header(state), Text(), *body, *_issues(state.frame, width)]
+    lines = [Text(), _header(state), Text(state.differs, "bold red"), *body, *_issues(state.frame, width)]
     if state.keys:
         keys = "space: pause or resume   s: one step   r: restart   q: quit"
         lines += [Text(), Text(f"i: interrupt the block   {keys}" if state.frame.hung else keys, "dim")]

@@ -10,6 +10,7 @@ from typing import Annotated, Any
 import typer
 from typer.core import TyperGroup
 
+from lrp_jupyter.cli import complete
 from lrp_jupyter.errors import LRPError
 
 __all__ = ["app"]
@@ -63,7 +64,12 @@ class OnIssue(StrEnum):
 
 
 File = Annotated[
-    str, typer.Argument(metavar="FILE", help="A file, the name of a bundled program, or `-` for stdin.")
+    str,
+    typer.Argument(
+        metavar="FILE",
+        help="A file, the name of a bundled program, or `-` for stdin.",
+        autocompletion=complete.sources,
+    ),
 ]
 
 
@@ -82,6 +88,10 @@ def lrp(
     """Live programming of robot behaviour: nested state machines that change while they run.
 
     Start with `lrp run follower`.
+
+    **Exit codes**: 0 when all went well; 1 when a text has errors, or what was demanded of a program did not
+    happen; 2 when an argument is wrong, or a file or robot cannot be used; 3 for a fault of this package; 130
+    after Ctrl-C. The help of each command tells more.
     """
 
 
@@ -108,12 +118,16 @@ def run(
     file: File,
     bridge: Annotated[
         str | None,
-        typer.Option(help="The robot: see `lrp bridges`. Naming hardware arms it. Default: the simulator."),
+        typer.Option(
+            autocompletion=complete.bridges,
+            help="The robot: see `lrp bridges`. Naming hardware arms it. Default: the simulator.",
+        ),
     ] = None,
     world: Annotated[
         str | None,
         typer.Option(
             metavar="NAME|FILE",
+            autocompletion=complete.worlds,
             help="The simulated world: see `lrp worlds`. Default: the one named in the text.",
         ),
     ] = None,
@@ -125,7 +139,10 @@ def run(
         typer.Option("--for", metavar="SECONDS", min=0, help="End the run after this time of its own clock."),
     ] = None,
     until: Annotated[
-        str | None, typer.Option(metavar="STATE", help="End the run when this state is entered.")
+        str | None,
+        typer.Option(
+            metavar="STATE", autocompletion=complete.states, help="End the run when this state is entered."
+        ),
     ] = None,
     speed: Annotated[
         str, typer.Option(metavar="X|max", help="Factor of real time; `max` never waits (simulator only).")
@@ -138,7 +155,10 @@ def run(
     assignments: Annotated[
         list[str] | None,
         typer.Option(
-            "--set", metavar="NAME=EXPR", help="Start with another value of a variable; may be repeated."
+            "--set",
+            metavar="NAME=EXPR",
+            autocompletion=complete.variables,
+            help="Start with another value of a variable; may be repeated.",
         ),
     ] = None,
     trace: Annotated[
@@ -184,7 +204,12 @@ def run(
 @app.command()
 def check(
     files: Annotated[
-        list[str], typer.Argument(metavar="FILE…", help="Files, names of bundled programs, or `-` for stdin.")
+        list[str],
+        typer.Argument(
+            metavar="FILE…",
+            help="Files, names of bundled programs, or `-` for stdin.",
+            autocompletion=complete.sources,
+        ),
     ],
     form: Annotated[
         Findings, typer.Option("--format", help="Text for people or JSON for other programs.")
@@ -214,7 +239,12 @@ def check(
 def graph(
     file: File,
     machine: Annotated[
-        str | None, typer.Option(metavar="PATH", help="Draw one machine only: `follower/looking/lookalgo`.")
+        str | None,
+        typer.Option(
+            metavar="PATH",
+            autocompletion=complete.machines,
+            help="Draw one machine only: `follower/looking/lookalgo`.",
+        ),
     ] = None,
     form: Annotated[
         Drawing | None, typer.Option("--format", help="Default: by the output file's suffix, else `svg`.")
@@ -236,9 +266,16 @@ def graph(
 def grade(
     file: Annotated[
         str | None,
-        typer.Argument(metavar="FILE", help="A file, the name of a bundled program, or `-` for stdin."),
+        typer.Argument(
+            metavar="FILE",
+            help="A file, the name of a bundled program, or `-` for stdin.",
+            autocompletion=complete.sources,
+        ),
     ] = None,
-    challenge: Annotated[str | None, typer.Option(metavar="NAME", help="The challenge to run it in.")] = None,
+    challenge: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", autocompletion=complete.challenges, help="The challenge to run it in."),
+    ] = None,
     seeds: Annotated[
         int, typer.Option(metavar="N", min=1, help="Number of runs in each world, each with different noise.")
     ] = 1,
@@ -257,6 +294,8 @@ def grade(
 
         if file is not None:
             typer.echo("lrp: No challenge was named. Choose one with `--challenge NAME`.\n", err=True)
+        elif challenge is not None:
+            typer.echo("lrp: No file was named. Write `lrp grade FILE --challenge NAME`.\n", err=True)
         list_challenges()
         raise typer.Exit(2 if file is not None or challenge is not None else 0)
     from lrp_jupyter.cli.offline import grade_file
@@ -266,7 +305,10 @@ def grade(
 
 @app.command()
 def programs(
-    show: Annotated[str | None, typer.Option(metavar="NAME", help="Print the text of a program.")] = None,
+    show: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", autocompletion=complete.bundled, help="Print the text of a program."),
+    ] = None,
 ) -> None:
     """List the bundled programs."""
     from lrp_jupyter.cli.lists import list_programs
@@ -276,10 +318,18 @@ def programs(
 
 @app.command()
 def worlds(
-    show: Annotated[str | None, typer.Option(metavar="NAME|FILE", help="Draw the map of a world.")] = None,
+    show: Annotated[
+        str | None,
+        typer.Option(metavar="NAME|FILE", autocompletion=complete.worlds, help="Draw the map of a world."),
+    ] = None,
     as_json: Annotated[
         str | None,
-        typer.Option("--json", metavar="NAME|FILE", help="Print a world as JSON, as a start for your own."),
+        typer.Option(
+            "--json",
+            metavar="NAME|FILE",
+            autocompletion=complete.worlds,
+            help="Print a world as JSON, as a start for your own.",
+        ),
     ] = None,
 ) -> None:
     """List the bundled worlds of the simulator."""

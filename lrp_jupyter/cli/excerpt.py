@@ -14,6 +14,7 @@ __all__ = ["COLOURS", "excerpt", "finding_text", "plain_console", "summary"]
 
 COLOURS = {"error": "bold red", "warning": "bold yellow", "hint": "bold cyan"}
 _TAB = 4
+_WIDEST = 120  # characters of a line that are shown
 
 
 def plain_console(stderr: bool = False) -> Console:
@@ -28,7 +29,8 @@ def excerpt(text: str, line: int, column: int, end_line: int = 0, end_column: in
     ----------
     line, column, end_line, end_column : int
         Counted from 1, in characters. A range of several lines is marked to the end of its first line;
-        without an end, the word at the location is marked.
+        without an end, the word at the location is marked. Of a long line the part around the location
+        is shown.
     """
     starts = line_starts(text)
     if not 1 <= line <= len(starts):
@@ -44,6 +46,12 @@ def excerpt(text: str, line: int, column: int, end_line: int = 0, end_column: in
         last = first
         while last < len(source) and (source[last].isalnum() or source[last] == "_"):
             last += 1
+    if len(source) > _WIDEST:  # cut on both sides of the place
+        start = max(0, min(first - _WIDEST // 3, len(source) - _WIDEST))
+        end = start + _WIDEST
+        left, right = "…" if start else "", "…" if end < len(source) else ""
+        source = f"{left}{source[start:end]}{right}"
+        first, last = (len(left) + min(place, end) - start for place in (first, last))
     before, marked = (_shown(part) for part in (source[:first], source[first : max(last, first)]))
     margin = max(4, len(str(line)))
     carets = " " * cell_len(before) + "^" * max(1, cell_len(marked.rstrip()))

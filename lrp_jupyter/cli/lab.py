@@ -55,6 +55,8 @@ def open_lab(folder: Path, browser: bool, options: list[str]) -> None:
     """
     if find_spec("jupyterlab") is None:
         raise LRPError('JupyterLab is not installed. Install it with `pip install "lrp-jupyter[lab]"`.')
+    if folder.exists() and not folder.is_dir():
+        raise LRPError(f"`{folder}` is a file, and the notebooks need a folder. Choose another with `--dir`.")
     copied = copy_notebooks(folder)
     typer.echo(
         f"{len(copied)} files copied to {folder}." if copied else f"The notebooks are in {folder} already."

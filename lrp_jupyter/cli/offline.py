@@ -15,7 +15,7 @@ from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
 from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.source import Source, read_source
-from lrp_jupyter.errors import FileError, UnknownElementError
+from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import scan
@@ -26,7 +26,13 @@ from lrp_jupyter.live.checking import members_of, members_of_world
 __all__ = ["Format", "check_files", "draw_graph", "grade_file"]
 
 Format = Literal["svg", "dot", "mermaid", "json"]
-_SUFFIXES: dict[str, Format] = {".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".json": "json"}
+_SUFFIXES: dict[str, Format] = {
+    ".svg": "svg",
+    ".dot": "dot",
+    ".gv": "dot",
+    ".mmd": "mermaid",
+    ".json": "json",
+}
 
 
 def check_files(files: Sequence[str], as_json: bool, fix: bool = False, bridge: str | None = None) -> int:
@@ -113,14 +119,14 @@ def _as_dict(name: str, finding: Finding) -> dict[str, Any]:
 
 def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path | None) -> int:
     """Write the graph of a file; return the exit code: 1 if it is not a valid program."""
+    if kind is None:
+        kind = _kind_of(output)
     source = read_source(file)
     program, findings = scan(source.text, source.name)
     if program is None:
         for finding in findings:
             plain_console(stderr=True).print(finding_text(source.name, source.text, finding))
         return 1
-    if kind is None:
-        kind = _SUFFIXES.get(output.suffix.lower(), "svg") if output is not None else "svg"
     known = [path_text(path) for path, _ in program.walk()]
     if machine is not None and machine.strip("/") not in known:
         close = get_close_matches(machine, known, n=1)
@@ -132,6 +138,19 @@ def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path
     else:
         write_file(output, picture)
     return 0
+
+
+def _kind_of(output: Path | None) -> Format:
+    """Return the format of a file to write, by its suffix; without one, SVG."""
+    if output is None or not output.suffix:
+        return "svg"
+    kind = _SUFFIXES.get(output.suffix.lower())
+    if kind is None:
+        raise LRPError(
+            f"A graph cannot be written as `{output.suffix}`. Name the file `{output.stem}.svg`, `.dot`, "
+            "`.mmd` or `.json`, or choose a `--format`."
+        )
+    return kind
 
 
 def _rendered(program: Program, machine: str | None, kind: Format) -> str:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
 from typing import Any, Literal, NamedTuple
@@ -17,6 +18,7 @@ import typer
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.blocks import facts_of, faults_of
 from lrp_jupyter.language.program import Machine, Path, Program, State, Variable, path_text
+from lrp_jupyter.live.loop import FASTEST, SLOWEST
 
 __all__ = ["Assignment", "RunOptions", "parse_options", "with_initials"]
 
@@ -64,6 +66,7 @@ class RunOptions:
 
 def parse_options(
     *,
+    rate: float,
     seconds: float | None,
     speed: str,
     noise: Sequence[str],
@@ -78,7 +81,13 @@ def parse_options(
     typer.BadParameter
         An option has an invalid value.
     """
+    if not (rate == 0 or SLOWEST <= rate <= FASTEST):
+        raise typer.BadParameter(
+            f"--rate takes {SLOWEST:g} to {FASTEST:,.0f} ticks per second, or 0 for as many as possible, "
+            f"not `{rate:g}`."
+        )
     return RunOptions(
+        rate=rate,
         seconds=math.inf if seconds is None else seconds,
         speed=_speed(speed),
         noise={name: _number(text, f"--noise {name}") for name, text in _pairs(noise, "--noise")},
@@ -108,10 +117,10 @@ def _speed(text: str) -> float:
 
 
 def _number(text: str, option: str, what: str = "a number") -> float:
-    try:
-        return float(text)
-    except ValueError:
-        raise typer.BadParameter(f"{option} takes {what}, not `{text}`.") from None
+    with suppress(ValueError):
+        if math.isfinite(number := float(text)):
+            return number
+    raise typer.BadParameter(f"{option} takes {what}, not `{text}`.")
 
 
 def _assignment(name: str, text: str) -> Assignment:

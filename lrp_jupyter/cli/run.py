@@ -36,7 +36,7 @@ from lrp_jupyter.cli.options import RunOptions, with_initials
 from lrp_jupyter.cli.pace import LIMIT, Clocked, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, recorded_signals
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.errors import FileError, LRPError
 from lrp_jupyter.interpreter.frame import Frame, matches
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
@@ -133,7 +133,8 @@ class _Run:
         self._board = Board(Console(highlight=False, markup=False, emoji=False)) if drawn else None
         self._printer = EventPrinter(console, quiet=wanted.trace == "-")
         self._keys: Keys | None = None  # only where there is a keyboard
-        self._saved: SimpleQueue[str] = SimpleQueue()
+        self._saved: SimpleQueue[str | FileError] = SimpleQueue()
+        self._differs = ""  # why the file on disk is not what runs
         simulation = getattr(session.bridge, "simulation", None)
         self._map = Map(simulation) if simulation is not None and drawn else None
         self._drawing: Future[list[str]] | None = None
@@ -172,7 +173,9 @@ class _Run:
                 self._keys = keys if keys.usable else None
             if wanted.watch and self.source.path is not None:
                 stack.callback(Watch(self.source.path, self.source.text, self._saved.put).close)
-            if program is not None:
+            if program is None:
+                self._differs = "The file on disk does not run: it has errors."
+            else:
                 _report(self.print, self.source.name, program.text, session.check(program))
             if self._board is not None:
                 stack.enter_context(self._board)
@@ -287,6 +290,7 @@ class _Run:
             last=tuple(self._last),
             changed=changed,
             keys=self._keys is not None,
+            differs=self._differs,
         )
 
     def _drawn(self, frame: Frame) -> list[str]:
@@ -329,19 +333,24 @@ class _Run:
     # -- changes ------------------------------------------------------------------------------------
 
     def _apply_saves(self) -> None:
-        text: str | None = None
+        saved: str | FileError | None = None
         while True:
             try:
-                text = self._saved.get_nowait()
+                saved = self._saved.get_nowait()
             except Empty:
                 break
-        if text is not None:
-            self._apply(text)
+        if isinstance(saved, FileError):
+            self._differs = "The file on disk is not what runs: it cannot be read."
+            head = f"{self.session.frame.time:8.1f} s  "
+            self.print(Text(f"{head}{saved} The last program keeps running.", "bold red"))
+        elif saved is not None:
+            self._apply(saved)
 
     def _apply(self, text: str) -> None:
         """Patch the running program and print the effect."""
         head = f"{self.session.frame.time:8.1f} s  saved: "
         program, findings = scan(text, self.source.name)
+        self._differs = "" if program else "The file on disk is not what runs: it has errors."
         if program is None:
             self.print(Text(f"{head}not a valid program; the last one keeps running", "bold red"))
             _report(self.print, self.source.name, text, findings)

@@ -77,12 +77,14 @@ class Watch:
     text : str
         The text already read.
     saved : callable
-        Called with each new text, on the watching thread.
+        Called with each new text, on the watching thread; with the error, once, when the file is gone or
+        is not a text any more.
     """
 
-    def __init__(self, path: Path, text: str, saved: Callable[[str], object]) -> None:
+    def __init__(self, path: Path, text: str, saved: Callable[[str | FileError], object]) -> None:
         self._path = path
-        self._text = text
+        self._text: str | None = text
+        self._failed = 0  # readings in a row; while an editor replaces the file, one may fail
         self._saved = saved
         self._stop = threading.Event()
         self._thread = threading.Thread(target=self._run, name=f"watch {path.name}", daemon=True)
@@ -104,8 +106,13 @@ class Watch:
         ):
             try:
                 text = read_text(self._path)
-            except FileError:  # for a moment or for good: the last text stays valid
+            except FileError as error:
+                self._failed += 1
+                if self._failed == 2:
+                    self._text = None  # whatever is there next is new
+                    self._saved(error)
                 continue
+            self._failed = 0
             if text != self._text:
                 self._text = text
                 self._saved(text)

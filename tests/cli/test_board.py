@@ -1,5 +1,7 @@
 """The live display: its lines, and the whole of it in a pseudo terminal."""
 
+from dataclasses import replace
+
 import pytest
 
 from lrp_jupyter.cli.board import BoardState, board_text
@@ -68,8 +70,6 @@ def test_the_map_is_beside_in_a_wide_terminal_and_below_in_a_narrow_one():
 
 
 def test_the_header_shows_what_is_unusual():
-    from dataclasses import replace
-
     state = state_after(0.1)
     frame = replace(state.frame, status="hung", reason="`a` has run for 2 s.", restarts=2, achieved_speed=0.5)
     (header,) = [line for line in text_of(replace(state, frame=frame)) if "tick" in line]
@@ -156,3 +156,12 @@ def test_a_dumb_terminal_gets_plain_lines(terminal):
     run.wait_for("walker/walking")
     assert run.end() == 0
     assert "┌──" not in run.read()
+
+
+def test_the_board_says_that_the_file_on_disk_is_not_what_runs():
+    state = state_after(0.1)
+    differs = "The file on disk is not what runs: it has errors."
+    shown, usual = (text_of(replace(state, differs=words)) for words in (differs, ""))
+    assert shown[2] == differs
+    assert len(shown) == len(usual)
+    assert differs not in usual

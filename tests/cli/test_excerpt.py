@@ -45,3 +45,16 @@ def test_findings_are_counted_in_words():
 
     assert summary([]) == "no findings"
     assert summary([finding("hint"), finding("error"), finding("error")]) == "2 errors, 1 hint"
+
+
+def test_of_a_long_line_the_part_around_the_place_is_shown():
+    text = "(" + "x = 1; " * 3000 + "here" + "; y = 2" * 3000 + ")"
+    column = text.index("here") + 1
+    line, carets = excerpt(text, 1, column, 1, column + 4)
+    assert len(line) < 140
+    assert line[carets.index("^") : carets.rindex("^") + 1] == "here"
+    assert line[8] == line[-1] == "…"
+    line, carets = excerpt(text, 1, 1, 2, 1)
+    assert (line[8:10], line[-1], carets[8:10]) == ("(x", "…", "^^")
+    line, carets = excerpt(text, 1, len(text), 1, len(text) + 1)
+    assert (line[8], line[-1], carets[len(line) - 1 :]) == ("…", ")", "^")

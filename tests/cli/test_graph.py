@@ -62,3 +62,16 @@ def test_an_output_that_cannot_be_written_is_a_sentence(lrp, tmp_path):
     assert (
         result.stderr == f"lrp: `{tmp_path / 'no' / 'g.svg'}` cannot be written: No such file or directory.\n"
     )
+
+
+def test_a_format_that_cannot_be_drawn_is_refused(lrp, tmp_path):
+    result = lrp("graph", "stopwatch", "-o", tmp_path / "picture.png")
+    assert (result.exit_code, result.stderr) == (
+        2,
+        "lrp: A graph cannot be written as `.png`. Name the file `picture.svg`, `.dot`, `.mmd` or `.json`,"
+        " or choose a `--format`.\n",
+    )
+    assert not (tmp_path / "picture.png").exists()
+    assert lrp("graph", "stopwatch", "-o", tmp_path / "picture.txt", "--format", "dot").exit_code == 0
+    assert lrp("graph", "stopwatch", "-o", tmp_path / "picture").exit_code == 0
+    assert (tmp_path / "picture").read_text().startswith("<svg")

@@ -140,3 +140,23 @@ def test_grading_ends_though_a_call_never_gives_up_the_interpreter_lock(process,
     _, complaints = graded.communicate()
     assert graded.returncode == -signal.SIGVTALRM
     assert "line 1 in a.running" in complaints
+
+
+def test_a_watched_file_that_is_gone_or_not_a_text_is_reported_once(process, program, tmp_path, waiting):
+    path, output = program(WAIT), tmp_path / "output"
+    with output.open("w") as out:
+        run = process("run", path, "--watch", stdout=out)
+    waiting(lambda: "m/a" in output.read_text(), "the start")
+
+    path.unlink()
+    waiting(lambda: "No such file or directory. The last program keeps running." in output.read_text(), "it")
+    path.write_text(WAIT + "(var m := [7])\n")
+    waiting(lambda: "saved: applied while it runs" in output.read_text(), "the file again")
+    path.write_bytes(b"\xff\xfe(")
+    waiting(lambda: "is not valid UTF-8: byte 0 cannot be decoded." in output.read_text(), "the bytes")
+    path.write_text(WAIT + "(var m := [7])\n")
+    waiting(lambda: "saved: no change in meaning" in output.read_text(), "the old text")
+
+    run.send_signal(signal.SIGINT)
+    assert run.wait() == 130
+    assert output.read_text().count("The last program keeps running.") == 2

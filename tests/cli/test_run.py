@@ -335,3 +335,27 @@ def test_a_block_that_does_not_return_is_interrupted_by_a_save(lrp, program, mon
     assert result.exit_code == 0
     assert "saved: restarted" in result.stdout
     assert "LRP611" in result.stdout
+
+
+@pytest.mark.parametrize("rate", ["inf", "0.001", "1e9"])
+def test_a_rate_without_time_between_ticks_is_refused_in_a_sentence(lrp, rate):
+    result = lrp("run", "stopwatch", "--rate", rate)
+    assert result.exit_code == 2
+    words = " ".join(result.stderr.replace("│", " ").split())
+    assert "--rate takes 0.01 to 1,000,000 ticks per second, or 0 for as many as possible, not" in words
+
+
+def test_a_rate_of_0_ticks_as_often_as_possible(lrp, program):
+    result = lrp("run", program(COUNT), "--rate", "0", "--for", "0.5", "--speed", "max", "--bridge", "none")
+    assert result.stdout.splitlines()[-1].startswith("my: 0.5 s, 50 ticks; ")
+
+
+def test_a_noise_that_is_not_a_number_is_refused(lrp):
+    result = lrp("run", "follower", "--noise", "motor=nan", "--for", "1")
+    assert (result.exit_code, "--noise motor takes a number" in result.stderr) == (2, True)
+
+
+def test_grading_without_a_file_says_so(lrp):
+    result = lrp("grade", "--challenge", "square")
+    assert result.exit_code == 2
+    assert result.stderr.startswith("lrp: No file was named. Write `lrp grade FILE --challenge NAME`.")
