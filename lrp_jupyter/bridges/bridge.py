@@ -17,8 +17,8 @@ A bridge for a robot of one's own needs one method::
             ...
 
 Two sides meet in the class. The author of a bridge overrides `open_interface` and, where wanted,
-`close_interface`, `stop`, `sense`, `act`, `on_start`, `on_pause`, `on_resume`, `answer`, `press`,
-`panel`. A session calls, on the interpreter's thread unless stated otherwise::
+`add_members`, `close_interface`, `stop`, `sense`, `act`, `on_start`, `on_pause`, `on_resume`, `answer`,
+`press`, `panel`. A session calls, on the interpreter's thread unless stated otherwise::
 
     bridge.open()                          # once
     bridge.on_start()                      # the program starts

@@ -112,6 +112,7 @@ class _Reader:
         self.starts = line_starts(text)
         self.line = 1  # of the last block parsed …
         self.content = self.before = 0  # … its offset, and the bytes before that in its line
+        self.invalid = 0  # blocks so far that are not Python
         self.findings: list[Diagnosis] = []
 
     def read(self) -> Program | None:
@@ -228,7 +229,9 @@ class _Reader:
         if not valid and is_form(block.text, form.keyword):
             self.report(start, end, "LRP104", "A form stands in round brackets.")
         elif not valid:
-            for fault in faults_of(block.text, line, block.column - 1, form.keyword in _TESTED):
+            self.invalid += 1
+            is_brief = self.invalid > _EXPLAINED
+            for fault in faults_of(block.text, line, block.column - 1, form.keyword in _TESTED, is_brief):
                 self.findings.append(fault.shifted(content))
         for name, first, last in declared:
             form.declared.append((name, Span(content + first, content + last)))
@@ -391,6 +394,8 @@ class _Reader:
         self.report(start, stop, "LRP108", f"Expected {what} instead of `{found}`. {usage}")
 
 
+_EXPLAINED = 20
+"""Blocks of a text for which the remedies of their errors are searched."""
 _TESTED = frozenset({"event", "on", "exit"})
 """The forms whose block is a condition."""
 _BROKEN = frozenset({"COMMENT", "QUOTED", "STRAY", "UNCLOSED", "UNOPENED"})
