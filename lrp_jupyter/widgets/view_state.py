@@ -51,6 +51,12 @@ _DEEPEST = 2  # levels of fields of a reading that are listed
 _MILD: Mapping[str, Severity] = {"no data yet": "hint", "defined twice": "warning"}
 _UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown variable"}
 """Kinds of issues that a check of the same text reports as `LRP3…`."""
+_IN_BLOCKS: Mapping[str, frozenset[str]] = {
+    "unknown variable": frozenset({"LRP502"}),
+    "exception": frozenset({"LRP503", "LRP520", "LRP521", "LRP522", "LRP523", "LRP524", "LRP525"}),
+    "not boolean": frozenset({"LRP505", "LRP508", "LRP522", "LRP524", "LRP527"}),
+}
+"""The codes of the findings about blocks that say the same as issues of some kinds, in the same line."""
 
 
 class ViewStates:
@@ -282,6 +288,10 @@ def _issue_view(
 
 def _same_finding(issue: Issue, place: TextRange, findings: Iterable[Finding]) -> Finding | None:
     """Return the finding of the checks about the fault of an issue: the same name in the same form."""
+    codes = _IN_BLOCKS.get(issue.kind, frozenset())
+    for finding in findings:
+        if finding.code in codes and finding.line == issue.line:
+            return finding
     if issue.kind not in _UNKNOWN_NAMES:
         return None
     begin, end = (place["line"], place["column"]), (place["end_line"], place["end_column"])

@@ -94,6 +94,29 @@ def test_an_issue_names_the_finding_about_the_same_fault_until_it_is_resolved(be
     assert issue["finding"] == ""
 
 
+@pytest.mark.parametrize(
+    ("block", "codes"),
+    [
+        ("robot.distance < 0.3", ("LRP522", "LRP601")),
+        ("robot.distance", ("LRP522", "LRP602")),
+        ("robot.light.data", ("LRP508", "LRP602")),
+        ("robot.distanse.data < 1", ("LRP520", "LRP601")),
+        ("nothing", ("LRP502", "LRP606")),
+    ],
+)
+def test_a_fault_of_a_block_that_the_checks_found_is_listed_once(bench, block, codes):
+    text = "(machine m (state a) (state b)\n  (on [True == False] a -> b))\n(spawn m a)"
+    lab = bench(text, bridge="sim")
+    page = lab.page()
+    (finding,) = page.type(text.replace("True == False", block))["findings"]
+    lab.session.step()
+    lab.session.step()
+    lab.publish()
+    (issue,) = page.merged("issues").values()
+    assert (finding["code"], issue["code"]) == codes
+    assert issue["finding"] == finding["id"]
+
+
 def test_an_exception_is_not_a_finding(bench):
     lab = bench(COUNT.replace("count + 1", "1 / 0"))
     page = lab.page()
