@@ -7,7 +7,6 @@ user's, is a conflict: until the user has chosen, it neither runs nor is overwri
 
 from __future__ import annotations
 
-import math
 import os
 from collections import deque
 from collections.abc import Callable
@@ -467,11 +466,7 @@ class Texts:
         if frame.hung is not None:
             kept.write(".hung", text)
             self._hung = text
-        elif self._hung is None:
-            return
-        elif frame.program.text and text != self._hung:
-            now = math.inf  # it was edited
-        if frame.hung is not None or (text == self._hung and frame.status != "running"):
+        if frame.hung is not None or text != self._hung or frame.status != "running":
             self._well = now
         elif now - self._well > _WELL:
             kept.remove(".hung")
