@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
+from itertools import islice
 from sys import getsizeof
 from types import CellType, FunctionType, NoneType
 from typing import Any, TypeVar
@@ -60,7 +61,7 @@ MOST = 100_000_000
 _PAUSE = 256  # ticks between two weighings of small values, if nothing asks for one before
 _SAMPLE = 16  # items of the log, and a 64th of the new ones
 _HEAVY = 100_000  # bytes after which everything is weighed
-_ITEM = 32  # bytes of a small item of a collection
+_PARTS = 8  # of a collection, from which the size of the others is inferred
 _LIGHT = {id(kind) for kind in (int, float, bool, NoneType, CellType, FunctionType)}  # `==` may be foreign
 
 
@@ -131,7 +132,6 @@ class Journal:
                 first, weight = self._weights.popleft()
                 self._bytes -= weight
             self._drop(min(first + 1, tick))
-            self._known.clear()  # of what is dropped, other values may have the ids
         return max(1, min(self._pause, self._mark[0] + self._bound - tick))
 
     def _weigh(self) -> int:
@@ -149,8 +149,10 @@ class Journal:
         try:
             weight = getsizeof(value)
             kind = type(value)
-            if kind is list or kind is tuple or kind is dict or kind is set:
-                weight += _ITEM * len(value)  # type: ignore[arg-type]
+            if kind is list or kind is tuple or kind is set or kind is dict:
+                parts: Any = value.values() if kind is dict else value  # type: ignore[attr-defined]
+                first = [getsizeof(part) for part in islice(parts, _PARTS)]
+                weight += sum(first) * len(parts) // max(1, len(first))
             elif weight < _HEAVY and type(inner := getattr(value, "__dict__", None)) is dict:
                 weight += sum([getsizeof(part) for part in inner.values()])
         except Exception:  # `__sizeof__` is foreign code
@@ -174,6 +176,7 @@ class Journal:
         del self.log[:cut]
         self._mark = marked, place - cut
         self._weighed = max(self._weighed - cut, 0)
+        self._known.clear()  # other values may have the ids of what is dropped
         self._first = first
         while self._weights and self._weights[0][0] < first:
             self._bytes -= self._weights.popleft()[1]

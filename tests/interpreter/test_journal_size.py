@@ -91,15 +91,16 @@ def test_values_whose_size_cannot_be_known_do_no_harm():
     assert ran(lambda n: odd(), 300).journal == 300
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
 def test_three_thousand_large_values_fit_into_memory():
     program = f"""
-import resource
 from lrp_jupyter import Session
 session = Session({TEXT!r}, namespace={{"make": lambda n: bytes([n % 256]) * 300_000}})
 session.run(300)
 assert session.frame.tick == 3000
 assert session.frame.issues == ()
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024)
+with open("/proc/self/status") as status:  # `getrusage` counts what the parent had before the fork
+    print(next(line.split()[1] for line in status if line.startswith("VmHWM")))
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
-    assert int(done.stdout) < 400  # MB
+    assert int(done.stdout) < 400_000  # kB
