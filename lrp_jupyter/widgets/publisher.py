@@ -25,7 +25,7 @@ from typing import Any
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import find_bridges
-from lrp_jupyter.errors import LRPError, SessionClosedError
+from lrp_jupyter.errors import SessionClosedError, sentence_of
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.worlds import BUNDLED
@@ -156,9 +156,9 @@ class PendingReply:
         error = self.answer.exception()
         if error is None:
             return None, self.fields_of(self.answer.result() or {})
-        if isinstance(error, (LRPError, ValueError, OSError)) and str(error):
+        if isinstance(error, (ValueError, OSError)) and str(error):
             return str(error), {}
-        return f"{type(error).__name__}: {error}", {}
+        return sentence_of(error), {}
 
 
 class Publisher:

@@ -18,7 +18,7 @@ from typing import Any
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.errors import LRPError, UnknownElementError
-from lrp_jupyter.interpreter.rendering import render
+from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.rename import references as find_references
@@ -177,7 +177,7 @@ def _option(name: str, value: object) -> Option:
     elif isinstance(value, property):
         kind, detail = "property", ""
     else:
-        kind, detail = "variable", "" if value is None else render(value)[:40]
+        kind, detail = "variable", "" if value is None else render(value, of_type)[:40]
     return {"label": name, "kind": kind, "detail": detail, "info": _doc(value) if callable(value) else ""}
 
 

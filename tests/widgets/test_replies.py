@@ -88,4 +88,4 @@ def test_an_error_without_words_is_named(bench):
     page = bench(NAMED).page()
     page.do("step")
     silent = "(_ for _ in ()).throw(ValueError())"
-    assert page.do("set_variable", path="limit", expression=silent).strip() == "ValueError:"
+    assert page.do("set_variable", path="limit", expression=silent) == "ValueError."

@@ -137,3 +137,13 @@ def test_arguments_and_fields_of_a_command_complete_before_it_is_sent(page):
     assert options(page, "robot.move().linear.").keys() == {"x", "y", "z"}
     assert "linear_x=" in options(page, "robot.move(lin")
     assert "angular_z=" not in options(page, "robot.move(lin")
+
+
+def test_completion_runs_no_foreign_code(bench):
+    class Endless:
+        def __repr__(self):
+            raise AssertionError("This must not run.")
+
+    page = bench("(machine m (state a (running []))) (spawn m a)", namespace={"thing": Endless()}).page()
+    offered = page.ask("complete", prefix="th", scope="m")
+    assert [(option["label"], option["detail"]) for option in offered["options"]] == [("thing", "<Endless>")]
