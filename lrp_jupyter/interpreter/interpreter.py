@@ -76,7 +76,8 @@ class Interpreter:
     on_issue : {"record", "pause"}
         ``pause``: complete the tick, then pause, at each new issue.
     journal : int
-        How many ticks :meth:`rewind` can go back; 0 keeps no journal.
+        How many ticks :meth:`rewind` can go back, fewer if the values in them take more than 100 MB; 0 keeps
+        no journal.
     output : callable, optional
         The function that blocks call as ``print``.
 

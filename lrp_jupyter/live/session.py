@@ -109,7 +109,7 @@ class Session:
     name : str
         Appears in tracebacks and names the threads.
     journal : int
-        Number of ticks that can be rewound.
+        Number of ticks that can be rewound; fewer if the values in them take more than 100 MB.
     speed : float
         Seconds of the session per wall second; ``math.inf``: never wait.
     driver : {"thread", "asyncio"}
