@@ -130,7 +130,7 @@ class Bracketing(TextDraft):
             return 0
         start, end = self.tokens[index][1], self.tokens[source - 1][2]
         python = self.text[start:end]
-        if not is_python(python) or AMOUNT.fullmatch(python) or python.endswith(",") or "\n" in python:
+        if not is_python(python) or AMOUNT.fullmatch(python) or "," in python or "\n" in python:
             return 0
         self._unbracketed(start, end)
         frame.items.append(Piece("BLOCK", start, end))

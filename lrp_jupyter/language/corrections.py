@@ -18,7 +18,7 @@ from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.arrangement import Arrangement
 from lrp_jupyter.language.blocks import facts_of
 from lrp_jupyter.language.bracketing import Bracketing
-from lrp_jupyter.language.draft import OpenForm, Piece, is_python
+from lrp_jupyter.language.draft import LONGEST, OpenForm, Piece, is_python
 from lrp_jupyter.language.forms import USAGE, Mistake, shape_of, short
 from lrp_jupyter.language.keywords import Keywords
 from lrp_jupyter.language.scanner import line_end
@@ -137,6 +137,8 @@ class _Walk(Keywords, Bracketing, Arrangement):
             return self._block(index)
         if self._lost(index, frame):
             return index + 1
+        if kind == "NAME" and frame.keyword == "program" and self.text[start:end] in MODULES:
+            return self._bare_module(index)
         python = kind != "UNOPENED" and self._python(index, frame)
         if python:
             return python
@@ -213,6 +215,9 @@ class _Walk(Keywords, Bracketing, Arrangement):
         if word in KEYWORDS and not follower:
             self.frames.append(OpenForm(word, start))
             return index + 1
+        names = self._names_in_brackets(index, frame)
+        if names:
+            return names
         python = self._parenthesised(index, frame)
         if python:
             return python
@@ -243,17 +248,58 @@ class _Walk(Keywords, Bracketing, Arrangement):
         """Insert the `(` that is missing before a keyword; return whether it is."""
         kind, start, end = self.tokens[index]
         word = self.text[start:end]
-        if self.missing >= 0 or kind != "NAME" or word not in LEGAL.get(frame.keyword, ()):
+        if kind != "NAME" or word not in LEGAL.get(frame.keyword, ()):
             return False
         if frame.keyword in ("machine", "state") and not frame.items:
             return False
-        if isinstance(shape_of((word.upper(), *self._types(index + 1))), Mistake):
+        if self.missing < 0 and self._fits(word, self._types(index + 1)):
+            self.missing += 1
+            message = f"A `(` is missing before `{word}`. Insert it."
+            self._add(start, end, "LRP101", message, Edit(start, start, "("))
+            self.frames.append(OpenForm(word, start))
+            return True
+        return self.missing == 0 and self._bracketless(index, word)
+
+    def _fits(self, keyword: str, types: tuple[str, ...]) -> bool:
+        return not isinstance(shape_of((keyword.upper(), *types)), Mistake)
+
+    def _bracketless(self, index: int, word: str) -> bool:
+        """Put a form without brackets that ends with its line, or with the form around it, into brackets."""
+        start = self.starts[index]
+        stop = line_end(self.text, start)
+        types = []
+        last = end = index
+        for at in range(index + 1, min(len(self.tokens), index + LONGEST)):
+            kind, first, final = self.tokens[at]
+            if kind in ("OPEN", "CLOSE") or first >= stop:
+                break
+            types.append(kind)
+            last, end = at, final
+        if last == index or not self._fits(word, tuple(types)):
             return False
-        self.missing += 1
-        message = f"A `(` is missing before `{word}`. Insert it."
-        self._add(start, end, "LRP101", message, Edit(start, start, "("))
+        message = f"This form has no brackets. Write `{USAGE[word]}`."
+        self._add(start, end, "LRP101", message, Edit(start, start, "("), Edit(end, end, ")"))
         self.frames.append(OpenForm(word, start))
         return True
+
+    def _names_in_brackets(self, index: int, frame: OpenForm) -> int:
+        """Remove the round brackets from names of states and events; return the index after them, or 0."""
+        if frame.keyword not in FORMS and frame.keyword != "spawn":
+            return 0
+        close = index + 1
+        while self._kind(close) == "NAME":
+            close += 1
+        _, start, end = self.tokens[index]
+        inside = self.text[start + 1 : self.tokens[close][1]].split() if self._kind(close) == "CLOSE" else []
+        condition = frame.keyword in ("on", "exit") and not frame.items
+        if not inside or (condition and inside[0] not in self.events) or len(inside) > 2:
+            return 0
+        before = "" if self.text[start - 1 : start].isspace() else " "
+        names, end = " ".join(inside), self.tokens[close][2]
+        message = f"A name has no brackets here. Write `{names}`."
+        self._add(start, end, "LRP110", message, Edit(start, end, before + names))
+        frame.items += [Piece("NAME", start, end)] * len(inside)
+        return close + 1
 
     def _doubled(self, index: int) -> int:
         """Remove a `(` before another one, with its `)` if it has one."""
@@ -279,12 +325,18 @@ class _Walk(Keywords, Bracketing, Arrangement):
         _, start, end = self.tokens[index]
         close = next((token for token in self.tokens[index:] if token[0] == "CLOSE"), None)
         end = close[2] if close else end
-        word = self.text[start + 1 : end].split()[0]
-        remedy = "Copy what you need into this text" if word != "export" else "Everything is visible already"
-        message = (
-            f"LRP has no modules: a program is one text. {remedy}, and remove this `{word.rstrip(')')}`."
-        )
+        word = keyword_of(self.text, self.tokens[index])
+        what = "everything is visible already" if word == "export" else "copy what you need into this text"
+        message = f"LRP has no modules: a program is one text. Remove this `{word}`; {what}."
         self._add(start, end, "LRP113", message, Edit(start, end, ""))
+        return self._after(end)
+
+    def _bare_module(self, index: int) -> int:
+        """Report a line that imports, as in Python; it may be needed in a block, so there is no fix."""
+        start = self.starts[index]
+        end = line_end(self.text, start)
+        message = "LRP has no modules, and Python's are imported inside a block. Move this into a block."
+        self._add(start, end, "LRP113", message, Edit(start, end, ""), certain=False)
         return self._after(end)
 
     def _close(self, end: int) -> None:
@@ -319,7 +371,8 @@ class _Walk(Keywords, Bracketing, Arrangement):
         if keyword:
             self._form(start, end, keyword)
             return index + 1
-        if frame.keyword in ("machine", "state", "spawn") and not (frame.keyword != "spawn" and frame.items):
+        named = not frame.items if frame.keyword in ("machine", "state") else frame.keyword == "spawn"
+        if named or (frame.keyword in FORMS and frame.items and inside.strip() in self.states):
             name = _WORDS.fullmatch(inside.strip())
             if name and " " not in name[0]:
                 return self._unwrapped(start, end, inside.strip(), frame, index + 1)
@@ -375,11 +428,28 @@ class _Walk(Keywords, Bracketing, Arrangement):
         """Correct a name that is not one, wherever it is written in this way."""
         frame.items.append(Piece("NAME", start, end))
         written = self.text[start:end]
+        if kind == "QUOTED" and frame.keyword == "ontime" and word.isdecimal():
+            frame.items[-1] = Piece("INTEGER", start, end)
+            message = f"A delay has no quotation marks. Write `{word}`."
+            self._add(start, end, "LRP108", message, Edit(start, end, word))
+            return
         name = self._valid(word)
         if not name or (
             kind == "INTEGER" and word.isdecimal() and frame.keyword in KEYWORDS - {"state", "machine"}
         ):
             frame.items[-1] = Piece(kind if kind != "QUOTED" else "NAME", start, end)
+            return
+        parts = re.split(r"\W+", word)
+        if (
+            frame.keyword == "spawn"
+            and len(parts) == 2
+            and parts[0] in self.machines
+            and parts[1] in self.states
+        ):
+            name = " ".join(parts)
+            frame.items.append(frame.items[-1])
+            message = f"The machine and its state are two words. Write `{name}`."
+            self._add(start, end, "LRP110", message, Edit(start, end, name))
             return
         if kind == "QUOTED":
             message = f"Names have no quotation marks. Write `{name}`."

@@ -59,17 +59,17 @@ class TextDraft:
         self.missing = kinds.count("OPEN") - kinds.count("CLOSE")  # number of `)`
         self.names: dict[str, int] = {}
         self.events: set[str] = set()
+        self.machines: set[str] = set()
         self.states: set[str] = set()
+        defined = {"event": self.events, "machine": self.machines, "state": self.states}
         for index, (kind, start, end) in enumerate(self.tokens):
             if kind == "NAME":
                 name = text[start:end]
                 self.names[name] = self.names.get(name, 0) + 1
                 if index and self.tokens[index - 1][0] == "OPEN":
                     keyword = keyword_of(text, self.tokens[index - 1]).lower()
-                    if keyword == "event":
-                        self.events.add(name)
-                    elif keyword == "state":
-                        self.states.add(name)
+                    if keyword in defined:
+                        defined[keyword].add(name)
         self.frames = [OpenForm("program", 0)]
         self.edits: list[Edit] = []
         self.found: list[Diagnosis] = []

@@ -555,6 +555,7 @@ def test_the_only_state_from_which_all_are_reached_is_where_a_machine_starts() -
         ("(machine m (state a) (state b) (ontime 5 nowhere -> b)) (spawn m a)", "LRP302"),
         ("(event e [True]) (machine m (state a) (state b) (on other a -> b)) (spawn m a)", "LRP301"),
         ("(machine m (state a (machine n (state b)))) (spawn other a)", "LRP304"),
+        ("(event e [True]) (machine m (state a) (state b) (on [e] a -> b)) (spawn m a)", "LRP502"),
     ],
 )
 def test_what_follows_from_an_unknown_name_is_not_reported(text: str, code: str) -> None:

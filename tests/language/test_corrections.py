@@ -120,6 +120,11 @@ SLIPS = [
         "LRP108",
         "The name comes",
     ),
+    ("(spawn drive(moving))", "(spawn drive moving)", "LRP110", "A name has no brackets here."),
+    ("spawn drive moving\n", "(spawn drive moving)\n", "LRP101", "This form has no brackets."),
+    ("running [robot.move(linear=speed)]", "(running [robot.move(linear=speed)])", "LRP101", "no brackets"),
+    ("(spawn drive.moving)", "(spawn drive moving)", "LRP110", "The machine and its state are two words."),
+    ("(ontime '500' ", "(ontime 500 ", "LRP108", "A delay has no quotation marks."),
     ("(import robot)\n(spawn drive moving)", "(spawn drive moving)", "LRP113", "LRP has no modules"),
     ("(export speed)\n(spawn drive moving)", "(spawn drive moving)", "LRP113", "LRP has no modules"),
 ]

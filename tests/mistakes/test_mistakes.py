@@ -9,7 +9,7 @@ from .measure import score, shares
 from .planting import corpus
 from .sources import sources
 
-LEAST = {"told": 99, "at the line": 98, "told once": 98, "taken back by the first fix": 86}
+LEAST = {"told": 99, "at the line": 98.5, "told once": 98.5, "taken back by the first fix": 88}
 
 
 def test_there_are_mistakes_of_many_kinds_in_many_programs():
