@@ -23,7 +23,7 @@ class Arrangement(TextDraft):
         if frame.keyword != "eps" and arrow and types[arrow:-1] == ("ARROW", "NAME"):
             self._trigger_last(frame, items[0], items[arrow + 1], items[-1])
         if types[:1] == ("INTEGER",) and frame.keyword == "on" and len(types) > 3:
-            self._change_keyword(frame, "ontime", "A time is tested by `ontime`")
+            self._change_keyword(frame, "ontime", "A delay belongs in `ontime`")
         elif frame.keyword == "eps" and "ARROW" in types[2:3] and types[0] in ("NAME", "BLOCK", "INTEGER"):
             meant = "ontime" if types[0] == "INTEGER" else "on"
             if types[1] in ("NAME", "STAR"):
@@ -126,7 +126,7 @@ class Arrangement(TextDraft):
             self._add(start, end, "LRP110", message, Edit(start, end, name))
 
     def _container(self, frame: OpenForm) -> None:
-        """Correct what stands straight in a state or a machine."""
+        """Correct a name of several words, and report an action straight in a state."""
         if frame.types[:2] == ("NAME", "NAME"):
             self._two_words(frame)
         if frame.keyword != "state":
@@ -134,8 +134,7 @@ class Arrangement(TextDraft):
         for item in frame.items:
             if item.kind == "BLOCK":
                 message = (
-                    "A state has actions in forms that say when they run. "
-                    "Write `(running […])` or `(onentry […])`."
+                    "An action needs a form that says when it runs. Write `(running […])` or `(onentry […])`."
                 )
                 edits = Edit(item.start, item.start, "(running "), Edit(item.end, item.end, ")")
                 self._add(item.start, item.end, "LRP117", message, *edits, certain=False)

@@ -65,7 +65,7 @@ class Bracketing(TextDraft):
         return after
 
     def _wrong_brackets(self, start: int, close: int, which: str) -> None:
-        message = f"Python stands in square brackets, not in `{which}`. Write `[…]` here."
+        message = f"Python is written in square brackets, not in `{which}`. Write `[…]` here."
         self._add(
             start, close + 1, "LRP115", message, Edit(start, start + 1, "["), Edit(close, close + 1, "]")
         )
@@ -81,7 +81,7 @@ class Bracketing(TextDraft):
         return self._after(end)
 
     def _unbracketed(self, start: int, end: int) -> None:
-        message = "Python stands in square brackets. Write `[…]` around this."
+        message = "Python is written in square brackets. Write `[…]` around this."
         self._add(start, end, "LRP115", message, Edit(start, start, "["), Edit(end, end, "]"))
 
     def _python(self, index: int, frame: OpenForm) -> int:

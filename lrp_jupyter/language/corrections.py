@@ -78,7 +78,10 @@ def _chained(first: Callable[[int], int], second: Callable[[int], int]) -> Calla
 
 
 def _moved(diagnosis: Diagnosis, origin: Callable[[int], int]) -> Diagnosis:
-    edits = tuple(Edit(origin(start), origin(end), new) for start, end, new in diagnosis.edits)
+    """Return an error of a corrected text at its place in the original; no fix may touch a correction."""
+    edits = tuple([Edit(origin(start), origin(end), new) for start, end, new in diagnosis.edits])
+    if [end - start for start, end, _ in edits] != [end - start for start, end, _ in diagnosis.edits]:
+        edits = ()
     start, end = origin(diagnosis.start), origin(diagnosis.end)
     return diagnosis._replace(start=start, end=max(start, end), edits=edits)
 
@@ -191,7 +194,7 @@ class _Walk(Keywords, Bracketing, Arrangement):
         _, start, end = self.tokens[index]
         word = self.text[start:end]
         sign = word[:2]
-        message = f"A comment begins with `;` here, not with `{sign}`. Write `;`."
+        message = f"Comments begin with `;`, not with `{sign}`. Write `;`."
         if sign != "/*":
             self._add(start, end, "LRP114", message, Edit(start, start + 2, ";"))
             return index + 1
@@ -296,7 +299,7 @@ class _Walk(Keywords, Bracketing, Arrangement):
             return 0
         before = "" if self.text[start - 1 : start].isspace() else " "
         names, end = " ".join(inside), self.tokens[close][2]
-        message = f"A name has no brackets here. Write `{names}`."
+        message = f"Names are written without brackets here. Write `{names}`."
         self._add(start, end, "LRP110", message, Edit(start, end, before + names))
         frame.items += [Piece("NAME", start, end)] * len(inside)
         return close + 1
@@ -430,7 +433,7 @@ class _Walk(Keywords, Bracketing, Arrangement):
         written = self.text[start:end]
         if kind == "QUOTED" and frame.keyword == "ontime" and word.isdecimal():
             frame.items[-1] = Piece("INTEGER", start, end)
-            message = f"A delay has no quotation marks. Write `{word}`."
+            message = f"Delays are written without quotation marks. Write `{word}`."
             self._add(start, end, "LRP108", message, Edit(start, end, word))
             return
         name = self._valid(word)
@@ -452,7 +455,7 @@ class _Walk(Keywords, Bracketing, Arrangement):
             self._add(start, end, "LRP110", message, Edit(start, end, name))
             return
         if kind == "QUOTED":
-            message = f"Names have no quotation marks. Write `{name}`."
+            message = f"Names are written without quotation marks. Write `{name}`."
         elif word[0].isdigit():
             message = f"A name begins with a letter or `_`. Write `{name}`."
         else:
@@ -571,7 +574,7 @@ class _Walk(Keywords, Bracketing, Arrangement):
 
     def _unwrapped(self, start: int, end: int, name: str, frame: OpenForm, following: int) -> int:
         """Remove the brackets round a name."""
-        message = f"A name has no brackets here. Write `{name}`."
+        message = f"Names are written without brackets here. Write `{name}`."
         self._add(start, end, "LRP110", message, Edit(start, end, name))
         frame.items.append(Piece("NAME", start, end))
         return following
@@ -588,14 +591,14 @@ class _Walk(Keywords, Bracketing, Arrangement):
 
     def _form(self, start: int, end: int, keyword: str) -> None:
         """Put a form into round brackets."""
-        message = f"A form stands in round brackets. Write `({keyword} …)`."
+        message = f"A form is written in round brackets. Write `({keyword} …)`."
         edits = Edit(start, start + 1, "("), Edit(end - 1, end, ")")
         self._add(start, end, "LRP104", message, *edits)
         self.frames[-1].items.append(Piece(f"{keyword.upper()}_FORM", start, end, keyword))
 
 
 def is_form(inside: str, around: str) -> str:
-    """Return the keyword of a form that stands in the brackets of a block, or an empty text."""
+    """Return the keyword of a form that is written in the brackets of a block, or an empty text."""
     found = _FIRST_WORD.match(inside)
     keyword = found[1] if found else ""
     return keyword if keyword in LEGAL.get(around, ()) and not is_python(inside) else ""

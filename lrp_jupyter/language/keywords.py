@@ -17,11 +17,9 @@ class Keywords(TextDraft):
 
     def _keyword(self, start: int, end: int, meant: str, opened: int, certain: bool = True) -> None:
         word = self.text[start:end]
-        what = f"`{word}` is not a keyword"
+        message = f"`{word}` is not a keyword. Did you mean `{meant}`?"
         if word.lower() == meant:
-            what = "Keywords are written in small letters"
-        remedy = f"Write `{meant}`" if word.lower() == meant or not certain else f"Did you mean `{meant}`?"
-        message = f"{what}. {remedy.rstrip('.')}" + ("" if remedy.endswith("?") else ".")
+            message = f"Keywords are written in lowercase. Write `{meant}`."
         self._add(start, end, "LRP106", message, Edit(start, end, meant), certain=certain)
         if any(keyword.startswith(word) for keyword in KEYWORDS):
             self.found[-1] = self.found[-1]._replace(prefix=True)

@@ -227,7 +227,7 @@ class _Reader:
         if empty:
             form.empty = True
         if not valid and is_form(block.text, form.keyword):
-            self.report(start, end, "LRP104", "A form stands in round brackets.")
+            self.report(start, end, "LRP104", "A form is written in round brackets.")
         elif not valid:
             self.invalid += 1
             is_brief = self.invalid > _EXPLAINED

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import random
+from itertools import pairwise
+
 import pytest
 from checking import start_of
 
@@ -51,7 +54,7 @@ SLIPS = [
     ("speed: [0.2]", "speed := [0.2]", "LRP104", "not with `:`"),
     ("speed <- [0.2]", "speed := [0.2]", "LRP104", "not with `<-`"),
     ("speed [0.2]", "speed := [0.2]", "LRP108", "`:=` is missing"),
-    ("speed := 0.2", "speed := [0.2]", "LRP115", "Python stands in square brackets."),
+    ("speed := 0.2", "speed := [0.2]", "LRP115", "Python is written in square brackets."),
     ("speed := (0.2)", "speed := [0.2]", "LRP115", "not in `( )`"),
     ("speed := {0.2}", "speed := [0.2]", "LRP115", "not in `{ }`"),
     ("speed := [0.2", "speed := [0.2]", "LRP103", "This `[` is not closed."),
@@ -66,8 +69,8 @@ SLIPS = [
     ("500 have_rest to moving", "500 have_rest -> moving", "LRP104", "not `to`"),
     ("500 have_rest moving", "500 have_rest -> moving", "LRP108", "The arrow `->` is missing"),
     ("*-{moving} moving", "*-{moving} -> moving", "LRP108", "The arrow `->` is missing"),
-    ("(State have_rest", "(state have_rest", "LRP106", "Keywords are written in small letters."),
-    ("(ON bump", "(on bump", "LRP106", "Keywords are written in small letters."),
+    ("(State have_rest", "(state have_rest", "LRP106", "Keywords are written in lowercase."),
+    ("(ON bump", "(on bump", "LRP106", "Keywords are written in lowercase."),
     ("(stat have_rest", "(state have_rest", "LRP106", "Did you mean `state`?"),
     ("(onetry [", "(onentry [", "LRP106", "Did you mean `onentry`?"),
     ("(on entry [", "(onentry [", "LRP106", "Did you mean `onentry`?"),
@@ -80,9 +83,14 @@ SLIPS = [
     ("(transition bump", "(on bump", "LRP106", "Did you mean `on`?"),
     ("(have_rest\n", "(state have_rest\n", "LRP106", "The keyword is missing"),
     ("(bump [", "(event bump [", "LRP106", "The keyword is missing"),
-    ("(state 'moving'", "(state moving", "LRP110", "Names have no quotation marks. Write `moving`."),
-    ('-> "moving")\n  (on [', "-> moving)\n  (on [", "LRP110", "Names have no quotation marks."),
-    ("-> {moving})\n  (on [", "-> moving)\n  (on [", "LRP110", "A name has no brackets here."),
+    (
+        "(state 'moving'",
+        "(state moving",
+        "LRP110",
+        "Names are written without quotation marks. Write `moving`.",
+    ),
+    ('-> "moving")\n  (on [', "-> moving)\n  (on [", "LRP110", "Names are written without quotation marks."),
+    ("-> {moving})\n  (on [", "-> moving)\n  (on [", "LRP110", "Names are written without brackets here."),
     ("(state have-rest", "(state have_rest", "LRP110", "A name has letters, digits and `_`."),
     ("(state have rest", "(state have_rest", "LRP110", "A name is one word. Write `have_rest`."),
     ("(state 2moving", "(state moving", "LRP110", "A name begins with a letter or `_`."),
@@ -92,15 +100,15 @@ SLIPS = [
     ("(ontime 0.5 ", "(ontime 500 ", "LRP108", "`0.5` is not a whole number"),
     ("(ontime 500ms", "(ontime 500", "LRP108", "Write `500`."),
     ("(ontime 500 ms", "(ontime 500", "LRP108", "Write `500`."),
-    ("// ahead (slowly)", "; ahead", "LRP114", "A comment begins with `;` here, not with `//`."),
-    ("/* ahead */", "; ahead", "LRP114", "A comment begins with `;` here, not with `/*`."),
+    ("// ahead (slowly)", "; ahead", "LRP114", "Comments begin with `;`, not with `//`."),
+    ("/* ahead */", "; ahead", "LRP114", "Comments begin with `;`, not with `/*`."),
     ("(var speed := [0.2]", "(var speed := [0.2])", "LRP101", "This `(var` is not closed."),
     ("speed := [0.2]))", "speed := [0.2])", "LRP102", "Unmatched `)`"),
     ("((event bump", "(event bump", "LRP102", "This `(` is one too many."),
     ("\nevent bump", "\n(event bump", "LRP101", "A `(` is missing before `event`."),
     ("(spawn drive moving]", "(spawn drive moving)", "LRP104", "This form ends with `)`, not with `]`."),
-    ("[spawn drive moving]", "(spawn drive moving)", "LRP104", "A form stands in round brackets."),
-    ("{spawn drive moving}", "(spawn drive moving)", "LRP104", "A form stands in round brackets."),
+    ("[spawn drive moving]", "(spawn drive moving)", "LRP104", "A form is written in round brackets."),
+    ("{spawn drive moving}", "(spawn drive moving)", "LRP104", "A form is written in round brackets."),
     ("linear=speed)) ]", "linear=speed)])", "LRP103", "`]` comes before `)`"),
     ("(running (robot.move(linear=speed)))", "(running [robot.move(linear=speed)])", "LRP115", "`( )`"),
     ("(running robot.move(linear=speed))", "(running [robot.move(linear=speed)])", "LRP115", "around this"),
@@ -113,18 +121,18 @@ SLIPS = [
         "LRP108",
         "The delay comes before",
     ),
-    ("(on 500 have_rest", "(ontime 500 have_rest", "LRP108", "A time is tested by `ontime`."),
+    ("(on 500 have_rest", "(ontime 500 have_rest", "LRP108", "A delay belongs in `ontime`."),
     (
         "(event [robot.bumper.data == 1] bump)",
         "(event bump [robot.bumper.data == 1])",
         "LRP108",
         "The name comes",
     ),
-    ("(spawn drive(moving))", "(spawn drive moving)", "LRP110", "A name has no brackets here."),
+    ("(spawn drive(moving))", "(spawn drive moving)", "LRP110", "Names are written without brackets here."),
     ("spawn drive moving\n", "(spawn drive moving)\n", "LRP101", "This form has no brackets."),
     ("running [robot.move(linear=speed)]", "(running [robot.move(linear=speed)])", "LRP101", "no brackets"),
     ("(spawn drive.moving)", "(spawn drive moving)", "LRP110", "The machine and its state are two words."),
-    ("(ontime '500' ", "(ontime 500 ", "LRP108", "A delay has no quotation marks."),
+    ("(ontime '500' ", "(ontime 500 ", "LRP108", "Delays are written without quotation marks."),
     ("(import robot)\n(spawn drive moving)", "(spawn drive moving)", "LRP113", "LRP has no modules"),
     ("(export speed)\n(spawn drive moving)", "(spawn drive moving)", "LRP113", "LRP has no modules"),
 ]
@@ -188,3 +196,50 @@ def test_where_the_remedy_is_not_certain_there_is_no_fix() -> None:
 
 def test_half_a_million_stray_characters_are_one_error() -> None:
     assert len(scan("%" * 500_000)[1]) == 1
+
+
+PIECES = [
+    "(",
+    ")",
+    "[",
+    "]",
+    "{",
+    "}",
+    "->",
+    ":=",
+    "=",
+    "-",
+    ",",
+    "'",
+    '"',
+    "#",
+    ";",
+    "//",
+    "/*",
+    "\n",
+    "→",
+    "2s",
+]
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_fixes_of_any_text_can_be_applied_and_come_to_an_end(seed: int) -> None:
+    chance = random.Random(seed)
+    for _ in range(10):
+        text = RIGHT
+        for _ in range(chance.choice([1, 1, 2, 5])):
+            at = chance.randrange(len(text))
+            text = text[:at] + chance.choice(["", *PIECES]) + text[at + chance.randrange(3) :]
+        tried = set()
+        while fixable := [
+            each for each in check(text) if each.fix and (each.message, each.line) not in tried
+        ]:
+            for finding in fixable:
+                assert finding.fix
+                edits = sorted(finding.fix.edits)
+                assert all(0 <= start <= end <= len(text) for start, end, _ in edits)
+                assert all(first.end <= second.start for first, second in pairwise(edits))
+                assert finding.fix.apply(text) != text
+            tried.add((fixable[0].message, fixable[0].line))
+            text = fixed(text, fixable[0])
+        assert len(tried) < 30

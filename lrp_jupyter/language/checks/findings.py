@@ -112,7 +112,7 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "LRP115",
         "error",
         "Python outside square brackets",
-        "Values, conditions and actions are Python, and Python stands between `[` and `]`.",
+        "Values, conditions and actions are Python, and Python is written between `[` and `]`.",
     ),
     (
         "LRP116",
