@@ -51,30 +51,14 @@ class Corrected(NamedTuple):
     moved: Callable[[Diagnosis], Diagnosis]
 
 
-def correct(text: str) -> Corrected:
-    """Correct what is clear in a text that is not a program."""
-    origin: Callable[[int], int] = _same
-    found: list[Diagnosis] = []
-    for _ in range(_ROUNDS):  # what one round corrects may have hidden something else
-        walk = _Walk(text)
-        walk.run()
-        if not walk.edits:
-            break
-        found += [_moved(diagnosis, origin) for diagnosis in walk.found]
-        text, back = _applied(text, walk.edits)
-        origin = _chained(origin, back)
-    return Corrected(text, found, lambda diagnosis: _moved(diagnosis, origin))
-
-
-_ROUNDS = 3
-
-
-def _same(offset: int) -> int:
-    return offset
-
-
-def _chained(first: Callable[[int], int], second: Callable[[int], int]) -> Callable[[int], int]:
-    return lambda offset: first(second(offset))
+def correct(text: str) -> Corrected | None:
+    """Correct what is clear in a text that is not a program; return None if nothing is."""
+    walk = _Walk(text)
+    walk.run()
+    if not walk.edits:
+        return None
+    corrected, origin = _applied(text, walk.edits)
+    return Corrected(corrected, walk.found, lambda diagnosis: _moved(diagnosis, origin))
 
 
 def _moved(diagnosis: Diagnosis, origin: Callable[[int], int]) -> Diagnosis:

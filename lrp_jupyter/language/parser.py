@@ -60,7 +60,7 @@ def scan(text: str, filename: str = "<lrp>") -> tuple[Program | None, tuple[Find
         return program, ()
     found = reader.findings
     if len(found) <= _MANY and not all(each.code.startswith(_INSIDE) for each in found):
-        found = _corrected(text)
+        found = _corrected(text, found)
     place = Program(text=text).place
     found = sorted(set(found))
     first = [
@@ -75,14 +75,20 @@ _INSIDE = ("LRP109", "LRP110", "LRP111", "LRP112", "LRP5")
 _MANY = 100  # a text with more errors is something else than a program with mistakes
 
 
-def _corrected(text: str) -> list[Diagnosis]:
-    """Return the errors of a text: those that are corrected, and what is left elsewhere."""
-    corrected, found, moved = correct(text)
-    reader = _Reader(corrected, "")
+_ROUNDS = 3  # what one round corrects may have hidden something else
+
+
+def _corrected(text: str, found: list[Diagnosis], rounds: int = _ROUNDS) -> list[Diagnosis]:
+    """Return the errors of a text: those that can be corrected, and what is left of the others."""
+    corrected = correct(text) if found and rounds else None
+    if corrected is None:
+        return found
+    reader = _Reader(corrected.text, "")
     reader.read()
-    left = [moved(diagnosis) for diagnosis in reader.findings]
-    return found + [
-        each for each in left if not any(each.start < one.end and one.start < each.end for one in found)
+    left = [corrected.moved(each) for each in _corrected(corrected.text, reader.findings, rounds - 1)]
+    done = corrected.found
+    return done + [
+        each for each in left if not any(each.start < one.end and one.start < each.end for one in done)
     ]
 
 
