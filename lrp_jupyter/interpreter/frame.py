@@ -117,6 +117,18 @@ class Frame:
         The bridge's snapshot of its robot, also frozen; None if it has none.
     hung : Hung or None
         The block that does not return, while `status` is ``hung``.
+
+    Examples
+    --------
+    >>> from lrp_jupyter import Session
+    >>> with Session("(var n := [0]) (machine m (state a (running [n += 1]))) (spawn m a)") as session:
+    ...     session.run(1)
+    ...     frame = session.frame
+    True
+    >>> frame
+    <Frame: paused, tick 10, 1 s, m/a active>
+    >>> frame.values["n"], frame.variables["n"], frame.is_active("a")
+    (9, '9', True)
     """
 
     status: Status = "ready"

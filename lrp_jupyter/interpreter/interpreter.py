@@ -94,6 +94,14 @@ class Interpreter:
     patch_reason : str
         A sentence about the last edit, for example why it is not applied yet; may be empty.
 
+    Examples
+    --------
+    >>> interpreter = Interpreter(parse("(machine m (state a) (state b) (ontime 300 a -> b)) (spawn m a)"))
+    >>> for tick in range(4):
+    ...     interpreter.step(tick / 10)
+    >>> interpreter.active
+    (('m', 'b'),)
+
     Paper: §5.1, §6.
     """
 

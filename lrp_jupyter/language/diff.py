@@ -99,6 +99,12 @@ def diff(old: Program, new: Program) -> ChangeSet:
     -------
     ChangeSet
         Empty if the two mean the same: ``not diff(p, p)``.
+
+    Examples
+    --------
+    >>> from lrp_jupyter import parse
+    >>> print(diff(parse("(var n := [1])"), parse("(var n := [2]) (var m := [3])")))
+    variable `n` changed; variable `m` added
     """
     check_type("old", old, Program, A_PROGRAM)
     check_type("new", new, Program, A_PROGRAM)

@@ -44,6 +44,12 @@ def parse(text: str, filename: str = "<lrp>") -> Program:
     ------
     LRPSyntaxError
         The text is not a valid program; its ``findings`` are all the errors, in order of location.
+
+    Examples
+    --------
+    >>> program = parse("(machine m (state a) (state b) (ontime 300 a -> b)) (spawn m a)")
+    >>> [str(state.name) for state in program.machines[0].states]
+    ['a', 'b']
     """
     check_type("text", text, str, "the text of a program")
     program, findings = scan(text, filename)

@@ -33,7 +33,20 @@ _LINE = re.compile(r"(\r\n|\r|\n)([ \t]*+)(?=\S)")
 
 
 def to_source(program: Program) -> str:
-    """Return a program as text, in a canonical and readable layout."""
+    """Return a program as text, in a canonical and readable layout.
+
+    Examples
+    --------
+    >>> from lrp_jupyter import parse
+    >>> print(to_source(parse("(machine m (state a)(state b)(ontime 300 a->b))(spawn m a)")))
+    (machine m
+      (state a)
+      (state b)
+      (ontime 300 a -> b))
+    <BLANKLINE>
+    (spawn m a)
+    <BLANKLINE>
+    """
     check_type("program", program, Program, A_PROGRAM)
     sections = [
         [_variable(variable, "") for variable in program.variables],

@@ -44,6 +44,12 @@ def check(
     ------
     BridgeError
         There is no such bridge.
+
+    Examples
+    --------
+    >>> for finding in check("(machine m (state moving) (state b) (eps b -> movin)) (spawn m b)"):
+    ...     print(finding)
+    1:47: LRP303 error: `m` has no state `movin`. Did you mean `moving`?
     """
     robot: RobotMembers | None
     if bridge is not None:

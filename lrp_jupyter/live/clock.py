@@ -56,6 +56,14 @@ class VirtualClock:
     ----------
     start : float
         The time at the beginning, in seconds.
+
+    Examples
+    --------
+    >>> from lrp_jupyter import Session
+    >>> with Session("(machine m (state a)) (spawn m a)", clock=VirtualClock()) as session:
+    ...     session.start()
+    ...     session.wait_for(lambda frame: frame.time > 3600).status  # at once
+    'running'
     """
 
     speed = math.inf

@@ -323,6 +323,16 @@ class Driver:
                 self.loop.apply_queued()
         return answer
 
+    def submit(self, command: Command) -> Future[Any]:
+        """Queue a command and do not wait.
+
+        Raises
+        ------
+        SessionClosedError
+        """
+        self.check_open()
+        return self.loop.inbox.put(command)
+
     def wait(self, answer: Future[Any], kind: type[Command]) -> Any:
         """Wait for what :meth:`ask` returned; inside a block return None, as it is applied after the tick.
 

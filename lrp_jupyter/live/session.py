@@ -75,7 +75,7 @@ from lrp_jupyter.live.checking import members_of
 from lrp_jupyter.live.clock import Clock, MonotonicClock
 from lrp_jupyter.live.driver import Driver
 from lrp_jupyter.live.foreign import surviving
-from lrp_jupyter.live.loop import Command, Loop
+from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
 
 __all__ = ["LiveVariables", "Session", "Until"]
@@ -197,6 +197,7 @@ class Session:
             partial(getattr, self.output, "count"),
         )
         self._driver = Driver(self._loop, name)
+        self.ask, self.submit = self._driver.ask, self._driver.submit  # of commands: internal, not in `help`
         self._start_driver = partial(self._driver.start, driver, hung_after, dead_man)
         _open_sessions.add(self)
         self._dropped = weakref.finalize(self, _drop, name, self._driver, self._loop, self.bridge)
@@ -667,15 +668,6 @@ class Session:
     def call(self, function: Callable[[], Any]) -> Any:
         """Call a function between two ticks, when the robot's world may be changed."""
         return self._driver.do(do.Call(function))
-
-    def submit(self, command: Command) -> Future[Any]:
-        """Queue a command and do not wait."""
-        self._driver.check_open()
-        return self._loop.inbox.put(command)
-
-    def ask(self, command: Command) -> Future[Any]:
-        """Apply a command without waiting: here, if no other thread drives the loop."""
-        return self._driver.ask(command)
 
     def observe(self, observer: Observer) -> Callable[[], None]:
         """Subscribe a function to every event of the interpreter; return a function that ends this.
