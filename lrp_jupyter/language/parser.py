@@ -28,7 +28,10 @@ from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
 from lrp_jupyter.language.triggers import FORMS, Epsilon
 
-__all__ = ["parse", "scan"]
+__all__ = ["MOST_PYTHON", "parse", "scan"]
+
+MOST_PYTHON = 250_000
+"""Characters of all blocks of a text: to compile so many takes seconds, and ten times as many a minute."""
 
 
 def parse(text: str, filename: str = "<lrp>") -> Program:
@@ -122,6 +125,7 @@ class _Reader:
         self.text = text
         self.filename = filename
         self.starts = line_starts(text)
+        self.python = 0  # characters of the blocks so far
         self.line = 1  # of the last block parsed …
         self.content = self.before = 0  # … its offset, and the bytes before that in its line
         self.invalid = 0  # blocks so far that are not Python
@@ -235,6 +239,15 @@ class _Reader:
         self.before += len(self.text[self.content : content].encode("utf-8", "replace"))
         self.content = content
         block = Block(word[1:-1], Span(start, end), line, content - line_start + 1, self.before)
+        before, self.python = self.python, self.python + end - start
+        if self.python > MOST_PYTHON:
+            if before <= MOST_PYTHON:
+                message = (
+                    f"The blocks up to here have more than {MOST_PYTHON:,} characters. Move functions and "
+                    "tables into a module, and import it."
+                )
+                self.report(start, start + 1, "LRP501", message)
+            return block
         empty, valid, declared = facts_of(block.text)
         if empty:
             form.empty = True

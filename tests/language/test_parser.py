@@ -11,10 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.errors import MOST_FINDINGS, LRPSyntaxError
-from lrp_jupyter.language import tokens
+from lrp_jupyter.language import parser, tokens
+from lrp_jupyter.language.blocks import facts_of
 from lrp_jupyter.language.forms import USAGE, Mistake, shape_of
 from lrp_jupyter.language.matching import DEEPEST
-from lrp_jupyter.language.parser import parse, scan
+from lrp_jupyter.language.parser import MOST_PYTHON, parse, scan
 from lrp_jupyter.language.program import Block, Finding, Program
 from lrp_jupyter.language.tokens import LEGAL
 
@@ -477,3 +478,17 @@ def test_a_bracket_without_a_partner_is_searched_for_within_bounds(monkeypatch):
     monkeypatch.setattr(tokens, "_NEWLINE", Counting())
     scan("a " * 2000 + "]" * 2000)
     assert searched["characters"] < 2_000_000
+
+
+def test_more_python_than_can_be_compiled_in_seconds_is_one_error_found_at_once(monkeypatch):
+    read = []
+    monkeypatch.setattr(parser, "facts_of", lambda text: read.append(len(text)) or facts_of(text))
+    block = "y = 1\n" * (MOST_PYTHON // 6)
+    assert scan(f"(machine m (state a (running [{block}])))")[0]
+    (finding,) = scan(f"(machine m (state a (running [{block}] [{block}] [{block * 40}])))")[1]
+    assert (finding.code, finding.line) == ("LRP501", 1 + MOST_PYTHON // 6)
+    assert finding.message == (
+        "The blocks up to here have more than 250,000 characters."
+        " Move functions and tables into a module, and import it."
+    )
+    assert max(read) < MOST_PYTHON
