@@ -369,7 +369,7 @@ class _Reader:
         right = " or ".join("at the top level" if home == "program" else f"in a `{home}`" for home in homes)
         start = self.text.index(keyword, form.tokens[index][1])
         message = f"`{keyword}` is not allowed {where}. Put it {right}."
-        edits = self._relocated(keyword, form, index, end)
+        edits = self._relocated(keyword, form, index, end) if len(self.findings) <= _MANY else ()
         self.report(start, start + len(keyword), "LRP107", message, *edits)
 
     def _relocated(self, keyword: str, form: _Form, index: int, end: int) -> tuple[Edit, ...]:

@@ -34,6 +34,7 @@ FORM_LINE = re.compile(rf"[\r\n][ \t]*\((?={_SKIP}({'|'.join(sorted(KEYWORDS))})
 _SPECIAL = frozenset({"OTHER", "STRAY"})
 _HEADS = {"var": 3, "event": 2}  # number of tokens before the block; 1 in other forms
 _BLOCKS = KEYWORDS - {"machine", "state", "spawn", "eps"}
+_MANY = 100  # blocks without `]`: in a text with more, each of the others ends with its line
 _FARTHEST = 100  # tokens back to the missing `[` of a block
 _NEWLINE = re.compile(r"[\r\n]")
 _TAIL = re.compile(r"\](?=[\s)]*+(?:[;#].*)?(?:[\r\n]|\Z)|[ \t]*+[\w*{][^\[\]\r\n]*->)")
@@ -52,7 +53,7 @@ def tokenize(text: str) -> list[Token]:
     """Return the tokens of a text, without white space and comments."""
     tokens: list[Token] = []
     append = tokens.append
-    end = 0
+    end = unclosed = 0
     while True:
         for match in _TOKEN.finditer(text, end):
             kind: str = match.lastgroup  # type: ignore[assignment]
@@ -70,9 +71,10 @@ def tokenize(text: str) -> list[Token]:
                 kind, start = "UNOPENED", tokens[first][1]
                 del tokens[first:]
         else:
-            kind, end = "BLOCK", block_end(text, start) + 1
+            kind, end = "BLOCK", block_end(text, start) + 1 if unclosed < _MANY else 0
             if not end:
-                kind, end = "UNCLOSED", _guess_end(text, start)
+                kind, end = "UNCLOSED", _guess_end(text, start) if unclosed < _MANY else line_end(text, start)
+                unclosed += 1
         append((kind, start, end))
 
 
@@ -146,4 +148,4 @@ def _guess_end(text: str, start: int) -> int:
                 places.pop()
             if not opened:
                 return offset + 1
-    return len(text[:stop].rstrip())
+    return start + len(text[start:stop].rstrip())

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import contextlib
 import re
+import sys
 import tracemalloc
 from collections import Counter
 from pathlib import Path
@@ -440,6 +441,26 @@ def test_every_form_can_be_written_as_in_its_usage() -> None:
 @pytest.mark.parametrize("form", ["(event e [True] [False])", "(var e := [1] [2])"])
 def test_a_second_block_in_a_form_that_has_one_is_an_error(form: str) -> None:
     assert places(form) == [("LRP108", 1, form.rindex("[") + 1)]
+
+
+@pytest.mark.parametrize("piece", ["[)", "(state a)\n", "]", "*->", "(event e [", "[\n"])
+def test_the_time_for_a_text_full_of_mistakes_grows_with_its_length(piece: str) -> None:
+    def steps(count: int) -> int:
+        calls = 0
+
+        def counted(*_: object) -> None:
+            nonlocal calls
+            calls += 1
+
+        sys.setprofile(counted)
+        try:
+            scan(piece * count)
+        finally:
+            sys.setprofile(None)
+        return calls
+
+    steps(500)  # fills the caches
+    assert steps(4000) < 12 * steps(500)
 
 
 def test_a_long_line_is_not_copied_for_each_block_in_it():
