@@ -79,7 +79,9 @@ def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
         if kind == "OPEN" and keyword not in KEYWORDS:
             keyword = "?"
         indices.append(index)
-        sequence.append(Bracket(keyword, column, len(before) - len(before.lstrip()), kind == "NAME"))
+        followed = index + 1 < len(tokens) and tokens[index + 1][0] not in _BRACKETS
+        indent = len(before) - len(before.lstrip())
+        sequence.append(Bracket(keyword, column, indent, kind == "NAME", followed))
     found = repair(sequence)
     findings: list[Diagnosis] = []
     for position in found.extra:

@@ -22,6 +22,7 @@ _MISPLACED = 3.0
 _OUTDENTED = 0.4  # a form that begins no further right than the enclosing one
 _UNEVEN = 0.2  # a form that does not begin below its sibling
 _CLOSING = 0.3  # a `)` that begins a line, but not below the form it closes
+_CUT_OFF = 0.5  # a `)` before a part, such as a block, of which nothing around it has any
 _LATER = 1e-6  # of several `)` in a row, remove the last
 _LOST = 1.9  # a `(` inserted before a keyword that begins a line
 _CLOSED_AT_ONCE = 6
@@ -42,12 +43,15 @@ class Bracket(NamedTuple):
         Indentation of its line.
     lost : bool
         Whether there is no ``(``, but a keyword begins the line, so that a ``(`` may be missing.
+    followed : bool
+        Whether something else than a bracket is next.
     """
 
     keyword: str
     column: int
     indent: int
     lost: bool = False
+    followed: bool = False
 
 
 class Repair(NamedTuple):
@@ -83,6 +87,7 @@ _Edits = (
 _Candidate = tuple[float, _Stack, _Edits]
 _Stacks = dict[tuple[int, ...], _Candidate]
 _ROOT = _Open("program", -1, -1, -1)
+_OF_FORMS = frozenset({"program", "machine", "state"})  # after their names, they contain nothing but forms
 
 
 def repair(sequence: Sequence[Bracket]) -> Repair:
@@ -92,7 +97,7 @@ def repair(sequence: Sequence[Bracket]) -> Repair:
     """
     margins = [
         index
-        for index, (keyword, column, _, lost) in enumerate(sequence)
+        for index, (keyword, column, _, lost, _) in enumerate(sequence)
         if keyword in LEGAL["program"] and not column and not lost
     ]
     cuts = sorted({0, *margins, len(sequence)})
@@ -102,7 +107,7 @@ def repair(sequence: Sequence[Bracket]) -> Repair:
 
 def _is_right(sequence: Sequence[Bracket]) -> bool:
     around = ["program"]
-    for keyword, _, _, lost in sequence:
+    for keyword, _, _, lost, _ in sequence:
         if lost:
             continue
         if not keyword:
@@ -175,7 +180,7 @@ def _around(
 
 def _open(key: _Key, cost: float, stack: _Stack, edits: _Edits, index: int, bracket: Bracket) -> _Step:
     """Return the nestings if a form begins here, possibly after closing some of those around it."""
-    keyword, column, indent, lost = bracket
+    keyword, column, indent, lost, _ = bracket
     if lost:
         cost += _LOST
         edits = ("lost", index, 0, edits)
@@ -203,6 +208,8 @@ def _close(key: _Key, cost: float, stack: _Stack, edits: _Edits, index: int, bra
         if len(forms) == 1:
             break
         fits = column < 0 or column == forms[-1].indent
+        if bracket.followed and forms[-2].keyword in _OF_FORMS:
+            total += _CUT_OFF
         steps.append((inside[:-1], (total if fits else total + _CLOSING, forms[:-1], done)))
         if fits:
             break

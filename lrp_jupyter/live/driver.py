@@ -48,6 +48,7 @@ PATIENCE = 1.0
 _HOLD = 0.0005  # wall seconds for which a loop that never waits may keep others from running …
 _YIELD = 0.00005  # … and those for which it then sleeps
 _INTERVAL = 0.1  # wall seconds between two checks of the monitor
+_REUSED = 1.0  # wall seconds for which the monitor of a run waits for the next run
 _AGAIN = 0.25  # wall seconds until a block is interrupted again, or the next one of the same tick
 
 
@@ -199,6 +200,7 @@ class Driver:
         self.name = name
         self._motor: LoopThread | LoopTask | None = None
         self._monitor: Monitor | None = None
+        self._spare: Monitor | None = None  # that of the last run, if the driver had none: it ends by itself
         self._turning = threading.RLock()
         self._caller: int | None = None  # the thread that drives the loop itself, for a while
 
@@ -249,8 +251,10 @@ class Driver:
             while not over and motor.ident != threading.get_ident() and monotonic() < end:
                 self.interrupt()  # one block after the other, until the tick is over
                 over = motor.join(_AGAIN)
-        if monitor is not None:
-            monitor.end()
+        for each in (monitor, self._spare):
+            if each is not None:
+                each.end()
+        self._spare = None
         if over:
             self._motor = self._monitor = None
         return over and not self.loop.ticking
@@ -283,15 +287,17 @@ class Driver:
         SessionTimeoutError
             It did.
         """
-        monitor, alone = self._monitor, self._monitor is None
+        monitor = self._monitor
         if monitor is None:
-            monitor = Monitor(self.loop, lambda: self._thread, min(2.0, seconds))
-            try:
-                monitor.start()
-            except RuntimeError:  # there are no threads (Pyodide)
-                yield
-                return
-            self._monitor = monitor
+            monitor = self._spare
+            if monitor is None or monitor.hung_after > seconds or not monitor.stays():
+                monitor = Monitor(self.loop, lambda: self._thread, min(2.0, seconds))
+                try:
+                    monitor.start()
+                except RuntimeError:  # there are no threads (Pyodide)
+                    yield
+                    return
+            self._monitor = self._spare = monitor
         monitor.limit = seconds
         try:
             yield
@@ -300,9 +306,9 @@ class Driver:
                 raise
         finally:
             monitor.limit = math.inf
-            if alone:
-                monitor.end()
+            if monitor is self._spare:
                 self._monitor = None
+                monitor.leave()
         ended, monitor.ended_run = monitor.ended_run, ""
         if ended:
             raise SessionTimeoutError(ended)
@@ -425,7 +431,8 @@ class Monitor:
     ) -> None:
         self._loop = loop
         self._driving = thread
-        self._hung_after = hung_after
+        self.hung_after = hung_after
+        """Wall seconds after which a tick is reported."""
         self._dead_man = dead_man
         now = self._seen = monotonic()
         self._reported = False
@@ -439,6 +446,8 @@ class Monitor:
         self.ended_run = ""
         """A sentence about the block that exceeded the limit; empty if none has."""
         self._end = threading.Event()
+        self._left = math.inf  # wall time at which the last run was over
+        self._leaving = threading.Lock()
         context = contextvars.copy_context()
         self._thread = threading.Thread(
             target=context.run, args=(self._run,), name="lrp monitor", daemon=True
@@ -447,7 +456,7 @@ class Monitor:
     @property
     def within(self) -> float:
         """Wall seconds within which a block is interrupted for a command; 0 if that may take longer."""
-        return self._hung_after + PATIENCE if self._hung_after <= 2 * PATIENCE else 0.0
+        return self.hung_after + PATIENCE if self.hung_after <= 2 * PATIENCE else 0.0
 
     def start(self) -> None:
         """Start the thread."""
@@ -459,6 +468,16 @@ class Monitor:
         if self._thread is not threading.current_thread() and self._thread.ident is not None:
             self._thread.join(5)
 
+    def leave(self) -> None:
+        """End the thread a second from now, unless :meth:`stays` is called: the next run needs one, too."""
+        self._left = monotonic()
+
+    def stays(self) -> bool:
+        """Keep the thread after all; return whether it has not ended."""
+        with self._leaving:
+            self._left = math.inf
+            return not self._end.is_set()
+
     def seen(self) -> None:
         """Reset the dead man's switch: a view has answered."""
         self._seen = monotonic()
@@ -468,18 +487,21 @@ class Monitor:
         self._interrupted, self._last = block.frame, monotonic()
 
     def _run(self) -> None:
-        while not self._end.wait(min(_INTERVAL, self._hung_after / 4)):
+        while not self._end.wait(min(_INTERVAL, self.hung_after / 4)):
             try:
                 self._check()
             except BaseException as error:  # an unwatched robot must not move
                 self._loop.break_down(error)
+            with self._leaving:
+                if monotonic() - self._left > _REUSED:
+                    self._end.set()
         self._report(None, 0.0)
 
     def _check(self) -> None:
         loop, wall = self._loop, monotonic()
         since = self._watch(wall)
         block = self._block[0]
-        if since >= self._hung_after:
+        if since >= self.hung_after:
             self._report(block, since)
             if since >= self.limit:
                 self._end_run()
@@ -505,7 +527,7 @@ class Monitor:
             self._interrupted, self._last = None, -math.inf
         since = wall - self._work[1]
         block = None
-        if since >= min(PATIENCE, self._hung_after) / 2:  # nothing to look for in most ticks
+        if since >= min(PATIENCE, self.hung_after) / 2:  # nothing to look for in most ticks
             block = _block(loop, self._driving())
         known, began = self._block
         same = block is not None and known is not None and block.frame is known.frame

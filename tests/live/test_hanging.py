@@ -192,6 +192,17 @@ def test_a_run_on_the_main_thread_ends_though_a_block_sleeps(session):
     assert made.run(1)
 
 
+def test_runs_in_a_row_share_the_thread_that_watches_them_and_it_ends_with_the_session(session):
+    made = session(GOOD)
+    threads = set()
+    for _ in range(50):
+        made.run(0.1)
+        threads |= {each for each in threading.enumerate() if each.name == "lrp monitor"}
+    made.close()
+    assert not any(each.is_alive() for each in threads)
+    assert len(threads) < 10, "a new one only if the machine paused for a second between two runs"
+
+
 def test_a_run_whose_blocks_are_only_many_is_not_ended(session):
     made = session(RUNNING.format("sum(range(300_000))"))
     assert made.run(5, limit=0.2)

@@ -327,6 +327,14 @@ def _(source: Source) -> Iterator[Slip]:
         yield slip(form.end, form.end, ")")
 
 
+@kind("bracket: `)` too early, as an editor closes it")
+def _(source: Source) -> Iterator[Slip]:
+    for form in source.forms:
+        space = source.text.find(" ", source.text.find(" ", form.start) + 1, form.last)
+        if form.keyword in ("event", "var", "on", "ontime", "exit", "eps") and space > 0:
+            yield slip(space, space, ")")
+
+
 @kind("bracket: surplus `(`")
 def _(source: Source) -> Iterator[Slip]:
     for form in source.forms:
