@@ -9,14 +9,16 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 
-__all__ = ["in_words"]
+from lrp_jupyter.language.slips.code import OPENING
+
+__all__ = ["PARTNERS", "in_words"]
 
 _Words = str | Callable[[re.Match[str]], str]
 _LINE = re.compile(r"\bline (\d+)")
 _QUOTED = re.compile(r"'([^' ]+)'")
 
-_PARTNERS = {"else": "if", "elif": "if", "except": "try", "finally": "try"}
-_CLOSING = {"(": ")", "[": "]", "{": "}"}
+PARTNERS = {"else": "if", "elif": "if", "except": "try", "finally": "try"}
+"""What begins the statement that a keyword continues."""
 _KEYWORDS = {"function": "def", "class": "class", "with": "with", "match": "match"}
 
 _WORDS: tuple[tuple[str, _Words], ...] = (
@@ -36,12 +38,12 @@ _WORDS: tuple[tuple[str, _Words], ...] = (
     (r"inconsistent use of tabs", "Tabs and blanks are mixed in front of this line. Use blanks only."),
     (
         r"'(.)' was never closed",
-        lambda found: f"This `{found[1]}` is not closed. Write its `{_CLOSING[found[1]]}`.",
+        lambda found: f"This `{found[1]}` is not closed. Write its `{OPENING[found[1]]}`.",
     ),
     (r"unmatched '(.)'", lambda found: f"Unmatched `{found[1]}`: nothing is open here. Remove it."),
     (
         r"closing parenthesis '(.)' does not match opening parenthesis '(.)'",
-        lambda found: f"`{found[1]}` does not close `{found[2]}`. Write `{_CLOSING[found[2]]}`.",
+        lambda found: f"`{found[1]}` does not close `{found[2]}`. Write `{OPENING[found[2]]}`.",
     ),
     (r"unterminated (?:f-|t-)?string", "This string is not closed. Write its second quote."),
     (r"unterminated triple-quoted", "This string is not closed. Write its three quotes at the end."),
@@ -129,8 +131,8 @@ def in_words(message: str, found: str, line: int) -> str:
             return "Something is missing at the end of this line. Complete it."
         if found == ":":
             return "Something is missing before this `:`. Complete it."
-        if found in _PARTNERS:
-            return f"This `{found}` has no `{_PARTNERS[found]}`. Start it below its `{_PARTNERS[found]}`."
+        if found in PARTNERS:
+            return f"This `{found}` has no `{PARTNERS[found]}`. Start it below its `{PARTNERS[found]}`."
         return f"Python does not understand `{found}` here. Correct it, or what is before it."
     quoted = _QUOTED.sub(r"`\1`", message).rstrip(".")
     return f"This block is not valid Python: {quoted}. Correct it."

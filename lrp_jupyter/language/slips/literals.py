@@ -1,0 +1,88 @@
+"""Numbers and strings that are written in ways that Python does not accept."""
+
+from __future__ import annotations
+
+import re
+
+from lrp_jupyter.errors import Edit
+from lrp_jupyter.language.slips.code import Guess, Guesses, WrongBlock, change
+
+__all__ = ["numbers", "strings"]
+
+
+def numbers(code: WrongBlock) -> Guesses:
+    """Numbers with a decimal comma, leading zeros or a unit."""
+    for index in code.near():
+        token = code.tokens[index]
+        if token.kind != "number":
+            continue
+        comma, after = code.get(index + 1), code.get(index + 2)
+        if comma.text == "," and after.kind == "number" and token.end == comma.start == after.start - 1:
+            edit = Edit(comma.start, comma.end, ".")
+            message = f"A decimal number has a point. Write `{token.text}.{after.text}`."
+            yield Guess("LRP510", message, token.start, after.end, (edit,))
+        if re.fullmatch(r"0+[1-9]\d*", token.text):
+            plain = token.text.lstrip("0")
+            message = f"A number does not begin with 0. Write `{plain}`."
+            yield change(token, plain, "LRP501", message)
+        if match := re.fullmatch(r"(\d+(?:\.\d*)?)(ms|s|m|cm|mm|rad|deg|hz|Hz|px)", token.text):
+            message = f"Python knows no units. Write the number alone: `{match[1]}`."
+            yield change(token, match[1], "LRP510", message)
+        elif match := re.fullmatch(r"(\d+)([A-Za-z_]\w*)", token.text):
+            message = (
+                f"`{token.text}` is neither a number nor a name. Write `{match[1]} * {match[2]}` to multiply."
+            )
+            yield change(token, f"{match[1]} * {match[2]}", "LRP501", message)
+
+
+def strings(code: WrongBlock) -> Guesses:
+    """Strings without their first or second quote, or with one inside."""
+    for index, token in enumerate(code.tokens):
+        after = code.get(index + 1)
+        if token.kind == "string" and after.kind == "name" and after.start == token.end:
+            last = next((each for each in code.tokens[index:] if each.kind == "open"), None)
+            other = '"' if token.text[0] == "'" else "'"
+            if last and last.line == token.line and last.text[0] == token.text[0] != other:
+                whole = code.text[token.start + 1 : last.start]
+                if other not in whole:
+                    message = (
+                        f"The `{token.text[0]}` inside ends this string. Write it with `{other}` around it."
+                    )
+                    pair = (
+                        Edit(token.start, token.start + 1, other),
+                        Edit(last.start, last.start + 1, other),
+                    )
+                    yield Guess("LRP514", message, token.start, last.start + 1, pair)
+    for index, token in enumerate(code.tokens):
+        start = index - 1
+        if token.kind not in ("string", "open") or code.get(start).kind != "name":
+            continue
+        if code.get(start).end == token.start:  # a name does not touch the quote after it
+            while code.get(start - 1).kind == "name" and code.get(start - 1).line == token.line:
+                start -= 1
+            word, quote = code.tokens[start], token.text.lstrip("rbuftRBUFT")[:1]
+            message = f"This string has no quote at its beginning. Write `{quote}` before `{word.text}`."
+            edit = Edit(word.start, word.start, quote)
+            yield Guess("LRP514", message, word.start, token.start + 1, (edit,))
+    for token in code.tokens:
+        if token.kind != "open":
+            continue
+        quote = token.text.lstrip("rbuftRBUFT")[:1]
+        if token.text.lstrip("rbuftRBUFT")[:3] == quote * 3:
+            message = f"This string is not closed. Write `{quote * 3}` at its end."
+            end = len(code.text.rstrip())
+            yield Guess("LRP514", message, token.start, token.start + 3, (Edit(end, end, quote * 3),))
+            continue
+        content = token.text[1:]
+        bare = content.rstrip(" \t)]}:,;")
+        if bare[-1:] in ("'", '"') and bare[-1:] != quote:  # closed by the other kind of quote
+            end = token.start + 1 + len(bare)
+            message = f"A string ends with the quote that it begins with. Write `{quote}` here."
+            yield Guess("LRP514", message, token.start, end, (Edit(end - 1, end, quote),))
+        ends = [token.start + 1 + match.start() for match in re.finditer(r"\)(?=\s*;)", content)]
+        ends += [token.start + 1 + size for size in range(len(bare), len(content) + 1)]
+        is_certain = "," not in bare
+        for end in ends:
+            shown = code.piece(token.start + 1, end)
+            message = f"This string is not closed. Write `{quote}` after `{shown}`."
+            yield Guess("LRP514", message, token.start, end, (Edit(end, end, quote),), is_certain)
