@@ -288,7 +288,7 @@ class Victim:
     def edit(self) -> None:
         """Edit the program."""
         draw = self.draw
-        text = hostile(draw, 0.05) if draw.random() < 0.6 else random_text(draw)
+        text = hostile(draw, 0.02) if draw.random() < 0.6 else random_text(draw)
         self.watch.time("edit", lambda: self.session.edit(text))
         if self.session.text != text:
             raise ViolationError("The text was lost.")
