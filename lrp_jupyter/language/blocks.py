@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.language.names import Offsets, Uses, normal, uses
 from lrp_jupyter.language.program import Block
-from lrp_jupyter.language.scanner import block_end
+from lrp_jupyter.language.scanner import LINE_END, block_end
 from lrp_jupyter.language.slips import brief, explain, fault_of
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.suites import Suite, children, no_warnings, parse_block, parse_suite
@@ -43,7 +43,6 @@ __all__ = [
 ]
 
 _WORD = re.compile(r"(?:\w|[^\x00-\x7f\s])+")
-_LINE_END = re.compile(r"\r\n|\r|\n")
 _SIMPLE = frozenset(
     {ast.Expr, ast.Assign, ast.AugAssign, ast.If, ast.Pass}
     | {ast.Name, ast.Attribute, ast.Subscript, ast.Slice, ast.Constant, ast.keyword}
@@ -234,7 +233,7 @@ def _check(text: str, names: frozenset[str]) -> None:
     try:
         _function(text, 0, names)
     except SyntaxError as error:
-        lines = _LINE_END.split(text)
+        lines = LINE_END.split(text)
 
         def characters(line: int | None, column: int | None) -> int:
             here = lines[min(line or 1, len(lines)) - 1]

@@ -15,13 +15,13 @@ from keyword import iskeyword
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.arrangement import Arrangement
 from lrp_jupyter.language.blocks import facts_of
 from lrp_jupyter.language.bracketing import Bracketing
 from lrp_jupyter.language.draft import LONGEST, OpenForm, Piece, is_python
 from lrp_jupyter.language.forms import USAGE, Mistake, shape_of, short
 from lrp_jupyter.language.keywords import Keywords
-from lrp_jupyter.language.scanner import line_end
+from lrp_jupyter.language.parts import Parts
+from lrp_jupyter.language.scanner import LINE_END, line_end
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.spellings import AMOUNT, ARROWS, MODULES, SIGN, UNITS
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, keyword_of
@@ -30,7 +30,6 @@ from lrp_jupyter.language.triggers import FORMS
 __all__ = ["Corrected", "correct", "is_form"]
 
 _WORDS = re.compile(r"[^\W\d]\w*(?:\s+[^\W\d]\w*)*")
-_LINE_END = re.compile(r"\r\n|\r|\n")
 _FIRST_WORD = re.compile(r"\s*([^\W\d]\w*)")
 
 
@@ -94,7 +93,7 @@ def _applied(text: str, edits: list[Edit]) -> tuple[str, Callable[[int], int]]:
     return "".join(pieces), back
 
 
-class _Walk(Keywords, Bracketing, Arrangement):
+class _Walk(Keywords, Bracketing, Parts):
     """One reading of a text."""
 
     def run(self) -> None:
@@ -187,7 +186,7 @@ class _Walk(Keywords, Bracketing, Arrangement):
             after = self.text[end : line_end(self.text, end)]
             edits.append(Edit(end - 2, end, "" if not after.strip() else "\n"))
             word = word[:-2]
-        edits += [Edit(start + line.end(), start + line.end(), "; ") for line in _LINE_END.finditer(word)]
+        edits += [Edit(start + line.end(), start + line.end(), "; ") for line in LINE_END.finditer(word)]
         self._add(start, end, "LRP114", message, *edits)
         return index + 1
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 import unicodedata
 from bisect import bisect_right
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
 from itertools import groupby
 from keyword import iskeyword
 
@@ -25,6 +24,7 @@ from lrp_jupyter.language.matching import Matching, match
 from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
 from lrp_jupyter.language.scanner import block_end
 from lrp_jupyter.language.source import Diagnosis
+from lrp_jupyter.language.spellings import closest
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of, tokenize
 from lrp_jupyter.language.triggers import FORMS, Epsilon
 
@@ -323,8 +323,8 @@ class _Reader:
                 start, start + 1, "LRP106", f"This `(` has no keyword. Write {_either(legal)} after it."
             )
             return
-        close = get_close_matches(form.keyword, legal, 1) or get_close_matches(form.keyword, KEYWORDS, 1)
-        hint = f"Did you mean `{close[0]}`?" if close else f"Write {_either(legal)}."
+        close = closest(form.keyword, legal, 0.6) or closest(form.keyword, KEYWORDS, 0.6)
+        hint = f"Did you mean `{close}`?" if close else f"Write {_either(legal)}."
         self.report(end - len(form.keyword), end, "LRP106", f"`{form.keyword}` is not a keyword. {hint}")
 
     def _shape(self, form: _Form, end: int) -> Shape | Mistake | None:

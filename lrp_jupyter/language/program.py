@@ -9,7 +9,6 @@ Paper: §3.1, §3.2.
 
 from __future__ import annotations
 
-import re
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -19,6 +18,7 @@ from itertools import accumulate
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit, Finding, Fix
+from lrp_jupyter.language.scanner import LINE_END
 from lrp_jupyter.language.source import NOWHERE, Block, Name, Span
 from lrp_jupyter.language.triggers import TransitionKind, Trigger
 
@@ -315,12 +315,9 @@ def _distinct(names: Iterable[str]) -> tuple[str, ...]:
     return tuple(distinct)
 
 
-_LINE_END = re.compile(r"\r\n|\r|\n")
-
-
 def line_starts(text: str) -> list[int]:
     """Return the offsets at which the lines of a text begin; LF, CRLF and CR end a line."""
     if "\r" in text:
-        return [0, *(match.end() for match in _LINE_END.finditer(text))]
+        return [0, *(match.end() for match in LINE_END.finditer(text))]
     lines = text.split("\n")
     return list(accumulate((len(line) + 1 for line in lines[:-1]), initial=0))

@@ -12,13 +12,23 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-__all__ = ["block_end", "brackets", "fields", "line_end", "logical_lines", "string_end", "strings"]
+__all__ = [
+    "LINE_END",
+    "block_end",
+    "brackets",
+    "fields",
+    "line_end",
+    "logical_lines",
+    "string_end",
+    "strings",
+]
 
 _BLOCK = re.compile(r"[\[\]#'\"]")
 _QUOTE = re.compile(r"[#'\"]")
 _CODE = re.compile(r"[\[\](){}#'\"]")
 _FIELD = re.compile(r"[\[\](){}:#'\"]")
 _NEWLINE = re.compile(r"[\r\n]")
+LINE_END = re.compile(r"\r\n|\r|\n")
 _PLAIN = {
     "'": re.compile(r"[^\\'\r\n]*+(?:\\(?:\r\n|[\s\S])[^\\'\r\n]*+)*+"),
     '"': re.compile(r'[^\\"\r\n]*+(?:\\(?:\r\n|[\s\S])[^\\"\r\n]*+)*+'),

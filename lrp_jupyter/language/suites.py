@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
-from lrp_jupyter.language.scanner import logical_lines
+from lrp_jupyter.language.scanner import LINE_END, logical_lines
 
 __all__ = ["DEEPEST", "Suite", "children", "no_warnings", "parse_block", "parse_suite"]
 
@@ -84,7 +84,7 @@ def parse_suite(text: str) -> tuple[ast.Module, Suite]:
     """Return the syntax tree of a block's text, and how the text was turned into a suite."""
     match = _UNHEARD.search(text)
     if match:
-        lines = re.split(r"\r\n|\r|\n", text[: match.start()])
+        lines = LINE_END.split(text[: match.start()])
         line, column = len(lines), len(lines[-1]) + 1
         raise SyntaxError("invalid character", ("", line, column, "", line, column + 1))
     worst: tuple[tuple[int, int], SyntaxError] | None = None

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import builtins
-import re
 
 from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.program import Edit, Fix, Machine, Name, Span, Transition, Variable, path_text
 from lrp_jupyter.language.resolution import Resolution, Scope
+from lrp_jupyter.language.scanner import LINE_END
 
 __all__ = ["BUILTINS", "check_names"]
 
 BUILTINS = frozenset(dir(builtins))
-_LINE_END = re.compile(r"\r\n|\r|\n")
 _PROVIDED = {"robot": "the robot", "print": "the `print` that writes into the lab's output"}
 
 
@@ -81,12 +80,12 @@ def _no_spawn(report: Reporter) -> None:
     start = starts[0] if starts else machine.states[0].name if machine.states else Name("state")
     text = f"(spawn {machine.name} {start})"
     certain = len(program.machines) == len(starts) == 1
-    newline = next(iter(_LINE_END.findall(program.text)), "\n")
+    newline = next(iter(LINE_END.findall(program.text)), "\n")
     begin = "" if program.text.endswith(("\n", "\r")) else newline
     edit = Edit(len(program.text), len(program.text), f"{begin}{text}{newline}")
     report.add(
         "LRP206",
-        Span(0, len(_LINE_END.split(program.text, maxsplit=1)[0])),
+        Span(0, len(LINE_END.split(program.text, maxsplit=1)[0])),
         f"Nothing is spawned, so nothing runs. End the program with `{text}`.",
         Fix(f"Add `{text}`", (edit,)) if certain else None,
     )

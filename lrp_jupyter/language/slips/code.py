@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.program import line_starts
-from lrp_jupyter.language.scanner import string_end
+from lrp_jupyter.language.scanner import LINE_END, string_end
 
 __all__ = [
     "BARE",
@@ -200,10 +200,7 @@ def _tokens(text: str) -> Iterator[PythonToken]:
         yield PythonToken(kind, word, start, position, line, depth)
         if word in OPENING:
             depth += 1
-        line += sum(1 for _ in _LINE_END.finditer(word)) if kind in ("string", "open") else 0
-
-
-_LINE_END = re.compile(r"\r\n|\r|\n")
+        line += sum(1 for _ in LINE_END.finditer(word)) if kind in ("string", "open") else 0
 
 
 def is_value_end(token: PythonToken) -> bool:

@@ -8,6 +8,7 @@ from keyword import iskeyword, kwlist
 
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.slips.code import VALUES, Guess, Guesses, WrongBlock, change, is_value_end
+from lrp_jupyter.language.tokens import KEYWORDS
 
 __all__ = ["conditions", "forms", "keywords", "negated"]
 
@@ -112,17 +113,12 @@ def forms(code: WrongBlock) -> Guesses:
     """Forms of the program inside a block."""
     for index in code.near():
         token, word = code.tokens[index], code.get(index + 1)
-        if token.text == "(" and word.text in _FORMS and code.get(index + 2).kind == "name":
+        if token.text == "(" and word.text in KEYWORDS and code.get(index + 2).kind == "name":
             end = code.tokens[code.partner(index)].end
             message = (
                 f"`({word.text} …)` is a form of the program, not Python. Put it after the `]` of this block."
             )
             yield Guess("LRP510", message, token.start, word.end, (Edit(token.start, end, "pass"),), False)
-
-
-_FORMS = frozenset(
-    {"var", "event", "machine", "state", "spawn", "on", "ontime", "eps", "onentry", "running", "onexit"}
-)
 
 
 def negated(code: WrongBlock) -> Guesses:

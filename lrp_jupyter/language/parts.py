@@ -7,10 +7,10 @@ from lrp_jupyter.language.draft import OpenForm, Piece, TextDraft
 from lrp_jupyter.language.forms import USAGE
 from lrp_jupyter.language.spellings import ARROW_WORDS, ASSIGN_WORDS
 
-__all__ = ["Arrangement"]
+__all__ = ["Parts"]
 
 
-class Arrangement(TextDraft):
+class Parts(TextDraft):
     """The part of the corrections that is about the parts of a form."""
 
     def _transition(self, frame: OpenForm) -> None:
