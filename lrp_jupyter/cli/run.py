@@ -398,8 +398,10 @@ class _Run:
         if self._stuck:
             plain_console(stderr=True).print(f"lrp: {self._stuck}")
         elif alone:
-            issue = max(frame.issues, key=lambda each: each.last_tick)
-            self.print(f"Paused at an issue:\n{issue.traceback or issue}")
+            of_issues = [each for each in frame.issues if each.message == frame.reason]
+            issue = max(of_issues, key=lambda each: each.last_tick, default=None)
+            why = f" at an issue:\n{issue.traceback or issue}" if issue else f": {frame.reason}"
+            self.print(f"Paused{why}")
         active = ", ".join("/".join(path) for path in frame.active) or "nothing"
         words = f"{self.session.name}: {frame.time:.1f} s, {frame.tick} ticks; {active} active"
         if issues := sum(not issue.resolved for issue in frame.issues):

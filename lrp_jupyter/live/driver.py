@@ -136,8 +136,12 @@ class LoopTask:
         self._ended = False
         self._task: asyncio.Task[None] | None = None
         self._wake = asyncio.Event()
-        self.ident: int | None = None
+        self._thread: int | None = None
+
+    @property
+    def ident(self) -> int | None:
         """The identity of the thread that drives the loop, or None."""
+        return None if self._task is None or self._task.done() else self._thread
 
     def start(self) -> None:
         """Create the task; an event loop must be running."""
@@ -149,7 +153,7 @@ class LoopTask:
 
         self._loop.inbox.notify = notify
         self._task = home.create_task(self._run())
-        self.ident = threading.get_ident()
+        self._thread = threading.get_ident()
 
     def suspend(self) -> None:
         """Do nothing: tasks of one thread do not run at the same time."""
@@ -165,7 +169,7 @@ class LoopTask:
 
     def join(self, timeout: float) -> bool:
         """Return at once: the task ends when the event loop gets to it."""
-        self.ident = None
+        self._thread = None
         return True
 
     async def _run(self) -> None:

@@ -421,7 +421,9 @@ class Loop:
         except Interrupted:
             pass
         except KeyboardInterrupt:
-            raise
+            if _on_main_thread():
+                raise
+            self.pause(_RAISED)
         except BaseException as error:
             self.break_down(error)
         finally:
@@ -551,6 +553,8 @@ class Loop:
                 self.pause(_RAISED)
             elif not isinstance(error, (*command.misuse, Interrupted)):
                 self.break_down(error)
+            if isinstance(error, Interrupted):
+                return None, LRPError(str(error))
             return None, error if isinstance(error, Exception) else LRPError(sentence_of(error))
         finally:
             self.foreign = outer

@@ -411,9 +411,6 @@ class Session:
         ------
         UnknownElementError
             The program has no such state.
-
-        Raises
-        ------
         LRPError
             A block of the program itself is the caller.
         SessionTimeoutError

@@ -203,6 +203,15 @@ def test_an_issue_ends_the_run_when_it_cannot_be_resumed(lrp, program, speed):
     assert "0.1 s, 2 ticks" in result.stdout
 
 
+@pytest.mark.parametrize("speed", ["1", "max"])
+def test_a_run_that_the_program_itself_pauses_ends_with_the_reason(lrp, program, speed):
+    text = "(machine m (state a (running [raise KeyboardInterrupt]))) (spawn m a)"
+    result = lrp("run", program(text), "--speed", speed, "--for", "30", "--bridge", "none")
+    assert result.exit_code == 1
+    assert "Paused: The program raised `KeyboardInterrupt`, as Ctrl-C does.\n" in result.stdout
+    assert "0.1 s, 2 ticks" in result.stdout
+
+
 def test_a_notice_of_the_robot_is_printed_once(lrp, program):
     text = "(machine m (state a (onentry [robot.move(linear=0.1)]))) (spawn m a)"
     result = lrp("run", program(text), "--speed", "max", "--for", "3")

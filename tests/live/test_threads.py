@@ -1,6 +1,7 @@
 import asyncio
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 from types import SimpleNamespace
 
 import pytest
@@ -233,6 +234,17 @@ def test_a_block_that_raises_a_keyboard_interrupt_pauses_the_thread_and_does_not
     assert stopping.wait_for(lambda frame: frame.numbers.get(("n",), 0) > 2, LONG)
 
 
+def test_a_block_that_raises_a_keyboard_interrupt_pauses_a_run_on_another_thread(session):
+    def give_up():
+        raise KeyboardInterrupt
+
+    stopping = session(COUNT.replace("n + 1", "n + 1; give_up()"), namespace={"give_up": give_up})
+    with ThreadPoolExecutor(1) as pool:
+        assert not pool.submit(stopping.run, 1).result(LONG)
+    assert (stopping.status, stopping.frame.tick) == ("paused", 2)
+    assert stopping.frame.reason == "The program raised `KeyboardInterrupt`, as Ctrl-C does."
+
+
 def test_a_keyboard_interrupt_raised_by_a_command_on_the_thread_does_not_reach_the_caller(session, gates):
     def wait():
         gates["entered"].set()
@@ -412,6 +424,21 @@ def test_a_place_without_threads_runs_a_program_by_asyncio(session):
         blinking.close()
 
     asyncio.run(scenario())
+
+
+def test_a_session_starts_again_after_its_event_loop_has_ended(session):
+    blinking = session(BLINK, rate=100, driver="asyncio")
+
+    async def run(ticks):
+        blinking.start()
+        end = blinking.frame.tick + ticks
+        while blinking.frame.tick < end:
+            await asyncio.sleep(0.005)
+
+    asyncio.run(run(2))
+    blinking.pause()
+    assert blinking.status == "paused", "commands are applied although no task runs any more"
+    asyncio.run(asyncio.wait_for(run(2), LONG))
 
 
 def test_a_session_closes_from_inside_one_of_its_blocks(session, gates):
