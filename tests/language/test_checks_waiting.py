@@ -31,6 +31,8 @@ WAITS = {
     "LRP543": ["x = input()", "print(input('Name? '))"],
 }
 WELL = [
+    "\nitems = alias = [0]\nwhile items[0] < 3: alias[0] += 1",
+    "\nn = 0\nwhile n < 3: import math as n",
     "\nwhile True:\n  if robot.bumper.data: break",
     "\ndef f():\n  while True:\n    return 1\nf()",
     "\nwhile True:\n  for i in range(3): pass\n  else: break",

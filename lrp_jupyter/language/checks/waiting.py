@@ -40,6 +40,8 @@ _MESSAGES = {
 _PURE = frozenset({"abs", "bool", "float", "int", "len", "max", "min", "round", "sum"})
 """Functions whose values depend on their arguments alone."""
 _SIGNS = ("while", "sleep", "input")
+_BINDING = ast.Import | ast.ImportFrom | ast.ExceptHandler | ast.Match
+"""Statements that assign names which are not nodes."""
 _FUNCTIONS = ast.FunctionDef | ast.AsyncFunctionDef | ast.Lambda
 
 
@@ -128,7 +130,10 @@ class _Block:
         calls = [node for node in body if isinstance(node, ast.Call)]
         if read == {"robot"}:
             return not any(isinstance(node, ast.Name) and node.id == "robot" for node in _stored(body))
-        return not calls and not any(_root(node) in read for node in _stored(body))
+        if calls or any(isinstance(node, _BINDING) for node in body):
+            return False
+        stored = _stored(body)  # an item may be changed by another name of its list
+        return not any(not isinstance(node, ast.Name) or node.id in read for node in stored)
 
     def _call(self, call: ast.Call) -> Iterator[_Wait]:
         name = ast.unparse(call.func) if isinstance(call.func, ast.Name | ast.Attribute) else ""
