@@ -13,7 +13,7 @@ from lark.lexer import Lexer
 from lrp_jupyter.language.tokens import LEGAL
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = ["USAGE", "Mistake", "Shape", "expected_text", "shape_of", "short"]
+__all__ = ["USAGE", "Mistake", "Shape", "article", "expected_text", "shape_of", "short"]
 
 USAGE = {
     "var": "(var name := [value])",
@@ -137,7 +137,8 @@ def expected_text(keyword: str, before: tuple[str, ...], expected: frozenset[str
     """Return in words what could follow the tokens `before` of a form."""
     words = [] if "NAME" not in expected else [_name_word(keyword, before)]
     words += [word for kind, word in _WORDS.items() if kind in expected]
-    words += [f"a `{form}`" for form in sorted(LEGAL.get(keyword, ())) if f"{form.upper()}_FORM" in expected]
+    forms = [form for form in sorted(LEGAL.get(keyword, ())) if f"{form.upper()}_FORM" in expected]
+    words += [f"{article(form)} `{form}`" for form in forms]
     return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} or {words[-1]}"
 
 
@@ -153,6 +154,11 @@ def _name_word(keyword: str, before: tuple[str, ...]) -> str:
     if "LBRACE" in before:
         return "a state's name"
     return (FORMS[keyword].name if len(before) == 1 else "") or "the source state"
+
+
+def article(word: str) -> str:
+    """Return `a` or `an`."""
+    return "an" if word[0] in "aeio" else "a"
 
 
 def short(text: str) -> str:

@@ -19,7 +19,7 @@ from lrp_jupyter.errors import MOST_FINDINGS, Edit, LRPSyntaxError, listed
 from lrp_jupyter.language import nodes
 from lrp_jupyter.language.blocks import facts_of, faults_of
 from lrp_jupyter.language.corrections import correct, is_form
-from lrp_jupyter.language.forms import USAGE, Mistake, Shape, expected_text, shape_of, short
+from lrp_jupyter.language.forms import USAGE, Mistake, Shape, article, expected_text, shape_of, short
 from lrp_jupyter.language.matching import Matching, match
 from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
 from lrp_jupyter.language.scanner import block_end
@@ -366,7 +366,10 @@ class _Reader:
         around = form.keyword
         homes = [home for home, legal in LEGAL.items() if keyword in legal]
         where = "at the top level" if around == "program" else f"in `{around}`"
-        right = " or ".join("at the top level" if home == "program" else f"in a `{home}`" for home in homes)
+        places = [
+            "at the top level" if home == "program" else f"in {article(home)} `{home}`" for home in homes
+        ]
+        right = " or ".join(places)
         start = self.text.index(keyword, form.tokens[index][1])
         message = f"`{keyword}` is not allowed {where}. Put it {right}."
         edits = self._relocated(keyword, form, index, end) if len(self.findings) <= _MANY else ()

@@ -50,7 +50,7 @@ def _title(edits: tuple[Edit, ...]) -> str:
         return "Move it"
     new = " … ".join(dict.fromkeys(filter(None, (" ".join(edit.text.split()) for edit in edits))))
     if not new:
-        return "Change the blanks" if any(edit.text for edit in edits) else "Remove it"
+        return "Change the spaces" if any(edit.text for edit in edits) else "Remove it"
     verb = "Change to" if any(edit.start < edit.end for edit in edits) else "Insert"
     return f"{verb} `{new if len(new) <= 60 else new[:59] + '…'}`"
 

@@ -227,7 +227,7 @@ def test_only_layout_and_comments_differ_between_equal_programs() -> None:
         ("(machine m (state a (event e [x])))", "LRP107", "event", "`event` is not allowed in `state`"),
         ("(state a)", "LRP107", "state", "is not allowed at the top level. Put it in a `machine`."),
         ("(machine m (onentry [a]))", "LRP107", "onentry", "Put it in a `state`"),
-        ("(machine m (spawn m a))", "LRP107", "spawn", "at the top level or in a `onentry`"),
+        ("(machine m (spawn m a))", "LRP107", "spawn", "at the top level or in an `onentry`"),
         ("(var x := [ ])", "LRP109", "[ ]", "This block is empty. Write the variable's value into it."),
         ("(event x [ # ]\n])", "LRP109", "[ # ]", "the event's condition"),
         ("(machine m (ontime [] a -> b))", "LRP109", "[]", "the delay in milliseconds"),

@@ -48,11 +48,14 @@ def applied(text: str) -> str:
         ("if x: y\nelse if z: y", "if x: y\nelif z: y", "Python writes `else if` in one word. Write `elif`."),
         ("whille x: y = 1", "while x: y = 1", "`whille` is not a keyword of Python. Did you mean `while`?"),
         ("retrun x", "return x", "`retrun` is not a keyword of Python. Did you mean `return`?"),
-        ("Def f(): return 1", "def f(): return 1", "Python writes `def` in small letters. Write `def`."),
+        ("Def f(): return 1", "def f(): return 1", "Keywords are written in lowercase. Write `def`."),
         ("var x = 5", "x = 5", "Python has no `var`. Write the assignment without it."),
         ("if x > 1\n  y = 1", "if x > 1:\n  y = 1", "This `if` needs a `:`. Write it after `if x > 1`."),
         ("if x > 1 y = 1", "if x > 1: y = 1", "This `if` needs a `:`. Write it after `if x > 1`."),
         ("def f:\n  return 1", "def f():\n  return 1", "A function needs parentheses. Write `f()`."),
+        ("x = = 1", "x = 1", "`= =` is two signs. Write `=`."),
+        ("if x = = 1: y", "if x == 1: y", "`= =` is two signs. Write `==`."),
+        ("x = 5 sec", "x = 5", "Python knows no units. Write the number alone: `5`."),
         ("x = 1:", "x = 1", "Only a header such as `if …:` ends with `:`. Remove it."),
         ("f(x\ny = 3", "f(x)\ny = 3", "This `(` is not closed. Write `)` after `(x`."),
         ("abs(x - 1 < 2", "abs(x - 1) < 2", "This `(` is not closed. Write `)` after `x - 1`."),
@@ -71,7 +74,7 @@ def applied(text: str) -> str:
         ("x not == 1", "x != 1", "`not` does not negate the sign after it. Write `!=`."),
         ("x = 1\n  y = 2\nz = 3", "x = 1\ny = 2\nz = 3", "This line begins too far right."),
         ("if x:\ny = 2", "if x:\n  y = 2", "This line belongs to the `if` above. Start it further right."),
-        ("\n    x = 1\n\ty = 2", "\n    x = 1\n    y = 2", "Tabs and blanks are mixed in"),
+        ("\n    x = 1\n\ty = 2", "\n    x = 1\n    y = 2", "This line begins with tabs and spaces."),
     ],
 )  # fmt: skip
 def test_a_slip_is_one_fault_with_its_remedy(block: str, repaired: str, message: str) -> None:
@@ -171,6 +174,7 @@ def test_more_slips_have_remedies(block: str, repaired: str) -> None:
         ("x > 1:", "x > 1"),
         ("x := 1", "x == 1"),
         ("x = 1 and y = 2", "x == 1 and y == 2"),
+        ("unless x > 1", "not (x > 1)"),
     ],
 )
 def test_a_condition_is_no_statement(block: str, repaired: str) -> None:
@@ -191,6 +195,10 @@ def test_a_condition_is_no_statement(block: str, repaired: str) -> None:
             "(spawn m a)",
             "`(spawn …)` is a form of the program, not Python. Put it after the `]` of this block.",
         ),
+        ("goto home", "A block cannot change the state. Write a transition:"),
+        ("state home", "A block cannot change the state. Write a transition:"),
+        ("max speed = 3", "A name cannot contain spaces. Write `max_speed`, or a sign between"),
+        ("x = 3 apples", "Two statements are in one line. Write `;` before `apples`, or a new line."),
         ("len(x) = 3", "Only a name can be assigned."),
         ("if: y = 2", "Something is missing before this `:`. Complete it."),
     ],

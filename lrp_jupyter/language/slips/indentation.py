@@ -49,10 +49,10 @@ def indentation(code: WrongBlock) -> Guesses:
             if row and margins[row - 1][3].text == ":" and width > len(white):
                 keyword = margins[row - 1][2].text
                 message = f"This line belongs to the `{keyword}` above. Start it further right."
-            elif width < len(white):
-                message = f"This line begins too far right. Start it {len(white) - width} to the left."
             else:
-                message = f"This line begins too far left. Start it {width - len(white)} further right."
+                side = "right" if width < len(white) else "left"
+                move = _columns(width - len(white))
+                message = f"This line begins too far {side}. Move it {move}."
             rank = (abs(row - first), abs(width - len(white)), -width)
             place = (head.start, head.end)
             moves.append((rank, Guess("LRP515", message, *place, (edit,))))
@@ -65,8 +65,13 @@ def indentation(code: WrongBlock) -> Guesses:
 
 
 def _tabs(code: WrongBlock, tabs: list[_Margin]) -> Guesses:
-    message = "Tabs and blanks are mixed in front of this line. Use blanks only."
+    message = "This line begins with tabs and spaces. Use spaces only."
     for size in (8, 4, 2):
         edits = tuple(Edit(start, start + len(white), white.expandtabs(size)) for start, white, _, _ in tabs)
         head = tabs[0][2]
         yield Guess("LRP515", message, head.start, head.end, edits)
+
+
+def _columns(change: int) -> str:
+    columns = "column" if abs(change) == 1 else "columns"
+    return f"{abs(change)} {columns} to the {'right' if change > 0 else 'left'}"

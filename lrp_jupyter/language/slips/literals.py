@@ -6,6 +6,7 @@ import re
 
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.slips.code import Guess, Guesses, WrongBlock, change
+from lrp_jupyter.language.spellings import UNITS
 
 __all__ = ["numbers", "strings"]
 
@@ -25,7 +26,11 @@ def numbers(code: WrongBlock) -> Guesses:
             plain = token.text.lstrip("0")
             message = f"A number does not begin with 0. Write `{plain}`."
             yield change(token, plain, "LRP501", message)
-        if match := re.fullmatch(r"(\d+(?:\.\d*)?)(ms|s|m|cm|mm|rad|deg|hz|Hz|px)", token.text):
+        unit = code.get(index + 1)
+        if code.is_gap(index) and unit.text in _UNITS and code.get(index + 2).text not in ("=", "(", "."):
+            message = f"Python knows no units. Write the number alone: `{token.text}`."
+            yield Guess("LRP510", message, token.start, unit.end, (Edit(token.end, unit.end, ""),))
+        if match := _WITH_UNIT.fullmatch(token.text):
             message = f"Python knows no units. Write the number alone: `{match[1]}`."
             yield change(token, match[1], "LRP510", message)
         elif match := re.fullmatch(r"(\d+)([A-Za-z_]\w*)", token.text):
@@ -33,6 +38,10 @@ def numbers(code: WrongBlock) -> Guesses:
                 f"`{token.text}` is neither a number nor a name. Write `{match[1]} * {match[2]}` to multiply."
             )
             yield change(token, f"{match[1]} * {match[2]}", "LRP501", message)
+
+
+_UNITS = {*filter(None, UNITS), "m", "cm", "mm", "rad", "deg", "degrees", "hz", "Hz", "px"}
+_WITH_UNIT = re.compile(rf"(\d+(?:\.\d*)?)({'|'.join(_UNITS)})")
 
 
 def strings(code: WrongBlock) -> Guesses:

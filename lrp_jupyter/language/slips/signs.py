@@ -36,14 +36,14 @@ def signs(code: WrongBlock) -> Guesses:
     yield from _negations(code)
     yield from _increments(code)
     yield from _assignments(code)
-    for first, second in pairwise(code.tokens):
+    for index, (first, second) in enumerate(pairwise(code.tokens)):
         if (
             second.text == "="
             and first.text in "=!<>+-*/"
             and first.end < second.start
             and first.kind == "sign"
         ):
-            sign = f"{first.text}="
+            sign = "=" if first.text == "=" and _is_assigned(code, index) else f"{first.text}="
             message = f"`{code.text[first.start : second.end]}` is two signs. Write `{sign}`."
             yield Guess("LRP510", message, first.start, second.end, (Edit(first.start, second.end, sign),))
 
@@ -110,13 +110,7 @@ def _increments(code: WrongBlock) -> Guesses:
 
 def _assignments(code: WrongBlock) -> Guesses:
     signs = [index for index, token in enumerate(code.tokens) if token.text == ":="]
-    plain = [
-        index
-        for index in signs
-        if any(
-            code.begins(start) and code.chain_end(start) == index for start in range(max(index - 9, 0), index)
-        )
-    ]
+    plain = [index for index in signs if _is_assigned(code, index)]
     message = "`:=` belongs outside of blocks. In Python, `=` assigns: write `=`."
     if plain and not code.is_condition:
         first = code.tokens[plain[0]]
@@ -129,6 +123,14 @@ def _assignments(code: WrongBlock) -> Guesses:
         yield change(code.tokens[index], "==", "LRP516", "`:=` assigns. Write `==` to compare.")
 
 
+def _is_assigned(code: WrongBlock, index: int) -> bool:
+    """Return whether a sign follows what begins a statement, so that it probably assigns."""
+    starts = range(max(index - 9, 0), index)
+    return not code.is_condition and any(
+        code.begins(start) and code.chain_end(start) == index for start in starts
+    )
+
+
 def characters(code: WrongBlock) -> Guesses:
     """Characters that Python does not know: typographic quotes, mathematical signs, invisible ones."""
     strange = [token for token in code.tokens if token.kind == "other"]
@@ -137,7 +139,7 @@ def characters(code: WrongBlock) -> Guesses:
         if known:
             edits = [_written(code.text, token, _ascii(token.text) or "") for token in known]
             first, meant = known[0], _ascii(known[0].text) or ""
-            remedy = f"Write `{meant}`" if meant.strip() else "Write a blank" if meant else "Remove it"
+            remedy = f"Write `{meant}`" if meant.strip() else "Write a space" if meant else "Remove it"
             shown = f"`{first.text}`" if first.text.isprintable() else "this invisible character"
             message = f"Python does not know {shown}. {remedy}."
             yield Guess("LRP510", message, first.start, first.end, tuple(edits))

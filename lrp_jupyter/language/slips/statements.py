@@ -47,8 +47,6 @@ def colons(code: WrongBlock) -> Guesses:
             if is_value_end(code.tokens[index]) and is_start:
                 ends.append(index)
         if last.text in (";", ",", ".", "=", "->", "=>", "{"):
-            index = line[-1] - 1
-            shown = code.piece(head.start, code.tokens[index].end)
             fault = f"`{last.text}` does not end a header. Write `:`."
             yield Guess("LRP512", fault, last.start, last.end, (Edit(last.start, last.end, ":"),))
         ends.insert(0 if head.text not in BARE else 1, line[-1])
@@ -127,24 +125,28 @@ def gaps(code: WrongBlock) -> Guesses:
             message = f"A comma is missing between `{_short(left)}` and `{_short(right)}`. Insert it."
             yield Guess("LRP517", message, left.start, right.end, (Edit(left.end, left.end, ","),))
         calls = list(_calls(code, index))
+        is_argument = code.get(index + 2).text == "="
+        is_named = is_argument and code.get(index - 1).text == "."
         is_member = left.kind == right.kind == "name" and _root(code, index) == "robot"
-        if left.text != "robot" and (right.kind != "name" or code.get(index + 2).text == "="):
+        if left.text != "robot" and (right.kind != "name" or is_named):
             yield from calls
         if is_member:
-            message = f"A `.` is missing between `{left.text}` and `{right.text}`. Write it without blanks."
+            message = f"A `.` is missing between `{left.text}` and `{right.text}`. Write it without spaces."
             yield Guess("LRP517", message, left.start, right.end, (between._replace(text="."),))
-        yield from calls
+        if is_named or not is_argument:
+            yield from calls
         before = [each.text for each in code.tokens[:index] if each.line == left.line]
         if right.kind == "name" and (left.text == ")" or "=" in before):
+            is_whole = not code.ends(index + 2) or iskeyword(right.text)
             message = f"Two statements are in one line. Write `;` before `{_short(right)}`, or a new line."
-            yield Guess("LRP517", message, left.start, right.end, (Edit(left.end, left.end, ";"),))
+            yield Guess("LRP517", message, left.start, right.end, (Edit(left.end, left.end, ";"),), is_whole)
     for index in code.near():
         if code.is_gap(index):
             left, right = code.tokens[index], code.tokens[index + 1]
             if left.kind == "name" and right.kind == "name" and not iskeyword(right.text):
                 glued = f"{left.text}_{right.text}"
                 pair = f"`{left.text}` and `{right.text}`"
-                message = f"A name has no blanks. Write `{glued}`, or a sign between {pair}."
+                message = f"A name cannot contain spaces. Write `{glued}`, or a sign between {pair}."
                 edit = Edit(left.start, right.end, glued)
                 yield Guess("LRP517", message, left.start, right.end, (edit,), False)
 
@@ -164,7 +166,7 @@ def _calls(code: WrongBlock, index: int) -> Guesses:
         end = code.tokens[stop - 1].end
         call = code.piece(code.tokens[start].start, left.end) + "(" + code.piece(right.start, end) + ")"
         edits = (Edit(left.end, right.start, "("), Edit(end, end, ")"))
-        is_certain = left.text in _FUNCTIONS or start < index or not _is_word(right)
+        is_certain = left.text in _FUNCTIONS or start < index or not (_is_word(right) or code.is_condition)
         message = f"A call needs parentheses. Write `{call}`."
         yield Guess("LRP517", message, left.start, end, edits, is_certain)
 
@@ -204,4 +206,4 @@ def strays(code: WrongBlock) -> Guesses:
     for index in code.near():
         token = code.tokens[index]
         if token.kind == "sign" and token.text in (".", ",", ":", ";", "\\"):
-            yield change(token, "", "LRP501", f"There is a `{token.text}` too many. Remove it.")
+            yield change(token, "", "LRP501", f"There is one `{token.text}` too many. Remove it.")

@@ -23,7 +23,7 @@ _KEYWORDS = {"function": "def", "class": "class", "with": "with", "match": "matc
 
 _WORDS: tuple[tuple[str, _Words], ...] = (
     (r"expected ':'", "A `:` is missing here. Insert it."),
-    (r"unexpected indent", "This line begins too far right. Start it below the line above."),
+    (r"unexpected indent", "This line begins too far right. Start it where the line above starts."),
     (
         r"unindent does not match",
         "This line begins where no line above begins. Start it below the line to which it belongs.",
@@ -35,7 +35,10 @@ _WORDS: tuple[tuple[str, _Words], ...] = (
             "further right."
         ),
     ),
-    (r"inconsistent use of tabs", "Tabs and blanks are mixed in front of this line. Use blanks only."),
+    (
+        r"inconsistent use of tabs",
+        "This line begins with tabs and spaces. Use spaces only.",
+    ),
     (
         r"'(.)' was never closed",
         lambda found: f"This `{found[1]}` is not closed. Write its `{OPENING[found[1]]}`.",
@@ -89,7 +92,7 @@ _WORDS: tuple[tuple[str, _Words], ...] = (
     (r"unexpected character after line continuation", "Nothing may follow a `\\`. Remove it."),
     (
         r"expected 'except' or 'finally'",
-        "A `try` is followed by an `except`. Write `except` below it, with what to do after a fault.",
+        "This `try` has no `except`. Write `except Exception:` below it, and then what to do after an error.",
     ),
     (
         r"Missing parentheses in call to '(\w+)'",
@@ -100,6 +103,10 @@ _WORDS: tuple[tuple[str, _Words], ...] = (
     (
         r"too deeply nested|too many nested|too complex|stack overflow",
         "This is nested too deeply. Use several steps.",
+    ),
+    (
+        r"import \* only",
+        "A block cannot use `import *`. Write the names: `from math import sin, cos`.",
     ),
     (r"expected 'else' after 'if' expression", "This `if` needs an `else`, as in `1 if fast else 0`."),
     (
@@ -133,7 +140,7 @@ def in_words(message: str, found: str, line: int) -> str:
             return "Something is missing before this `:`. Complete it."
         if found in PARTNERS:
             return f"This `{found}` has no `{PARTNERS[found]}`. Start it below its `{PARTNERS[found]}`."
-        return f"Python does not understand `{found}` here. Correct it, or what is before it."
+        return f"Python does not expect `{found}` here. Correct it, or what comes before it."
     quoted = _QUOTED.sub(r"`\1`", message).rstrip(".")
     return f"This block is not valid Python: {quoted}. Correct it."
 

@@ -7,6 +7,7 @@ from functools import lru_cache
 from keyword import iskeyword, kwlist
 
 from lrp_jupyter.errors import Edit
+from lrp_jupyter.language.forms import USAGE
 from lrp_jupyter.language.slips.code import VALUES, Guess, Guesses, WrongBlock, change, is_value_end
 from lrp_jupyter.language.tokens import KEYWORDS
 
@@ -42,7 +43,7 @@ def keywords(code: WrongBlock) -> Guesses:
             yield change(token, "", "LRP511", message)
         for meant in _meant(word):
             if meant == word.lower():
-                message = f"Python writes `{meant}` in small letters. Write `{meant}`."
+                message = f"Keywords are written in lowercase. Write `{meant}`."
             elif word.lower() in _SYNONYMS:
                 message = f"Python has no `{word}`. Write `{meant}`."
             else:
@@ -51,7 +52,7 @@ def keywords(code: WrongBlock) -> Guesses:
         for keyword in ("return", "not", "if", "while", "elif", "import"):
             rest = word.removeprefix(keyword)
             if rest != word and rest and not iskeyword(word):
-                message = f"A blank is missing. Write `{keyword} {rest}`."
+                message = f"A space is missing. Write `{keyword} {rest}`."
                 yield change(token, f"{keyword} {rest}", "LRP511", message)
 
 
@@ -99,6 +100,11 @@ def conditions(code: WrongBlock) -> Guesses:
         return
     first, second, last = code.tokens[0], code.get(1), code.tokens[-1]
     edits = []
+    if first.text.lower() == "unless" and second.start >= 0:
+        end = code.get(len(code.tokens) - 2).end if last.text in (":", "then") else last.end
+        pair = (Edit(first.start, second.start, "not ("), Edit(end, last.end, ")"))
+        message = f"Python has no `{first.text}`. Write `not (…)`."
+        yield Guess("LRP511", message, first.start, first.end, pair)
     if first.text.lower() in ("if", "when", "while", "until") and second.start >= 0:
         edits.append(Edit(first.start, second.start, ""))
     if last.text in (":", "then"):
@@ -112,13 +118,23 @@ def conditions(code: WrongBlock) -> Guesses:
 def forms(code: WrongBlock) -> Guesses:
     """Forms of the program inside a block."""
     for index in code.near():
-        token, word = code.tokens[index], code.get(index + 1)
-        if token.text == "(" and word.text in KEYWORDS and code.get(index + 2).kind == "name":
-            end = code.tokens[code.partner(index)].end
-            message = (
-                f"`({word.text} …)` is a form of the program, not Python. Put it after the `]` of this block."
-            )
-            yield Guess("LRP510", message, token.start, word.end, (Edit(token.start, end, "pass"),), False)
+        token, word, name = code.tokens[index], code.get(index + 1), code.get(index + 2)
+        if token.text == "(" and word.text in KEYWORDS and name.kind == "name":
+            start, end, shown = token.start, code.tokens[code.partner(index)].end, word
+        elif token.text in _FORMS and code.begins(index) and code.is_gap(index) and code.ends(index + 2):
+            start, end, shown = token.start, word.end, token
+        else:
+            continue
+        what = f"`({shown.text} …)` is a form of the program, not Python"
+        message = f"{what}. Put it after the `]` of this block."
+        if shown.text in _JUMPS:
+            message = f"A block cannot change the state. Write a transition: `{USAGE['on']}`."
+        yield Guess("LRP510", message, start, shown.end, (Edit(start, end, "pass"),), False)
+
+
+_JUMPS = frozenset({"state", "goto", "go", "transition", "enter", "switch"})
+"""Words with which other languages change the state."""
+_FORMS = KEYWORDS | _JUMPS
 
 
 def negated(code: WrongBlock) -> Guesses:
@@ -128,7 +144,7 @@ def negated(code: WrongBlock) -> Guesses:
         if token.text != "not":
             continue
         if before.text == "is" and after.text in _OPPOSITE:
-            message = f"`is not` comes before a value. Write `{_OPPOSITE[after.text]}`."
+            message = f"`is not` and `{after.text}` do not go together. Write `{_OPPOSITE[after.text]}`."
             yield Guess("LRP517", message, before.start, after.end,
                              (Edit(before.start, after.end, _OPPOSITE[after.text]),))  # fmt: skip
         if after.text in _OPPOSITE:
