@@ -15,7 +15,7 @@ from pathlib import Path
 
 from lrp_jupyter.errors import FileError, ended
 
-__all__ = ["decoded", "read_file", "read_text", "shown", "write_file"]
+__all__ = ["append_line", "decoded", "read_file", "read_text", "shown", "write_file"]
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 _LARGEST = 32_000_000  # bytes that are read
@@ -59,6 +59,20 @@ def write_file(path: str | os.PathLike[str], text: str) -> None:
         raise FileError(f"`{shown(path)}` cannot be written: {reason}") from error
     except ValueError:
         raise FileError(f"`{shown(path)}` cannot be the name of a file. Choose another name.") from None
+
+
+def append_line(path: str | os.PathLike[str], line: str) -> None:
+    """Append a line to a file that only this user can read; never through a link.
+
+    Raises
+    ------
+    OSError
+        It cannot be written.
+    """
+    flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
+    handle = os.open(path, flags, 0o600)
+    with os.fdopen(handle, "a", encoding="utf-8") as stream:
+        stream.write(f"{line}\n")
 
 
 def _mode_of(file: Path) -> int | None:

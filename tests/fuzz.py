@@ -52,7 +52,7 @@ HANGING = [
     "def f():\n  while True: yield 1\nfor _ in f(): pass",
     "while not robot.bumper.data: pass",
     "while True: print(1)",
-    "n = [n for n in iter(int, 1)] if False else max(iter(int, 1))",
+    "n = max(n for n in iter(int, 1))",
 ]
 """Blocks that do not return, and can be interrupted."""
 NASTY = [

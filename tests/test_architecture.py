@@ -26,3 +26,17 @@ def test_a_class_name_has_one_meaning():
         if isinstance(node, ast.ClassDef)
     )
     assert [name for name, count in homes.items() if count > 1] == []
+
+
+def test_one_module_writes_the_files_of_a_user():
+    writing = {
+        path.relative_to(PACKAGE).as_posix()
+        for path in PACKAGE.rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if (
+            isinstance(node, ast.Call)
+            and ast.unparse(node.func).rpartition(".")[2] in ("write_text", "write_bytes", "fdopen")
+        )
+        or (isinstance(node, ast.Call) and ast.unparse(node.func) in ("open", "os.open"))
+    }
+    assert writing == {"files.py", "cli/run.py"}, "the latter writes a trace, line by line"

@@ -5,7 +5,7 @@ import os
 import pytest
 
 from lrp_jupyter.errors import FileError
-from lrp_jupyter.files import read_file, write_file
+from lrp_jupyter.files import append_line, read_file, write_file
 
 
 def test_a_file_is_written_with_its_line_ends_and_nothing_stays_beside_it(tmp_path):
@@ -76,3 +76,13 @@ def test_half_a_character_is_explained_by_its_line(tmp_path):
     with pytest.raises(FileError, match=r"Line 2 contains half a character \(`U\+D800`\)"):
         write_file(tmp_path / "a.lrp", "a\nb\ud800")
     assert list(tmp_path.iterdir()) == []
+
+
+def test_lines_are_appended_for_this_user_alone_and_not_through_a_link(tmp_path):
+    for line in ("a", "b"):
+        append_line(tmp_path / "notes", line)
+    assert read_file(tmp_path / "notes") == "a\nb\n"
+    assert (tmp_path / "notes").stat().st_mode & 0o077 == 0
+    (tmp_path / "link").symlink_to(tmp_path / "notes")
+    with pytest.raises(OSError, match="link"):
+        append_line(tmp_path / "link", "c")

@@ -82,8 +82,13 @@ def interrupt(thread: int, block: RunningBlock) -> bool:
     Returns
     -------
     bool
-        Whether there is such a thread.
+        Whether the thread still runs this block; otherwise nothing is raised.
     """
+    frame = sys._current_frames().get(thread)
+    while frame is not None and frame is not block.frame:
+        frame = frame.f_back
+    if frame is None:
+        return False
     _requested[thread] = block.frame
     raised: int = ctypes.pythonapi.PyThreadState_SetAsyncExc(
         ctypes.c_ulong(thread), ctypes.py_object(Interruption)

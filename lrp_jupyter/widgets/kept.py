@@ -27,7 +27,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from lrp_jupyter.errors import FileError, LRPError
-from lrp_jupyter.files import read_file, shown, write_file
+from lrp_jupyter.files import append_line, read_file, shown, write_file
 
 __all__ = ["FOLDER", "Kept", "Version", "checked_name", "newest"]
 
@@ -121,7 +121,7 @@ class Kept:
         self.folder = Path(folder)
         self.name = name
         self.home = os.path.realpath(self.folder / name)
-        """What tells this program apart from one of the same name in another folder."""
+        """What distinguishes this program from one of the same name in another folder."""
         self._known: dict[str, tuple[_Signature | None, str]] = {}  # by ending: as last read or written here
 
     def file(self, ending: str) -> Path:
@@ -257,7 +257,4 @@ def _note(mark: Path | None, digest: str) -> None:
         mark.parent.mkdir(parents=True, exist_ok=True)
         if mark.exists() and mark.stat().st_size > 2 * _NOTED:
             write_file(mark, (read_file(mark) or "")[-_NOTED:])
-        flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | getattr(os, "O_NOFOLLOW", 0)
-        handle = os.open(mark, flags, 0o600)
-        with os.fdopen(handle, "a") as stream:
-            stream.write(f"{digest}\n")
+        append_line(mark, digest)

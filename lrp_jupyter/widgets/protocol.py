@@ -474,7 +474,7 @@ class AnswerMessage(TypedDict):
 class SnapshotMessage(TypedDict):
     """Everything, for a view that has just opened.
 
-    `running` is the running text, `text` the editor's. `home` tells programs of the same name apart. Its
+    `running` is the running text, `text` the editor's. `home` distinguishes programs of the same name. Its
     frame is acknowledged like any other.
     """
 

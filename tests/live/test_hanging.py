@@ -1,6 +1,7 @@
 """Blocks that do not return: they are named, interrupted for whoever waits, and become issues."""
 
 import signal
+import sys
 import threading
 
 import pytest
@@ -8,6 +9,7 @@ import pytest
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.commands import ReplaceProgram, Reset, SetVariable
+from lrp_jupyter.live.interruption import RunningBlock, interrupt
 
 LONG = 120.0  # seconds; reached only when something is wrong, however busy the machine is
 RUNNING = "(machine m (state a (running [{}]))) (spawn m a)"
@@ -150,6 +152,15 @@ def test_an_expression_that_does_not_return_is_interrupted_and_refused(session):
     made.pause()
     with pytest.raises(LRPError, match=r"^The block did not return"):
         answer.result(LONG)
+
+
+def test_a_block_that_has_returned_meanwhile_is_not_interrupted():
+    def block():
+        return sys._getframe()
+
+    over = RunningBlock("a.running", 1, block())
+    assert not interrupt(threading.get_ident(), over)
+    block()  # a call, at which it would be raised
 
 
 def test_a_block_that_is_only_slow_is_not_interrupted(session):
