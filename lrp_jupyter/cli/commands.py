@@ -91,7 +91,7 @@ def lrp(
 
     **Exit codes**: 0 when all went well; 1 when a text has errors, or what was demanded of a program did not
     happen; 2 when an argument is wrong, or a file or robot cannot be used; 3 for a fault of this package; 130
-    after Ctrl-C. The help of each command says when it uses which.
+    after Ctrl-C. The help of `run`, `check`, `graph` and `grade` has the details.
     """
 
 

@@ -48,7 +48,8 @@ class Hung:
 
     def __str__(self) -> str:
         place = f" (line {self.line})" if self.line else ""
-        what = f"`{self.where}` has run for {self.seconds:.0f} s{place}."
+        name = _UNNAMED.get(self.where, f"`{self.where}` has run")
+        what = f"{name} for {self.seconds:.0f} s{place}."
         if self.held:
             return (
                 f"{what} It was interrupted, but Python cannot end the call that it is in, such as a "
@@ -57,6 +58,9 @@ class Hung:
         if not self.line:
             return what
         return f"{what} A block must end at once: use a state with `ontime` instead of waiting in a block."
+
+
+_UNNAMED = {"the robot": "The robot has not answered", "a command": "A command has not returned"}
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -190,8 +190,8 @@ class Kept:
         text = self.read(ending)
         if text is None and self.file(ending).is_file() and not self.file(ending).is_symlink():
             raise FileError(
-                f"`{shown(self.file(ending))}` was changed outside and cannot be read: "
-                "it is not in UTF-8 or too large. Rename it."
+                f"`{shown(self.file(ending))}` was changed outside this lab and cannot be read: "
+                "It is not valid UTF-8, or too large. Rename it."
             )
         return None if text is None or (known is not None and known[1] == _digest(text)) else text
 

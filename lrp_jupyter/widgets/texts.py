@@ -91,12 +91,12 @@ _QUESTIONS = {
         "Keep the cell's text",
     ),
     "view": (
-        "The kernel ended before it knew everything that was typed into `{name}`. Which text should be kept?",
+        "The kernel ended before all that was typed into `{name}` had reached it. Which text should be kept?",
         "Use the typed text",
         "Keep the present text",
     ),
     "stranger": (
-        "The folder came with a text of `{name}` that you have not written here. It does not run. "
+        "The folder contains a text of `{name}` that you have not written here. It does not run. "
         "Read it before you use it.",
         "Use the folder's text",
         "Keep the present text",

@@ -7,6 +7,7 @@ import threading
 import pytest
 
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
+from lrp_jupyter.interpreter.frame import Hung
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.commands import ReplaceProgram, Reset, SetVariable
 from lrp_jupyter.live.interruption import RunningBlock, interrupt
@@ -152,6 +153,18 @@ def test_an_expression_that_does_not_return_is_interrupted_and_refused(session):
     made.pause()
     with pytest.raises(LRPError, match=r"^The block did not return"):
         answer.result(LONG)
+
+
+@pytest.mark.parametrize(
+    ("where", "sentence"),
+    [
+        ("the robot", "The robot has not answered for 3 s."),
+        ("a command", "A command has not returned for 3 s."),
+        ("x.__repr__", "`x.__repr__` has run for 3 s."),
+    ],
+)
+def test_what_has_no_name_is_a_word_and_not_code(where, sentence):
+    assert str(Hung(where, 3)) == sentence
 
 
 def test_a_block_that_has_returned_meanwhile_is_not_interrupted():

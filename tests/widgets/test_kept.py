@@ -182,7 +182,7 @@ def test_a_file_that_was_changed_into_something_else_than_a_text_is_not_overwrit
     page.type(C)
     assert (tmp_path / "mine.lrp").read_bytes() == b"; Gr\xfc\xdfe"
     lab.publish()
-    assert "is not in UTF-8 or too large" in page.latest("unkept")
+    assert "is not valid UTF-8, or too large" in page.latest("unkept")
 
 
 def test_two_kernels_with_the_same_file_ask_instead_of_overwriting_each_other(bench, tmp_path):
