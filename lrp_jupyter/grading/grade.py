@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any, NamedTuple
 
-from lrp_jupyter.arguments import check_type
+from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError
 from lrp_jupyter.grading.challenges import Challenge, Hint, challenge
@@ -134,6 +134,7 @@ def grade(
         The challenge does not exist, or the interpreter itself failed.
     """
     check_type("what", what, (str, Challenge, World), "the name of a challenge, a Challenge or a World")
+    check_number("limit", limit, "a number of seconds", above=0)
     if isinstance(what, str):
         task = challenge(what)
     elif isinstance(what, Challenge):

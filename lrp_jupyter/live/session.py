@@ -369,8 +369,8 @@ class Session:
     def interrupt(self) -> bool:
         """Interrupt the block that runs now, which becomes an issue; return whether there is one.
 
-        The tick continues after the block. A block that does not return is also interrupted by itself when
-        an edit, a pause, a step or a reset has waited for it for a second.
+        The tick continues after the block. A block that does not return is interrupted without this call
+        when an edit, a pause, a step, a reset or a rewind has waited for it for a second.
         """
         return self._driver.interrupt()
 
@@ -420,6 +420,7 @@ class Session:
             raise ValueError("How long should it run? Pass `seconds`, `until`, or both.")
         if seconds is not None:
             check_number("seconds", seconds, "a number", least=0)
+        check_number("limit", limit, "a number of seconds", above=0)
         self._driver.refuse_inside("run")
         self.open()
         with self._driver.exclusive("run"), self._driver.limited(limit):

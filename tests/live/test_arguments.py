@@ -62,6 +62,7 @@ A_PATH = "A path is a text such as `m/a`, or a tuple of names, not int."
         (lambda: lrp.Lab(3), "`program` is a text, a Program or a Session, not int."),
         (lambda: lrp.StateGraph(3), "`session` is a Session, a Lab or the name of a program, not int."),
         (lambda: lrp.grade("", 4), "`what` is the name of a challenge, a Challenge or a World, not int."),
+        (lambda: lrp.grade("", "square", limit="x"), "`limit` is a number of seconds, not str."),
         (lambda: lrp.VirtualClock("now"), "`start` is a time in seconds, not str."),
     ],
 )
@@ -78,6 +79,8 @@ def test_a_wrong_type_anywhere_is_one_sentence(call, sentence):
         (lambda s: s.run("b"), TypeError, "`seconds` is a number, not str."),
         (lambda s: s.run(-1), ValueError, "`seconds` is a number of 0 or more, not -1."),
         (lambda s: s.run(float("nan")), ValueError, "`seconds` is a number of 0 or more, not nan."),
+        (lambda s: s.run(1, limit="x"), TypeError, "`limit` is a number of seconds, not str."),
+        (lambda s: s.run(1, limit=0), ValueError, "`limit` is a number of seconds above 0, not 0."),
         (
             lambda s: s.run(1, until="bb"),
             UnknownElementError,
