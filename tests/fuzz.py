@@ -54,7 +54,7 @@ HANGING = [
     "while True: print(1)",
     "n = max(n for n in iter(int, 1))",
 ]
-"""Blocks that do not return, and can be interrupted."""
+"""Blocks that do not return, and can be interrupted: not inside one call of C."""
 NASTY = [
     "raise SystemExit",
     "raise KeyboardInterrupt",
