@@ -14,6 +14,7 @@ import random
 import sys
 from collections import Counter
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -292,6 +293,10 @@ class Victim:
         self.watch.time("edit", lambda: self.session.edit(text))
         if self.session.text != text:
             raise ViolationError("The text was lost.")
+        if draw.random() < 0.5:  # let it run
+            tick = self.session.frame.tick
+            with suppress(LRPError):
+                self.session.wait_for(lambda frame: frame.tick > tick, timeout=0.1)
 
     def command(self) -> None:
         """Give the session a random command."""
