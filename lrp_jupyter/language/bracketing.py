@@ -19,6 +19,8 @@ _WORDS = re.compile(r"[^\W\d]\w*(?:\s+[^\W\d]\w*)*")
 _LONGEST_STRING = 200
 _WORD = re.compile(r"[^\W\d]\w*")
 _SOURCE = re.compile(r"\s+(?:\w+|\*|(?:\*\s*-\s*)?\{[^{}]*\})\s*->")
+_BLOCK = re.compile(r"(?<=[\w)\]\"'])\s+(?=\[[^\[\]]*\]\s*(?:[)(\[;]|\Z))")
+"""Between two blocks; a subscript follows its value without a space."""
 _LOADED = re.compile(r"(?<![\w.])[^\W\d]\w*(?!\w|\s*=[^=])")
 
 
@@ -172,7 +174,8 @@ class Bracketing(TextDraft):
                 message = "This `[` is one too many. Remove it."
                 self._add(start, start + 1, "LRP103", message, Edit(start, start + 1, ""))
                 return
-        source = _SOURCE.search(self.text, start, end) if frame.keyword in FORMS else None
+        after = _SOURCE if frame.keyword in FORMS else _BLOCK if frame.keyword in _ACTIONS else None
+        source = after.search(self.text, start, end) if after else None
         if source and is_python(self.text[start + 1 : source.start()]):
             end = source.start()
         closes = block_end(f"{self.text[start:end]}]", 0) == end - start

@@ -243,3 +243,10 @@ def test_fixes_of_any_text_can_be_applied_and_come_to_an_end(seed: int) -> None:
             tried.add((fixable[0].message, fixable[0].line))
             text = fixed(text, fixable[0])
         assert len(tried) < 30
+
+
+def test_a_block_is_closed_before_the_next_one():
+    text = "(machine m (state a (onexit [robot.stop() [robot.pen(False)])))\n(spawn m a)"
+    (finding,) = check(text)
+    assert finding.code == "LRP103"
+    assert fixed(text, finding) == text.replace("()", "()]", 1)

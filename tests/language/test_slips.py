@@ -42,6 +42,8 @@ def applied(text: str) -> str:
         ("if x { y = 2; }", "if x: y = 2;", "Python has no braces around statements."),
         ("if x {\n  y\n} else {\n  z\n}", "if x:\n  y\nelse:\n  z\n", "Python has no braces"),
         ("x = 1 // go on", "x = 1 # go on", "In a block, `//` does not begin a comment. Write `#`."),
+        ("x = 1; y = 2 ; go on", "x = 1; y = 2 # go on", "In a block, `;` does not begin a comment."),
+        ("x = 7 // 2; y = 1 // go on", "x = 7 // 2; y = 1 # go on", "In a block, `//` does not begin"),
         ("x = 1 ; go on", "x = 1 # go on", "In a block, `;` does not begin a comment. Write `#`."),
         ("robot.move(linear=0,5)", "robot.move(linear=0.5)", "A decimal number has a point. Write `0.5`."),
         ("if x > 1 then y = 2", "if x > 1: y = 2", "Python has no `then`. Write `:`."),
@@ -222,3 +224,8 @@ def test_the_search_for_remedies_is_bounded() -> None:
     assert len([finding for finding in findings if finding.fix]) == 20
     (slip,) = explain("x y " * 10_000)
     assert slip.edits == ()
+
+
+def test_a_quote_inside_does_not_join_two_strings() -> None:
+    (slip,) = explain('print("on guard, after, edges, "edges")')
+    assert "'" not in {edit.text for edit in slip.edits}

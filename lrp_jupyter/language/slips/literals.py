@@ -42,6 +42,8 @@ def numbers(code: WrongBlock) -> Guesses:
 
 _UNITS = {*filter(None, UNITS), "m", "cm", "mm", "rad", "deg", "degrees", "hz", "Hz", "px"}
 _WITH_UNIT = re.compile(rf"(\d+(?:\.\d*)?)({'|'.join(_UNITS)})")
+_ITEMS = frozenset("()[]{},")
+"""Signs that are rather between strings than in one."""
 
 
 def strings(code: WrongBlock) -> Guesses:
@@ -61,7 +63,9 @@ def strings(code: WrongBlock) -> Guesses:
                         Edit(token.start, token.start + 1, other),
                         Edit(last.start, last.start + 1, other),
                     )
-                    yield Guess("LRP514", message, token.start, last.start + 1, pair)
+                    yield Guess(
+                        "LRP514", message, token.start, last.start + 1, pair, _ITEMS.isdisjoint(whole)
+                    )
     for index, token in enumerate(code.tokens):
         start = index - 1
         if token.kind not in ("string", "open") or code.get(start).kind != "name":

@@ -177,7 +177,8 @@ def _ascii(character: str) -> str | None:
 
 def comments(code: WrongBlock) -> Guesses:
     """Comments as the text outside of blocks, or another language, writes them."""
-    for index in code.near():
+    # the last sign of a line first, because what is before it may be code: `x = 1; y = 2 ; go on`
+    for index in sorted(code.near(), key=lambda each: (code.tokens[each].line != code.at, -each)):
         token, after = code.tokens[index], code.get(index + 1)
         if token.text in (";", "//", "--") and after.line == token.line and after.text not in (";", "}"):
             message = f"In a block, `{token.text}` does not begin a comment. Write `#`."
