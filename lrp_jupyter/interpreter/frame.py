@@ -31,8 +31,8 @@ class Hung:
     Parameters
     ----------
     where : str
-        The block (``a.running``), the value of a variable that is rendered (``x.__repr__``), ``the robot``
-        or ``a command``.
+        The block (``a.running``), the value of a variable that is rendered (``x.__repr__``), ``the robot``,
+        ``a command`` or ``a listener``.
     seconds : float
         How long it has been running, in wall time.
     line : int
@@ -60,7 +60,11 @@ class Hung:
         return f"{what} A block must end at once: use a state with `ontime` instead of waiting in a block."
 
 
-_UNNAMED = {"the robot": "The robot has not answered", "a command": "A command has not returned"}
+_UNNAMED = {
+    "the robot": "The robot has not answered",
+    "a command": "A command has not returned",
+    "a listener": "A listener has not returned",
+}
 
 
 @dataclass(frozen=True, slots=True, repr=False)

@@ -37,9 +37,9 @@ import threading
 import traceback
 from abc import ABC, abstractmethod
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import Future
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from numbers import Real
 from time import perf_counter
@@ -195,7 +195,7 @@ class Loop:
         """The traceback of the fault that broke the session, or an empty text."""
         self.ticking = False
         self._unstarted = False  # whether it was paused before it was started
-        self._texts = ValueTexts(self._watch)
+        self._texts = ValueTexts(self._calling)
         self._step = bridge.time_step  # seconds; None where time passes by itself
         self.changed = changed
         self._printed = printed
@@ -447,7 +447,8 @@ class Loop:
         else:
             self.frame = self.make_frame()
             self.interpreter.weigh()
-        self.changed()
+        with self._calling("a listener"):
+            self.changed()
 
     def make_frame(self) -> Frame:
         """Make a frame of this moment, between two ticks."""
@@ -503,9 +504,14 @@ class Loop:
             self.bridge.lose("picture", error)
             return None
 
-    def _watch(self, name: str) -> None:
-        """Note for the monitor that foreign code of this name runs from now on, or none."""
-        self.foreign = Foreign(name) if name else None
+    @contextmanager
+    def _calling(self, name: str = "") -> Iterator[None]:
+        """Note for the monitor that foreign code of this name runs meanwhile."""
+        outer, self.foreign = self.foreign, Foreign(name)
+        try:
+            yield
+        finally:
+            self.foreign = outer
 
     def is_active(self, state: str | Path) -> bool:
         """Return whether a state is active now, at any depth."""
@@ -541,11 +547,11 @@ class Loop:
     def _apply(self, command: Command) -> tuple[Any, BaseException | None]:
         """Apply a command; return its result, and what it raised."""
         restarts = self.interpreter.restarts
-        outer, self.foreign = self.foreign, Foreign()  # it may run blocks, hooks and code of the caller
         try:
             if not command.mends:
                 self._check_whole()
-            return command.apply(self), None
+            with self._calling():  # blocks, hooks and code of the caller
+                return command.apply(self), None
         except BaseException as error:
             if isinstance(error, KeyboardInterrupt) and _on_main_thread():
                 return None, error
@@ -557,7 +563,6 @@ class Loop:
                 return None, LRPError(str(error))
             return None, error if isinstance(error, Exception) else LRPError(sentence_of(error))
         finally:
-            self.foreign = outer
             if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
                 self.bridge.stop_all()
 

@@ -9,6 +9,7 @@ are; until then a frame shows its earlier text. While the program is paused noth
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from contextlib import AbstractContextManager
 from time import perf_counter
 
 from lrp_jupyter.errors import name_of
@@ -26,12 +27,12 @@ class ValueTexts:
 
     Parameters
     ----------
-    watch : callable
-        Called with the name of what is rendered (``x.__repr__``) before it is, and with an empty text after.
+    calling : callable
+        Returns the context in which foreign code of a name (``x.__repr__``) is called.
     """
 
-    def __init__(self, watch: Callable[[str], None]) -> None:
-        self._watch = watch
+    def __init__(self, calling: Callable[[str], AbstractContextManager[None]]) -> None:
+        self._calling = calling
         self._known: dict[Path, tuple[str, float]] = {}
         self._endless: dict[int, type] = {}  # by id, because a metaclass may define `==`
 
@@ -58,11 +59,8 @@ class ValueTexts:
                 text = text or render(value, of_type)
             elif now or wall >= due or not text:
                 start = perf_counter()
-                self._watch(f"{path_text(path)}.__repr__")
-                try:
+                with self._calling(f"{path_text(path)}.__repr__"):
                     text = render(value, self._repr)
-                finally:
-                    self._watch("")
                 end = perf_counter()
                 spent += end - start
                 due = end + _SPACING * spent

@@ -1,6 +1,7 @@
 """Values in frames: whatever their `repr` does, the loop lives, is watched, and keeps its rate."""
 
 import threading
+from contextlib import nullcontext
 
 import pytest
 
@@ -68,6 +69,19 @@ def test_a_command_that_does_not_return_is_reported(session):
     assert running.wait_for(lambda frame: frame.status == "running", LONG)
 
 
+def test_a_listener_that_does_not_return_is_reported(session):
+    gate = threading.Event()
+    running = session(SHOWN, rate=100, hung_after=0.2, namespace={"make": int})
+    running.start()
+    ticks_on(running)
+    thread = running._driver._thread
+    running.listen(lambda: threading.get_ident() == thread and gate.wait())
+    frame = running.wait_for(lambda frame: frame.status == "hung", LONG)
+    assert frame.reason.startswith("A listener has not returned")
+    gate.set()
+    assert running.wait_for(lambda frame: frame.status == "running", LONG)
+
+
 def test_rendering_takes_a_small_share_of_the_time(monkeypatch):
     now = [0.0]
     monkeypatch.setattr(values, "perf_counter", lambda: now[0])
@@ -83,7 +97,7 @@ def test_rendering_takes_a_small_share_of_the_time(monkeypatch):
             now[0] += self.cost
             return f"after {Costly.count}"
 
-    texts = ValueTexts(lambda name: None)
+    texts = ValueTexts(lambda name: nullcontext())
     scene = [(("first",), Costly(0.16)), (("second",), Costly(0.0)), (("third",), Costly(0.01)), (("n",), 3)]
     rendering = 0.0
     while now[0] < 60:
