@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from difflib import get_close_matches
 from numbers import Real
 from typing import Any
+
+from lrp_jupyter.errors import did_you_mean
 
 __all__ = ["A_PROGRAM", "check_choice", "check_number", "check_type"]
 
@@ -37,9 +38,7 @@ def check_choice(name: str, value: object, choices: Iterable[str]) -> None:
     if value not in known:
         listed = " or ".join(f"`{choice}`" for choice in known)
         shown = f"`{value}`" if isinstance(value, str) else _kind(value)
-        close = get_close_matches(str(value), known, n=1)
-        hint = f" Did you mean `{close[0]}`?" if close else ""
-        raise ValueError(f"`{name}` is {listed}, not {shown}.{hint}")
+        raise ValueError(f"`{name}` is {listed}, not {shown}.{did_you_mean(str(value), known)}")
 
 
 def check_number(

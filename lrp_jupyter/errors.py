@@ -6,8 +6,9 @@ A fault of a program (an exception in a block, an unknown state) is recorded as 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
 from typing import Literal, NamedTuple, NoReturn
 
 __all__ = [
@@ -25,6 +26,7 @@ __all__ = [
     "SessionTimeoutError",
     "Severity",
     "UnknownElementError",
+    "did_you_mean",
     "ended",
     "listed",
     "name_of",
@@ -186,6 +188,12 @@ def name_of(kind: type) -> str:
 
 
 _NAME = type.__dict__["__name__"]
+
+
+def did_you_mean(name: str, names: Iterable[str]) -> str:
+    """Return `` Did you mean `light`?`` for the closest name, with a space before it, or nothing."""
+    close = get_close_matches(name, list(names), n=1, cutoff=0.5)
+    return f" Did you mean `{close[0]}`?" if close else ""
 
 
 def sentence_of(error: BaseException) -> str:

@@ -325,7 +325,8 @@ class Victim:
                 ("reset_world", session.bridge.reset_world),
             ]
         )
-        self.watch.time(name, function, self.REFUSALS)
+        # an expression's own errors come through
+        self.watch.time(name, function, (Exception,) if name == "set_variable" else self.REFUSALS)
 
     def check(self) -> None:
         """Raise ViolationError unless a harmless program runs as if nothing had happened."""

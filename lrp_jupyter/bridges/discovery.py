@@ -22,8 +22,7 @@ from importlib.metadata import EntryPoint, entry_points
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, NullBridge
-from lrp_jupyter.bridges.members import did_you_mean
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, did_you_mean
 
 __all__ = ["GROUP", "Offer", "check_options", "choose_bridge", "find_bridges", "make_bridge", "open_bridge"]
 

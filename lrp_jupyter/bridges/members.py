@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import reprlib
 import typing
 from collections.abc import Iterable
@@ -12,7 +11,7 @@ from typing import Any, Literal
 
 from lrp_jupyter.errors import BridgeError
 
-__all__ = ["Member", "MemberError", "describe_value", "did_you_mean"]
+__all__ = ["Member", "MemberError", "describe_value"]
 
 _DEEPEST = 6  # levels of nested fields that are described; a value may contain itself
 _PLAIN = (bool, int, float, str, bytes, type(None))
@@ -116,9 +115,3 @@ def describe_value(member: Member, type_: object = None, depth: int = _DEEPEST) 
         field = Member(f"{member.name}.{name}", "variable", text, age=member.age, value=value)
         fields.append(describe_value(field, field_type, depth - 1))
     return dataclasses.replace(member, fields=tuple(fields))
-
-
-def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """`` Did you mean `light`?`` with a blank before it, or nothing."""
-    close = difflib.get_close_matches(name, list(names), n=1, cutoff=0.5)
-    return f" Did you mean `{close[0]}`?" if close else ""

@@ -20,8 +20,8 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar, Self
 
-from lrp_jupyter.bridges.members import Member, MemberError, did_you_mean
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.bridges.members import Member, MemberError
+from lrp_jupyter.errors import BridgeError, did_you_mean
 
 __all__ = ["NUMBER", "Message", "Plain", "Twist", "Vector3", "real_number"]
 

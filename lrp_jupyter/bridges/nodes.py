@@ -12,10 +12,10 @@ from collections.abc import Callable, Iterator, Mapping
 from types import TracebackType
 from typing import NoReturn, Protocol
 
-from lrp_jupyter.bridges.members import Member, MemberError, describe_value, did_you_mean
+from lrp_jupyter.bridges.members import Member, MemberError, describe_value
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.safety import Safety
-from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, NotAValue
+from lrp_jupyter.errors import BridgeError, LRPError, NoDataYet, NotAValue, did_you_mean
 
 __all__ = ["Limits", "MemberOwner", "Nodes", "RobotMethod", "RobotVariable"]
 

@@ -10,9 +10,9 @@ from __future__ import annotations
 
 from typing import Any, NoReturn
 
-from lrp_jupyter.bridges.members import MemberError, did_you_mean
+from lrp_jupyter.bridges.members import MemberError
 from lrp_jupyter.bridges.nodes import MemberOwner, RobotMethod, RobotVariable
-from lrp_jupyter.errors import NotAValue
+from lrp_jupyter.errors import NotAValue, did_you_mean
 
 __all__ = ["Robot", "attach"]
 

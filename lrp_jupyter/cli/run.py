@@ -15,7 +15,6 @@ import sys
 from collections import deque
 from concurrent.futures import CancelledError, Future
 from contextlib import ExitStack, suppress
-from difflib import get_close_matches
 from pathlib import Path as FilePath
 from queue import Empty, SimpleQueue
 from time import perf_counter
@@ -37,7 +36,7 @@ from lrp_jupyter.cli.pace import LIMIT, Clocked, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, recorded_signals
 from lrp_jupyter.errors import FileError, LRPError
-from lrp_jupyter.interpreter.frame import Frame, matches
+from lrp_jupyter.interpreter.frame import Frame, missing_state
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.live import commands as do
@@ -104,11 +103,8 @@ def _opened(trace: str | None, stack: ExitStack) -> TextIO | None:
 
 
 def _check_state(program: Program, until: str) -> None:
-    known = [(*path, str(state.name)) for path, machine in program.walk() for state in machine.states]
-    if not any(matches(until, path) for path in known):
-        close = get_close_matches(until.rpartition("/")[2], {path[-1] for path in known}, n=1)
-        hint = f" Did you mean `{close[0]}`?" if close else ""
-        raise typer.BadParameter(f"--until: The program has no state `{until}`.{hint}")
+    if missing := missing_state(until, program):
+        raise typer.BadParameter(f"--until: {missing}")
 
 
 def _report(show: Any, name: str, text: str, findings: tuple[Finding, ...]) -> None:

@@ -6,12 +6,11 @@ teacher adds more with :func:`register`.
 
 from __future__ import annotations
 
-import difflib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.grading.criteria import (
     Criterion,
     _angle,
@@ -111,8 +110,7 @@ def challenge(name: str) -> Challenge:
     wanted = name.replace("-", " ").replace("_", " ").casefold().strip()
     if wanted in known:
         return known[wanted]
-    close = difflib.get_close_matches(wanted, known, n=1)
-    hint = f" Did you mean `{close[0]}`?" if close else ""
+    hint = did_you_mean(wanted, known)
     raise LRPError(f"There is no challenge `{name}`.{hint} Choose one of: {', '.join(known)}.")
 
 

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection, ItemsView, Iterator, Mapping
-from difflib import get_close_matches
 from typing import Any, TypeVar
 
-from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.errors import UnknownElementError, did_you_mean
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, path_text
 
@@ -87,8 +86,7 @@ def full_path(wanted: Path | str, known: Collection[Path]) -> Path:
         listed = ", ".join(f"`{path_text(other)}`" for other in found)
         raise UnknownElementError(f"Several variables are called `{path[0]}`. Use one of {listed}.")
     names = dict.fromkeys(name for other in known for name in (path_text(other), other[-1]))
-    close = get_close_matches(path_text(path), names, n=1)
-    hint = f" Did you mean `{close[0]}`?" if close else ""
+    hint = did_you_mean(path_text(path), names)
     raise UnknownElementError(
         f"There is no variable `{path_text(path)}` now. Variables exist while their machine runs.{hint}"
     )

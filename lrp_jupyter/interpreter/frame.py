@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
+from lrp_jupyter.errors import did_you_mean
 from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.identity import Successors
@@ -19,7 +20,7 @@ from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, Spawn, path_text
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "matches"]
+__all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "matches", "missing_state"]
 
 Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
 
@@ -197,6 +198,16 @@ def matches(wanted: str | Path, path: Path) -> bool:
 def is_active(state: str | Path, active: tuple[Path, ...]) -> bool:
     """Return whether a state is among the active ones, or encloses one of them."""
     return any(matches(state, path[:end]) for path in active for end in range(2, len(path) + 1, 2))
+
+
+def missing_state(state: str | Path, program: Program) -> str:
+    """Return a sentence if a program has no such state, else an empty text."""
+    wanted = definition_of(state, program)
+    known = [(*path, str(noun.name)) for path, machine in program.walk() for noun in machine.states]
+    if any(matches(wanted, path) for path in known):
+        return ""
+    name = path_text(as_path(state))
+    return f"There is no state `{name}`.{did_you_mean(as_path(state)[-1], {path[-1]: 0 for path in known})}"
 
 
 def definition_of(state: str | Path, program: Program) -> str | Path:

@@ -44,7 +44,7 @@ import os
 import threading
 import warnings
 import weakref
-from collections.abc import Callable, Iterator, MutableMapping, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Future
 from dataclasses import replace
 from functools import partial
@@ -57,18 +57,17 @@ from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_choice, check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import check_options, make_bridge
-from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.errors import LRPError, SessionTimeoutError, UnknownElementError, sentence_of
 from lrp_jupyter.files import read_text, write_file
 from lrp_jupyter.interpreter.events import Observer
-from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches
+from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches, missing_state
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse, scan
-from lrp_jupyter.language.program import Finding, Path, Program, path_text
+from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.checking import members_of
@@ -77,8 +76,9 @@ from lrp_jupyter.live.driver import Driver
 from lrp_jupyter.live.foreign import surviving
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
+from lrp_jupyter.live.variables import LiveVariables
 
-__all__ = ["LiveVariables", "Session", "Until"]
+__all__ = ["Session", "Until"]
 
 _ABSENT = object()
 
@@ -272,7 +272,7 @@ class Session:
         Assigning sets the value between two ticks: ``session.variables["nobump"] = True``. To read values
         and texts of one moment, use :attr:`frame`.
         """
-        return LiveVariables(self)
+        return LiveVariables(lambda: self.frame, lambda path, value: self._driver.do(do.Assign(path, value)))
 
     @property
     def text(self) -> str:
@@ -438,7 +438,7 @@ class Session:
         if callable(until):
             return lambda: bool(until(loop.make_frame()))
         state, interpreter = until, loop.interpreter
-        if missing := _missing(state, interpreter.program):
+        if missing := missing_state(state, interpreter.program):
             raise UnknownElementError(missing)
         before = _count(interpreter, state)
         return lambda: _count(interpreter, state) > before or loop.is_active(state)
@@ -478,7 +478,7 @@ class Session:
                 )
             if (left := end - monotonic()) <= 0:
                 what = "The condition" if callable(condition) else f"`{'/'.join(as_path(condition))}`"
-                missing = "" if callable(condition) else _missing(condition, frame.program)
+                missing = "" if callable(condition) else missing_state(condition, frame.program)
                 raise SessionTimeoutError(
                     f"{what} did not come within {timeout:g} s: {self!r}. {missing}".rstrip()
                 )
@@ -713,16 +713,6 @@ class Session:
             listener()
 
 
-def _missing(state: str | Path, program: Program) -> str:
-    """Return a sentence if the program has no such state, else an empty text."""
-    wanted = definition_of(state, program)
-    known = [(*path, str(noun.name)) for path, machine in program.walk() for noun in machine.states]
-    if any(matches(wanted, path) for path in known):
-        return ""
-    name = path_text(as_path(state))
-    return f"There is no state `{name}`.{did_you_mean(name, [path[-1] for path in known])}"
-
-
 def _count(interpreter: Interpreter, state: str | Path) -> int:
     wanted = definition_of(state, interpreter.program)
     return sum(count.times for path, count in interpreter.visits.items() if matches(wanted, path))
@@ -743,38 +733,6 @@ def _drop(name: str, driver: Driver, loop: Loop, bridge: Bridge) -> None:
     threading.Thread(target=end, name=f"lrp {name} end", daemon=True).start()
     message = f"The session `{name}` was dropped while it ran, and ended. Call `close`, or use `with`."
     warnings.warn(message, ResourceWarning, stacklevel=2)
-
-
-class LiveVariables(MutableMapping[str, Any]):
-    """The variables of a session: read from its newest frame, and assigned between two ticks.
-
-    Keys are as those of :class:`~lrp_jupyter.interpreter.by_path.ByPath`; iteration yields paths as text.
-    """
-
-    def __init__(self, session: Session) -> None:
-        self._session = session
-
-    def __getitem__(self, name: str | Path) -> Any:
-        return self._session.frame.values[name]
-
-    def __setitem__(self, name: str | Path, value: object) -> None:
-        self._session._driver.do(do.Assign(as_path(name), value))
-
-    def __delitem__(self, name: str) -> None:
-        raise TypeError("A variable cannot be deleted here. Remove it from the program's text.")
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._session.frame.values
-
-    def __iter__(self) -> Iterator[str]:
-        return iter([path_text(path) for path in self._session.frame.values])
-
-    def __len__(self) -> int:
-        return len(self._session.frame.values)
-
-    def __repr__(self) -> str:
-        texts = self._session.frame.variables
-        return "\n".join(f"{path_text(path)} = {text}" for path, text in texts.items()) or "(no variables)"
 
 
 _KEYWORDS = tuple(inspect.signature(Session).parameters)[:-1]

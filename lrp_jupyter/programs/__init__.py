@@ -7,12 +7,11 @@ follow the world it is made for (``; world: line``, or ``none`` if it needs no r
 from __future__ import annotations
 
 import re
-from difflib import get_close_matches
 from importlib.resources import files
 from pathlib import Path
 from typing import NamedTuple
 
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.errors import LRPError, did_you_mean
 
 __all__ = ["Heading", "heading", "load", "names", "world_of"]
 
@@ -51,8 +50,7 @@ def load(name: str) -> str:
     """
     known = names()
     if name not in known:
-        close = get_close_matches(name, known, n=1)
-        hint = f" Did you mean `{close[0]}`?" if close else ""
+        hint = did_you_mean(name, known)
         raise LRPError(f"There is no bundled program `{name}`.{hint} Choose one of: {', '.join(known)}.")
     return files(__name__).joinpath(f"{name}.lrp").read_text(encoding="utf-8")
 

@@ -25,7 +25,8 @@ from lrp_jupyter.graph.still import draw
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program
-from lrp_jupyter.live.session import LiveVariables, Session
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection

@@ -17,8 +17,7 @@ from IPython.display import display
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import find_bridges
-from lrp_jupyter.bridges.members import did_you_mean
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.graph.still import svg
 from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
 from lrp_jupyter.widgets import registry

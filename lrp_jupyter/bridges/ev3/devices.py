@@ -13,9 +13,8 @@ from typing import Protocol
 from lrp_jupyter.bridges.ev3 import protocol
 from lrp_jupyter.bridges.ev3.link import BrickLink
 from lrp_jupyter.bridges.ev3.protocol import BrickReading, MotorReading, SensorReading
-from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.message import real_number
-from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.errors import BridgeError, NoDataYet, did_you_mean
 
 __all__ = ["ABSENT", "MODES", "UNITS", "Brick", "Motor", "Sensor", "mode_name", "type_name"]
 

@@ -27,7 +27,6 @@ from functools import partial
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
-from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.message import Message, real_number
 from lrp_jupyter.bridges.nodes import Limits
 from lrp_jupyter.bridges.panel import Panel
@@ -39,7 +38,7 @@ from lrp_jupyter.bridges.ros.rospy import RospyTransport
 from lrp_jupyter.bridges.ros.setup import Direction, Wire, check_type, parse_address
 from lrp_jupyter.bridges.ros.types import ReceivedMessage, RosMessage
 from lrp_jupyter.bridges.ros.wiring import Wiring
-from lrp_jupyter.errors import BridgeError, NoDataYet, ended
+from lrp_jupyter.errors import BridgeError, NoDataYet, did_you_mean, ended
 
 __all__ = ["RosBridge"]
 

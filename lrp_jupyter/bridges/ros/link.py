@@ -16,12 +16,11 @@ from concurrent.futures import Future
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import ConnectionState
-from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.definitions import Definition, canonical
 from lrp_jupyter.bridges.ros.setup import Direction
 from lrp_jupyter.bridges.ros.types import Types
-from lrp_jupyter.errors import BridgeError, ended
+from lrp_jupyter.errors import BridgeError, did_you_mean, ended
 
 __all__ = ["OnStatus", "RefusedError", "TopicLink", "Transport"]
 

@@ -25,9 +25,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
-from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.ros.definitions import KNOWN, canonical
-from lrp_jupyter.errors import BridgeError, FileError
+from lrp_jupyter.errors import BridgeError, FileError, did_you_mean
 from lrp_jupyter.files import write_file
 
 __all__ = [

@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
-from lrp_jupyter.bridges.members import MemberError, did_you_mean
+from lrp_jupyter.bridges.members import MemberError
 from lrp_jupyter.bridges.message import Message, Plain, real_number
 from lrp_jupyter.bridges.ros.definitions import (
     FLOATS,
@@ -28,7 +28,7 @@ from lrp_jupyter.bridges.ros.definitions import (
     FieldType,
     canonical,
 )
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, did_you_mean
 
 __all__ = ["VELOCITIES", "Form", "ReceivedMessage", "RosMessage", "Types"]
 

@@ -13,11 +13,10 @@ import time
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from lrp_jupyter.bridges.members import did_you_mean
 from lrp_jupyter.bridges.ros.channel import Channel
 from lrp_jupyter.bridges.ros.link import TopicLink
 from lrp_jupyter.bridges.ros.setup import Wire, load_setup, save_setup, setup_as_dict, setup_from_dict
-from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.errors import BridgeError, did_you_mean
 
 __all__ = ["Wiring"]
 

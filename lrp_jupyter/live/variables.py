@@ -1,0 +1,52 @@
+"""The variables of a running program as a mapping that can be assigned to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, MutableMapping
+from typing import Any
+
+from lrp_jupyter.interpreter.frame import Frame
+from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.program import Path, path_text
+
+__all__ = ["LiveVariables"]
+
+
+class LiveVariables(MutableMapping[str, Any]):
+    """The variables of a session: read from its newest frame, and assigned between two ticks.
+
+    Keys are as those of :class:`~lrp_jupyter.interpreter.by_path.ByPath`; iteration yields paths as text.
+
+    Parameters
+    ----------
+    frame : callable
+        Returns the newest frame.
+    assign : callable
+        Assigns a value to the variable of a path.
+    """
+
+    def __init__(self, frame: Callable[[], Frame], assign: Callable[[Path, object], object]) -> None:
+        self._frame = frame
+        self._assign = assign
+
+    def __getitem__(self, name: str | Path) -> Any:
+        return self._frame().values[name]
+
+    def __setitem__(self, name: str | Path, value: object) -> None:
+        self._assign(as_path(name), value)
+
+    def __delitem__(self, name: str) -> None:
+        raise TypeError("A variable cannot be deleted here. Remove it from the program's text.")
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._frame().values
+
+    def __iter__(self) -> Iterator[str]:
+        return iter([path_text(path) for path in self._frame().values])
+
+    def __len__(self) -> int:
+        return len(self._frame().values)
+
+    def __repr__(self) -> str:
+        texts = self._frame().variables
+        return "\n".join(f"{path_text(path)} = {text}" for path, text in texts.items()) or "(no variables)"
