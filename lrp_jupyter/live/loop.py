@@ -371,11 +371,14 @@ class Loop:
             self.ticking = False
         on_time = step is None and now - self.due <= LAG
         self.due = (self.due if on_time else now) + self.period
-        if interpreter.paused and self.status == "running":  # at an issue
-            last = max(
-                interpreter.issues, key=lambda issue: (issue.last_tick, issue.first_tick), default=None
-            )
-            self._stand_still(last.message if last else "")
+        if interpreter.paused and self.status == "running":
+            self._stop_at_issue()
+
+    def _stop_at_issue(self) -> None:
+        """Pause as the interpreter has done, because of an issue in a tick or a command."""
+        issues = self.interpreter.issues
+        last = max(issues, key=lambda issue: (issue.last_tick, issue.first_tick), default=None)
+        self._stand_still(last.message if last else "")
 
     def run(self, seconds: float, after_tick: Callable[[], object] | None = None) -> bool:
         """Tick in virtual time, without waiting, for at most this number of seconds.
@@ -551,7 +554,10 @@ class Loop:
             if not command.mends:
                 self._check_whole()
             with self._calling():  # blocks, hooks and code of the caller
-                return command.apply(self), None
+                result = command.apply(self)
+            if self.interpreter.paused and self.status == "running":
+                self._stop_at_issue()
+            return result, None
         except BaseException as error:
             if isinstance(error, KeyboardInterrupt) and _on_main_thread():
                 return None, error

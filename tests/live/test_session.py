@@ -192,6 +192,19 @@ def test_on_issue_pause_completes_the_tick_and_pauses(session):
 # -- edits
 
 
+def test_an_issue_of_a_command_pauses_at_once_and_a_resume_goes_on(session):
+    made = session(
+        "(machine m (state a (onexit [1 / 0])) (state b) (ontime 9000 a -> b)) (spawn m a)", on_issue="pause"
+    )
+    made.run(0.2)
+    made.resume()
+    made.transition_to("b")
+    assert (made.status, made.frame.reason) == ("paused", "ZeroDivisionError: division by zero")
+    made.resume()
+    assert made.status == "running"
+    assert made.run(1), "nothing else pauses it"
+
+
 def test_an_edit_continues_from_where_the_program_is(session):
     blinking = session(BLINK)
     blinking.run(0.6)
