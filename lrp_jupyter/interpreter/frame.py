@@ -207,7 +207,7 @@ def missing_state(state: str | Path, program: Program) -> str:
     if any(matches(wanted, path) for path in known):
         return ""
     name = path_text(as_path(state))
-    return f"There is no state `{name}`.{did_you_mean(as_path(state)[-1], {path[-1]: 0 for path in known})}"
+    return f"There is no state `{name}`.{did_you_mean(as_path(state)[-1], [path[-1] for path in known])}"
 
 
 def definition_of(state: str | Path, program: Program) -> str | Path:
