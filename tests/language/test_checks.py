@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -19,14 +20,22 @@ from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Block, Machine, Name, Program, Spawn, State, Transition
 from lrp_jupyter.language.triggers import Epsilon
+from lrp_jupyter.programs import heading
 
 EXAMPLES = [code for code in CODES.values() if code.example]
+OF_A_WORLD = pytest.mark.skipif(
+    find_spec("pymunk") is None, reason="the members of a simulated robot are known where pymunk is"
+)
 
 
 # The table
 
 
-@pytest.mark.parametrize("code", EXAMPLES, ids=lambda code: code.code)
+@pytest.mark.parametrize(
+    "code",
+    [pytest.param(code, marks=OF_A_WORLD if heading(code.example).world else ()) for code in EXAMPLES],
+    ids=lambda code: code.code,
+)
 def test_an_example_has_its_code_and_no_other(code: Code) -> None:
     findings = lrp_jupyter.check(code.example)
     assert {(finding.code, finding.severity) for finding in findings} == {(code.code, code.severity)}

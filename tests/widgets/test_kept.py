@@ -19,7 +19,7 @@ from lrp_jupyter.widgets.lab import Lab
 A = "(machine m (state a)) (spawn m a)"
 B = "(machine m (state a) (state b)) (spawn m a)"
 C = "(machine m (state a) (state c)) (spawn m a)"
-EVIL = '(machine m (state a (onentry [open("owned", "w")]))) (spawn m a)'
+EVIL = '(machine m (state a (onentry [open("owned", "w").close()]))) (spawn m a)'
 BROKEN = "(machine m (state a)"
 
 
