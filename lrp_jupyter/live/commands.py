@@ -13,7 +13,8 @@ from typing import Any, ClassVar, Literal
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.patching import Patch
 from lrp_jupyter.language.program import Path, Program
-from lrp_jupyter.live.loop import Command, Loop
+from lrp_jupyter.live.inbox import Command
+from lrp_jupyter.live.loop import Loop
 
 __all__ = [
     "Assign",
@@ -203,7 +204,7 @@ class SetSpeed(Command):
 class SetPolicy(Command):
     """Change ``on_active_edit`` or ``on_issue``."""
 
-    misuse: ClassVar[tuple[type[Exception], ...]] = _ARGUMENTS
+    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     name: Literal["on_active_edit", "on_issue"]
     value: str
 

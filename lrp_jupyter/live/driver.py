@@ -37,8 +37,9 @@ from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.frame import Hung
 from lrp_jupyter.interpreter.variables import EXPRESSION
 from lrp_jupyter.live.commands import Pause
+from lrp_jupyter.live.inbox import Command
 from lrp_jupyter.live.interruption import RunningBlock, interrupt, interrupt_call, running_block
-from lrp_jupyter.live.loop import Command, Loop
+from lrp_jupyter.live.loop import Loop
 
 __all__ = ["PATIENCE", "Driver", "LoopTask", "LoopThread", "Monitor"]
 

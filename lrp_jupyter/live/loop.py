@@ -9,9 +9,6 @@ calls it and then waits until the time that it returns. A turn
 3. ticks, if a tick is due: latch the sensors, one step of the interpreter, flush the commands,
 4. publishes a frame, at most sixty times a second.
 
-*Commands.* A :class:`Command` is a frozen value with an `apply` method. It waits in the
-:class:`Inbox`, and is applied between two ticks, as a whole, on the thread that drives the loop.
-
 *Time.* With a simulated robot the clock only paces: a tick's time is the one it was due at, and if
 the host is too slow the clock is set back. With a real robot the clock is the truth: a late tick
 has the real time. A tick comes *before* its period: ``run(1)`` at 10 Hz ticks at 0, 0.1, … 0.9
@@ -35,7 +32,6 @@ from __future__ import annotations
 import math
 import threading
 import traceback
-from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
@@ -44,7 +40,7 @@ from dataclasses import replace
 from numbers import Real
 from time import perf_counter
 from types import MappingProxyType
-from typing import Any, ClassVar, Literal
+from typing import Any, Literal
 
 from lrp_jupyter.arguments import check_type
 from lrp_jupyter.bridges.bridge import Bridge
@@ -57,9 +53,10 @@ from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign
+from lrp_jupyter.live.inbox import Command, Inbox
 from lrp_jupyter.live.values import ValueTexts
 
-__all__ = ["STEP", "Command", "Inbox", "Loop"]
+__all__ = ["FASTEST", "SLOWEST", "STEP", "Loop"]
 
 STEP = 0.01
 """Seconds from tick to tick at rate 0 where time is virtual."""
@@ -73,84 +70,6 @@ _PICTURES = 30.0  # of a world that moves between two ticks, per wall second
 _ROUNDING = 1e-6  # s
 _KEYBOARD = "The run was interrupted from the keyboard."
 _RAISED = "The program raised `KeyboardInterrupt`, as Ctrl-C does."
-
-
-class Command(ABC):
-    """A request to a loop: a frozen value, applied as a whole between two ticks."""
-
-    __slots__ = ()
-
-    misuse: ClassVar[tuple[type[BaseException], ...]] = (LRPError,)
-    """Errors of :meth:`apply` that are the caller's mistakes; any other error is a fault of this package."""
-
-    mends: ClassVar[bool] = False
-    """Whether it can be applied to a session that is broken."""
-
-    newest_wins: ClassVar[bool] = False
-    """Whether it replaces a command of the same class queued directly before it."""
-
-    urgent: ClassVar[bool] = False
-    """Whether it overtakes all commands that wait, and cancels those that would move the robot."""
-
-    moves: ClassVar[bool] = False
-    """Whether the program runs on because of it."""
-
-    interrupts: ClassVar[bool] = False
-    """Whether a block that does not return is interrupted for it."""
-
-    @abstractmethod
-    def apply(self, loop: Loop) -> Any:
-        """Apply it to a loop, and return the result for the caller."""
-
-
-class Inbox:
-    """Queue of commands, first in, first out; an urgent one is first.
-
-    Any thread puts, the thread that drives the loop gets. :attr:`wake` is set by every put, so that
-    a sleeping loop wakes up.
-    """
-
-    def __init__(self) -> None:
-        self.wake = threading.Event()
-        self.notify: Callable[[], object] = self.wake.set
-        """Called after every put; a driver that does not wait for `wake` sets its own function here."""
-        self.queued: deque[tuple[Command, Future[Any]]] = deque()
-        """Others may only test whether it is empty, which needs no lock."""
-        self._lock = threading.Lock()  # held by every put, which may replace the last entry
-
-    def put(self, command: Command) -> Future[Any]:
-        """Queue a command; the future gets its result, or its error."""
-        answer: Future[Any] = Future()
-        with self._lock:
-            if command.newest_wins and self.queued and type(self.queued[-1][0]) is type(command):
-                _, superseded = self.queued.pop()
-                superseded.cancel()
-            if command.urgent:
-                overtaken = [entry for entry in self.queued if entry[0].moves]
-                for entry in overtaken:
-                    self.queued.remove(entry)
-                self.queued.appendleft((command, answer))
-            else:
-                overtaken = []
-                self.queued.append((command, answer))
-        for _, unanswered in overtaken:
-            if unanswered.set_running_or_notify_cancel():
-                unanswered.set_exception(LRPError("The program was paused before this was done."))
-        self.notify()
-        return answer
-
-    def get(self) -> tuple[Command, Future[Any]] | None:
-        """Remove and return the oldest command and its future; None if there is none."""
-        with self._lock:
-            return self.queued.popleft() if self.queued else None
-
-    def interrupts(self) -> bool:
-        """Return whether a command waits for which a block that does not return is interrupted."""
-        with self._lock:
-            return any(command.interrupts for command, _ in self.queued)
-
-    def __len__(self) -> int:
-        return len(self.queued)
 
 
 class Loop:

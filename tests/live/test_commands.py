@@ -3,7 +3,7 @@ import pytest
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.commands import Pause, ReplaceProgram, Reset, Resume, SetRate, Step
-from lrp_jupyter.live.loop import Inbox
+from lrp_jupyter.live.inbox import Inbox
 
 
 def commands(inbox):

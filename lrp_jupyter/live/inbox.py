@@ -1,0 +1,96 @@
+"""The commands of a loop and the queue in which they wait.
+
+A :class:`Command` is a frozen value with an `apply` method. It waits in the :class:`Inbox`, and is applied
+between two ticks, as a whole, on the thread that drives the loop.
+"""
+
+from __future__ import annotations
+
+import threading
+from abc import ABC, abstractmethod
+from collections import deque
+from collections.abc import Callable
+from concurrent.futures import Future
+from typing import Any, ClassVar
+
+from lrp_jupyter.errors import LRPError
+
+__all__ = ["Command", "Inbox"]
+
+
+class Command(ABC):
+    """A request to a loop: a frozen value, applied as a whole between two ticks."""
+
+    __slots__ = ()
+
+    misuse: ClassVar[tuple[type[BaseException], ...]] = (LRPError,)
+    """Errors of :meth:`apply` that are the caller's mistakes; any other error is a fault of this package."""
+
+    mends: ClassVar[bool] = False
+    """Whether it can be applied to a session that is broken."""
+
+    newest_wins: ClassVar[bool] = False
+    """Whether it replaces a command of the same class queued directly before it."""
+
+    urgent: ClassVar[bool] = False
+    """Whether it overtakes all commands that wait, and cancels those that would move the robot."""
+
+    moves: ClassVar[bool] = False
+    """Whether the program runs on because of it."""
+
+    interrupts: ClassVar[bool] = False
+    """Whether a block that does not return is interrupted for it."""
+
+    @abstractmethod
+    def apply(self, loop: Any) -> Any:
+        """Apply it to a :class:`~lrp_jupyter.live.loop.Loop`, and return the result for the caller."""
+
+
+class Inbox:
+    """Queue of commands, first in, first out; an urgent one is first.
+
+    Any thread puts, the thread that drives the loop gets. :attr:`wake` is set by every put, so that
+    a sleeping loop wakes up.
+    """
+
+    def __init__(self) -> None:
+        self.wake = threading.Event()
+        self.notify: Callable[[], object] = self.wake.set
+        """Called after every put; a driver that does not wait for `wake` sets its own function here."""
+        self.queued: deque[tuple[Command, Future[Any]]] = deque()
+        """Others may only test whether it is empty, which needs no lock."""
+        self._lock = threading.Lock()  # held by every put, which may replace the last entry
+
+    def put(self, command: Command) -> Future[Any]:
+        """Queue a command; the future gets its result, or its error."""
+        answer: Future[Any] = Future()
+        with self._lock:
+            if command.newest_wins and self.queued and type(self.queued[-1][0]) is type(command):
+                _, superseded = self.queued.pop()
+                superseded.cancel()
+            if command.urgent:
+                overtaken = [entry for entry in self.queued if entry[0].moves]
+                for entry in overtaken:
+                    self.queued.remove(entry)
+                self.queued.appendleft((command, answer))
+            else:
+                overtaken = []
+                self.queued.append((command, answer))
+        for _, unanswered in overtaken:
+            if unanswered.set_running_or_notify_cancel():
+                unanswered.set_exception(LRPError("The program was paused before this was done."))
+        self.notify()
+        return answer
+
+    def get(self) -> tuple[Command, Future[Any]] | None:
+        """Remove and return the oldest command and its future; None if there is none."""
+        with self._lock:
+            return self.queued.popleft() if self.queued else None
+
+    def interrupts(self) -> bool:
+        """Return whether a command waits for which a block that does not return is interrupted."""
+        with self._lock:
+            return any(command.interrupts for command, _ in self.queued)
+
+    def __len__(self) -> int:
+        return len(self.queued)
