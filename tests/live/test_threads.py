@@ -9,7 +9,7 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError, SessionTimeoutError
 from lrp_jupyter.interpreter.faults import Interrupted
-from lrp_jupyter.live import driver
+from lrp_jupyter.live import driver, monitor
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.commands import Call, Pause, Step
 
@@ -44,7 +44,8 @@ def gates():
 
 @pytest.fixture
 def impatient(monkeypatch):
-    monkeypatch.setattr(driver, "PATIENCE", 0.05)
+    for module in (driver, monitor):
+        monkeypatch.setattr(module, "PATIENCE", 0.05)
 
 
 @pytest.fixture

@@ -1,0 +1,216 @@
+"""The monitor of a loop: a thread that sees when a block does not return.
+
+Such a block holds up its loop and nothing else: the monitor reports which block it is, stops the robot, and
+interrupts the block if an edit or another command has waited for it for a second. It also feeds the bridge's
+watchdog and pauses a robot that is no longer watched. It never touches the interpreter.
+"""
+
+from __future__ import annotations
+
+import contextvars
+import math
+import threading
+from collections.abc import Callable
+from time import monotonic
+from types import FrameType
+
+from lrp_jupyter.interpreter.frame import Hung
+from lrp_jupyter.interpreter.variables import EXPRESSION
+from lrp_jupyter.live.commands import Pause
+from lrp_jupyter.live.interruption import RunningBlock, interrupt, interrupt_call, running_block
+from lrp_jupyter.live.loop import Loop
+
+__all__ = ["AGAIN", "PATIENCE", "Monitor", "block_of"]
+
+PATIENCE = 1.0
+"""Wall seconds that a call waits for its command, and a command for a block that does not return."""
+AGAIN = 0.25
+"""Wall seconds until a block is interrupted again, or the next one of the same tick."""
+
+_INTERVAL = 0.1  # wall seconds between two checks
+_REUSED = 1.0  # wall seconds for which the monitor of a run waits for the next run
+
+
+class Monitor:
+    """A thread that watches a loop and its robot.
+
+    Parameters
+    ----------
+    loop : Loop
+    thread : callable
+        Returns the identity of the thread that drives the loop now, or None.
+    hung_after : float
+        Wall seconds after which a tick is reported.
+    dead_man : float or None
+        Wall seconds without :meth:`seen` after which the program is paused; None: never.
+    """
+
+    def __init__(
+        self,
+        loop: Loop,
+        thread: Callable[[], int | None],
+        hung_after: float = 2.0,
+        dead_man: float | None = None,
+    ) -> None:
+        self._loop = loop
+        self._driving = thread
+        self.hung_after = hung_after
+        """Wall seconds after which a tick is reported."""
+        self._dead_man = dead_man
+        now = self._seen = monotonic()
+        self._reported = False
+        self._work: tuple[object, float] = (None, now)  # what is under way, and since when
+        self._block: tuple[RunningBlock | None, float] = (None, now)  # the block in it, and since when
+        self._waiting: float | None = None  # since when a command waits that interrupts
+        self._interrupted: FrameType | None = None
+        self._last = -math.inf  # wall time of the last interruption in this work
+        self.limit = math.inf
+        """Wall seconds after which a block is interrupted, and the program paused."""
+        self.ended_run = ""
+        """A sentence about the block that exceeded the limit; empty if none has."""
+        self._end = threading.Event()
+        self._left = math.inf  # wall time at which the last run was over
+        self._leaving = threading.Lock()
+        context = contextvars.copy_context()
+        self._thread = threading.Thread(
+            target=context.run, args=(self._run,), name="lrp monitor", daemon=True
+        )
+
+    @property
+    def within(self) -> float:
+        """Wall seconds within which a block is interrupted for a command; 0 if that may take longer."""
+        return self.hung_after + PATIENCE if self.hung_after <= 2 * PATIENCE else 0.0
+
+    def start(self) -> None:
+        """Start the thread."""
+        self._thread.start()
+
+    def end(self) -> None:
+        """End the thread, and wait for it."""
+        self._end.set()
+        if self._thread is not threading.current_thread() and self._thread.ident is not None:
+            self._thread.join(5)
+
+    def leave(self) -> None:
+        """End the thread a second from now, unless :meth:`stays` is called: the next run needs one, too."""
+        self._left = monotonic()
+
+    def stays(self) -> bool:
+        """Keep the thread after all; return whether it has not ended."""
+        with self._leaving:
+            self._left = math.inf
+            return not self._end.is_set()
+
+    def seen(self) -> None:
+        """Reset the dead man's switch: a view has answered."""
+        self._seen = monotonic()
+
+    def note(self, block: RunningBlock) -> None:
+        """Note that a block was interrupted: one that still runs later cannot be."""
+        self._interrupted, self._last = block.frame, monotonic()
+
+    def _run(self) -> None:
+        while not self._end.wait(min(_INTERVAL, self.hung_after / 4)):
+            try:
+                self._check()
+            except BaseException as error:  # an unwatched robot must not move
+                self._loop.break_down(error)
+            with self._leaving:
+                if monotonic() - self._left > _REUSED:
+                    self._end.set()
+        self._report(None, 0.0)
+
+    def _check(self) -> None:
+        loop, wall = self._loop, monotonic()
+        since = self._watch(wall)
+        block = self._block[0]
+        if since >= self.hung_after:
+            self._report(block, since)
+            if since >= self.limit:
+                self._end_run()
+            self._interrupt(wall)
+        else:
+            self._report(None, 0.0)
+        if loop.status != "running":
+            self._seen = wall
+            return
+        if loop.bridge.time_step is None:  # a simulated time stands still, too
+            loop.bridge.check_watchdog(loop.clock.now())
+        if self._dead_man is not None and wall - self._seen > self._dead_man:
+            self._seen = wall
+            loop.bridge.stop_all()
+            loop.inbox.put(Pause(f"The robot has not been watched for {self._dead_man:g} s."))
+
+    def _watch(self, wall: float) -> float:
+        """Note what the loop is doing; return for how many wall seconds it has been doing it."""
+        loop = self._loop
+        work = loop.work
+        if work is None or work != self._work[0]:
+            self._work = work, wall
+            self._interrupted, self._last = None, -math.inf
+        since = wall - self._work[1]
+        block = None
+        if since >= min(PATIENCE, self.hung_after) / 2:  # nothing to look for in most ticks
+            block = block_of(loop, self._driving())
+        known, began = self._block
+        same = block is not None and known is not None and block.frame is known.frame
+        self._block = block, began if same else wall
+        foreign = loop.foreign
+        applies = foreign is not None and not foreign.name and not loop.ticking  # a command other than a step
+        if not (applies or loop.inbox.interrupts()):
+            self._waiting = None
+        elif self._waiting is None:
+            self._waiting = wall
+        return since
+
+    def _end_run(self) -> None:
+        """Pause the program because of the limit, at once."""
+        loop = self._loop
+        if not self.ended_run and (hung := loop.hung) is not None:
+            place = f" (line {hung.line})" if hung.line else ""
+            self.ended_run = (
+                f"`{hung.where}`{place} did not return within {self.limit:g} s of computing, which ended the "
+                "run. A block must end at once: use a state with `ontime` instead of waiting in a block."
+            )
+            loop.inbox.put(Pause(self.ended_run))
+        self._waiting = -math.inf
+
+    def _interrupt(self, wall: float) -> None:
+        """Interrupt the block if a command waits for it, and again if it goes on."""
+        (block, began), thread = self._block, self._driving()
+        if block is None or thread is None or self._waiting is None or wall - self._waiting < PATIENCE:
+            return
+        enough = PATIENCE if self._interrupted is None else AGAIN
+        if wall - began < enough or wall - self._last < AGAIN:
+            return
+        if self.ended_run and block.frame is self._interrupted:
+            interrupt_call(thread)
+        else:
+            interrupt(thread, block)
+        self.note(block)
+
+    def _report(self, block: RunningBlock | None, since: float) -> None:
+        loop = self._loop
+        if not since:
+            if self._reported:
+                self._reported = False
+                loop.set_hung(None, None)
+                loop.changed()
+            return
+        if block is None:
+            hung = Hung("the robot" if loop.ticking else "a command", round(since, 1))
+        else:
+            held = block.frame is self._interrupted and monotonic() - self._last > AGAIN / 2
+            hung = Hung(block.name, round(since, 1), block.line, held)
+        loop.set_hung(self._work[0], hung)
+        if not self._reported:
+            self._reported = True
+            loop.bridge.stop_all()
+        loop.changed()
+
+
+def block_of(loop: Loop, thread: int | None) -> RunningBlock | None:
+    """Return what a thread runs now of the program, of an expression or of a value's ``repr``."""
+    foreign = loop.foreign
+    name = "" if foreign is None else foreign.name
+    return running_block(thread, (loop.interpreter.program.filename, EXPRESSION), name)
