@@ -17,7 +17,6 @@ __all__ = ["Bracketing"]
 _ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
 _WORDS = re.compile(r"[^\W\d]\w*(?:\s+[^\W\d]\w*)*")
 _LONGEST_STRING = 200
-_WORD = re.compile(r"[^\W\d]\w*")
 _SOURCE = re.compile(r"\s+(?:\w+|\*|(?:\*\s*-\s*)?\{[^{}]*\})\s*->")
 _BLOCK = re.compile(r"(?<=[\w)\]\"'])\s+(?=\[[^\[\]]*\]\s*(?:[)(\[;]|\Z))")
 """Between two blocks; a subscript follows its value without a space."""

@@ -89,11 +89,7 @@ class LRPMagics(Magics):
         """Live programming of robot behaviour; see the commands below."""
         try:
             return self._line(line) if cell is None else self._cell(line, cell)
-        except UsageError:
-            raise
-        except (LRPError, OSError) as error:
-            raise UsageError(str(error)) from None
-        except ValueError as error:
+        except (LRPError, OSError, ValueError) as error:
             raise UsageError(str(error)) from None
 
     lrp.__doc__ = f"Live programming of robot behaviour.\n\n{_HELP}"

@@ -178,9 +178,3 @@ def _stored(nodes: list[ast.AST]) -> list[ast.expr]:
     """Return the names, attributes and items that are assigned or deleted."""
     kinds = ast.Name | ast.Attribute | ast.Subscript
     return [node for node in nodes if isinstance(node, kinds) and not isinstance(node.ctx, ast.Load)]
-
-
-def _root(node: ast.expr) -> str:
-    while isinstance(node, ast.Attribute | ast.Subscript):
-        node = node.value
-    return node.id if isinstance(node, ast.Name) else ""
