@@ -11,6 +11,7 @@ from lrp_jupyter.interpreter.frame import Hung
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.live.commands import ReplaceProgram, Reset, SetVariable
 from lrp_jupyter.live.interruption import RunningBlock, interrupt
+from lrp_jupyter.live.monitor import PATIENCE
 
 LONG = 120.0  # seconds; reached only when something is wrong, however busy the machine is
 RUNNING = "(machine m (state a (running [{}]))) (spawn m a)"
@@ -182,6 +183,17 @@ def test_a_block_that_is_only_slow_is_not_interrupted(session):
     made.wait_for("a", LONG)
     made.edit(GOOD)
     assert runs_on(made).issues == ()
+
+
+def test_a_block_that_returns_soon_after_an_edit_is_not_interrupted(hanging):
+    gate = threading.Event()
+    session = hanging(RUNNING.format("while not gate.is_set(): pass"), namespace={"gate": gate})
+    session.wait_for(lambda frame: frame.hung.seconds > 1.5 * PATIENCE, LONG)
+    answer = session.submit(ReplaceProgram(parse(GOOD)))
+    gate.wait(PATIENCE / 4)  # many checks of the monitor
+    gate.set()
+    answer.result(LONG)
+    assert runs_on(session).issues == ()
 
 
 def test_a_call_that_cannot_be_interrupted_is_named_as_such(hanging):

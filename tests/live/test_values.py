@@ -1,5 +1,6 @@
 """Values in frames: whatever their `repr` does, the loop lives, is watched, and keeps its rate."""
 
+import queue
 import threading
 from contextlib import nullcontext
 
@@ -82,7 +83,8 @@ def test_a_listener_that_does_not_return_is_reported(session):
     assert running.wait_for(lambda frame: frame.status == "running", LONG)
 
 
-def test_rendering_takes_a_small_share_of_the_time(monkeypatch):
+@pytest.mark.parametrize("text", ["after", ""])
+def test_rendering_takes_a_small_share_of_the_time(monkeypatch, text):
     now = [0.0]
     monkeypatch.setattr(values, "perf_counter", lambda: now[0])
 
@@ -95,7 +97,7 @@ def test_rendering_takes_a_small_share_of_the_time(monkeypatch):
         def __repr__(self):
             Costly.count += 1
             now[0] += self.cost
-            return f"after {Costly.count}"
+            return text
 
     texts = ValueTexts(lambda name: nullcontext())
     scene = [(("first",), Costly(0.16)), (("second",), Costly(0.0)), (("third",), Costly(0.01)), (("n",), 3)]
@@ -113,6 +115,20 @@ def test_rendering_takes_a_small_share_of_the_time(monkeypatch):
     assert Costly.count == count + 3, "at a pause nothing is left out"
     texts.of(scene, now=True, foreign=False)
     assert Costly.count == count + 3
+
+
+def test_a_repr_of_c_that_was_interrupted_is_not_called_again(session):
+    texts = queue.SimpleQueue()
+    running = session(
+        SHOWN, rate=100, hung_after=0.2, namespace={"make": type("Slow", (), {"__repr__": texts.get})}
+    )
+    running.start()
+    assert running.wait_for(lambda frame: frame.hung, LONG).hung.where == "v.__repr__"
+    assert running.interrupt()
+    texts.put("the text")
+    running.wait_for(lambda frame: frame.status == "running", LONG)
+    running.pause()  # which renders all values
+    assert running.frame.variables["v",] == "<Slow: not shown, because `__repr__` did not return>"
 
 
 def test_a_value_that_looks_like_a_number_and_is_none_does_no_harm(session):
