@@ -5,14 +5,15 @@ Whatever it raises must not end the loop, and the monitor must see when it does 
 
 from __future__ import annotations
 
-import sys
+import logging
 from collections.abc import Callable
-from types import SimpleNamespace
 from typing import ParamSpec
 
 __all__ = ["Foreign", "surviving"]
 
 Arguments = ParamSpec("Arguments")
+
+_LOGGER = logging.getLogger("lrp_jupyter")
 
 
 class Foreign:
@@ -31,9 +32,9 @@ class Foreign:
 
 
 def surviving(call: Callable[Arguments, object], drop: Callable[[], object]) -> Callable[Arguments, None]:
-    """Wrap a subscriber: if it raises, `drop` ends its subscription and the exception is reported.
+    """Wrap a subscriber: if it raises, `drop` ends its subscription and the exception is logged.
 
-    It is reported as Python does for a ``__del__``, because there is no caller to raise it in.
+    There is no caller to raise it in. Without any handler, Python writes the log to stderr.
     """
     subscribed = True
 
@@ -48,14 +49,7 @@ def surviving(call: Callable[Arguments, object], drop: Callable[[], object]) -> 
         except BaseException as error:
             subscribed = False
             drop()
-            sys.unraisablehook(
-                SimpleNamespace(
-                    exc_type=type(error),
-                    exc_value=error,
-                    exc_traceback=error.__traceback__,
-                    err_msg="A subscriber of a session raised an exception and is not called again",
-                    object=None,
-                )
-            )
+            message = "A subscriber of a session raised an exception and is not called again."
+            _LOGGER.error(message, exc_info=error)
 
     return guarded

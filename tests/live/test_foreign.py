@@ -1,6 +1,6 @@
 """Whatever foreign code does, the loop lives on, and says what happened."""
 
-import sys
+import logging
 
 import pytest
 
@@ -14,11 +14,15 @@ COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
 
 
 @pytest.fixture
-def reported(monkeypatch):
-    """Collect what could not be raised."""
+def reported():
+    """Collect the exceptions that could not be raised and were logged."""
     seen = []
-    monkeypatch.setattr(sys, "unraisablehook", lambda fault: seen.append(fault.exc_type))
-    return seen
+    handler = logging.Handler()
+    handler.emit = lambda record: seen.append(record.exc_info[0])
+    logger = logging.getLogger("lrp_jupyter")
+    logger.addHandler(handler)
+    yield seen
+    logger.removeHandler(handler)
 
 
 @pytest.fixture(
