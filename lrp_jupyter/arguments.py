@@ -9,7 +9,7 @@ from typing import Any
 
 from lrp_jupyter.errors import did_you_mean
 
-__all__ = ["A_PROGRAM", "check_choice", "check_number", "check_type"]
+__all__ = ["A_PROGRAM", "check_callable", "check_choice", "check_number", "check_type"]
 
 
 A_PROGRAM = "a Program, which `parse(text)` makes of a text"
@@ -17,7 +17,7 @@ A_PROGRAM = "a Program, which `parse(text)` makes of a text"
 
 
 def check_type(name: str, value: object, kind: type | tuple[type, ...], what: str) -> None:
-    """Raise a TypeError if an argument has another type.
+    """Raise a TypeError if an argument has another type; a truth value is not accepted as a number.
 
     Parameters
     ----------
@@ -28,8 +28,14 @@ def check_type(name: str, value: object, kind: type | tuple[type, ...], what: st
     what : str
         What the argument is, in words: ``a text``.
     """
-    if not isinstance(value, kind):
+    if not isinstance(value, kind) or isinstance(value, (bool, type)):
         raise TypeError(f"`{name}` is {what}, not {_kind(value)}.")
+
+
+def check_callable(name: str, value: object) -> None:
+    """Raise a TypeError if an argument cannot be called."""
+    if not callable(value):
+        raise TypeError(f"`{name}` is a function, not {_kind(value)}.")
 
 
 def check_choice(name: str, value: object, choices: Iterable[str]) -> None:
@@ -63,4 +69,6 @@ def check_number(
 
 
 def _kind(value: object) -> str:
+    if isinstance(value, type):
+        return f"the class {value.__name__}"
     return "None" if value is None else type(value).__name__

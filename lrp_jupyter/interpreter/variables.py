@@ -23,10 +23,9 @@ EXPRESSION = "<expression>"
 
 
 class VariableMapping(Mapping[Path, object]):
-    """The existing variables and their values, by path: ``("follower", "nobump")``.
+    """The existing variables and their values; keys are as those of ``ByPath``.
 
-    A path may also be written as text, ``"follower/nobump"``. Variables that have no value (their
-    initialiser failed) are absent.
+    Variables that have no value (their initialiser failed) are absent.
     """
 
     def __init__(self, run: Run) -> None:
@@ -62,12 +61,7 @@ class VariableMapping(Mapping[Path, object]):
         UnknownElementError
             If there is no such variable now, or several have that name.
         """
-        try:
-            environment, name = find_variable(self._run, wanted)
-        except UnknownElementError:
-            return full_path(
-                wanted, [(*home.path, name) for home in self._run.live.values() for name in home.own]
-            )
+        environment, name = find_variable(self._run, wanted)
         return (*environment.path, name)
 
     def __len__(self) -> int:
@@ -83,15 +77,15 @@ def find_variable(run: Run, path: Path | str) -> tuple[Environment, str]:
     Raises
     ------
     UnknownElementError
-        If there is no such variable now.
+        If there is no such variable now, or several have that name.
     """
     *where, name = as_path(path) or ("",)
     for key, environment in run.live.items():
         if tuple(where) in (environment.path, key) and name in environment.own:  # as spawned, or as defined
             return environment, name
-    raise UnknownElementError(
-        f"There is no variable `{path_text(as_path(path))}` now. Variables exist while their machine runs."
-    )
+    known = {(*home.path, own): home for home in run.live.values() for own in home.own}
+    found = full_path(path, known)
+    return known[found], found[-1]
 
 
 def assign(run: Run, path: Path | str, value: object) -> None:

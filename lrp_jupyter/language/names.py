@@ -328,6 +328,7 @@ def as_path(path: str | Path) -> Path:
     """Return a path as a tuple of names as the parser makes them; it may be written as ``"m/a"``."""
     try:
         return tuple([normal(name) for name in (path.split("/") if isinstance(path, str) else path)])
-    except TypeError:
-        message = f"A path is a text such as `m/a`, or a tuple of names, not {type(path).__name__}."
+    except (TypeError, AttributeError):
+        kind = "None" if path is None else type(path).__name__
+        message = f"A path is a text such as `m/a`, or a tuple of names, not {kind}."
         raise TypeError(message) from None

@@ -324,13 +324,17 @@ class Loop:
             seconds = math.ceil(seconds / step - _ROUNDING) * step
         end = self.now + seconds
         almost = end - _ROUNDING
+        asking = False
         try:
             while self.now < almost and self.status == "running":
                 if self.due - self.now <= _ROUNDING:
                     self.due = self.now
                     tick()
-                    if after_tick is not None and after_tick():
-                        return True
+                    if after_tick is not None:
+                        asking = True
+                        if after_tick():
+                            return True
+                        asking = False
                     if queued:
                         self.apply_queued()
                     if self.status != "running":
@@ -347,6 +351,8 @@ class Loop:
                 raise
             self.pause(_RAISED)
         except BaseException as error:
+            if asking:  # the function of the caller, whose thread this is
+                raise
             self.break_down(error)
         finally:
             self.clock.rebase(self.now)

@@ -54,7 +54,7 @@ from types import NoneType
 from typing import Any, Literal, Self
 
 from lrp_jupyter import programs
-from lrp_jupyter.arguments import check_choice, check_number, check_type
+from lrp_jupyter.arguments import check_callable, check_choice, check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import check_options, make_bridge
 from lrp_jupyter.errors import LRPError, SessionTimeoutError, UnknownElementError, sentence_of
@@ -67,7 +67,7 @@ from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse, scan
-from lrp_jupyter.language.program import Finding, Path, Program
+from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.checking import members_of
@@ -160,6 +160,8 @@ class Session:
         check_type("name", name, str, "a text")
         check_type("namespace", namespace, (dict, NoneType), "a dict")
         check_type("clock", clock, (Clock, NoneType), "a clock, such as `VirtualClock()`")
+        if clock is not None and speed != 1:
+            raise ValueError("Pass either `clock` or `speed`: a clock has a speed of its own.")
         check_choice("driver", driver, ("thread", "asyncio"))
         check_number("hung_after", hung_after, "a number of seconds", above=0)
         if dead_man is not None:
@@ -420,6 +422,8 @@ class Session:
             raise ValueError("How long should it run? Pass `seconds`, `until`, or both.")
         if seconds is not None:
             check_number("seconds", seconds, "a number", least=0)
+        if after_tick is not None:
+            check_callable("after_tick", after_tick)
         check_number("limit", limit, "a number of seconds", above=0)
         self._driver.refuse_inside("run")
         self.open()
@@ -459,6 +463,8 @@ class Session:
             It cannot happen: the session was not started, is stopped, broken or closed, or is driven by
             this very thread.
         """
+        if timeout is not None:
+            check_number("timeout", timeout, "a number of seconds", least=0)
         end = math.inf if timeout is None else monotonic() + timeout
         before = 0 if callable(condition) else self._loop.frame.count_of(condition)
         runs = self._driver.runs_elsewhere
@@ -472,16 +478,14 @@ class Session:
             if frame.status in ("stopped", "broken", "closed"):
                 raise LRPError(f"The session is {frame.status}. {frame.reason}".strip())
             if not runs:
-                why = "" if self._driver.running else " The session was not started."
-                raise LRPError(
-                    f"Nothing would run meanwhile.{why} Call `start` first, or use `run(until=…)`."
-                )
+                why = "is driven by this very thread" if self._driver.running else "was not started"
+                raise LRPError(f"The session {why}. Call `start` first, or use `run(until=…)`.")
             if (left := end - monotonic()) <= 0:
-                what = "The condition" if callable(condition) else f"`{'/'.join(as_path(condition))}`"
-                missing = "" if callable(condition) else missing_state(condition, frame.program)
-                raise SessionTimeoutError(
-                    f"{what} did not come within {timeout:g} s: {self!r}. {missing}".rstrip()
-                )
+                what, missing = "The condition was not met", ""
+                if not callable(condition):
+                    what = f"`{path_text(as_path(condition))}` was not entered"
+                    missing = missing_state(condition, frame.program)
+                raise SessionTimeoutError(f"{what} within {timeout:g} s: {self!r}. {missing}".rstrip())
             with self._changed:
                 self._changed.wait_for(lambda old=version: self._version != old, min(left, 3600))  # type: ignore[misc]
 
@@ -530,6 +534,7 @@ class Session:
 
     def check(self, program: Program | str) -> tuple[Finding, ...]:
         """Return the findings about a program, for the robot and the namespace of this session."""
+        check_type("program", program, (str, Program), "a text or a Program")
         try:
             return check(program, self.namespace, self._robot_members())
         except Exception as error:  # a fault of the checks is reported as such and does not block the edit
@@ -665,6 +670,7 @@ class Session:
 
     def call(self, function: Callable[[], Any]) -> Any:
         """Call a function between two ticks, when the robot's world may be changed."""
+        check_callable("function", function)
         return self._driver.do(do.Call(function))
 
     def observe(self, observer: Observer) -> Callable[[], None]:
@@ -677,6 +683,7 @@ class Session:
         def unsubscribe() -> None:
             end()
 
+        check_callable("observer", observer)
         guarded = surviving(observer, unsubscribe)
         end: Callable[[], None] = self._driver.do(do.Call(lambda: self.interpreter.observe(guarded)))
         return unsubscribe
@@ -691,6 +698,7 @@ class Session:
         def unlisten() -> None:
             self._listeners = tuple(other for other in self._listeners if other is not guarded)
 
+        check_callable("callback", callback)
         guarded = surviving(callback, unlisten)
         self._listeners = (*self._listeners, guarded)
         return unlisten

@@ -12,10 +12,10 @@ from lrp_jupyter.language.program import Path, path_text
 __all__ = ["LiveVariables"]
 
 
-class LiveVariables(MutableMapping[str, Any]):
+class LiveVariables(MutableMapping[Path, Any]):
     """The variables of a session: read from its newest frame, and assigned between two ticks.
 
-    Keys are as those of :class:`~lrp_jupyter.interpreter.by_path.ByPath`; iteration yields paths as text.
+    Keys are as those of :class:`~lrp_jupyter.interpreter.by_path.ByPath`.
 
     Parameters
     ----------
@@ -35,14 +35,14 @@ class LiveVariables(MutableMapping[str, Any]):
     def __setitem__(self, name: str | Path, value: object) -> None:
         self._assign(as_path(name), value)
 
-    def __delitem__(self, name: str) -> None:
+    def __delitem__(self, name: str | Path) -> None:
         raise TypeError("A variable cannot be deleted here. Remove it from the program's text.")
 
     def __contains__(self, name: object) -> bool:
         return name in self._frame().values
 
-    def __iter__(self) -> Iterator[str]:
-        return iter([path_text(path) for path in self._frame().values])
+    def __iter__(self) -> Iterator[Path]:
+        return iter(self._frame().values)
 
     def __len__(self) -> int:
         return len(self._frame().values)

@@ -267,7 +267,16 @@ def test_set_variable_evaluates_in_the_scope_of_the_variable():
     assert i.variables["n"] == [0, 1]
 
 
-@pytest.mark.parametrize("path", ["k", "m/n", "q/k", ""])
+def test_a_variable_is_read_and_set_by_a_name_that_only_one_has():
+    i = started("(var n := [2])(machine m (var k := [5]) (state a))(spawn m a)")
+    assert (i.variables["k"], "k" in i.variables) == (5, True)
+    i.set_variable("k", "n + k")
+    assert i.variables["m/k"] == 7
+    with pytest.raises(UnknownElementError, match="Did you mean `m/k`"):
+        i.variables["m/kk"]
+
+
+@pytest.mark.parametrize("path", ["q", "m/n", "q/k", ""])
 def test_a_variable_that_does_not_live_cannot_be_set(path):
     i = started("(var n := [2])(machine m (var k := [5]) (state a))(spawn m a)")
     with pytest.raises(UnknownElementError):

@@ -22,7 +22,7 @@ def test_an_edit_does_what_the_table_says(path):
     i = Interpreter(parse(first), bot, on_active_edit=policy)
 
     def look():
-        return tuple("/".join(path) for path in i.active), i.variables
+        return tuple("/".join(path) for path in i.active), dict(i.variables)
 
     run_until(i.step, story, bot, look)
     tick = story.last_tick

@@ -38,6 +38,18 @@ PROGRAM = "(var n := [1]) (machine m (state a) (state b) (ontime 300 a -> b)) (s
         ({"hung_after": 0}, "`hung_after` is a number of seconds above 0, not 0."),
         ({"dead_man": "never"}, "`dead_man` is a number of seconds, not str."),
         ({"program": b"text"}, "`program` is a text or a Program, not bytes."),
+        ({"rate": True}, "`rate` is a number of ticks per second, not bool."),
+        ({"speed": True}, "`speed` is a number, not bool."),
+        ({"journal": True}, "`journal` is a number of ticks, not bool."),
+        ({"dead_man": True}, "`dead_man` is a number of seconds, not bool."),
+        (
+            {"clock": lrp.VirtualClock},
+            "`clock` is a clock, such as `VirtualClock()`, not the class VirtualClock.",
+        ),
+        (
+            {"clock": lrp.VirtualClock(), "speed": 2},
+            "Pass either `clock` or `speed`: a clock has a speed of its own.",
+        ),
     ],
 )
 def test_a_wrong_argument_of_a_session_is_one_sentence(arguments, sentence):
@@ -102,12 +114,22 @@ def test_a_wrong_type_anywhere_is_one_sentence(call, sentence):
             ValueError,
             "`on_issue` is `record` or `pause`, not `stop`.",
         ),
+        (lambda s: s.frame.values[b"n"], TypeError, A_PATH.replace("int", "bytes")),
+        (lambda s: s.frame.values[None], TypeError, A_PATH.replace("int", "None")),
+        (lambda s: s.check(3), TypeError, "`program` is a text or a Program, not int."),
+        (lambda s: s.run(True), TypeError, "`seconds` is a number, not bool."),
+        (lambda s: s.run(1, after_tick=3), TypeError, "`after_tick` is a function, not int."),
+        (lambda s: s.run(1, until=lambda frame: 1 / 0), ZeroDivisionError, "division by zero"),
+        (lambda s: s.run(1, after_tick=lambda: 1 / 0), ZeroDivisionError, "division by zero"),
+        (lambda s: s.call(3), TypeError, "`function` is a function, not int."),
+        (lambda s: s.observe(3), TypeError, "`observer` is a function, not int."),
+        (lambda s: s.listen(3), TypeError, "`callback` is a function, not int."),
+        (lambda s: s.wait_for("b", "soon"), TypeError, "`timeout` is a number of seconds, not str."),
         (lambda s: setattr(s, "rate", "fast"), TypeError, "`rate` is a number of ticks per second, not str."),
         (
             lambda s: s.wait_for("b", 5),
             lrp.LRPError,
-            "Nothing would run meanwhile. The session was not started."
-            " Call `start` first, or use `run(until=…)`.",
+            "The session was not started. Call `start` first, or use `run(until=…)`.",
         ),
     ],
 )

@@ -593,7 +593,7 @@ def test_a_variable_is_set_to_a_value_to_a_text_and_by_an_expression(session):
     named.variables["n"] = "n + 1"
     assert named.variables["n"] == "n + 1"
     named.set_variable("k", None)
-    assert dict(named.variables) == {"n": "n + 1", "m/k": None}
+    assert named.variables == named.frame.values == {("n",): "n + 1", ("m", "k"): None}
     assert repr(named.variables) == "n = 'n + 1'\nm/k = None"
 
 

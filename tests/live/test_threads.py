@@ -86,7 +86,7 @@ def test_a_started_program_runs_by_itself(session):
 def test_waiting_for_a_state_that_is_not_entered_ends_with_a_sentence(session):
     blinking = session(BLINK, rate=100)
     blinking.start()
-    with pytest.raises(SessionTimeoutError, match=r"`c` did not come within 0.01 s"):
+    with pytest.raises(SessionTimeoutError, match=r"`c` was not entered within 0.01 s"):
         blinking.wait_for("c", 0.01)
 
 
