@@ -190,9 +190,12 @@ def name_of(kind: type) -> str:
 _NAME = type.__dict__["__name__"]
 
 
-def did_you_mean(name: str, names: Iterable[str]) -> str:
-    """Return `` Did you mean `light`?`` for the closest name, with a space before it, or nothing."""
-    close = get_close_matches(name, list(names), n=1, cutoff=0.5)
+def did_you_mean(name: str, names: Iterable[str], likeness: float = 0.5) -> str:
+    """Return `` Did you mean `light`?`` for the closest name, with a space before it, or nothing.
+
+    `likeness` is the least that counts, from 0 to 1; of names of different things, close ones are rarer.
+    """
+    close = get_close_matches(name, list(names), n=1, cutoff=likeness)
     return f" Did you mean `{close[0]}`?" if close else ""
 
 

@@ -161,7 +161,7 @@ def check_options(
         for option in options:
             raise BridgeError(
                 f"The bridge `{which.name}` exists already and accepts no more options, such as `{option}`."
-                f"{did_you_mean(option, others)}"
+                f"{did_you_mean(option, others, 0.7)}"
             )
     elif options:
         _check_options(_class_of(which), options, others)
@@ -192,9 +192,11 @@ def _check_options(bridge: type[Bridge], options: Mapping[str, Any], others: Ite
     for option in options:
         if option not in known:
             listed = ", ".join(f"`{name}`" for name in known) or "no options"
+            hint = did_you_mean(option, [*known, *others], 0.7)
+            if not hint and bridge is NullBridge:
+                hint = ' Name the robot that takes it, as in `bridge="sim"`.'
             raise BridgeError(
-                f"The bridge `{bridge.name}` has no option `{option}`; it takes {listed}."
-                f"{did_you_mean(option, [*known, *others])}"
+                f"The bridge `{bridge.name}` has no option `{option}`; it takes {listed}.{hint}"
             )
     for name, parameter in known.items():
         if parameter.default is parameter.empty and name not in options:

@@ -15,8 +15,10 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from functools import partial
-from typing import NamedTuple
+from types import NoneType
+from typing import NamedTuple, cast
 
+from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.errors import BridgeError
@@ -115,12 +117,16 @@ class SimBridge(Bridge):
     def __init__(
         self,
         world: str | os.PathLike[str] | Mapping[str, object] | World = "line",
-        seed: int | None = None,
+        seed: int | str | None = None,
         noise: Noise | Mapping[str, float] | None = None,
     ) -> None:
-        self._noise = _checked_noise(noise)
+        try:
+            self._noise = _checked_noise(noise)
+            number = _checked_seed(seed)
+        except (TypeError, ValueError) as error:
+            raise BridgeError(str(error)) from None
         self._stopping = False
-        self.simulation = self._simulate(world, seed)
+        self.simulation = self._simulate(world, number)
 
     def _simulate(
         self, world: str | os.PathLike[str] | Mapping[str, object] | World, seed: int | None
@@ -377,8 +383,18 @@ def _place(place: tuple[float, float]) -> str:
 def _checked_noise(noise: Noise | Mapping[str, float] | None) -> Noise | None:
     if noise is None or isinstance(noise, Noise):
         return noise
+    check_type("noise", noise, Mapping, 'a mapping such as `{"light": 4}`')
     known = [field.name for field in fields(Noise)]
     unknown = [name for name in noise if name not in known]
     if unknown:
         raise BridgeError(f"There is no noise `{unknown[0]}`. Choose one of {', '.join(known)}.")
+    for name, value in noise.items():
+        check_number(name, value, "a standard deviation", least=0)
     return replace(Noise(), **noise)
+
+
+def _checked_seed(seed: object) -> int | None:
+    if isinstance(seed, str) and seed.isdecimal():  # as an option of a magic
+        return int(seed)
+    check_type("seed", seed, (int, NoneType), "a whole number")
+    return cast("int | None", seed)

@@ -135,6 +135,10 @@ def grade(
     """
     check_type("what", what, (str, Challenge, World), "the name of a challenge, a Challenge or a World")
     check_number("limit", limit, "a number of seconds", above=0)
+    check_number("seconds", seconds, "a number of seconds", above=0)
+    if not isinstance(seeds, Iterable):
+        check_type("seeds", seeds, int, "a number of runs, or the seeds themselves")
+        check_number("seeds", seeds, "a number of runs", least=1)
     if isinstance(what, str):
         task = challenge(what)
     elif isinstance(what, Challenge):

@@ -38,6 +38,20 @@ PROGRAM = "(var n := [1]) (machine m (state a) (state b) (ontime 300 a -> b)) (s
         ({"hung_after": 0}, "`hung_after` is a number of seconds above 0, not 0."),
         ({"dead_man": "never"}, "`dead_man` is a number of seconds, not str."),
         ({"program": b"text"}, "`program` is a text or a Program, not bytes."),
+        (
+            {"world": "line"},
+            "The bridge `none` has no option `world`; it takes no options."
+            ' Name the robot that takes it, as in `bridge="sim"`.',
+        ),
+        (
+            {"bridge": lrp.SimBridge(), "world": "line"},
+            "The bridge `sim` exists already and accepts no more options, such as `world`.",
+        ),
+        ({"bridge": "sim", "seed": "x"}, "`seed` is a whole number, not str."),
+        ({"bridge": "sim", "seed": True}, "`seed` is a whole number, not bool."),
+        ({"bridge": "sim", "noise": 3}, '`noise` is a mapping such as `{"light": 4}`, not int.'),
+        ({"bridge": "sim", "noise": {"light": -4}}, "`light` is a standard deviation of 0 or more, not -4."),
+        ({"bridge": "sim", "noise": {"light": "4"}}, "`light` is a standard deviation, not str."),
         ({"rate": True}, "`rate` is a number of ticks per second, not bool."),
         ({"speed": True}, "`speed` is a number, not bool."),
         ({"journal": True}, "`journal` is a number of ticks, not bool."),
@@ -75,6 +89,10 @@ A_PATH = "A path is a text such as `m/a`, or a tuple of names, not int."
         (lambda: lrp.StateGraph(3), "`session` is a Session, a Lab or the name of a program, not int."),
         (lambda: lrp.grade("", 4), "`what` is the name of a challenge, a Challenge or a World, not int."),
         (lambda: lrp.grade("", "square", limit="x"), "`limit` is a number of seconds, not str."),
+        (
+            lambda: lrp.grade("", "square", True),
+            "`seeds` is a number of runs, or the seeds themselves, not bool.",
+        ),
         (lambda: lrp.VirtualClock("now"), "`start` is a time in seconds, not str."),
     ],
 )

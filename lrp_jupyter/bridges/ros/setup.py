@@ -226,7 +226,7 @@ def parse_address(host: str | None, port: int | str | None, default: int) -> tup
     BridgeError
         It is not an address.
     """
-    text = (host or "").strip()
+    text = str(host or "").strip()
     bare = text.rpartition("//")[2].rstrip("/")
     name, colon, digits = bare.rpartition(":") if bare.count(":") == 1 else (bare, "", "")
     number = str(port) if port is not None else digits if colon else str(default)
