@@ -35,8 +35,12 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
   });
   host.classList.add("lrp-host");
   host.append(root);
-  const toast = h("div", { class: "lrp-toast", role: "alert", hidden: true });
+  const toast = h("div", { class: "lrp-toast", role: "alert", popover: "manual", hidden: true });
   let toastTimer: ReturnType<typeof setTimeout> | undefined;
+  const showToast = (on: boolean) => {
+    toast.hidden = !on;
+    if (toast.isConnected) toast.togglePopover?.(on); // in view wherever the notebook is scrolled to
+  };
   let editor: Editor | null = null;
   let world: WorldPart | null = null;
   let inspecting: Inspector | null = null;
@@ -65,11 +69,9 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     inspect: (kind, path) => inspecting?.open(kind, path),
     notify(sentence) {
       toast.textContent = sentence;
-      toast.hidden = false;
+      showToast(true);
       clearTimeout(toastTimer);
-      toastTimer = setTimeout(() => {
-        toast.hidden = true;
-      }, TOAST_TIME);
+      toastTimer = setTimeout(() => showToast(false), TOAST_TIME);
     },
   };
 

@@ -172,6 +172,14 @@ describe("the link", () => {
     wire.connection.send({ do: "rate", value: 5 });
     expect(wire.links).toEqual(["dead"]);
   });
+
+  it("refuses what waits for a reply and what is asked later, once it is dead", async () => {
+    const waiting = wire.connection.command({ do: "reset" });
+    wire.broken = true;
+    wire.connection.send({ do: "rate", value: 5 });
+    const later = wire.connection.ask({ type: "versions" });
+    for (const { error } of await Promise.all([waiting, later])) expect(error).toContain("Run the cell");
+  });
 });
 
 it("a state begins empty and running nothing", () => {

@@ -343,6 +343,50 @@ describe("the page", () => {
     expect(page.commands("keep")).toMatchObject([{ number: 4 }]);
   });
 
+  it("says 'runs' of a text only while it runs", async () => {
+    const verdict = page.find(".lrp-verdict");
+    const shown = async (status: string) => {
+      page.deliver({ type: "frame", frame: 9, status });
+      await page.drawn();
+      return verdict.textContent;
+    };
+    expect(await shown("running")).toBe("runs");
+    expect(await shown("paused")).toBe("applied");
+    expect(await shown("hung")).toBe("applied");
+    expect(await shown("broken")).toBe("not running");
+    page.end();
+    await page.drawn();
+    expect(verdict.textContent).toBe("no kernel");
+  });
+
+  it("leaves the keyboard focus in the lab when what had it disappears", async () => {
+    page.deliver({ type: "frame", frame: 9, status: "broken", reason: "The session itself failed." });
+    await page.drawn();
+    page.find('[data-lrp-action="start-again"]').focus();
+    page.deliver({ type: "frame", frame: 10, status: "running", reason: "" });
+    await page.drawn();
+    expect(document.activeElement).toBe(page.find(".lrp-lab"));
+    page.find('[data-lrp-action="stop"]').focus();
+    expect(page.find(".lrp-lab").hasAttribute("tabindex")).toBe(false);
+  });
+
+  it("shows after the end of the kernel only what is still so, and says that commands go nowhere", async () => {
+    const hung = { where: "a.running", seconds: 3, held: false };
+    page.deliver({ type: "frame", frame: 9, hung, reason: "`a.running` has run.", unkept: "No space." });
+    await page.drawn();
+    const shown = (action: string) => !page.find(`[data-lrp-action="${action}"]`).closest("[hidden]");
+    expect([shown("interrupt"), shown("unkept")]).toEqual([true, true]);
+    page.end();
+    await page.drawn();
+    expect([shown("interrupt"), shown("unkept"), shown("copy")]).toEqual([false, false, true]);
+    page.find(".lrp-toast").textContent = "";
+    page.find('[data-lrp-action="menu"]').click();
+    page.find('[role="menu"] [data-lrp-action="versions"]').click();
+    await page.drawn();
+    expect(page.find(".lrp-toast").textContent).toContain("Run the cell again.");
+    expect(page.find('form[aria-label="Versions"]').hidden).toBe(true);
+  });
+
   it("sends a last message when it is closed", () => {
     page.close();
     expect(page.sent.at(-1)).toMatchObject({ type: "bye" });

@@ -26,7 +26,7 @@ DEAD_MAN = 5.0
 
 _HAS_HUNG = (
     "A block of this program did not return when it last ran, so the program was not started. "
-    "Correct the block, then start the program."
+    "Correct the block, then run the program."
 )
 
 _connections: dict[str, PageConnection] = {}

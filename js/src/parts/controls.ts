@@ -3,7 +3,7 @@
 import type { Topic } from "../session/state";
 import type { Lab } from "../session/store";
 import { button, setSwitch, toggle } from "../ui/button";
-import { h, setAttribute, setText } from "../ui/dom";
+import { h, setAttribute, setHidden, setText } from "../ui/dom";
 import { icon } from "../ui/icons";
 import { openMenu } from "../ui/menu";
 import { type Choices, labMenu } from "./menu";
@@ -99,10 +99,10 @@ function nameplate(lab: Lab): HTMLElement {
     class: "lrp-button lrp-unkept",
     onclick: () => lab.notify(lab.store.state.unkept),
   });
-  lab.store.watch(["name", "unkept", "snapshot"], () => {
-    const { name: text, unkept } = lab.store.state;
+  lab.store.watch(["name", "unkept", "link", "snapshot"], () => {
+    const { name: text, unkept, link } = lab.store.state;
     setText(name, text);
-    mark.hidden = !unkept;
+    setHidden(mark, !unkept || link === "dead"); // then the page keeps it
     setAttribute(mark, "title", unkept);
   });
   return h("div", { class: "lrp-group", role: "status" }, name, mark);

@@ -14,14 +14,21 @@ export function editorPanel(lab: Lab, editor: Editor): HTMLElement {
 function verdict(lab: Lab): HTMLElement {
   const { store } = lab;
   const line = h("span", { class: "lrp-verdict", role: "status" });
-  store.watch(["findings", "accepted", "patch", "pending", "snapshot"], () => {
-    const { findings, accepted, patch, pending } = store.state;
+  store.watch(["findings", "accepted", "patch", "pending", "status", "link", "snapshot"], () => {
+    const { findings, accepted, patch, pending, status, link } = store.state;
     const errors = findings.filter(({ severity }) => severity === "error").length;
     let state = "runs";
-    let words = "runs";
-    if (!accepted) {
+    let words = status === "running" ? "runs" : "applied";
+    if (link === "dead") {
+      state = "waits";
+      words = "no kernel";
+    } else if (!accepted) {
       state = "broken";
-      words = `${errors === 1 ? "1 error" : `${errors} errors`}; the last valid program keeps running`;
+      words = errors === 1 ? "1 error" : `${errors} errors`;
+      if (status === "running") words += "; the last valid program keeps running";
+    } else if (status === "broken") {
+      state = "waits";
+      words = "not running";
     } else if (pending) {
       state = "held";
       words = "held";

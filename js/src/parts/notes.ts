@@ -3,18 +3,12 @@
 import type { Difference } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, setSwitch, toggle } from "../ui/button";
-import { h, prose, setText, visible } from "../ui/dom";
+import { h, prose, setHidden, setText, visible } from "../ui/dom";
 
 export function notes(lab: Lab, text: () => string): HTMLElement {
-  return h(
-    "div",
-    { class: "lrp-notes" },
-    linkNote(lab, text),
-    hungNote(lab),
-    unstartedNote(lab),
-    heldNote(lab),
-    conflictNote(lab),
-  );
+  const ofSession = h("div", {}, hungNote(lab), unstartedNote(lab), heldNote(lab), conflictNote(lab));
+  lab.store.watch(["link"], () => setHidden(ofSession, lab.store.state.link === "dead"));
+  return h("div", { class: "lrp-notes" }, linkNote(lab, text), ofSession);
 }
 
 function linkNote(lab: Lab, text: () => string): HTMLElement {
@@ -37,7 +31,7 @@ function linkNote(lab: Lab, text: () => string): HTMLElement {
   store.watch(["link", "status", "reason"], () => {
     const { link, status, reason } = store.state;
     const broken = status === "broken" || status === "closed";
-    note.hidden = !(link === "lost" || link === "dead" || link === "busy" || broken);
+    setHidden(note, !(link === "lost" || link === "dead" || link === "busy" || broken));
     copy.hidden = link !== "dead";
     again.hidden = status !== "broken" || link === "dead";
     const sentence = {
@@ -63,7 +57,7 @@ export function hungNote(lab: Lab): HTMLElement {
   const note = h("div", { class: "lrp-note lrp-note-warning", role: "status" }, words, interrupt);
   lab.store.watch(["hung", "reason"], () => {
     const { hung, reason } = lab.store.state;
-    note.hidden = !hung;
+    setHidden(note, !hung);
     interrupt.hidden = !hung || hung.held;
     if (hung) words.replaceChildren(...prose(reason));
   });
@@ -75,7 +69,7 @@ export function unstartedNote(lab: Lab): HTMLElement {
   const note = h("div", { class: "lrp-note lrp-note-warning", role: "status" }, words);
   lab.store.watch(["status", "reason", "tick"], () => {
     const { status, reason, tick } = lab.store.state;
-    note.hidden = !(status === "paused" && tick === 0 && reason);
+    setHidden(note, !(status === "paused" && tick === 0 && reason));
     if (!note.hidden) words.replaceChildren(...prose(reason));
   });
   return note;
@@ -105,7 +99,7 @@ function heldNote(lab: Lab): HTMLElement {
   );
   store.watch(["pending", "settings"], () => {
     const { pending } = store.state;
-    note.hidden = !pending;
+    setHidden(note, !pending);
     if (pending) list.replaceChildren(...lines(pending));
   });
   return note;
@@ -147,7 +141,7 @@ function conflictNote(lab: Lab): HTMLElement {
   );
   lab.store.watch(["conflict", "snapshot"], () => {
     const { conflict } = lab.store.state;
-    note.hidden = !conflict;
+    setHidden(note, !conflict);
     if (!conflict) return;
     words.replaceChildren(...prose(conflict.sentence));
     use.replaceChildren(conflict.use);
@@ -173,9 +167,7 @@ export function restartNotice(lab: Lab): HTMLElement {
     h("div", { class: "lrp-row" }, keep, button({ icon: "close", title: "Dismiss", onclick: () => hide() })),
   );
   let seen = 0;
-  const hide = () => {
-    notice.hidden = true;
-  };
+  const hide = () => setHidden(notice, true);
   notice.hidden = true;
   store.watch(["restart", "settings", "snapshot"], (changed) => {
     const { restart, settings } = store.state;

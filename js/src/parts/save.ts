@@ -1,7 +1,7 @@
 /** Save the program under a chosen name; ask before another file is replaced. */
 
 import type { Lab } from "../session/store";
-import { h } from "../ui/dom";
+import { h, setHidden } from "../ui/dom";
 
 export function saveForm(lab: Lab): { element: HTMLElement; open: () => void } {
   const input = h("input", {
@@ -21,9 +21,7 @@ export function saveForm(lab: Lab): { element: HTMLElement; open: () => void } {
     },
     "Replace",
   );
-  const close = () => {
-    element.hidden = true;
-  };
+  const close = () => setHidden(element, true);
   const ask = (on: boolean) => {
     replace.hidden = !on;
     error.textContent = on ? "This file exists and was not written by this lab." : "";

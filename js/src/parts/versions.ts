@@ -2,7 +2,7 @@
 
 import type { VersionView } from "../protocol";
 import type { Lab } from "../session/store";
-import { h, visible } from "../ui/dom";
+import { h, setHidden, visible } from "../ui/dom";
 
 export function versionsForm(lab: Lab): { element: HTMLElement; open: () => void } {
   let known: VersionView[] = [];
@@ -14,9 +14,7 @@ export function versionsForm(lab: Lab): { element: HTMLElement; open: () => void
   const text = h("pre", { class: "lrp-source", tabindex: "0", "aria-label": "Text of the version" });
   const nothing = h("span", { role: "status" });
   const use = h("button", { class: "lrp-button lrp-primary", "data-lrp-action": "use-version" }, "Use");
-  const close = () => {
-    element.hidden = true;
-  };
+  const close = () => setHidden(element, true);
   const show = () => {
     text.textContent = visible(known[list.selectedIndex]?.text ?? "");
   };
@@ -47,7 +45,7 @@ export function versionsForm(lab: Lab): { element: HTMLElement; open: () => void
     element,
     async open() {
       const { error, versions } = await lab.ask({ type: "versions" });
-      if (error) lab.notify(error);
+      if (error) return lab.notify(error);
       known = versions ?? [];
       list.replaceChildren(...known.map((version) => h("option", { value: version.key }, title(version))));
       nothing.textContent = known.length ? "" : "No text has been replaced yet.";

@@ -48,6 +48,8 @@ const GONE_AFTER = 1500;
 const CREDIT_AFTER_FRAMES = 2;
 const CREDIT_AFTER = 500;
 
+const NO_KERNEL = "The kernel was restarted or shut down. Run the cell again.";
+
 /** Each member of a union without the fields that this module fills in. */
 type Without<T, K extends PropertyKey> = T extends unknown ? Omit<T, K> : never;
 /** The commands of the page: the act and its own fields. */
@@ -147,7 +149,7 @@ export class Connection {
     this.post({ type: "bye", view: this.view });
     this.model.off("msg:custom", this.receive);
     this.model.off("comm_live_update", this.suspect);
-    for (const [id] of this.waiting) this.resolve({ type: "reply", view: this.view, id, error: "closed" });
+    this.refuse();
   }
 
   private wait(make: (id: number) => FromPage): Promise<ReplyMessage> {
@@ -155,7 +157,13 @@ export class Connection {
     return new Promise((resolve) => {
       this.waiting.set(id, { since: this.clock.now(), resolve });
       this.post(make(id));
+      if (this.link === "dead") this.refuse();
     });
+  }
+
+  /** Reply to everything that waits: the kernel will not. */
+  private refuse(): void {
+    for (const [id] of this.waiting) this.resolve({ type: "reply", view: this.view, id, error: NO_KERNEL });
   }
 
   private post(message: FromPage): void {
@@ -242,5 +250,6 @@ export class Connection {
     if (link === this.link) return;
     this.link = link;
     this.listener.link(link);
+    if (link === "dead") this.refuse();
   }
 }

@@ -53,6 +53,16 @@ export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }
 
+/** Hide an element or show it; the keyboard focus in a hidden one moves to the lab, not out of it. */
+export function setHidden(element: HTMLElement, hidden: boolean): void {
+  const lab = hidden && element.contains(document.activeElement) && element.closest<HTMLElement>(".lrp-lab");
+  element.hidden = hidden;
+  if (!lab) return;
+  lab.tabIndex = -1; // for this moment only: a click on it goes to the notebook
+  lab.addEventListener("blur", () => lab.removeAttribute("tabindex"), { once: true });
+  lab.focus({ preventScroll: true });
+}
+
 /** Update the children of an element to match a list, by key: elements that stay are reused. */
 export function reconcile<T>(
   parent: Element,
