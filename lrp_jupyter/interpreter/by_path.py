@@ -66,6 +66,10 @@ class ByPath(Mapping[Path, V]):
     def __len__(self) -> int:
         return len(self._items)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        """Return the keys that completion in a notebook offers after ``[``."""
+        return [path_text(path) for path in self._items]
+
     def __repr__(self) -> str:
         return repr({path_text(path): value for path, value in self._items.items()})
 

@@ -47,6 +47,9 @@ class LiveVariables(MutableMapping[Path, Any]):
     def __len__(self) -> int:
         return len(self._frame().values)
 
+    def _ipython_key_completions_(self) -> list[str]:
+        return self._frame().values._ipython_key_completions_()
+
     def __repr__(self) -> str:
         texts = self._frame().variables
         return "\n".join(f"{path_text(path)} = {text}" for path, text in texts.items()) or "(no variables)"

@@ -67,7 +67,8 @@ def test_variables_are_read_and_written_by_name_or_path(make):
     box = [object()]
     lab.variables["box"] = box
     assert lab.variables["box"] is box
-    assert set(lab.variables) == {"box", "m/v", "m/w", "m/a/n/v"}
+    assert set(lab.variables) == {("box",), ("m", "v"), ("m", "w"), ("m", "a", "n", "v")}
+    assert lab.variables._ipython_key_completions_() == ["box", "m/v", "m/w", "m/a/n/v"]
     assert len(lab.variables) == 4
     assert "w = 6" in repr(lab.variables)
     assert lab.session.namespace == {}
