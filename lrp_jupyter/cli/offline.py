@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Sequence
-from difflib import get_close_matches
 from pathlib import Path
 from typing import Any, Literal
 
@@ -15,7 +14,7 @@ from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
 from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.source import Source, read_source
-from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
+from lrp_jupyter.errors import FileError, LRPError, UnknownElementError, did_you_mean
 from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import scan
@@ -129,9 +128,9 @@ def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path
         return 1
     known = [path_text(path) for path, _ in program.walk()]
     if machine is not None and machine.strip("/") not in known:
-        close = get_close_matches(machine, known, n=1)
-        hint = f"Did you mean `{close[0]}`?" if close else f"The program has {', '.join(known) or 'none'}."
-        raise UnknownElementError(f"There is no machine `{machine}`. {hint}")
+        listed = ", ".join(f"`{path}`" for path in known) or "none"
+        hint = did_you_mean(machine, known) or f" The program has {listed}."
+        raise UnknownElementError(f"There is no machine `{machine}`.{hint}")
     picture = _rendered(program, machine, kind)
     if output is None:
         sys.stdout.write(picture)

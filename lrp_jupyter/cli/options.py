@@ -10,12 +10,11 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from difflib import get_close_matches
 from typing import Any, Literal, NamedTuple
 
 import typer
 
-from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.errors import UnknownElementError, did_you_mean
 from lrp_jupyter.language.blocks import facts_of, faults_of
 from lrp_jupyter.language.program import Machine, Path, Program, State, Variable, path_text
 from lrp_jupyter.live.loop import FASTEST, SLOWEST
@@ -172,9 +171,9 @@ def _full_path(program: Program, wanted: Path) -> Path:
         raise UnknownElementError(
             f"--set {name}: Several variables have this name. Use {' or '.join(texts)}."
         )
-    close = get_close_matches(name, [*texts, *(path[-1] for path in known)], n=1)
-    hint = f"Did you mean `{close[0]}`?" if close else f"It has {', '.join(texts) or 'none'}."
-    raise UnknownElementError(f"--set {name}: The program has no such variable. {hint}")
+    listed = ", ".join(f"`{text}`" for text in texts) or "none"
+    hint = did_you_mean(name, [*texts, *(path[-1] for path in known)]) or f" It has {listed}."
+    raise UnknownElementError(f"--set {name}: The program has no such variable.{hint}")
 
 
 def _variables(program: Program) -> Iterator[Path]:

@@ -8,12 +8,11 @@ from __future__ import annotations
 import sys
 import threading
 from collections.abc import Callable
-from difflib import get_close_matches
 from pathlib import Path
 from typing import NamedTuple
 
 from lrp_jupyter import programs
-from lrp_jupyter.errors import FileError
+from lrp_jupyter.errors import FileError, did_you_mean
 from lrp_jupyter.files import decoded, read_text
 
 __all__ = ["Source", "Watch", "read_source"]
@@ -57,9 +56,9 @@ def read_source(what: str) -> Source:
     if what in programs.names():
         return Source(what, programs.load(what))
     known = [*programs.names(), *sorted(str(each) for each in Path().glob("*.lrp"))]
-    close = get_close_matches(what, known, n=1) or get_close_matches(path.stem, known, n=1)
-    hint = f"Did you mean `{close[0]}`?" if close else f"Bundled programs: {', '.join(programs.names())}."
-    raise FileError(f"There is no file or bundled program `{what}`. {hint}")
+    hint = did_you_mean(what, known) or did_you_mean(path.stem, known)
+    hint = hint or f" Bundled programs: {', '.join(programs.names())}."
+    raise FileError(f"There is no file or bundled program `{what}`.{hint}")
 
 
 _DEBOUNCE = 50  # ms without a change: editors write in several steps
