@@ -27,6 +27,7 @@ __all__ = [
     "Severity",
     "UnknownElementError",
     "did_you_mean",
+    "edited",
     "ended",
     "listed",
     "name_of",
@@ -52,9 +53,14 @@ class Fix(NamedTuple):
 
     def apply(self, text: str) -> str:
         """Return the text after the edits."""
-        for start, end, new in sorted(self.edits, reverse=True):
-            text = text[:start] + new + text[end:]
-        return text
+        return edited(text, self.edits)
+
+
+def edited(text: str, edits: Iterable[Edit]) -> str:
+    """Return a text after edits that do not overlap; their offsets are those of the text before."""
+    for start, end, new in sorted(edits, reverse=True):
+        text = text[:start] + new + text[end:]
+    return text
 
 
 @dataclass(frozen=True, slots=True)

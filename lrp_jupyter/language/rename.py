@@ -14,7 +14,7 @@ from dataclasses import dataclass, field, replace
 from keyword import iskeyword
 from typing import NamedTuple
 
-from lrp_jupyter.errors import LRPSyntaxError, UnknownElementError
+from lrp_jupyter.errors import Edit, LRPSyntaxError, UnknownElementError, edited
 from lrp_jupyter.language.blocks import block_names
 from lrp_jupyter.language.names import normal
 from lrp_jupyter.language.parser import parse
@@ -179,15 +179,13 @@ def _check_name(kind: str, name: str) -> None:
 
 
 def _changed(text: str, symbol: Symbol, uses: list[Mention], name: str) -> str:
-    edits = {symbol.definition: name, **dict.fromkeys(symbol.references, name)}
+    names = {symbol.definition: name, **dict.fromkeys(symbol.references, name)}
     for use in uses:
         if use.symbol is symbol and use.imported:
             if "." in use.imported:
                 raise ValueError(f"`import {use.imported}` assigns `{use.name}`. Add an `as` first.")
-            edits[use.span] = f"{use.imported} as {name}"
-    for (start, end), new in sorted(edits.items(), reverse=True):
-        text = text[:start] + new + text[end:]
-    return text
+            names[use.span] = f"{use.imported} as {name}"
+    return edited(text, [Edit(*span, new) for span, new in names.items()])
 
 
 def _check_meaning(

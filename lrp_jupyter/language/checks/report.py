@@ -65,9 +65,9 @@ class Reporter:
         return self.program.place(span.start)[0]
 
 
-def replace(span: Span, text: str) -> Fix:
-    """Return the fix that replaces a range by `text`."""
-    return Fix(f"Change to `{text}`", (Edit(span.start, span.end, text),))
+def replace(span: Span, text: str, title: str = "") -> Fix:
+    """Return the fix that replaces a range by `text`; its title may show more than that."""
+    return Fix(title or f"Change to `{text}`", (Edit(span.start, span.end, text),))
 
 
 @lru_cache(maxsize=500)

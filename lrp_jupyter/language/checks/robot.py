@@ -9,7 +9,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import NamedTuple
 
-from lrp_jupyter.language.checks.report import nearest
+from lrp_jupyter.language.checks.report import nearest, replace
 from lrp_jupyter.language.checks.uses import Argument, RobotCall, RobotUse, robot_uses
 from lrp_jupyter.language.program import Edit, Fix, Span
 from lrp_jupyter.language.robot import Parameters, RobotMember, RobotMembers
@@ -103,7 +103,7 @@ def _unknown(use: RobotUse, members: RobotMembers, around: str, index: int) -> R
         listed = ", ".join(f"`{each}`" for each in known)
         return Remedied("LRP520", span, f"`{what}` has no `{name}`. It has {listed}.")
     message = f"`{what}` has no `{name}`. Did you mean `{meant}`?"
-    return Remedied("LRP520", span, message, _replaced(span, meant))
+    return Remedied("LRP520", span, message, replace(span, meant))
 
 
 def _part(
@@ -123,7 +123,7 @@ def _part(
         return Remedied("LRP523", use.span, message) if not is_condition else None
     if use.role == "called":
         assert use.call is not None
-        fix = _replaced(use.call.brackets, f".{data}", f"Change to `robot.{path}.{data}`") if data else None
+        fix = replace(use.call.brackets, f".{data}", f"Change to `robot.{path}.{data}`") if data else None
         return Remedied("LRP522", use.span, what, fix if not use.call.arguments else None)
     if use.role in _USED or (use.role == "value" and not is_action):
         fix = Fix(f"Insert `.{data}`", (Edit(end, end, f".{data}"),)) if data else None
@@ -197,7 +197,7 @@ def _comparison(use: RobotUse, path: str, kind: str) -> Remedied | None:
         return None
     fix = None
     if kind == "number" and isinstance(value, str) and _is_number(value):
-        fix = _replaced(span, value.strip())
+        fix = replace(span, value.strip())
         remedy = f"Write `{value.strip()}` without quotes"
     elif kind == "truth value":
         remedy = "Compare it with `True` or `False`"
@@ -289,7 +289,7 @@ def _unknown_argument(argument: Argument, path: str, parameters: Parameters) -> 
     meant = nearest(argument.name, parameters.fields.union(parameters.names))
     if meant:
         message = f"`{path}` has no argument `{argument.name}`. Did you mean `{meant}`?"
-        return Remedied("LRP521", span, message, _replaced(span, meant))
+        return Remedied("LRP521", span, message, replace(span, meant))
     listed = " and ".join(f"`{name}`" for name in parameters.names)
     accepted = f"It takes {listed}" if listed else "It takes none"
     return Remedied("LRP521", span, f"`{path}` has no argument `{argument.name}`. {accepted}.")
@@ -299,7 +299,7 @@ def _not_a_number(argument: Argument) -> Remedied:
     number = argument.text.strip()
     if _is_number(number):
         message = f"`{argument.name}` must be a number, not a text. Write `{number}` without quotes."
-        return Remedied("LRP521", argument.value, message, _replaced(argument.value, number))
+        return Remedied("LRP521", argument.value, message, replace(argument.value, number))
     message = f"`{argument.name}` must be a number, not {_ARTICLES.get(argument.kind, '`None`')}. Write one."
     return Remedied("LRP521", argument.value, message)
 
@@ -325,7 +325,3 @@ def _by_position(
     message = f"The arguments of `{path}` need names. Write `{path}({example})`."
     fix = Fix(f"Insert `{edits[0].text}`", tuple(edits)) if len(edits) == len(plain) else None
     return Remedied("LRP521", Span(plain[0].span.start, plain[-1].span.end), message, fix)
-
-
-def _replaced(span: Span, text: str, title: str = "") -> Fix:
-    return Fix(title or f"Change to `{text}`", (Edit(span.start, span.end, text),))

@@ -13,7 +13,7 @@ import re
 from collections.abc import Callable
 from functools import lru_cache
 
-from lrp_jupyter.errors import Edit
+from lrp_jupyter.errors import Edit, edited
 from lrp_jupyter.language.program import line_starts
 from lrp_jupyter.language.slips.brackets import braces, brackets, calls_in_brackets
 from lrp_jupyter.language.slips.code import Guess, Guesses, WrongBlock
@@ -67,7 +67,7 @@ def explain(text: str, line: int = 1, column: int = 0, is_condition: bool = Fals
             left -= len(text)
             if left < 0:
                 break
-            follower = _error(_applied(text, candidate.edits))
+            follower = _error(edited(text, candidate.edits))
             if follower is None and candidate.is_certain:
                 best = candidate
                 break
@@ -85,8 +85,8 @@ def explain(text: str, line: int = 1, column: int = 0, is_condition: bool = Fals
             Diagnosis(origins[best.start], origins[best.end], best.code, best.message, tuple(edits))
         )
         for start, end, new in sorted(best.edits, reverse=True):
-            text = text[:start] + new + text[end:]
             origins[start:end] = [origins[start]] * len(new)
+        text = edited(text, best.edits)
         column = 0 if column and origins[0] else column
     return tuple(faults)
 
@@ -122,15 +122,9 @@ def _offset(text: str, line: int | None, column: int | None) -> int:
     return min(starts[min(line or 1, len(starts)) - 1] + (column or 1) - 1, len(text))
 
 
-def _applied(text: str, edits: tuple[Edit, ...]) -> str:
-    for start, end, new in sorted(edits, reverse=True):
-        text = text[:start] + new + text[end:]
-    return text
-
-
 def _is_progress(text: str, candidate: Guess, place: int, follower: SyntaxError) -> bool:
     """Return whether Python now gives up in a later line, so that this was one slip of several."""
-    later = _offset(_applied(text, candidate.edits), follower.lineno, follower.offset)
+    later = _offset(edited(text, candidate.edits), follower.lineno, follower.offset)
     first = min(edit.start for edit in candidate.edits)
     grown = sum(len(new) - (end - start) for start, end, new in candidate.edits)
     if later - max(grown, 0) <= place:
