@@ -34,6 +34,16 @@ def test_a_link_is_replaced_and_what_it_leads_to_stays(tmp_path):
     assert read_file(tmp_path / "a.lrp") == "b"
 
 
+def test_a_file_that_was_prepared_under_the_new_name_is_not_written(tmp_path, monkeypatch):
+    (tmp_path / "secret").write_text("secret")
+    monkeypatch.setattr("secrets.token_hex", lambda size: "guessed")
+    os.link(tmp_path / "secret", tmp_path / ".guessed.lrp~")
+    with pytest.raises(FileError, match="File exists"):
+        write_file(tmp_path / "a.lrp", "b")
+    assert (tmp_path / "secret").read_text() == "secret"
+    assert not (tmp_path / "a.lrp").exists()
+
+
 def test_a_disk_that_is_full_leaves_the_old_file_as_it_was(tmp_path, monkeypatch):
     write_file(tmp_path / "a.lrp", "old")
 
