@@ -329,3 +329,18 @@ def test_what_an_expression_from_outside_writes_is_undone():
     assert dict(i.variables) == {("n",): 15, ("k",): 6}
     i.rewind(0)
     assert dict(i.variables) == {("n",): 1, ("k",): 2}
+
+
+@pytest.mark.parametrize("undone", range(1, 10))
+def test_a_journal_that_is_full_keeps_whole_ticks_after_going_back_and_elsewhere_again(undone):
+    states = "(state a (running [n += 1] [n += 1] [n += 1])) (state b (running [n += 1]))"
+    i = started(f"(var n := [0]) (machine m {states}) (spawn m a)", 10, journal=10)
+    i.rewind(undone)
+    i.teleport_to("m/b")
+    moments = {}
+    for _ in range(25):
+        i.step(i.now + 0.1)
+        moments[i.tick] = moment(i)
+    assert i.journal == 10
+    i.rewind(10)
+    assert moment(i) == moments[i.tick]

@@ -52,6 +52,15 @@ def test_large_values_shorten_what_can_be_undone(make):
     assert 8 <= i.journal <= 80
 
 
+def test_what_was_undone_no_longer_counts():
+    i = ran(lambda n: bytes(LARGE), 10)
+    for _ in range(20):
+        i.rewind(5)
+        for tick in range(5):
+            i.step(i.now + tick / 10)
+    assert i.journal == 10
+
+
 @pytest.mark.parametrize(
     "make", [lambda n: n, lambda n: f"value {n}", lambda n: [n] * 5], ids=["int", "text", "list"]
 )
