@@ -86,7 +86,7 @@ def _mode_of(file: Path) -> int | None:
     if not stat.S_ISREG(mode):
         return None
     if not mode & 0o222:
-        raise FileError(f"`{shown(file)}` is write-protected. Choose another name.")
+        raise FileError(f"`{shown(file)}` is write-protected. Make it writable, or choose another name.")
     return stat.S_IMODE(mode)
 
 

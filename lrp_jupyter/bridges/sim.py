@@ -387,7 +387,8 @@ def _checked_noise(noise: Noise | Mapping[str, float] | None) -> Noise | None:
     known = [field.name for field in fields(Noise)]
     unknown = [name for name in noise if name not in known]
     if unknown:
-        raise BridgeError(f"There is no noise `{unknown[0]}`. Choose one of {', '.join(known)}.")
+        listed = ", ".join(f"`{name}`" for name in known)
+        raise BridgeError(f"There is no noise `{unknown[0]}`. Choose one of {listed}.")
     for name, value in noise.items():
         check_number(name, value, "a standard deviation", least=0)
     return replace(Noise(), **noise)

@@ -24,7 +24,7 @@ class _Commands(TyperGroup):
             return super().invoke(ctx)
         except (LRPError, OSError) as error:
             if isinstance(error, OSError) and not isinstance(error, LRPError):
-                name = f"`{error.filename}`: " if error.filename else ""
+                name = f"`{error.filename}` cannot be used: " if error.filename else ""
                 error = LRPError(f"{name}{error.strerror or str(error)}.")
             typer.echo(f"lrp: {error}", err=True)
             raise typer.Exit(2) from None
@@ -91,7 +91,8 @@ def lrp(
 
     **Exit codes**: 0 when all went well; 1 when a text has errors, or what was demanded of a program did not
     happen; 2 when an argument is wrong, or a file or robot cannot be used; 3 for a fault of this package; 130
-    after Ctrl-C. The help of `run`, `check`, `graph` and `grade` has the details.
+    after Ctrl-C; 154 when a call of C that cannot be interrupted has exceeded a limit. The help of `run`,
+    `check`, `graph` and `grade` has the details.
     """
 
 
@@ -99,7 +100,8 @@ RUN_EPILOG = """
 **Exit code**: 0 when the run ended normally, 1 when the text is not a valid program (or `--until` was not
 reached, or the run paused at an issue and there is no keyboard to resume it, or a block did not return for
 10 s in a run with `--for`), 2 when a file cannot be read, a robot cannot be opened or an option is wrong, 3
-when the interpreter itself failed, 130 when Ctrl-C stopped the robot and ended the run.
+when the interpreter itself failed, 130 when Ctrl-C stopped the robot and ended the run, 154 when a run with
+`--for` was ended because one call of C did not return: the stacks that are printed then show its line.
 
 **Live programming**: with `--watch` every save of the file patches the running program. A text that is not a
 valid program changes nothing: its errors are shown and the last valid program keeps running. A block that
@@ -132,7 +134,7 @@ def run(
         ),
     ] = None,
     rate: Annotated[
-        float, typer.Option(metavar="HZ", min=0, help="Ticks per second; 0 for as many as possible.")
+        float, typer.Option(metavar="HZ", help="Ticks per second; 0 for as many as possible.")
     ] = 10,
     seconds: Annotated[
         float | None,
@@ -287,7 +289,8 @@ def grade(
     """Grade a program in a challenge; without arguments, list the challenges.
 
     **Exit code**: 0 when every run met every criterion, 1 when not, or when a run took longer than the limit,
-    2 when the file or challenge does not exist.
+    2 when the file or challenge does not exist, 130 after Ctrl-C, 154 when one call of C did not return
+    within the limit: the stacks that are printed then show its line.
     """
     if file is None or challenge is None:
         from lrp_jupyter.cli.lists import list_challenges

@@ -10,6 +10,7 @@ from typing import Any, Literal
 
 from rich.text import Text
 
+from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
 from lrp_jupyter.cli.lock import watched_lock
@@ -79,7 +80,10 @@ def _check(source: Source, robot: RobotMembers | None) -> tuple[Finding, ...]:
 def _fixed(source: Source, robot: RobotMembers | None) -> tuple[Source, Text]:
     """Apply the certain fixes of a file, one after the other; return it, and what was done."""
     if source.path is None:
-        raise FileError(f"`{source.name}` is not a file, so it cannot be corrected. Save it as one.")
+        if source.name in programs.names():
+            remedy = f"`lrp programs --show {source.name} > mine.lrp` makes a file of it."
+            raise FileError(f"`{source.name}` is a bundled program, which cannot be corrected. {remedy}")
+        raise FileError("Standard input cannot be corrected. Name a file.")
     fixed, done = source, Text()
     tried = set()  # a fix that leaves the finding is not applied again
     while True:

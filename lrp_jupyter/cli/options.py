@@ -166,12 +166,12 @@ def _full_path(program: Program, wanted: Path) -> Path:
     if len(found) == 1:
         return found[0]
     texts = [path_text(path) for path in (found or known)]
+    listed = ", ".join(f"`{text}`" for text in texts)
     name = path_text(wanted)
     if found:
-        raise UnknownElementError(
-            f"--set {name}: Several variables have this name. Use {' or '.join(texts)}."
-        )
-    listed = ", ".join(f"`{text}`" for text in texts) or "none"
+        raise UnknownElementError(f"--set {name}: Several variables have this name. Use one of {listed}.")
+    if not known:
+        raise UnknownElementError(f"--set {name}: The program has no variables.")
     hint = did_you_mean(name, [*texts, *(path[-1] for path in known)]) or f" It has {listed}."
     raise UnknownElementError(f"--set {name}: The program has no such variable.{hint}")
 

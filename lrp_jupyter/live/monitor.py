@@ -167,9 +167,9 @@ class Monitor:
         """Pause the program because of the limit, at once."""
         loop = self._loop
         if not self.ended_run and (hung := loop.hung) is not None:
-            place = f" (line {hung.line})" if hung.line else ""
+            place, limit = f" (line {hung.line})" if hung.line else "", round(self.limit, 2)
             self.ended_run = (
-                f"`{hung.where}`{place} did not return within {self.limit:g} s of computing, which ended the "
+                f"`{hung.where}`{place} did not return within {limit:g} s of computing, which ended the "
                 "run. A block must end at once: use a state with `ontime` instead of waiting in a block."
             )
             loop.inbox.put(Pause(self.ended_run))

@@ -199,5 +199,5 @@ def load(world: str | os.PathLike[str] | Mapping[str, object] | World) -> World:
         return read_file(path)
     raise WorldError(
         f"There is no world `{world}`.{did_you_mean(world, BUNDLED)} "
-        f"Choose {', '.join(BUNDLED)}, or a file whose name ends with `.json`."
+        f"Choose one of {', '.join(f'`{name}`' for name in BUNDLED)}, or a file whose name ends with `.json`."
     )

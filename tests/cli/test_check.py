@@ -149,11 +149,14 @@ def test_a_link_is_followed_to_the_file_that_is_corrected(lrp, program, tmp_path
     assert path.read_text() == FIXED
 
 
-@pytest.mark.parametrize("name", ["-", "follower"])
-def test_only_files_can_be_corrected(lrp, name):
+@pytest.mark.parametrize(
+    ("name", "remedy"),
+    [("-", "Name a file."), ("follower", "`lrp programs --show follower > mine.lrp` makes a file of it.")],
+)
+def test_only_files_can_be_corrected(lrp, name, remedy):
     result = lrp("check", "--fix", name, input=WRONG)
     assert result.exit_code == 2
-    assert "is not a file, so it cannot be corrected" in result.stderr
+    assert remedy in result.stderr
 
 
 def test_a_file_that_cannot_be_written_is_reported_in_a_sentence(lrp, program):
@@ -161,7 +164,7 @@ def test_a_file_that_cannot_be_written_is_reported_in_a_sentence(lrp, program):
     path.chmod(0o440)
     result = lrp("check", "--fix", path)
     assert result.exit_code == 2
-    assert "write-protected" in result.stderr
+    assert "write-protected. Make it writable" in result.stderr
     assert path.read_text() == WRONG
 
 

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 from typing import ClassVar
 
@@ -149,7 +150,7 @@ def test_a_variable_of_a_nested_machine_is_set_by_its_path_or_its_only_name(lrp)
         (["--set", "search=1 +"], "is not a valid Python expression"),
         (["--speed", "fast"], "a factor such as 2"),
         (["--speed", "-1"], "above 0"),
-        (["--rate", "-1"], "greater than or equal to 0"),
+        (["--rate", "-1"], "or 0 for as many as possible, not `-1`"),
         (["--for", "soon"], "unable to parse"),
         (["--noise", "motor=much"], "takes a number"),
         (["--noise", "moter=1"], "There is no noise `moter`"),
@@ -161,7 +162,7 @@ def test_a_variable_of_a_nested_machine_is_set_by_its_path_or_its_only_name(lrp)
         (["--bridge", "sim", "--host", "10.0.0.1"], "no option `host`"),
         (["--until", "ende"], "Did you mean `end`?"),
         (["--watch"], "--watch needs a file of your own"),
-        (["--trace", "no/such/folder"], "No such file or directory."),
+        (["--trace", "no/such/folder"], "`no/such/folder` cannot be used: No such file or directory."),
         (["--on-issue", "panic"], "panic"),
     ],
 )
@@ -170,6 +171,18 @@ def test_what_cannot_be_meant_is_a_sentence_and_exit_code_2(lrp, arguments, sent
     assert result.exit_code == 2
     assert sentence in " ".join(result.stderr.replace("│", " ").split())
     assert "Traceback" not in result.stderr
+
+
+def test_a_variable_set_in_a_program_that_has_none_is_a_sentence(lrp, program):
+    result = lrp("run", program("(machine m (state a)) (spawn m a)"), "--set", "x=1")
+    assert (result.exit_code, result.stderr) == (2, "lrp: --set x: The program has no variables.\n")
+
+
+@pytest.mark.parametrize("command", [[], ["run"], ["check"], ["graph"], ["grade"]])
+def test_the_help_lists_the_exit_codes(lrp, command):
+    words = " ".join(lrp(*command, "--help").stdout.split())
+    assert re.search(r"Exit codes?: 0", words)
+    assert ("154" in words) == (command in ([], ["run"], ["grade"]))
 
 
 def test_a_text_that_is_not_a_program_is_shown_with_its_errors_and_does_not_run(lrp, program):
@@ -346,7 +359,7 @@ def test_a_block_that_does_not_return_is_interrupted_by_a_save(lrp, program, mon
     assert "LRP611" in result.stdout
 
 
-@pytest.mark.parametrize("rate", ["inf", "0.001", "1e9"])
+@pytest.mark.parametrize("rate", ["inf", "nan", "0.001", "1e9"])
 def test_a_rate_without_time_between_ticks_is_refused_in_a_sentence(lrp, rate):
     result = lrp("run", "stopwatch", "--rate", rate)
     assert result.exit_code == 2

@@ -207,7 +207,8 @@ def test_long_values_are_cut_in_messages():
 
 
 def test_an_unknown_name_is_answered_with_a_suggestion():
-    with pytest.raises(WorldError, match=r"no world `lime`\. Did you mean `line`\? Choose empty, line, "):
+    words = r"no world `lime`\. Did you mean `line`\? Choose one of `empty`, `line`, "
+    with pytest.raises(WorldError, match=words):
         load("lime")
 
 
