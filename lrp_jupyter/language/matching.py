@@ -6,7 +6,7 @@ from bisect import bisect_right
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.repair import Bracket, repair
+from lrp_jupyter.language.repair import Bracket, Repair, repair
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.tokens import KEYWORDS, LEGAL, Token, keyword_of
 
@@ -84,7 +84,20 @@ def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
         sequence.append(Bracket(keyword, column, indent, kind == "NAME", followed))
     found = repair(sequence)
     findings: list[Diagnosis] = []
+    indices.append(len(tokens))
+    moved = _moved(found)
+    for position, (opened, gap) in moved.items():
+        _, start, end = tokens[indices[position]]
+        last_end = tokens[indices[gap] - 1][2]
+        keyword = sequence[opened].keyword.strip("?")
+        early = "too early" if position < gap else "too late"
+        line = bisect_right(starts, last_end)
+        message = f"This `)` closes `({keyword}` {early}. Put it at the end of line {line}."
+        edits = Edit(start, end, ""), Edit(last_end, last_end, ")")
+        findings.append(Diagnosis(start, end, "LRP102", message, edits))
     for position in found.extra:
+        if position in moved:
+            continue
         _, start, end = tokens[indices[position]]
         message = "Unmatched `)`: there is no open form here. Remove it."
         findings.append(Diagnosis(start, end, "LRP102", message, (Edit(start, end, ""),)))
@@ -93,13 +106,12 @@ def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
         message = f"A `(` is missing before `{text[start:end]}`. Insert it."
         findings.append(Diagnosis(start, end, "LRP101", message, (Edit(start, start, "("),)))
     closing: dict[int, int] = {}
-    indices.append(len(tokens))
     for position, before_position in found.unclosed:
         index = indices[before_position]
         closing[index] = closing.get(index, 0) + 1
         last, _, last_end = tokens[index - 1]
-        if last == "UNCLOSED":
-            continue  # this `)` is missing together with the block's `]`
+        if last == "UNCLOSED" or (position, before_position) in moved.values():
+            continue  # this `)` is missing together with the block's `]`, or is elsewhere
         _, start, end = tokens[indices[position]]
         keyword = sequence[position].keyword.strip("?")
         what = f"`({keyword}`" if keyword else "`(`"
@@ -108,3 +120,16 @@ def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
         findings.append(Diagnosis(start, end, "LRP101", message, (Edit(last_end, last_end, ")"),)))
     extra, lost = (frozenset(indices[position] for position in part) for part in found[:2])
     return Matching(findings, extra, lost, closing)
+
+
+def _moved(found: Repair) -> dict[int, tuple[int, int]]:
+    """Return the closing brackets that belong elsewhere: what each closes, and before which bracket."""
+    moved: dict[int, tuple[int, int]] = {}
+    if len(found.extra) != len(found.unclosed) or found.lost:
+        return moved
+    for (opened, gap), extra in zip(
+        sorted(found.unclosed, key=lambda each: each[1]), found.extra, strict=True
+    ):
+        if opened < extra:
+            moved[extra] = opened, gap
+    return moved
