@@ -7,12 +7,12 @@ from keyword import iskeyword
 
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.draft import OpenForm, Piece, TextDraft, is_python
-from lrp_jupyter.language.scanner import block_end, brackets, line_end
+from lrp_jupyter.language.scanner import LINE_END, block_end, brackets, line_end, strings
 from lrp_jupyter.language.spellings import AMOUNT, SIGN
-from lrp_jupyter.language.tokens import FORM_LINE
+from lrp_jupyter.language.tokens import FORM_LINE, LEGAL, keyword_of
 from lrp_jupyter.language.triggers import FORMS
 
-__all__ = ["Bracketing"]
+__all__ = ["Bracketing", "unclosed"]
 
 _ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
 _WORDS = re.compile(r"[^\W\d]\w*(?:\s+[^\W\d]\w*)*")
@@ -20,6 +20,8 @@ _LONGEST_STRING = 200
 _SOURCE = re.compile(r"\s+(?:\w+|\*|(?:\*\s*-\s*)?\{[^{}]*\})\s*->")
 _BLOCK = re.compile(r"(?<=[\w)\]\"'])\s+(?=\[[^\[\]]*\]\s*(?:[)(\[;]|\Z))")
 """Between two blocks; a subscript follows its value without a space."""
+_DOES = re.compile(r"[=<>(\[]")
+_JOINED = re.compile(r"\"\"\s*\"\"|\"\"\w|[\w\])]\"\"")
 _LOADED = re.compile(r"(?<![\w.])[^\W\d]\w*(?!\w|\s*=[^=])")
 
 
@@ -46,7 +48,7 @@ class Bracketing(TextDraft):
                 if not opened:
                     return offset
                 opened -= 1
-            else:
+            elif char == '"':
                 return -1
         return -1
 
@@ -56,9 +58,17 @@ class Bracketing(TextDraft):
         if not self._wants(frame):
             return 0
         close = self._end_of_python(start + 1)
-        if close < 0 or self.text[close] != ")" or not is_python(self.text[start + 1 : close]):
+        if close < 0 or self.text[close] == "}" or not is_python(self.text[start + 1 : close]):
             return 0
         after = self._after(close + 1)
+        if self.text[close] == "]":
+            if self.missing <= 0:
+                return 0
+            self.missing -= 1
+            message = "This block begins with `(` and ends with `]`. Write `[`."
+            self._add(start, start + 1, "LRP115", message, Edit(start, start + 1, "["))
+            frame.items.append(Piece("BLOCK", start, close + 1))
+            return after
         if frame.keyword in ("var", "event") and self._kind(after) != "CLOSE":
             return self._bare(start, frame)
         self._wrong_brackets(start, close, "( )")
@@ -74,12 +84,43 @@ class Bracketing(TextDraft):
     def _bare(self, start: int, frame: OpenForm) -> int:
         """Put Python from here to the end of the form into brackets; return the index after it, or 0."""
         end = self._end_of_python(start)
+        part = self._before_part(start, end, frame)
+        end = part or end
         python = self.text[start:end].rstrip() if end > 0 else ""
-        if end < 0 or self.text[end] != ")" or not is_python(python):
+        if end < 0 or self.text[end] == "}" or not is_python(python):
             return 0
-        self._unbracketed(start, start + len(python))
+        if self.text[end] == "]":
+            message = "A `[` is missing here, before the Python that ends with `]`. Insert it."
+            self._add(start, line_end(self.text, start), "LRP103", message, Edit(start, start, "["))
+            end += 1
+        else:
+            self._unbracketed(start, start + len(python))
         frame.items.append(Piece("BLOCK", start, start + len(python)))
         return self._after(end)
+
+    def _before_part(self, start: int, end: int, frame: OpenForm) -> int:
+        """Return the offset of the first `spawn` or block after Python that has no brackets, or 0."""
+        if frame.keyword not in _ACTIONS:
+            return 0
+        for token in self.tokens[self._after(start) + 1 : self._after(end)]:
+            spaced = self.text[token[1] - 1].isspace()
+            is_part = token[0] == "BLOCK" or (
+                token[0] == "OPEN" and keyword_of(self.text, token) in LEGAL.get(frame.keyword, ())
+            )
+            if spaced and is_part and is_python(self.text[start : token[1]].rstrip()):
+                return token[1]
+        return 0
+
+    def _quoted(self, start: int, end: int, frame: OpenForm) -> bool:
+        """Change quotation marks round Python into square brackets; return whether it is Python."""
+        python = self.text[start + 1 : end - 1]
+        if frame.keyword == "var" or not is_python(python) or not _DOES.search(python):
+            return False
+        message = "Python is written in square brackets, not in quotation marks. Write `[…]` here."
+        edits = Edit(start, start + 1, "["), Edit(end - 1, end, "]")
+        self._add(start, end, "LRP115", message, *edits)
+        frame.items.append(Piece("BLOCK", start, end))
+        return True
 
     def _unbracketed(self, start: int, end: int) -> None:
         message = "Python is written in square brackets. Write `[…]` around this."
@@ -87,9 +128,11 @@ class Bracketing(TextDraft):
 
     def _python(self, index: int, frame: OpenForm) -> int:
         """Correct Python that has braces or no brackets; return the index after it, or 0."""
-        kind, start, _ = self.tokens[index]
+        kind, start, end = self.tokens[index]
         if not self._wants(frame) or kind in ("BLOCK", "OTHER"):
             return 0
+        if kind == "QUOTED" and self._quoted(start, end, frame):
+            return index + 1
         if SIGN.match(self.text, start) and kind != "MINUS":
             return 0
         if kind == "LBRACE":
@@ -141,10 +184,26 @@ class Bracketing(TextDraft):
         """Close a block whose `]` is missing, or hidden by a comment or a string."""
         _, start, end = self.tokens[index]
         frame = self.frames[-1]
-        form = FORM_LINE.search(self.text, start)
-        self._find_end(start, end, form.start() if form else len(self.text), frame)
         frame.items.append(Piece("BLOCK", start, end))
+        if self._ends_round(index):
+            return index + 2
+        form = FORM_LINE.search(self.text, start)
+        stop = form.start() if form else len(self.text)
+        if self._lacks_quote(start, stop):
+            return len(self.tokens)  # the rest is read again, when the string is closed
+        self._find_end(start, end, stop, frame)
         return index + 1
+
+    def _ends_round(self, index: int) -> bool:
+        """Change the `)` after a block without its `]` into that, if the text has a `)` too many."""
+        _, start, end = self.tokens[index]
+        if self.missing >= 0 or self._kind(index + 1) != "CLOSE" or not is_python(self.text[start + 1 : end]):
+            return False
+        close = self.starts[index + 1]
+        self.missing += 1
+        message = "A block ends with `]`, not with `)`. Write `]`."
+        self._add(close, close + 1, "LRP103", message, Edit(close, close + 1, "]"))
+        return True
 
     def _find_end(self, start: int, end: int, stop: int, frame: OpenForm) -> None:
         opened = 0
@@ -152,14 +211,11 @@ class Bracketing(TextDraft):
             if char == "#":
                 if self._hidden_by_comment(offset):
                     return
-            elif char == '"':
-                if self._hidden_by_string(start, offset, stop):
-                    return
             elif char in "([{":
                 opened += 1
             elif char == ")" and opened == 1:
                 break
-            else:
+            elif char != '"':
                 opened -= 1
         self._missing_end(start, end, frame)
 
@@ -179,8 +235,7 @@ class Bracketing(TextDraft):
             end = source.start()
         closes = block_end(f"{self.text[start:end]}]", 0) == end - start
         if closes and (source or self.text[end : end + 1] == ")"):
-            message = "This `[` is not closed. Put its `]` after the Python that it opens."
-            self._add(start, start + 1, "LRP103", message, Edit(end, end, "]"))
+            self._add(*unclosed(self.text, start, end), Edit(end, end, "]"))
 
     def _hidden_by_comment(self, offset: int) -> bool:
         """Move a comment that hides a `]` to the end of its line; return whether it does."""
@@ -198,26 +253,71 @@ class Bracketing(TextDraft):
         self._add(offset, stop, "LRP116", message, Edit(before, at, ""), Edit(stop, stop, f"  {comment}"))
         return True
 
-    def _hidden_by_string(self, start: int, offset: int, stop: int) -> bool:
-        """Close a string that ends with its line and hides a `]`; return whether it is clear where."""
-        quote = self.text[offset]
-        last = line_end(self.text, offset)
-        known = self._known()
+    def _lacks_quote(self, start: int, stop: int) -> bool:
+        """Write the quote that a string in a block lacks, if it is clear where; return whether it is."""
+        limit = min(stop, start + _LONGEST_STRING)
+        line = start
+        while line < limit:
+            last = min(line_end(self.text, line), stop)
+            for quote in "\"'":
+                if self.text.count(quote, line, last) % 2 and quote * 3 not in self.text[line:last]:
+                    return self._quote(start, line, last, stop, quote)
+            line = last + 1
+        return False
+
+    def _quote(self, start: int, line: int, last: int, stop: int, quote: str) -> bool:
+        """Write a quote into a line of a block so that it is Python, with the shortest string."""
+        known = self._known(start).union(_LOADED.findall(self.text, start, line))
         found = []
-        for at in range(offset + 1, min(last, offset + _LONGEST_STRING)):
-            if self.text[at] in ")]},;:":
-                closed = self.text[start:at] + quote + self.text[at:stop]
-                end = block_end(closed, 0)
-                words = _LOADED.findall(closed[at - start + 1 : end])
-                if end > 0 and known.issuperset(words) and is_python(closed[1:end]):
-                    found.append(at)
+        first = self.text.index(quote, line)
+        for at in range(line + 1, min(last, first + _LONGEST_STRING) + 1):
+            closes = self.text.count(quote, line, at) % 2 == 1
+            if not (self._may_close(at, last) if closes else self._may_open(at)):
+                continue
+            whole = self.text[start:at] + quote + self.text[at:stop]
+            end = block_end(whole, 0)
+            if end < 0 or not is_python(whole[1:end]):
+                continue
+            code, contents = _without_strings(whole[: end + 1])
+            if known.issuperset(_LOADED.findall(code)) and not _JOINED.search(code):
+                opening = self.text.rindex(quote, line, at) if closes else at
+                size = (at if closes else self.text.index(quote, at)) - opening
+                found.append((not all(map(_is_balanced, contents)), size, at, opening))
         if not found:
             return False
-        sensible = [at for at in found if _is_balanced(self.text[offset + 1 : at])] or found
+        _, _, at, opening = min(found)
         message = f"This string is not closed. Write `{quote}` at its end."
-        edit = Edit(sensible[-1], sensible[-1], quote)
-        self._add(offset, line_end(self.text, offset), "LRP514", message, edit, certain=len(sensible) == 1)
+        if opening == at:
+            word = re.split(r"\W", self.text[at:last], maxsplit=1)[0]
+            message = f"This string has no quote at its beginning. Write `{quote}` before `{word}`."
+        self._add(opening, last, "LRP514", message, Edit(at, at, quote))
         return True
+
+    def _may_close(self, at: int, last: int) -> bool:
+        return at == last or self.text[at] in ")]},;:"
+
+    def _may_open(self, at: int) -> bool:
+        return self.text[at : at + 1].isalnum() and self.text[at - 1] in " ([{,="
+
+
+def _without_strings(text: str) -> tuple[str, list[str]]:
+    """Return Python with an empty string for each string, and their contents."""
+    code, contents, position = "", [], 0
+    for start, end in strings(text):
+        code += text[position:start] + '""'
+        contents.append(text[start + 1 : end - 1])
+        position = end
+    return code + text[position:], contents
+
+
+def unclosed(text: str, start: int, end: int) -> tuple[int, int, str, str]:
+    """Return place, code and message of the error that a block from `start` lacks its `]` at `end`."""
+    lines = LINE_END.split(text[:start])
+    if not LINE_END.search(text, start, end):
+        message = "This `[` is not closed. Put its `]` after the Python that it opens."
+        return start, start + 1, "LRP103", message
+    message = f"The `[` in line {len(lines)} is not closed. Put its `]` here."
+    return end - 1, end, "LRP103", message
 
 
 def _is_balanced(text: str) -> bool:

@@ -373,6 +373,8 @@ class _Walk(Keywords, Bracketing, Parts):
                 self._close(end)
                 return index + 1
         frame.items.append(Piece("BLOCK", start, end))
+        if not facts_of(inside).valid and self._lacks_quote(start, end):
+            return len(self.tokens)
         return index + 1
 
     # Names and signs

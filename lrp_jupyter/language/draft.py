@@ -99,10 +99,13 @@ class TextDraft:
             rest.append(token)
         return rest
 
-    def _known(self) -> set[str]:
-        """Return the names that are used anywhere in the text, and Python's own."""
+    def _known(self, except_from: int = -1) -> set[str]:
+        """Return the names that are used anywhere in the text but in one block, and Python's own."""
         words = {
-            word for token in self.tokens if token[0] == "BLOCK" for word in _WORD.findall(self._word(token))
+            word
+            for token in self.tokens
+            if token[0] == "BLOCK" and token[1] != except_from
+            for word in _WORD.findall(self._word(token))
         }
         return words | set(self.names) | set(kwlist) | set(dir(builtins)) | {"robot"}
 

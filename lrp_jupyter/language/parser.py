@@ -18,6 +18,7 @@ from lrp_jupyter.arguments import check_type
 from lrp_jupyter.errors import MOST_FINDINGS, Edit, LRPSyntaxError, listed
 from lrp_jupyter.language import nodes
 from lrp_jupyter.language.blocks import facts_of, faults_of
+from lrp_jupyter.language.bracketing import unclosed
 from lrp_jupyter.language.corrections import correct, is_form
 from lrp_jupyter.language.forms import USAGE, Mistake, Shape, article, expected_text, shape_of, short
 from lrp_jupyter.language.matching import Matching, match
@@ -68,7 +69,7 @@ def scan(text: str, filename: str = "<lrp>") -> tuple[Program | None, tuple[Find
     if not reader.findings:
         return program, ()
     found = reader.findings
-    if len(found) <= _MANY and not all(each.code.startswith(_INSIDE) for each in found):
+    if len(found) <= _MANY and not all(map(_is_inside, found)):
         found = _corrected(text, found)
     place = Program(text=text).place
     found = sorted(set(found))
@@ -79,8 +80,11 @@ def scan(text: str, filename: str = "<lrp>") -> tuple[Program | None, tuple[Find
     return None, listed(first, len(found))
 
 
-_INSIDE = ("LRP109", "LRP110", "LRP111", "LRP112", "LRP5")
-"""Errors that hide nothing from the parser, by the beginnings of their codes."""
+def _is_inside(error: Diagnosis) -> bool:
+    """Return whether an error hides nothing from the parser; a string that is not closed does."""
+    return error.code.startswith(("LRP109", "LRP110", "LRP111", "LRP112", "LRP5")) and error.code != "LRP514"
+
+
 _MANY = 100  # a text with more errors is something else than a program with mistakes
 
 
@@ -189,14 +193,16 @@ class _Reader:
 
     def _broken(self, kind: str, word: str, start: int, end: int, form: _Form) -> None:
         if kind == "UNCLOSED":
-            if word.endswith("]") and not facts_of(word[1:]).valid:  # a quote or a `]` inside is missing
+            doubled = word.startswith("[[") and facts_of(word[2:-1]).valid
+            if word.endswith("]") and not doubled and not facts_of(word[1:]).valid:
+                # a quote or a `]` inside is missing
                 faults = faults_of(word[1:-1], is_condition=form.keyword in _TESTED)
                 if len(faults) == 1 and {edit.text for edit in faults[0].edits} & {"]", "'", '"'}:
                     self.findings.append(faults[0].shifted(start + 1))
                     return
-            message = "This `[` is not closed. Put its `]` after the Python that it opens."
             closes = block_end(f"{word}]", 0) == len(word)  # else a string or comment would hide it
-            self.report(start, start + 1, "LRP103", message, *([Edit(end, end, "]")] if closes else []))
+            place = unclosed(self.text, start, end if closes else start)
+            self.report(*place, *([Edit(end, end, "]")] if closes else []))
         elif kind == "UNOPENED":
             message = "A `[` is missing here, before the Python that ends with `]`. Insert it."
             self.report(start, start + 1, "LRP103", message, Edit(start, start, "["))

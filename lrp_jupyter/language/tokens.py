@@ -25,7 +25,7 @@ _NAME = (  # ASCII letters, digits and `_`, and all that is beyond ASCII; one se
 )
 _TOKEN = re.compile(
     rf"{_SKIP}(?:(?P<OPEN>\({_SKIP}(?P<KEYWORD>{_NAME})?+)|(?P<CLOSE>\))|(?P<NAME>{_NAME})"
-    r"|(?P<BLOCK>\[[^\[\]'\"#]*+\])|(?P<OTHER>\[)|(?P<ARROW>->)|(?P<ASSIGN>:=)|(?P<INTEGER>[0-9][\w.]*+)"
+    r"|(?P<BLOCK>\[[^\[\];'\"#]*+\])|(?P<OTHER>\[)|(?P<ARROW>->)|(?P<ASSIGN>:=)|(?P<INTEGER>[0-9][\w.]*+)"
     r"|(?P<STAR>\*)|(?P<LBRACE>\{)|(?P<RBRACE>\})"
     r"|(?P<COMMENT>//[^\r\n]*|/\*(?:[\s\S]*?\*/|[^\r\n]*)|--+(?![>\w])[^\r\n]*)"
     r"|(?P<MINUS>-)|(?P<END>\Z)|(?P<QUOTED>\"[^\"\r\n]*\"|'[^'\r\n]*')|(?P<STRAY>[!$%&+?@\\^`|~]{2,}+|[\s\S]))"
@@ -38,6 +38,7 @@ _MANY = 100  # blocks without `]`: in a text with more, each of the others ends 
 _FARTHEST = 100  # tokens back to the missing `[` of a block
 _NEWLINE = re.compile(r"[\r\n]")
 _TAIL = re.compile(r"\](?=[\s)]*+(?:[;#].*)?(?:[\r\n]|\Z)|[ \t]*+[\w*{][^\[\]\r\n]*->)")
+_NEXT = re.compile(rf"\)[\s)]*+(?:;|\((?:{'|'.join(sorted(KEYWORDS))})\b)")
 _AFTER_BLOCK = re.compile(r"\s*+[\[)]")
 
 
@@ -72,10 +73,22 @@ def tokenize(text: str) -> list[Token]:
                 del tokens[first:]
         else:
             kind, end = "BLOCK", block_end(text, start) + 1 if unclosed < _MANY else 0
-            if not end:
+            if not end or _goes_on(text, start, end):
                 kind, end = "UNCLOSED", _guess_end(text, start) if unclosed < _MANY else line_end(text, start)
                 unclosed += 1
         append((kind, start, end))
+
+
+def _goes_on(text: str, start: int, end: int) -> bool:
+    """Return whether a block goes on over the end of its form, to a `]` of another one or of a comment."""
+    if not _NEXT.search(text, start, end):
+        return False
+    opened = 0
+    for offset, char in brackets(text, start, end):
+        opened += (char in "([{") - (char in ")]}")
+        if char == ")" and opened < 1 and _NEXT.match(text, offset):
+            return True
+    return False
 
 
 def keyword_of(text: str, token: Token) -> str:

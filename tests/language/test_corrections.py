@@ -114,6 +114,15 @@ SLIPS = [
     ("(running robot.move(linear=speed))", "(running [robot.move(linear=speed)])", "LRP115", "around this"),
     ("speed := [0.2 # slow])", "speed := [0.2])", "LRP116", "This comment hides the `]`"),
     ('print("here)', 'print("here")', "LRP514", "This string is not closed."),
+    ('print(here")', 'print("here")', "LRP514", "This string has no quote at its beginning."),
+    ("speed := (0.2]", "speed := [0.2]", "LRP115", "This block begins with `(` and ends with `]`."),
+    ("linear=speed))) ;", "linear=speed)]) ;", "LRP103", "A block ends with `]`, not with `)`."),
+    ("linear=speed)) ;", "linear=speed)]) ;", "LRP103", "This `[` is not closed."),
+    ('print("stops")))', 'print("stops")]))', "LRP103", "The `[` in line 11 is not closed."),
+    ("(onexit      \n", "(onexit [\n", "LRP103", "A `[` is missing here"),
+    ("[[robot.stop()] ", "[robot.stop()] ", "LRP103", "This `[` is one too many."),
+    ("(onentry robot.stop() ", "(onentry [robot.stop()] ", "LRP115", "Write `[…]` around this."),
+    ('"robot.move(linear=speed)"', "[robot.move(linear=speed)]", "LRP115", "not in quotation marks"),
     ("(on {have_rest moving} -> have_rest bump)", "(on bump {have_rest moving} -> have_rest tbump)", "", ""),
     (
         "(ontime have_rest -> moving 500)",
@@ -250,3 +259,50 @@ def test_a_block_is_closed_before_the_next_one():
     (finding,) = check(text)
     assert finding.code == "LRP103"
     assert fixed(text, finding) == text.replace("()", "()]", 1)
+
+
+@pytest.mark.parametrize(
+    ("changes", "line", "words"),
+    [
+        (
+            [("(state moving\n", "(state moving)\n"), ('print("stops")]))', 'print("stops")])')],
+            9,
+            "too early",
+        ),
+        ([("(state have_rest\n", "(state have_rest)\n"), ("-> moving)))", "-> moving))")], 4, "too early"),
+    ],
+)
+def test_a_closing_bracket_in_the_wrong_place_is_one_error(
+    changes: list[tuple[str, str]], line: int, words: str
+) -> None:
+    text = RIGHT
+    for right, wrong in changes:
+        text = text.replace(right, wrong)
+    (finding,) = check(text)
+    assert (finding.code, finding.line) == ("LRP102", line)
+    assert words in finding.message
+    assert parse(fixed(text, finding)) == parse(RIGHT)
+
+
+def test_a_block_without_its_end_does_not_end_in_a_comment_or_another_form() -> None:
+    text = RIGHT.replace("linear=speed)])", "linear=speed))").replace("; ahead", "; [ahead]")
+    (finding,) = check(text)
+    assert (finding.code, finding.line) == ("LRP103", 10)
+    assert fixed(text, finding).count("linear=speed)])") == 1
+
+
+@pytest.mark.parametrize(
+    ("wrong", "right"),
+    [
+        ('print("on, speed)', 'print("on", speed)'),
+        ('print("on", speed, "off)', 'print("on", speed, "off")'),
+        ('print("on, speed, "off")', 'print("on", speed, "off")'),
+        ('print("on", speed, off")', 'print("on", speed, "off")'),
+        ('print("on, off)', 'print("on, off")'),
+    ],
+)
+def test_a_string_that_is_not_closed_ends_before_the_names_of_the_program(wrong: str, right: str) -> None:
+    text = RIGHT.replace('print("here")', wrong)
+    (finding,) = check(text)
+    assert finding.code == "LRP514"
+    assert fixed(text, finding) == RIGHT.replace('print("here")', right)

@@ -95,7 +95,6 @@ def test_a_slip_is_one_fault_with_its_remedy(block: str, repaired: str, message:
         ("break", "`break` works only in a `for` or `while`. Remove it."),
         ("f(a=1, 2)", "After an argument with a name, all others need one, too."),
         ("f(a=1, a=2)", "`a` is passed twice. Remove one of the two."),
-        ('print("a, b)', 'This string is not closed. Write `"` after `a, b`.'),
     ],
 )  # fmt: skip
 def test_without_a_certain_remedy_there_is_no_fix(block: str, message: str) -> None:
