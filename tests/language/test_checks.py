@@ -270,7 +270,16 @@ def test_an_exit_leads_to_the_machine_that_spawned_wherever_that_is() -> None:
 
 def test_a_machine_that_is_never_spawned_exits_to_the_machine_around_it() -> None:
     text = "(machine m (state a (machine n (state b) (exit [robot.b] b -> c))) (state c))(spawn m a)"
-    assert [code for code, _ in found(text)] == ["LRP402", "LRP401"]
+    assert found(text) == [("LRP402", "n")]
+
+
+@pytest.mark.parametrize("actions", ["", " (onentry [print()])", " (running [print()])"])
+def test_the_fix_spawns_a_forgotten_machine_at_the_entry_of_its_state(actions: str) -> None:
+    text = f"(machine m (state a{actions} (machine n (state b) (state c) (eps b -> c))))(spawn m a)"
+    spawning = (
+        "(onentry [print()] (spawn n b))" if "onentry" in actions else f"(onentry (spawn n b)){actions}"
+    )
+    assert parse(fixed(text)) == parse(text.replace(f"(state a{actions}", f"(state a {spawning}"))
 
 
 def test_a_delay_is_a_variable_of_the_program() -> None:

@@ -9,7 +9,7 @@ from lrp_jupyter.language.program import Edit, Fix, Machine, Name, Span, Transit
 from lrp_jupyter.language.resolution import Resolution, Scope
 from lrp_jupyter.language.scanner import LINE_END
 
-__all__ = ["BUILTINS", "check_names"]
+__all__ = ["BUILTINS", "check_names", "starts"]
 
 BUILTINS = frozenset(dir(builtins))
 _PROVIDED = {"robot": "the robot", "print": "the `print` that writes into the lab's output"}
@@ -76,10 +76,10 @@ def _no_spawn(report: Reporter) -> None:
     """Report, at the first line, that nothing is spawned; where the start is certain, with a fix."""
     program = report.program
     machine: Machine = program.machines[0]
-    starts = _starts(machine)
-    start = starts[0] if starts else machine.states[0].name if machine.states else Name("state")
+    begun = starts(machine)
+    start = begun[0] if begun else machine.states[0].name if machine.states else Name("state")
     text = f"(spawn {machine.name} {start})"
-    certain = len(program.machines) == len(starts) == 1
+    certain = len(program.machines) == len(begun) == 1
     newline = next(iter(LINE_END.findall(program.text)), "\n")
     begin = "" if program.text.endswith(("\n", "\r")) else newline
     edit = Edit(len(program.text), len(program.text), f"{begin}{text}{newline}")
@@ -91,7 +91,7 @@ def _no_spawn(report: Reporter) -> None:
     )
 
 
-def _starts(machine: Machine) -> list[Name]:
+def starts(machine: Machine) -> list[Name]:
     """Return the states from which every state of a machine can be reached."""
     names = [state.name for state in machine.states]
     following = {

@@ -13,9 +13,10 @@ from collections.abc import Hashable, Iterator
 from itertools import chain
 
 from lrp_jupyter.language.checks.facts import facts_of
+from lrp_jupyter.language.checks.names import starts
 from lrp_jupyter.language.checks.references import Links, MeantArrow, MeantSpawn
 from lrp_jupyter.language.checks.report import Reporter
-from lrp_jupyter.language.program import Transition
+from lrp_jupyter.language.program import Edit, Fix, Transition
 from lrp_jupyter.language.resolution import Resolution, Scope
 from lrp_jupyter.language.triggers import Occurrence
 
@@ -24,9 +25,9 @@ __all__ = ["check_reachability"]
 
 def check_reachability(report: Reporter, names: Resolution, links: Links) -> None:
     """Report states, machines, events and transitions that the program never reaches."""
-    _unspawned(report, names, links)
+    unspawned = _unspawned(report, names, links)
     _spawned_again(report, names, links)
-    _unreached(report, names, links)
+    _unreached(report, names, links, unspawned)
     _unused_events(report, names, links)
     for scope, arrows in links.arrows.items():
         _untested(report, scope, arrows)
@@ -34,7 +35,9 @@ def check_reachability(report: Reporter, names: Resolution, links: Links) -> Non
             _livelock(report, transition)
 
 
-def _unspawned(report: Reporter, names: Resolution, links: Links) -> None:
+def _unspawned(report: Reporter, names: Resolution, links: Links) -> list[Scope]:
+    """Report the machines that are never spawned, and return them."""
+    found = []
     spawned = {spawned.machine for spawned in links.spawned}
     for scope in names.scopes:
         # That the program spawns nothing is one finding; a spawn of an unknown machine may mean any.
@@ -45,10 +48,24 @@ def _unspawned(report: Reporter, names: Resolution, links: Links) -> None:
             or not (scope.state or report.program.spawns)
         ):
             continue
-        start = next(iter(scope.states), "state")
+        begun = starts(scope.noun) if scope.noun else []
+        start = begun[0] if begun else next(iter(scope.states), "state")
         place = f"the `onentry` of `{scope.state}`" if scope.state else "the top level"
         message = f"`{scope.name}` is never spawned. Put `(spawn {scope.name} {start})` into {place}."
-        report.add("LRP402", scope.name.span, message)
+        report.add("LRP402", scope.name.span, message, _spawning(scope, start) if len(begun) == 1 else None)
+        found.append(scope)
+    return found
+
+
+def _spawning(scope: Scope, start: str) -> Fix | None:
+    """Return the fix that spawns a nested machine when its state is entered."""
+    if not scope.outer or not scope.state:
+        return None
+    state = scope.outer.states[scope.state]
+    text = f"(spawn {scope.name} {start})"
+    before = [item.span.end for item in state.onentry]
+    at = max(before, default=state.name.span.end)
+    return Fix(f"Add `{text}`", (Edit(at, at, f" {text}" if before else f" (onentry {text})"),))
 
 
 def _spawned_again(report: Reporter, names: Resolution, links: Links) -> None:
@@ -68,8 +85,8 @@ def _spawned_again(report: Reporter, names: Resolution, links: Links) -> None:
             first[machine, scope, state] = spawned
 
 
-def _unreached(report: Reporter, names: Resolution, links: Links) -> None:
-    reached = _reach(names, links)
+def _unreached(report: Reporter, names: Resolution, links: Links, unspawned: list[Scope]) -> None:
+    reached = _reach(names, links, unspawned)
     uncertain = _uncertain(links)
     for scope, states in reached.items():
         if scope in uncertain:
@@ -91,8 +108,14 @@ def _uncertain(links: Links) -> set[Scope]:
     return found
 
 
-def _reach(names: Resolution, links: Links) -> dict[Scope, set[str]]:
-    """Return the states that can become active, by machine, starting from the top-level spawns."""
+def _reach(names: Resolution, links: Links, unspawned: list[Scope]) -> dict[Scope, set[str]]:
+    """Return the states that can become active, by machine, starting from the top-level spawns.
+
+    Nested machines that are never spawned, which are findings themselves, are assumed to be spawned.
+    """
+    forgotten: dict[tuple[Scope | None, str], list[Scope]] = defaultdict(list)
+    for machine in unspawned:
+        forgotten[machine.outer, machine.state].append(machine)
     spawned: dict[tuple[Scope, str], list[MeantSpawn]] = defaultdict(list)
     for spawn in links.spawned:
         spawned[spawn.scope, spawn.state].append(spawn)
@@ -103,6 +126,9 @@ def _reach(names: Resolution, links: Links) -> dict[Scope, set[str]]:
             # An unknown start state, which is a finding itself, may mean any state.
             for start in [spawn.start] if spawn.start else spawn.machine.states:
                 yield spawn.machine, start
+        for machine in forgotten[scope, state] if state else ():
+            for start in machine.states:
+                yield machine, start
         for arrow in outgoing[scope].of(state):
             yield from arrow.targets
 
