@@ -5,15 +5,16 @@ Whatever it raises must not end the loop, and the monitor must see when it does 
 
 from __future__ import annotations
 
-import logging
+import sys
+import threading
 from collections.abc import Callable
+from contextlib import suppress
+from traceback import format_exception
 from typing import ParamSpec
 
-__all__ = ["Foreign", "surviving"]
+__all__ = ["Foreign", "on_main_thread", "surviving"]
 
 Arguments = ParamSpec("Arguments")
-
-_LOGGER = logging.getLogger("lrp_jupyter")
 
 
 class Foreign:
@@ -32,9 +33,9 @@ class Foreign:
 
 
 def surviving(call: Callable[Arguments, object], drop: Callable[[], object]) -> Callable[Arguments, None]:
-    """Wrap a subscriber: if it raises, `drop` ends its subscription and the exception is logged.
+    """Wrap a subscriber: if it raises, `drop` ends its subscription and the exception is printed on stderr.
 
-    There is no caller to raise it in. Without any handler, Python writes the log to stderr.
+    There is no caller to raise it in. On the main thread a KeyboardInterrupt is raised: it is Ctrl-C.
     """
     subscribed = True
 
@@ -44,12 +45,22 @@ def surviving(call: Callable[Arguments, object], drop: Callable[[], object]) -> 
             return
         try:
             call(*arguments, **named)
-        except KeyboardInterrupt:
-            raise
         except BaseException as error:
+            if issubclass(type(error), KeyboardInterrupt) and on_main_thread():
+                raise
             subscribed = False
             drop()
-            message = "A subscriber of a session raised an exception and is not called again."
-            _LOGGER.error(message, exc_info=error)
+            _print(error)
 
     return guarded
+
+
+def _print(error: BaseException) -> None:
+    with suppress(BaseException):  # stderr may be closed, and an exception may have any attributes
+        text = "".join(format_exception(error))
+        sys.stderr.write(f"A subscriber of a session raised an exception and is not called again:\n{text}")
+
+
+def on_main_thread() -> bool:
+    """Return whether a KeyboardInterrupt can come from the keyboard; elsewhere foreign code has raised it."""
+    return threading.current_thread() is threading.main_thread()

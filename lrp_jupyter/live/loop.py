@@ -30,7 +30,6 @@ Paper: §5.1 (the loop), §6.3 (pause), §6.4 (forcing states).
 from __future__ import annotations
 
 import math
-import threading
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -52,7 +51,7 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.live.clock import LAG, Clock
-from lrp_jupyter.live.foreign import Foreign
+from lrp_jupyter.live.foreign import Foreign, on_main_thread
 from lrp_jupyter.live.inbox import Command, Inbox
 from lrp_jupyter.live.values import ValueTexts
 
@@ -248,9 +247,9 @@ class Loop:
         except Interrupted:  # too late: the block had returned
             return self.now
         except KeyboardInterrupt:
-            self.pause(_KEYBOARD if _on_main_thread() else _RAISED)
+            self.pause(_KEYBOARD if on_main_thread() else _RAISED)
             self.publish()
-            if _on_main_thread():
+            if on_main_thread():
                 raise
             return math.inf
         except BaseException as error:
@@ -347,7 +346,7 @@ class Loop:
         except Interrupted:
             pass
         except KeyboardInterrupt:
-            if _on_main_thread():
+            if on_main_thread():
                 raise
             self.pause(_RAISED)
         except BaseException as error:
@@ -484,15 +483,16 @@ class Loop:
                 self._stop_at_issue()
             return result, None
         except BaseException as error:
-            if isinstance(error, KeyboardInterrupt) and _on_main_thread():
-                return None, error
-            if isinstance(error, KeyboardInterrupt):
+            kind = type(error)  # `isinstance` may call code of the exception
+            if issubclass(kind, KeyboardInterrupt):
+                if on_main_thread():
+                    return None, error
                 self.pause(_RAISED)
-            elif not isinstance(error, (*command.misuse, Interrupted)):
+            elif not issubclass(kind, (*command.misuse, Interrupted)):
                 self.break_down(error)
-            if isinstance(error, Interrupted):
-                return None, LRPError(str(error))
-            return None, error if isinstance(error, Exception) else LRPError(sentence_of(error))
+            if issubclass(kind, Exception):
+                return None, error
+            return None, LRPError(str(error) if issubclass(kind, Interrupted) else sentence_of(error))
         finally:
             if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
                 self.bridge.stop_all()
@@ -603,8 +603,10 @@ class Loop:
         self.reason = f"The session itself failed, not the program: {sentence_of(error)}"
         if self.status not in ("stopped", "closed"):
             self.status = "broken"
-        self.bridge.stop_all()
-        self.publish()
+        with suppress(BaseException):
+            self.bridge.stop_all()
+        with suppress(BaseException):
+            self.publish()
 
     def renew(self, program: Program) -> None:
         """Make a broken session whole: a new run of a program, ready to start; the robot's world stays."""
@@ -625,11 +627,6 @@ class Loop:
         except BaseException as error:
             self.bridge.lose(hook.__name__, error)
             self.bridge.stop_all()
-
-
-def _on_main_thread() -> bool:
-    """Return whether a KeyboardInterrupt can come from the keyboard; elsewhere a block has raised it."""
-    return threading.current_thread() is threading.main_thread()
 
 
 def _full_path(program: Program, path: Path) -> Path:

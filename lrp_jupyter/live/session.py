@@ -244,10 +244,10 @@ class Session:
         """The newest frame, with the status as it is now; from any thread."""
         loop = self._loop
         frame, status, hung = loop.frame, loop.status, loop.hung
-        if status in ("stopped", "closed"):
+        if status in ("stopped", "closed", "broken"):
             if frame.status == status:
                 return frame
-            return replace(frame, status=status, achieved_rate=0.0, achieved_speed=0.0)
+            return replace(frame, status=status, reason=loop.reason, achieved_rate=0.0, achieved_speed=0.0)
         if hung is None:
             return frame
         return replace(frame, status="hung", reason=str(hung), hung=hung)

@@ -1,6 +1,6 @@
 """Whatever foreign code does, the loop lives on, and says what happened."""
 
-import logging
+from time import monotonic
 
 import pytest
 
@@ -10,24 +10,25 @@ from lrp_jupyter.live.commands import Pause
 from lrp_jupyter.live.driver import LoopThread
 
 LONG = 20
+REPORT = "A subscriber of a session raised an exception and is not called again:"
 COUNT = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
 
 
 @pytest.fixture
-def reported():
-    """Collect the exceptions that could not be raised and were logged."""
-    seen = []
-    handler = logging.Handler()
-    handler.emit = lambda record: seen.append(record.exc_info[0])
-    logger = logging.getLogger("lrp_jupyter")
-    logger.addHandler(handler)
-    yield seen
-    logger.removeHandler(handler)
+def reported(capsys):
+    """Return the headlines on stderr, and the types of the exceptions below them."""
+
+    def read():
+        return [line for line in capsys.readouterr().err.splitlines() if line[:1].isupper()]
+
+    return read
 
 
-@pytest.fixture(
-    params=[RuntimeError, SystemExit, MemoryError, RecursionError], ids=lambda kind: kind.__name__
-)
+KINDS = [RuntimeError, SystemExit, MemoryError, RecursionError]
+EVERY = pytest.mark.parametrize("raises", [*KINDS, KeyboardInterrupt], indirect=True)
+
+
+@pytest.fixture(params=KINDS, ids=lambda kind: kind.__name__)
 def raises(request):
     def fail(*_):
         raise request.param
@@ -41,20 +42,24 @@ def ticks_on(running):
     return running.wait_for(lambda frame: frame.tick > tick + 3, LONG)
 
 
+@EVERY
 def test_a_listener_that_raises_is_reported_once_and_the_loop_lives_on(session, reported, raises):
     counting = session(COUNT, rate=100)
-    counting.listen(raises)
     counting.start()
+    ticks_on(counting)
+    counting.listen(raises)
     assert ticks_on(counting).status == "running"
-    assert reported == [raises.kind]
+    assert reported() == [REPORT, "Traceback (most recent call last):", raises.kind.__name__]
 
 
+@EVERY
 def test_an_observer_that_raises_is_reported_once_and_the_loop_lives_on(session, reported, raises):
     counting = session(COUNT, rate=100)
-    counting.observe(raises)
     counting.start()
+    ticks_on(counting)
+    counting.observe(raises)
     assert ticks_on(counting).status == "running"
-    assert reported == [raises.kind]
+    assert reported() == [REPORT, "Traceback (most recent call last):", raises.kind.__name__]
 
 
 @pytest.mark.parametrize("hook", ["sense", "act", "on_start"])
@@ -84,6 +89,7 @@ def test_an_expression_that_exits_is_refused_and_the_loop_lives_on(session):
     assert ticks_on(counting).status == "running"
 
 
+@EVERY
 def test_what_escapes_everywhere_else_breaks_the_session_visibly(session, monkeypatch, raises):
     counting = session(COUNT, rate=100)
     counting.start()
@@ -97,6 +103,28 @@ def test_what_escapes_everywhere_else_breaks_the_session_visibly(session, monkey
     motor = counting._driver._motor
     assert isinstance(motor, LoopThread)
     assert motor.ident is not None, "its thread lives"
+
+
+def test_a_fault_that_cannot_even_be_published_breaks_the_session_visibly(session, monkeypatch):
+    counting = session(COUNT, rate=100)
+    counting.start()
+    ticks_on(counting)
+    motor = counting._driver._motor
+
+    def fail(*_):
+        raise RuntimeError
+
+    with monkeypatch.context() as fault:
+        fault.setattr(type(counting._loop), "publish", fail)
+        fault.setattr(counting.bridge, "stop_all", fail)
+        deadline = monotonic() + LONG
+        while counting.status != "broken" and monotonic() < deadline:
+            pass
+        assert counting.status == "broken"
+        assert "RuntimeError" in counting.frame.reason
+    assert motor.ident is not None, "its thread lives"
+    counting.start()
+    assert ticks_on(counting).status == "running"
 
 
 def broken_by(counting, monkeypatch):
