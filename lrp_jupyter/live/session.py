@@ -46,6 +46,7 @@ import warnings
 import weakref
 from collections.abc import Callable, Sequence
 from concurrent.futures import CancelledError, Future
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
@@ -57,7 +58,13 @@ from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_callable, check_choice, check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import check_options, make_bridge
-from lrp_jupyter.errors import LRPError, SessionTimeoutError, UnknownElementError, sentence_of
+from lrp_jupyter.errors import (
+    LRPError,
+    SessionClosedError,
+    SessionTimeoutError,
+    UnknownElementError,
+    sentence_of,
+)
 from lrp_jupyter.files import read_text, write_file
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches, missing_state
@@ -679,13 +686,19 @@ class Session:
         It is called on the thread that drives the loop, when a tick or a command is over. One that raises an
         exception is not called again.
         """
+        ends: list[Callable[[], None]] = []
+
+        def end() -> None:
+            while ends:
+                ends.pop()()
 
         def unsubscribe() -> None:
-            end()
+            with suppress(SessionClosedError):
+                self._driver.do(do.Call(end))
 
         check_callable("observer", observer)
-        guarded = surviving(observer, unsubscribe)
-        end: Callable[[], None] = self._driver.do(do.Call(lambda: self.interpreter.observe(guarded)))
+        guarded = surviving(observer, end)
+        self._driver.do(do.Call(lambda: ends.append(self.interpreter.observe(guarded))))
         return unsubscribe
 
     def listen(self, callback: Callable[[], None]) -> Callable[[], None]:

@@ -1,11 +1,13 @@
 """Whatever foreign code does, the loop lives on, and says what happened."""
 
+import threading
 from time import monotonic
 
 import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.live.commands import Pause
 from lrp_jupyter.live.driver import LoopThread
 
@@ -78,6 +80,45 @@ def test_a_hook_that_raises_loses_the_robot_and_the_loop_lives_on(session, raise
     assert ticks_on(counting).status == "running"
     assert counting.bridge.status.state == "lost"
     assert f"`{hook}` raised {raises.kind.__name__}" in counting.frame.bridge
+
+
+def test_an_observer_is_removed_on_the_thread_of_the_loop_and_between_two_ticks(session, monkeypatch):
+    threads = []
+    counting = session(COUNT, rate=100)
+    counting.start()
+    ticks_on(counting)
+    loop = counting._loop
+    end = counting.observe(lambda event: None)
+    rebind = Run.rebind
+
+    def noted(run):
+        threads.append((threading.get_ident(), loop.ticking))
+        rebind(run)
+
+    monkeypatch.setattr(Run, "rebind", noted)
+    end()
+    assert threads == [(counting._driver._thread, False)]
+    counting.close()
+    end()
+
+
+def test_an_observer_that_raises_before_observe_has_returned_is_removed(session, reported, monkeypatch):
+    counting = session(COUNT, rate=100)
+    counting.start()
+    do = counting._driver.do
+
+    def late(command):
+        result = do(command)
+        ticks_on(counting)
+        return result
+
+    def fail(event):
+        raise RuntimeError
+
+    monkeypatch.setattr(counting._driver, "do", late)
+    counting.observe(fail)
+    assert ticks_on(counting).status == "running"
+    assert reported() == [REPORT, "Traceback (most recent call last):", "RuntimeError"]
 
 
 def test_an_expression_that_exits_is_refused_and_the_loop_lives_on(session):
