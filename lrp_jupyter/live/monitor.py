@@ -23,7 +23,7 @@ from lrp_jupyter.live.loop import Loop
 __all__ = ["AGAIN", "PATIENCE", "Monitor", "block_of"]
 
 PATIENCE = 1.0
-"""Wall seconds that a call waits for its command, and a command for a block that does not return."""
+"""Wall seconds that a call waits for its command, and at most a command for a block that does not return."""
 AGAIN = 0.25
 """Wall seconds until a block is interrupted again, or the next one of the same tick."""
 
@@ -56,6 +56,7 @@ class Monitor:
         self._driving = thread
         self.hung_after = hung_after
         """Wall seconds after which a tick is reported."""
+        self._patience = min(PATIENCE, hung_after)
         self._dead_man = dead_man
         now = self._seen = monotonic()
         self._reported = False
@@ -150,7 +151,7 @@ class Monitor:
             self._interrupted, self._last = None, -math.inf
         since = wall - self._work[1]
         block = None
-        if since >= min(PATIENCE, self.hung_after) / 2:  # nothing to look for in most ticks
+        if since >= self._patience / 2:  # nothing to look for in most ticks
             block = block_of(loop, self._driving())
         known, began = self._block
         same = block is not None and known is not None and block.frame is known.frame
@@ -178,9 +179,9 @@ class Monitor:
     def _interrupt(self, wall: float) -> None:
         """Interrupt the block if a command waits for it, and again if it goes on."""
         (block, began), thread = self._block, self._driving()
-        if block is None or thread is None or self._waiting is None or wall - self._waiting < PATIENCE:
+        if block is None or thread is None or self._waiting is None or wall - self._waiting < self._patience:
             return
-        enough = PATIENCE if self._interrupted is None else AGAIN
+        enough = self._patience if self._interrupted is None else min(self._patience, AGAIN)
         if wall - began < enough or wall - self._last < AGAIN:
             return
         if self.ended_run and block.frame is self._interrupted:

@@ -57,7 +57,7 @@ class ValueTexts:
             text, due = self._known.get(path, ("", 0.0))
             if not foreign:
                 text = text or render(value, of_type)
-            elif now or wall >= due:
+            elif now or wall >= due or id(type(value)) in self._endless:
                 start = perf_counter()
                 with self._calling(f"{path_text(path)}.__repr__"):
                     text = render(value, self._repr)

@@ -58,7 +58,7 @@ def hanging(session):
     """Start a program, and wait until it hangs."""
 
     def start(text, bridge="none", **options):
-        made = session(text, bridge, hung_after=0.2, rate=100, **options)
+        made = session(text, bridge, **{"hung_after": 0.2, "rate": 100, **options})
         made.start()
         made.wait_for(lambda frame: frame.status == "hung", LONG)
         return made
@@ -187,7 +187,8 @@ def test_a_block_that_is_only_slow_is_not_interrupted(session):
 
 def test_a_block_that_returns_soon_after_an_edit_is_not_interrupted(hanging):
     gate = threading.Event()
-    session = hanging(RUNNING.format("while not gate.is_set(): pass"), namespace={"gate": gate})
+    program = RUNNING.format("while not gate.is_set(): pass")
+    session = hanging(program, namespace={"gate": gate}, hung_after=PATIENCE)
     session.wait_for(lambda frame: frame.hung.seconds > 1.5 * PATIENCE, LONG)
     answer = session.submit(ReplaceProgram(parse(GOOD)))
     gate.wait(PATIENCE / 4)  # many checks of the monitor
