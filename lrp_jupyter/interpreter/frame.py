@@ -33,7 +33,7 @@ class Hung:
     ----------
     where : str
         The block (``a.running``), the value of a variable that is rendered (``x.__repr__``), ``the robot``,
-        ``a command`` or ``a listener``.
+        ``a command``, ``a listener`` or ``an observer``.
     seconds : float
         How long it has been running, in wall time.
     line : int
@@ -65,6 +65,7 @@ _UNNAMED = {
     "the robot": "The robot has not answered",
     "a command": "A command has not returned",
     "a listener": "A listener has not returned",
+    "an observer": "An observer has not returned",
 }
 
 

@@ -241,7 +241,7 @@ class Driver:
             over = motor.join(PATIENCE)
             end = monotonic() + PATIENCE
             while not over and motor.ident != threading.get_ident() and monotonic() < end:
-                self.interrupt()  # one block after the other, until the tick is over
+                self.interrupt(others=True)  # one block after the other, until the tick is over
                 over = motor.join(AGAIN)
         for each in (monitor, self._spare):
             if each is not None:
@@ -251,19 +251,21 @@ class Driver:
             self._motor = self._monitor = None
         return over and not self.loop.ticking
 
-    def interrupt(self) -> bool:
-        """Interrupt the block that runs now; return whether there is one."""
-        thread, block = self._thread, self._block
+    def interrupt(self, others: bool = False) -> bool:
+        """Interrupt the block that runs now; return whether there is one.
+
+        Foreign code is interrupted too if it hangs, or if `others` is true.
+        """
+        thread, block = self._thread, self._block(others or self.loop.hung is not None)
         if thread is None or block is None:
             return False
         if self._monitor is not None:
             self._monitor.note(block)
         return interrupt(thread, block)
 
-    @property
-    def _block(self) -> RunningBlock | None:
-        """The block that runs now, on whichever thread drives the loop."""
-        return None if self.loop.work is None else block_of(self.loop, self._thread)
+    def _block(self, others: bool = True) -> RunningBlock | None:
+        """Return the block or the foreign code that runs now, on whichever thread drives the loop."""
+        return None if self.loop.work is None else block_of(self.loop, self._thread, others)
 
     def seen(self) -> None:
         """Reset the dead man's switch."""
@@ -393,8 +395,8 @@ class Driver:
                 motor.unsuspend()
 
     def _blocked(self, what: str) -> SessionTimeoutError:
-        block, hung = self._block, self.loop.hung
+        block, hung = self._block(), self.loop.hung
         if hung is not None:
             return SessionTimeoutError(f"The command `{what}` waits: {hung}")
-        why = f"`{block.name}` has not returned" if block else "the session has been busy"
+        why = f"`{block.name}` has not returned" if block and block.line else "the session has been busy"
         return SessionTimeoutError(f"The command `{what}` waits: {why} for {PATIENCE:g} s.")

@@ -35,14 +35,17 @@ class Foreign:
 def surviving(call: Callable[Arguments, object], drop: Callable[[], object]) -> Callable[Arguments, None]:
     """Wrap a subscriber: if it raises, `drop` ends its subscription and the exception is printed on stderr.
 
-    There is no caller to raise it in. On the main thread a KeyboardInterrupt is raised: it is Ctrl-C.
+    There is no caller to raise it in. On the main thread a KeyboardInterrupt is raised: it is Ctrl-C. What
+    the subscriber itself causes, by an edit for example, does not call it again, which would never end.
     """
     subscribed = True
+    thread = 0  # that runs it
 
     def guarded(*arguments: Arguments.args, **named: Arguments.kwargs) -> None:
-        nonlocal subscribed
-        if not subscribed:
+        nonlocal subscribed, thread
+        if not subscribed or thread == threading.get_ident():
             return
+        before, thread = thread, threading.get_ident()
         try:
             call(*arguments, **named)
         except BaseException as error:
@@ -51,6 +54,8 @@ def surviving(call: Callable[Arguments, object], drop: Callable[[], object]) -> 
             subscribed = False
             drop()
             _print(error)
+        finally:
+            thread = before
 
     return guarded
 

@@ -1,5 +1,7 @@
 """Interrupt a block that does not return: find it in its thread, and raise an exception in it.
 
+So is foreign code that a loop has called, such as the ``sense`` of a bridge or an observer, if it hangs.
+
 Python can raise an exception in another thread, at its next bytecode. A block may catch it, as a loop
 around ``try: … except: pass`` does. Then the exception returns: when it is caught and when it is discarded,
 it sets a trace function that raises another one at the next line of the block or of a function called
@@ -26,16 +28,16 @@ __all__ = ["RunningBlock", "interrupt", "interrupt_call", "running_block"]
 
 
 class RunningBlock(NamedTuple):
-    """A block that a thread is running.
+    """A block, or foreign code, that a thread is running.
 
     Parameters
     ----------
     name : str
-        ``moving.running``.
+        ``moving.running``, or what foreign code is: ``x.__repr__``, ``the robot``.
     line : int
-        The line of the program that runs now, from 1.
+        The line of the program that runs now, from 1; 0 if none of its code runs.
     frame : FrameType
-        Identifies this run of the block.
+        Identifies this run of it.
     """
 
     name: str
@@ -43,33 +45,47 @@ class RunningBlock(NamedTuple):
     frame: FrameType
 
 
-def running_block(thread: int | None, filenames: Container[str], foreign: str = "") -> RunningBlock | None:
-    """Return the block that a thread is running now, or None.
+def running_block(
+    thread: int | None, filenames: Container[str], name: str = "", other: str = ""
+) -> RunningBlock | None:
+    """Return the block that a thread is running now; else the foreign code that its loop has called, or None.
 
     Parameters
     ----------
     thread : int or None
         The identity of the thread.
     filenames : container of str
-        The names of files that tell blocks from other code.
-    foreign : str
+        The names of files that distinguish blocks from other code.
+    name : str
         The name of foreign code that runs instead of a block, such as ``x.__repr__``.
+    other : str
+        What foreign code without a name is; empty: only blocks are meant.
     """
-    frame = innermost = None if thread is None else sys._current_frames().get(thread)
-    line, outermost = 0, None
+    frame = None if thread is None else sys._current_frames().get(thread)
+    line, block, foreign, called = 0, None, None, True
     while frame is not None:  # a block may have called functions of its own
         if frame.f_code.co_filename in filenames:
-            line, outermost = line or frame.f_lineno, frame
+            line, block = line or frame.f_lineno, frame
+        called = called and _module(frame) != "lrp_jupyter.live.loop"
+        if called and not _is_ours(frame):
+            foreign = frame
         frame = frame.f_back
-    if foreign and innermost is not None:
-        outermost = innermost
-        while not _is_ours(outermost) and outermost.f_back is not None and not _is_ours(outermost.f_back):
-            outermost = outermost.f_back
-    return None if outermost is None else RunningBlock(foreign or outermost.f_code.co_name, line, outermost)
+    if block is not None and not name:
+        return RunningBlock(block.f_code.co_name, line, block)
+    if foreign is None or not (name or other):
+        return None
+    if name:
+        return RunningBlock(name, line, foreign)
+    by_session = foreign.f_back is not None and _module(foreign.f_back) == "lrp_jupyter.live.foreign"
+    return RunningBlock("an observer" if by_session else other, 0, foreign)
+
+
+def _module(frame: FrameType) -> str:
+    return str(frame.f_globals.get("__name__", ""))
 
 
 def _is_ours(frame: FrameType) -> bool:
-    return str(frame.f_globals.get("__name__", "")).startswith("lrp_jupyter.")
+    return _module(frame).startswith("lrp_jupyter.")
 
 
 _requested: dict[int, FrameType] = {}

@@ -190,7 +190,8 @@ class Loop:
         if self._step is None:
             self.now = round((self.now + seconds) * 1e12) / 1e12  # half the time of round(…, 12)
         elif (steps := math.floor(seconds / self._step + 1e-6)) > 0:
-            self.bridge.advance(steps * self._step)
+            with self._calling("the robot"):
+                self.bridge.advance(steps * self._step)
             self._steps += steps
             self.now = round(self._steps * self._step, 9)
 
@@ -279,9 +280,9 @@ class Loop:
     def tick(self) -> None:
         """Run one tick now; the next one is due a period later."""
         interpreter, bridge, now, step = self.interpreter, self.bridge, self.now, self._step
-        self.moments.append((now, None if step is None else bridge.moment()))
         self.ticking = True
         try:
+            self.moments.append((now, None if step is None else bridge.moment()))
             bridge.begin_tick(now, self.period)
             interpreter.step(now)
             bridge.end_tick(now)
@@ -424,7 +425,8 @@ class Loop:
     def _picture(self) -> object:
         """Return the bridge's picture of its robot; it is foreign code."""
         try:
-            return getattr(self.bridge, "picture", None)
+            with self._calling("the robot"):
+                return getattr(self.bridge, "picture", None)
         except KeyboardInterrupt:
             raise
         except BaseException as error:
@@ -621,7 +623,8 @@ class Loop:
     def _call_hook(self, hook: Callable[[], None]) -> None:
         """Call a hook of the bridge; it is foreign code, and if it fails its robot is stopped."""
         try:
-            hook()
+            with self._calling("the robot"):
+                hook()
         except KeyboardInterrupt:
             raise
         except BaseException as error:

@@ -8,7 +8,7 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.run import Run
-from lrp_jupyter.live.commands import Pause
+from lrp_jupyter.live.commands import Call, Pause, Resume
 from lrp_jupyter.live.driver import LoopThread
 
 LONG = 20
@@ -82,6 +82,61 @@ def test_a_hook_that_raises_loses_the_robot_and_the_loop_lives_on(session, raise
     assert f"`{hook}` raised {raises.kind.__name__}" in counting.frame.bridge
 
 
+def endless(*_):
+    while True:
+        pass
+
+
+def hung(running):
+    return running.wait_for(lambda frame: frame.status == "hung", LONG).reason
+
+
+@pytest.mark.parametrize("hook", ["sense", "act", "moment", "advance", "on_resume"])
+def test_a_hook_that_does_not_return_is_interrupted_for_an_edit(session, hook):
+    class Cart(Bridge):
+        name = "test-cart"
+        hardware = False
+        time_step = 0.01 if hook in ("moment", "advance") else None
+
+        def open_interface(self):
+            pass
+
+    counting = session(COUNT, Cart(), rate=100, hung_after=0.2)
+    counting.start()
+    ticks_on(counting)
+    counting.pause()
+    setattr(Cart, hook, endless)
+    counting.submit(Resume())
+    assert hung(counting).startswith("The robot has not answered for")
+    setattr(Cart, hook, lambda *_: None)
+    counting.edit(COUNT.replace("n + 1", "n + 2"))
+    assert "n + 2" in ticks_on(counting).program.text
+    assert (counting.bridge.status.state == "lost") == (Cart.time_step is None)
+
+
+def test_an_observer_that_does_not_return_is_named_and_interrupted_for_an_edit(session, reported):
+    counting = session(COUNT, rate=100, hung_after=0.2)
+    counting.start()
+    ticks_on(counting)
+    counting.observe(endless)
+    assert hung(counting).startswith("An observer has not returned for")
+    counting.edit(COUNT.replace("n + 1", "n + 2"))
+    assert "n + 2" in ticks_on(counting).program.text
+    assert reported()[0] == REPORT
+
+
+def test_a_function_called_between_two_ticks_that_does_not_return_is_interrupted_for_an_edit(session):
+    counting = session(COUNT, rate=100, hung_after=0.2)
+    counting.start()
+    ticks_on(counting)
+    answer = counting.submit(Call(endless))
+    assert hung(counting).startswith("A command has not returned for")
+    counting.edit(COUNT.replace("n + 1", "n + 2"))
+    assert "n + 2" in ticks_on(counting).program.text
+    with pytest.raises(LRPError, match="did not return"):
+        answer.result(LONG)
+
+
 def test_an_observer_is_removed_on_the_thread_of_the_loop_and_between_two_ticks(session, monkeypatch):
     threads = []
     counting = session(COUNT, rate=100)
@@ -119,6 +174,16 @@ def test_an_observer_that_raises_before_observe_has_returned_is_removed(session,
     counting.observe(fail)
     assert ticks_on(counting).status == "running"
     assert reported() == [REPORT, "Traceback (most recent call last):", "RuntimeError"]
+
+
+def test_a_listener_may_edit_the_program(session):
+    counting = session(COUNT, rate=100)
+    counting.start()
+    ticks_on(counting)
+    end = counting.listen(lambda: counting.edit(COUNT.replace("n + 1", "n + 2")))
+    assert "n + 2" in counting.wait_for(lambda frame: "n + 2" in frame.program.text, LONG).program.text
+    assert ticks_on(counting).status == "running"
+    end()
 
 
 def test_an_expression_that_exits_is_refused_and_the_loop_lives_on(session):
