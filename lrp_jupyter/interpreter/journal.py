@@ -153,9 +153,11 @@ class Journal:
                 parts: Any = value.values() if kind is dict else value  # type: ignore[attr-defined]
                 first = [getsizeof(part) for part in islice(parts, _PARTS)]
                 weight += sum(first) * len(parts) // max(1, len(first))
-            elif weight < _HEAVY and type(inner := getattr(value, "__dict__", None)) is dict:
-                weight += sum([getsizeof(part) for part in inner.values()])
-        except Exception:  # `__sizeof__` is foreign code
+            elif weight < _HEAVY:
+                weight += _inside(value)
+        except KeyboardInterrupt:
+            raise
+        except BaseException:  # `__sizeof__` is foreign code
             return 0
         if weight < _HEAVY // 100:
             return weight
@@ -237,6 +239,15 @@ class Journal:
         self._pause = 1
         time: float = item
         return time
+
+
+def _inside(value: object) -> int:
+    """Return the bytes of an object's attributes; `getattr` might call its ``__getattr__``."""
+    try:
+        inner = object.__getattribute__(value, "__dict__")
+    except AttributeError:
+        return 0
+    return sum([getsizeof(part) for part in inner.values()]) if type(inner) is dict else 0
 
 
 class SavedState:

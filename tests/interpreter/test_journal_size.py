@@ -100,6 +100,22 @@ def test_values_whose_size_cannot_be_known_do_no_harm():
     assert ran(lambda n: odd(), 300).journal == 300
 
 
+@pytest.mark.parametrize("error", [RuntimeError, SystemExit])
+def test_a_proxy_is_weighed_without_being_asked_for_attributes(error):
+    def never(self, name):
+        raise error
+
+    def exits(self):
+        raise error
+
+    proxy = type("Proxy", (), {"__getattribute__": never, "__getattr__": never})
+    sized = type("Sized", (), {"__sizeof__": exits})
+    for kind in (proxy, sized):
+        interpreter = ran(lambda n, kind=kind: kind(), 300)
+        interpreter.reset()
+        assert interpreter.journal == 300
+
+
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
 def test_three_thousand_large_values_fit_into_memory():
     program = f"""
