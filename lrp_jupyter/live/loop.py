@@ -314,7 +314,7 @@ class Loop:
         Returns
         -------
         bool
-            Whether `after_tick` ended the run; a pause also ends it.
+            Whether `after_tick` ended the run; a pause also ends it. What it raises is raised.
         """
         self._check_whole()
         was_running = self.status == "running"
@@ -344,16 +344,16 @@ class Loop:
                     self.now = round(until * 1e12) / 1e12
                 else:
                     self.advance(until - self.now)
-        except Interrupted:
-            pass
-        except KeyboardInterrupt:
-            if on_main_thread():
-                raise
-            self.pause(_RAISED)
         except BaseException as error:
-            if asking:  # the function of the caller, whose thread this is
-                raise
-            self.break_down(error)
+            kind = type(error)
+            if issubclass(kind, Interrupted):  # too late: the block had returned
+                pass
+            elif asking or (issubclass(kind, KeyboardInterrupt) and on_main_thread()):
+                raise  # it is the caller's own
+            elif issubclass(kind, KeyboardInterrupt):
+                self.pause(_RAISED)
+            else:
+                self.break_down(error)
         finally:
             self.clock.rebase(self.now)
             if self.status == "running" and not was_running:

@@ -156,9 +156,8 @@ class Monitor:
         known, began = self._block
         same = block is not None and known is not None and block.frame is known.frame
         self._block = block, began if same else wall
-        foreign = loop.foreign
-        applies = foreign is not None and not foreign.name and not loop.ticking  # a command other than a step
-        if not (applies or loop.inbox.interrupts()):
+        in_command = loop.foreign is not None and not _name(loop) and not loop.ticking  # any but a step
+        if not ((in_command and block is not None and block.line) or loop.inbox.interrupts()):
             self._waiting = None
         elif self._waiting is None:
             self._waiting = wall
@@ -199,7 +198,7 @@ class Monitor:
                 loop.changed()
             return
         if block is None:
-            hung = Hung("the robot" if loop.ticking else "a command", round(since, 1))
+            hung = Hung(_name(loop) or _other(loop), round(since, 1))
         else:
             held = block.frame is self._interrupted and monotonic() - self._last > AGAIN / 2
             hung = Hung(block.name, round(since, 1), block.line, held)
@@ -210,8 +209,16 @@ class Monitor:
         loop.changed()
 
 
-def block_of(loop: Loop, thread: int | None) -> RunningBlock | None:
-    """Return what a thread runs now of the program, of an expression or of a value's ``repr``."""
+def block_of(loop: Loop, thread: int | None, others: bool = True) -> RunningBlock | None:
+    """Return what a thread runs now of the program, of an expression, of a value's ``repr`` or of others."""
+    files = (loop.interpreter.program.filename, EXPRESSION)
+    return running_block(thread, files, _name(loop), _other(loop) if others else "")
+
+
+def _name(loop: Loop) -> str:
     foreign = loop.foreign
-    name = "" if foreign is None else foreign.name
-    return running_block(thread, (loop.interpreter.program.filename, EXPRESSION), name)
+    return "" if foreign is None else foreign.name
+
+
+def _other(loop: Loop) -> str:
+    return "the robot" if loop.ticking else "a command"

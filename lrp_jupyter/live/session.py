@@ -424,6 +424,8 @@ class Session:
             A block of the program itself is the caller.
         SessionTimeoutError
             A block has exceeded the limit. It was interrupted, and the program is paused.
+        Exception
+            Whatever `until` or `after_tick` raises; the program is paused.
         """
         if seconds is None and until is None and after_tick is None:
             raise ValueError("How long should it run? Pass `seconds`, `until`, or both.")

@@ -137,6 +137,19 @@ def test_a_step_is_one_tick_and_one_period(session):
     assert (counting.frame.tick, counting.frame.time, counting.frame.status) == (2, 0.5, "paused")
 
 
+@pytest.mark.parametrize("end", ["until", "after_tick"])
+@pytest.mark.parametrize("error", [ValueError, SystemExit, KeyboardInterrupt])
+def test_what_the_condition_of_a_run_raises_reaches_the_caller_and_breaks_nothing(session, end, error):
+    def fail(*_):
+        raise error
+
+    made = session("(machine m (state a)) (spawn m a)")
+    with pytest.raises(error):
+        made.run(1, **{end: fail})
+    assert (made.status, made.frame.tick, made.fault) == ("paused", 1, "")
+    assert made.run(1)
+
+
 def test_a_listener_is_notified_of_new_frames_until_it_unsubscribes(session):
     lab = session(BLINK)
     ticks = []
