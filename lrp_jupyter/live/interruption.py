@@ -19,6 +19,7 @@ import signal
 import sys
 import threading
 from collections.abc import Container
+from time import sleep
 from types import FrameType
 from typing import Any, NamedTuple
 
@@ -88,6 +89,9 @@ def _is_ours(frame: FrameType) -> bool:
     return _module(frame).startswith("lrp_jupyter.")
 
 
+_ROOM = 50  # frames that raising the exception may take
+_SOON = 0.02  # wall seconds in which a thread that runs Python reaches its next bytecode
+
 _requested: dict[int, FrameType] = {}
 """The block to be interrupted, by the thread that runs it; removed when the exception is raised."""
 
@@ -106,9 +110,16 @@ def interrupt(thread: int, block: RunningBlock) -> bool:
     if frame is None:
         return False
     _requested[thread] = block.frame
-    raised: int = ctypes.pythonapi.PyThreadState_SetAsyncExc(
-        ctypes.c_ulong(thread), ctypes.py_object(Interruption)
-    )
+    limit = sys.getrecursionlimit()
+    sys.setrecursionlimit(limit + _ROOM)  # a block at the limit would raise a RecursionError instead
+    try:
+        raised: int = ctypes.pythonapi.PyThreadState_SetAsyncExc(
+            ctypes.c_ulong(thread), ctypes.py_object(Interruption)
+        )
+        if thread != threading.get_ident():
+            sleep(_SOON)
+    finally:
+        sys.setrecursionlimit(limit)
     return raised == 1
 
 

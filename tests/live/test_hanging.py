@@ -1,5 +1,6 @@
 """Blocks that do not return: they are named, interrupted for whoever waits, and become issues."""
 
+import gc
 import signal
 import sys
 import threading
@@ -82,6 +83,15 @@ def test_an_edit_interrupts_a_block_that_does_not_return(hanging, block):
     (issue,) = frame.issues
     assert (issue.code, issue.resolved) == ("LRP611", True)
     assert "`ontime`" in issue.message
+
+
+def test_an_edit_interrupts_a_block_that_is_at_the_limit_of_recursion(hanging):
+    gc.collect()  # pymunk does not survive that its objects are collected at the limit
+    session = hanging(RUNNING.format("\ndef f():\n  try: f()\n  except RecursionError: f()\nf()"))
+    limit = sys.getrecursionlimit()
+    session.edit(GOOD)
+    assert runs_on(session).issues[0].code == "LRP611"
+    assert sys.getrecursionlimit() == limit
 
 
 @pytest.mark.parametrize("place", PLACES.values(), ids=PLACES)
