@@ -1,4 +1,4 @@
-"""What all tests share: what Hypothesis tries, a state folder of their own, and Ctrl-C as in a terminal.
+"""What all tests share: what Hypothesis tries, and a state folder of their own.
 
 By default Hypothesis tries the same examples every time, however loaded the machine is.
 ``HYPOTHESIS_PROFILE=long`` tries other ones at every run, and more of them; an example that fails is
@@ -6,7 +6,6 @@ printed with the line that repeats it.
 """
 
 import os
-import signal
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -15,10 +14,6 @@ always = settings(deadline=None, database=None, suppress_health_check=[HealthChe
 settings.register_profile("same", always, max_examples=40, derandomize=True)
 settings.register_profile("long", always, max_examples=250, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
-
-
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # a shell that starts the tests in the background
-    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(autouse=True, scope="session")

@@ -29,7 +29,7 @@ from typing import Any, Literal
 from lrp_jupyter.errors import LRPError, SessionClosedError, SessionTimeoutError
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.live.inbox import Command
-from lrp_jupyter.live.interruption import RunningBlock, interrupt
+from lrp_jupyter.live.interruption import RunningBlock, ending_calls, interrupt
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.monitor import AGAIN, PATIENCE, Monitor, block_of
 
@@ -294,7 +294,8 @@ class Driver:
             self._monitor = self._spare = monitor
         monitor.limit = seconds
         try:
-            yield
+            with ending_calls():
+                yield
         except KeyboardInterrupt:
             if not monitor.ended_run:
                 raise

@@ -8,8 +8,8 @@ it sets a trace function that raises another one at the next line of the block o
 by it, and so on until the block has ended.
 
 Nothing can be raised inside a call of C before it returns, unless it is one that Ctrl-C ends
-(``time.sleep``) and runs on the main thread. A call that in addition holds the interpreter lock
-(``sum(range(10**11))``) stops all threads of the process, so that nothing here runs.
+(``time.sleep``) and runs on the main thread: there, a signal ends it. A call that in addition holds the
+interpreter lock (``sum(range(10**11))``) stops all threads of the process, so that nothing here runs.
 """
 
 from __future__ import annotations
@@ -18,14 +18,15 @@ import ctypes
 import signal
 import sys
 import threading
-from collections.abc import Container
+from collections.abc import Container, Iterator
+from contextlib import contextmanager
 from time import sleep
 from types import FrameType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.faults import Interrupted
 
-__all__ = ["RunningBlock", "interrupt", "interrupt_call", "running_block"]
+__all__ = ["RunningBlock", "ending_calls", "interrupt", "interrupt_call", "running_block"]
 
 
 class RunningBlock(NamedTuple):
@@ -123,17 +124,31 @@ def interrupt(thread: int, block: RunningBlock) -> bool:
     return raised == 1
 
 
-def interrupt_call(thread: int) -> None:
-    """End a call of C as Ctrl-C does, by a KeyboardInterrupt, which is possible on the main thread only.
+@contextmanager
+def ending_calls() -> Iterator[None]:
+    """Let :func:`interrupt_call` end calls of C meanwhile, if this is the main thread of a POSIX system."""
+    if threading.current_thread() is not threading.main_thread() or not hasattr(signal, "pthread_kill"):
+        yield
+        return
 
-    Does nothing on other threads, and where Ctrl-C has another meaning.
+    before = signal.signal(signal.SIGURG, signal.default_int_handler)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGURG, signal.SIG_DFL if before is None else before)
+
+
+def interrupt_call(thread: int) -> None:
+    """End a call of C by a KeyboardInterrupt, in :func:`ending_calls`; elsewhere this does nothing.
+
+    The signal is one that is ignored by default. That of Ctrl-C is ignored in a shell's background.
     """
-    is_main = thread == threading.main_thread().ident
-    if is_main and signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+    if not hasattr(signal, "pthread_kill"):
+        return
+    if thread == threading.main_thread().ident and callable(signal.getsignal(signal.SIGURG)):
         ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), None)  # not both of them
         _requested.pop(thread, None)
-        if hasattr(signal, "pthread_kill"):
-            signal.pthread_kill(thread, signal.SIGINT)
+        signal.pthread_kill(thread, signal.SIGURG)
 
 
 class Interruption(Interrupted):

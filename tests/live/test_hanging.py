@@ -231,10 +231,18 @@ def test_a_run_in_virtual_time_ends_with_a_sentence_when_a_block_does_not_return
 
 
 @pytest.mark.skipif(not hasattr(signal, "pthread_kill"), reason="there are no signals to threads")
-def test_a_run_on_the_main_thread_ends_though_a_block_sleeps(session):
-    made = session(RUNNING.format("import time; time.sleep(1000)"))
-    with pytest.raises(SessionTimeoutError, match=r"did not return within 0\.2 s"):
-        made.run(5, limit=0.2)
+@pytest.mark.parametrize(
+    "ctrl_c", [signal.default_int_handler, signal.SIG_IGN], ids=["terminal", "background"]
+)
+@pytest.mark.parametrize("call", ["time.sleep(1000)", "threading.Event().wait()"])
+def test_a_run_on_the_main_thread_ends_though_a_block_sleeps(session, call, ctrl_c):
+    made = session(RUNNING.format(f"import time, threading; {call}"))
+    before = signal.signal(signal.SIGINT, ctrl_c)
+    try:
+        with pytest.raises(SessionTimeoutError, match=r"did not return within 0\.2 s"):
+            made.run(5, limit=0.2)
+    finally:
+        signal.signal(signal.SIGINT, before)
     made.edit(GOOD)
     assert made.run(1)
 
