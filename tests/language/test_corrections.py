@@ -8,6 +8,7 @@ from itertools import pairwise
 import pytest
 from checking import start_of
 
+from lrp_jupyter.errors import edited
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.program import Finding
@@ -190,6 +191,16 @@ def test_an_error_behind_a_correction_is_at_its_place() -> None:
     *_, last = check(text)
     assert (last.code, last.line) == ("LRP501", 8)
     assert text[start_of(text, last) :].startswith(">")
+
+
+def test_what_a_correction_reveals_is_corrected_as_well() -> None:
+    text = '(machine m ("tate a))\n(spawn m a)'
+    fixes = [finding.fix for finding in check(text)]
+    assert len(fixes) == 2
+    assert (
+        edited(text, [edit for fix in fixes if fix for edit in fix.edits])
+        == "(machine m (state a))\n(spawn m a)"
+    )
 
 
 def test_where_the_remedy_is_not_certain_there_is_no_fix() -> None:

@@ -12,7 +12,7 @@ from lrp_jupyter import check
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program
 
-from .planting import Mistake, applied
+from .planting import Mistake
 
 _NUMBER = re.compile(r"\d+")
 
@@ -68,7 +68,7 @@ def score(mistake: Mistake) -> Score:
     first = found[0]
     taken_back = False
     if first.fix:
-        fixed = applied(mistake.wrong, tuple(tuple(edit) for edit in first.fix.edits))
+        fixed = first.fix.apply(mistake.wrong)
         program = scan(fixed)[0]
         taken_back = program is not None and program == _right(mistake.right)[0]
     return Score(True, first.line in mistake.lines, len(found) == 1, taken_back)

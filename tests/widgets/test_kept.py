@@ -78,6 +78,14 @@ def test_forged_files_beside_a_strangers_text_do_not_make_it_run(cell, tmp_path)
     assert cell("").session.program.text == A
 
 
+def test_another_user_is_not_asked_about_the_text_that_the_cell_had_before(cell, tmp_path, monkeypatch):
+    cell(A)
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "other"))
+    connection = cell(B)
+    assert connection.texts.conflict is None
+    assert connection.session.program.text == B
+
+
 def test_a_text_that_was_replaced_while_no_kernel_ran_is_not_this_users(cell, tmp_path):
     cell(A).texts.write(B)
     cell(None)
