@@ -56,6 +56,8 @@ class Keywords(TextDraft):
             meant = [self._kind_of_transition(index, meant)]
         inferred = self._inferred(index, word, around)
         close = closest(plain, legal, 0.6) or closest(plain, KEYWORDS, 0.8)
+        if close in ("on", "eps") and self._kind(index + 1) == "INTEGER":
+            close = "ontime"
         for keyword in (*meant[:1], close):
             if keyword and not (inferred and isinstance(self._shape(keyword, index), Mistake)):
                 return keyword, True

@@ -6,6 +6,7 @@ from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.draft import OpenForm, Piece, TextDraft
 from lrp_jupyter.language.forms import USAGE
 from lrp_jupyter.language.spellings import ARROW_WORDS, ASSIGN_WORDS
+from lrp_jupyter.language.tokens import keyword_of
 
 __all__ = ["Parts"]
 
@@ -42,11 +43,10 @@ class Parts(TextDraft):
         self._add(trigger.start, trigger.end, "LRP108", message, *edits)
 
     def _change_keyword(self, frame: OpenForm, meant: str, reason: str) -> None:
-        start = self.text.find(frame.keyword, frame.start)
-        end = start + len(frame.keyword)
-        message = f"{reason}. Write `{meant}`."
-        if start >= 0:
-            self._add(start, end, "LRP108", message, Edit(start, end, meant))
+        token = self.tokens[self._after(frame.start)]
+        if keyword_of(self.text, token) == frame.keyword:  # else it is misspelt, which is reported already
+            start, end = token[2] - len(frame.keyword), token[2]
+            self._add(start, end, "LRP108", f"{reason}. Write `{meant}`.", Edit(start, end, meant))
             frame.keyword = meant
 
     def _arrow(self, frame: OpenForm) -> list[Piece]:

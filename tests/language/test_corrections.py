@@ -36,9 +36,7 @@ RIGHT = """\
 
 def fixed(text: str, finding: Finding) -> str:
     assert finding.fix
-    for start, end, new in sorted(finding.fix.edits, reverse=True):
-        text = text[:start] + new + text[end:]
-    return text
+    return finding.fix.apply(text)
 
 
 def only(wrong: str, right: str) -> tuple[str, Finding]:
@@ -70,6 +68,7 @@ SLIPS = [
     ("500 have_rest to moving", "500 have_rest -> moving", "LRP104", "not `to`"),
     ("500 have_rest moving", "500 have_rest -> moving", "LRP108", "The arrow `->` is missing"),
     ("*-{moving} moving", "*-{moving} -> moving", "LRP108", "The arrow `->` is missing"),
+    ("onn 500 have_rest", "ontime 500 have_rest", "LRP106", "Did you mean `ontime`?"),
     ("(State have_rest", "(state have_rest", "LRP106", "Keywords are written in lowercase."),
     ("(ON bump", "(on bump", "LRP106", "Keywords are written in lowercase."),
     ("(stat have_rest", "(state have_rest", "LRP106", "Did you mean `state`?"),
