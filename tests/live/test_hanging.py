@@ -258,6 +258,16 @@ def test_runs_in_a_row_share_the_thread_that_watches_them_and_it_ends_with_the_s
     assert len(threads) < 10, "a new one only if the machine paused for a second between two runs"
 
 
+def test_the_thread_that_watches_runs_ends_when_none_follows(session):
+    made = session(GOOD)
+    before = set(threading.enumerate())
+    made.run(0.1)
+    (monitor,) = set(threading.enumerate()) - before
+    monitor.join(LONG / 2)
+    assert not monitor.is_alive()
+    assert made.run(0.1), "and the next run has its own"
+
+
 def test_a_run_whose_blocks_are_only_many_is_not_ended(session):
     made = session(RUNNING.format("sum(range(300_000))"))
     assert made.run(5, limit=0.2)

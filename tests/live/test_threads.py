@@ -310,6 +310,12 @@ def test_a_robot_that_is_not_watched_pauses(session, pushcart):
     assert pushcart.stops >= 1
 
 
+def test_a_robot_that_is_not_watched_stops_although_a_block_has_not_returned(session, pushcart, gates):
+    text = "(machine m (state a (onentry [gate.wait()]))) (spawn m a)"
+    session(text, pushcart, rate=0.01, namespace=gates, dead_man=0.05, hung_after=LONG).start()
+    assert pushcart.stopped.wait(LONG / 2)
+
+
 def test_a_program_that_was_stopped_starts_from_the_beginning(session):
     counting = session(COUNT, rate=100)
     counting.start()
