@@ -344,3 +344,14 @@ def test_a_journal_that_is_full_keeps_whole_ticks_after_going_back_and_elsewhere
     assert i.journal == 10
     i.rewind(10)
     assert moment(i) == moments[i.tick]
+
+
+def test_going_back_in_a_new_run_undoes_no_rename_of_the_run_before():
+    i = started(TIMED, 5)
+    i.rename("state", "m/b", "c")
+    i.renew(i.program, 1.0)
+    i.step(1.1)
+    i.step(1.2)
+    moved = i.moved
+    i.rewind(1)
+    assert i.moved == moved

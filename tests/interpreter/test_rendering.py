@@ -8,6 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lrp_jupyter.errors import NoDataYet
+from lrp_jupyter.interpreter.faults import kind_and_message
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.rendering import LONGEST, render, short
 from lrp_jupyter.language.parser import parse
@@ -75,15 +77,39 @@ def test_the_work_does_not_grow_with_the_value(value):
     assert process_time() - before < 0.2, "its repr takes far longer"
 
 
+def must_not_run(*_):
+    raise AssertionError("This must not run.")
+
+
 class Odd:
-    def __repr__(self):
-        raise AssertionError("This must not run.")
+    __repr__ = must_not_run
 
 
 def test_a_message_runs_no_foreign_code():
     assert short(Odd()) == "a value of type `Odd`"
     assert short([Odd()]) == "[<Odd>]"
     assert short("x" * 100).endswith("…")
+
+
+def test_of_a_value_nothing_but_its_repr_runs():
+    reserved = type("Reserved", (type,), {"__getattribute__": must_not_run})
+    text = type("Text", (str,), {"__len__": must_not_run, "__str__": must_not_run})("text")
+    value = reserved("Value", (), {"__repr__": lambda self: text, "__lt__": must_not_run})()
+    assert render(value) == "text"
+    assert render({value, reserved("Other", (), {"__repr__": lambda self: text})()}) == "{text, text}"
+
+
+def test_of_an_exception_nothing_but_its_text_is_asked():
+    text = type("Text", (str,), {"__len__": must_not_run})("There is no data.")
+    error = type("Late", (NoDataYet,), {"__str__": lambda self: text})()
+    assert kind_and_message(error) == ("no data yet", "There is no data.")
+
+
+def test_no_more_is_asked_for_its_repr_than_is_shown():
+    calls = []
+    counted = type("Counted", (), {"__repr__": lambda self: calls.append(self) or "value"})()
+    render([[[counted] * 12] * 12] * 12)
+    assert len(calls) <= LONGEST / len("value")
 
 
 class Stranger(type):
