@@ -29,7 +29,6 @@ from lrp_jupyter.language.triggers import FORMS
 
 __all__ = ["Corrected", "correct", "is_form"]
 
-_WORDS = re.compile(r"[^\W\d]\w*(?:\s+[^\W\d]\w*)*")
 _FIRST_WORD = re.compile(r"\s*([^\W\d]\w*)")
 
 
@@ -275,17 +274,12 @@ class _Walk(Keywords, Bracketing, Parts):
         close = index + 1
         while self._kind(close) == "NAME":
             close += 1
-        _, start, end = self.tokens[index]
+        start = self.starts[index]
         inside = self.text[start + 1 : self.tokens[close][1]].split() if self._kind(close) == "CLOSE" else []
         condition = frame.keyword in ("on", "exit") and not frame.items
         if not inside or (condition and inside[0] not in self.events) or len(inside) > 2:
             return 0
-        before = "" if self.text[start - 1 : start].isspace() else " "
-        names, end = " ".join(inside), self.tokens[close][2]
-        message = f"Names are written without brackets here. Write `{names}`."
-        self._add(start, end, "LRP110", message, Edit(start, end, before + names))
-        frame.items += [Piece("NAME", start, end)] * len(inside)
-        return close + 1
+        return self._unwrapped(start, self.tokens[close][2], inside, frame, close + 1)
 
     def _doubled(self, index: int) -> int:
         """Remove a `(` before another one, with its `)` if it has one."""
@@ -359,9 +353,9 @@ class _Walk(Keywords, Bracketing, Parts):
             return index + 1
         named = not frame.items if frame.keyword in ("machine", "state") else frame.keyword == "spawn"
         if named or (frame.keyword in FORMS and frame.items and inside.strip() in self.states):
-            name = _WORDS.fullmatch(inside.strip())
-            if name and " " not in name[0]:
-                return self._unwrapped(start, end, inside.strip(), frame, index + 1)
+            names = inside.split()
+            if 0 < len(names) <= self._most_names(frame) and all(map(str.isidentifier, names)):
+                return self._unwrapped(start, end, names, frame, index + 1)
         if self.missing > 0 and inside.rstrip().endswith(")") and not facts_of(inside).valid:
             shorter = inside.rstrip()[:-1]
             if is_python(shorter):
@@ -548,8 +542,8 @@ class _Walk(Keywords, Bracketing, Parts):
             source = frame.keyword in ("on", "ontime", "eps") and "ARROW" not in frame.types
             source = source and (frame.keyword == "eps" or bool(frame.items) or len(inside) > 1)
             source = source and "SIGN" not in frame.types
-            if len(inside) == 1 and not source:
-                return self._unwrapped(start, end, first, frame, close + 1)
+            if len(inside) <= self._most_names(frame) and not source:
+                return self._unwrapped(start, end, [self._word(each) for each in inside], frame, close + 1)
         elif self._kind(index + 1) == "NAME" and self._word(self.tokens[index + 1]) in LEGAL.get(
             frame.keyword, ()
         ):
@@ -557,11 +551,17 @@ class _Walk(Keywords, Bracketing, Parts):
         frame.items.append(Piece("LBRACE", start, start + 1))
         return index + 1
 
-    def _unwrapped(self, start: int, end: int, name: str, frame: OpenForm, following: int) -> int:
-        """Remove the brackets round a name."""
-        message = f"Names are written without brackets here. Write `{name}`."
-        self._add(start, end, "LRP110", message, Edit(start, end, name))
-        frame.items.append(Piece("NAME", start, end))
+    def _most_names(self, frame: OpenForm) -> int:
+        """Return how many names may be in brackets where only names belong."""
+        return 2 if frame.keyword == "spawn" and not frame.items else 1
+
+    def _unwrapped(self, start: int, end: int, names: list[str], frame: OpenForm, following: int) -> int:
+        """Remove the brackets round names; return the index after them."""
+        plain = " ".join(names)
+        before = "" if self.text[start - 1 : start].isspace() else " "
+        message = f"Names are written without brackets here. Write `{plain}`."
+        self._add(start, end, "LRP110", message, Edit(start, end, before + plain))
+        frame.items += [Piece("NAME", start, end)] * len(names)
         return following
 
     def _form_in_braces(self, index: int) -> int:
