@@ -6,7 +6,7 @@ import pytest
 from lrp_jupyter.errors import BridgeError, LRPError, LRPSyntaxError, SessionClosedError, UnknownElementError
 from lrp_jupyter.live import session as sessions
 from lrp_jupyter.live.clock import VirtualClock
-from lrp_jupyter.live.commands import Reset
+from lrp_jupyter.live.commands import Call, Reset
 from lrp_jupyter.live.session import Session
 
 BLINK = """
@@ -532,6 +532,20 @@ def test_a_keyboard_interrupt_ends_a_run_and_leaves_the_session_usable(session):
     assert stopping.frame.status == "paused"
     stopping.edit(BLINK)
     assert stopping.run(2, until="off")
+
+
+def test_a_keyboard_interrupt_in_a_queued_command_ends_the_run_that_applies_it(session):
+    def give_up():
+        raise KeyboardInterrupt
+
+    stopping = session(BLINK)
+    refused = stopping.submit(Call(give_up))
+    later = stopping.submit(Reset())
+    with pytest.raises(KeyboardInterrupt):
+        stopping.run(5)
+    assert isinstance(refused.exception(0), KeyboardInterrupt)
+    assert stopping.run(2, until="off")
+    assert later.result(0) is None
 
 
 @pytest.mark.parametrize("speed", [5e-324, 1e-308, 1e-9, 1e9, 1e308])
