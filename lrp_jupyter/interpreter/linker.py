@@ -11,7 +11,6 @@ the interpreter tries it. Paper: §5.2, §6.2.
 from __future__ import annotations
 
 import linecache
-import re
 from dataclasses import dataclass, field
 from types import CodeType
 from typing import NamedTuple
@@ -27,6 +26,7 @@ from lrp_jupyter.language.program import (
     Variable,
 )
 from lrp_jupyter.language.resolution import Arrow, PlacedBlock, Scope, Spawning, resolve
+from lrp_jupyter.language.scanner import LINE_END
 
 __all__ = [
     "BlockPlan",
@@ -171,11 +171,8 @@ def link(program: Program) -> Plan:
 def show_in_tracebacks(program: Program) -> None:
     """Register the text with :mod:`linecache`: tracebacks and debuggers show the lines that run."""
     text = program.text.encode("utf-8", "replace").decode()  # a traceback cannot contain a lone surrogate
-    lines = [line.rstrip() + "\n" for line in _LINE_END.split(text)]  # otherwise the carets are misaligned
+    lines = [line.rstrip() + "\n" for line in LINE_END.split(text)]  # otherwise the carets are misaligned
     linecache.cache[program.filename] = (len(program.text), None, lines, program.filename)
-
-
-_LINE_END = re.compile(r"\r\n|\r|\n")
 
 
 class _Linker:

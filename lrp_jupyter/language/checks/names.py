@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 
 from lrp_jupyter.language.checks.report import Reporter
+from lrp_jupyter.language.forms import article
 from lrp_jupyter.language.program import Edit, Fix, Machine, Name, Span, Transition, Variable, path_text
 from lrp_jupyter.language.resolution import Resolution, Scope
 from lrp_jupyter.language.scanner import LINE_END
@@ -23,7 +24,7 @@ def check_names(report: Reporter, names: Resolution) -> None:
         report.add(
             "LRP201",
             again.name.span,
-            f"`{again.name}` is already {_article(element.kind)}{place}, in line "
+            f"`{again.name}` is already {article(element.kind)} {element.kind}{place}, in line "
             f"{report.line(first.name.span)}, and only the first definition counts. "
             "Rename or remove this one.",
             fix,
@@ -34,10 +35,6 @@ def check_names(report: Reporter, names: Resolution) -> None:
         _colliding(report, scope)
     if not report.program.spawns and names.top.machines:
         _no_spawn(report)
-
-
-def _article(kind: str) -> str:
-    return f"an {kind}" if kind == "event" else f"a {kind}"
 
 
 def _hiding(report: Reporter, scope: Scope, variable: Variable) -> None:
