@@ -223,6 +223,7 @@ def check(
         str | None,
         typer.Option(
             metavar="NAME",
+            autocompletion=complete.bridges,
             help="Check for this robot: see `lrp bridges`. Default: that of the world named in the text.",
         ),
     ] = None,

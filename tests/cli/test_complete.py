@@ -21,6 +21,7 @@ def completed(words: str, cwd) -> list[str]:
     [
         ("lrp run foll", {"follower", "follower-paper"}),
         ("lrp check my", set()),
+        ("lrp check follower --bridge s", {"sim"}),
         ("lrp check mi", {"mine.lrp"}),
         ("lrp graph fold", {"folder/"}),
         ("lrp run follower --world o", {"oval", "other.json"}),
