@@ -54,9 +54,7 @@ class Monitor:
     ) -> None:
         self._loop = loop
         self._driving = thread
-        self.hung_after = hung_after
-        """Wall seconds after which a tick is reported."""
-        self._patience = min(PATIENCE, hung_after)
+        self._hung_after = hung_after
         self._dead_man = dead_man
         now = self._seen = monotonic()
         self._reported = False
@@ -76,6 +74,15 @@ class Monitor:
         self._thread = threading.Thread(
             target=context.run, args=(self._run,), name="lrp monitor", daemon=True
         )
+
+    @property
+    def hung_after(self) -> float:
+        """Wall seconds after which a tick is reported: not more than a block may take."""
+        return min(self._hung_after, self.limit)
+
+    @property
+    def _patience(self) -> float:
+        return min(PATIENCE, self.hung_after)
 
     @property
     def within(self) -> float:

@@ -4,6 +4,7 @@ import gc
 import signal
 import sys
 import threading
+from time import perf_counter
 
 import pytest
 
@@ -273,12 +274,15 @@ def test_a_run_whose_blocks_are_only_many_is_not_ended(session):
     assert made.run(5, limit=0.2)
 
 
-def test_a_run_while_a_thread_drives_is_limited_as_well(session):
+@pytest.mark.parametrize("hung_after", [2.0, 30.0])
+def test_a_run_while_a_thread_drives_is_limited_as_well(session, hung_after):
     later = "(machine m (state a) (state b (running [while True: pass])) (ontime 3600000 a -> b)) (spawn m a)"
-    made = session(later)
+    made = session(later, hung_after=hung_after)
     made.start()
+    began = perf_counter()
     with pytest.raises(SessionTimeoutError, match=r"`b\.running`"):
         made.run(4000, limit=0.2)
+    assert perf_counter() - began < 25
 
 
 @pytest.mark.parametrize(
