@@ -8,6 +8,7 @@ import pytest
 
 import lrp_jupyter
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.language import checks
 from lrp_jupyter.live.checking import check
 from lrp_jupyter.live.session import Session
@@ -195,6 +196,18 @@ def test_a_session_checks_for_its_robot_before_and_after_it_is_opened() -> None:
         session.open()
         session.edit(WRONG.replace("moove", "move"))
         assert [finding.code for finding in session.findings] == ["LRP520"]
+
+
+def test_another_world_has_the_members_of_its_own_robot() -> None:
+    text = "(machine m (state a (running [print(robot.distance.all)]))) (spawn m a)"
+    bridge = SimBridge("line")
+    assert codes(text, (), bridge) == ["LRP520"]
+    bridge.load_world("maze")
+    assert codes(text, (), bridge) == []
+    with Session(text, bridge) as session:
+        session.open()
+        session.call(lambda: bridge.load_world("line"))
+        assert [finding.code for finding in session.edit(text)] == ["LRP520"]
 
 
 def test_the_public_check_knows_the_world_and_that_of_the_language_does_not() -> None:

@@ -7,6 +7,7 @@ import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.live.commands import Call, Pause, Resume
 from lrp_jupyter.live.driver import LoopThread
@@ -231,6 +232,22 @@ def test_a_fault_that_cannot_even_be_published_breaks_the_session_visibly(sessio
     assert motor.ident is not None, "its thread lives"
     counting.start()
     assert ticks_on(counting).status == "running"
+
+
+def test_an_interruption_that_comes_too_late_does_no_harm(session, monkeypatch):
+    counting = session(COUNT, rate=100)
+    counting.start()
+    turn, late = type(counting._loop).turn, [Interrupted()]
+
+    def interrupted(loop):
+        if late:
+            raise late.pop()
+        return turn(loop)
+
+    monkeypatch.setattr(type(counting._loop), "turn", interrupted)
+    assert ticks_on(counting).status == "running"
+    assert not late
+    assert counting.fault == ""
 
 
 def broken_by(counting, monkeypatch):
