@@ -397,5 +397,7 @@ def _checked_noise(noise: Noise | Mapping[str, float] | None) -> Noise | None:
 def _checked_seed(seed: object) -> int | None:
     if isinstance(seed, str) and seed.isdecimal():  # as an option of a magic
         return int(seed)
+    if isinstance(seed, str):
+        raise ValueError(f"`seed` is a whole number, not `{seed}`.")
     check_type("seed", seed, (int, NoneType), "a whole number")
     return cast("int | None", seed)

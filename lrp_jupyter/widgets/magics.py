@@ -5,10 +5,9 @@ Errors are printed as one sentence, as IPython does for its own magics.
 
 from __future__ import annotations
 
-import argparse
 import shlex
 from collections.abc import Callable, Mapping
-from typing import Any, NoReturn
+from typing import Any
 
 from IPython.core.error import UsageError
 from IPython.core.interactiveshell import InteractiveShell
@@ -29,12 +28,14 @@ __all__ = ["LRPMagics", "completions", "open_body"]
 _HELP = """\
 %%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ]
                       run the cell's text as a program and show its lab; running the cell again
-                      changes the running program
+                      changes the running program; other options are the bridge's: --seed 5
 %lrp                  list the programs that are open
 %lrp NAME             show the lab of a program again
 %lrp new NAME         open a bundled program
 %lrp examples         list the bundled programs and worlds
-%lrp pause|resume|step|reset|stop|interrupt|check|graph|save|debug [NAME]
+%lrp pause|resume|step|reset|stop|check|graph|debug [NAME]
+%lrp interrupt [NAME] interrupt the block that does not return
+%lrp save [NAME]      write the lab's text into a new cell
 %lrp versions [NAME]  list the earlier texts, the newest first
 %lrp version N [NAME] write an earlier text into a new cell
 %lrp rate HZ [NAME]   ticks per second, 0 for as many as possible
@@ -44,40 +45,38 @@ NAME may be left out while only one program is open.\
 """
 
 
-class _Parser(argparse.ArgumentParser):
-    """A parser that raises a sentence instead of exiting Python."""
-
-    def error(self, message: str) -> NoReturn:
-        raise UsageError(f"%%lrp: {message}. Write `%%lrp NAME [--world …] [--bridge …] [--rate …]`.")
-
-
 def _options(line: str) -> tuple[str, dict[str, Any]]:
-    parser = _Parser(add_help=False, allow_abbrev=False)
-    parser.add_argument("name", nargs="?", default="program")
-    parser.add_argument("--world")
-    parser.add_argument("--bridge")
-    parser.add_argument("--rate", type=float)
+    """Return the name and the options of a cell; those that are not ours are the bridge's (``--host …``)."""
     try:
         words = shlex.split(line)
-    except ValueError as error:
-        raise UsageError(f"%%lrp: {error}") from None
-    known, more = parser.parse_known_args(words)
-    options = {key: value for key, value in vars(known).items() if value is not None}
-    while more:  # other options of the bridge: --host 192.168.0.7
-        key = more.pop(0)
-        if not key.startswith("--") or len(key) < 3:
-            raise UsageError(f"%%lrp: Unexpected `{key}`. Options begin with `--`.{_did_you_mean(key)}")
-        key, equals, value = key[2:].partition("=")
+    except ValueError:
+        raise UsageError(f"%%lrp: A quotation mark is not closed in `{line}`. Write its partner.") from None
+    name, options = "", {}
+    while words:
+        word = words.pop(0)
+        key, equals, value = word[2:].partition("=")
+        if not word.startswith("-") and not name:
+            name = word
+            continue
+        if not (word.startswith("--") and key):
+            hint = did_you_mean(word, ["--world", "--bridge", "--rate"])
+            raise UsageError(f"%%lrp: Unexpected `{word}`. Options begin with `--`.{hint}")
         if not equals:
-            if not more:
-                raise UsageError(f"%%lrp: `--{key}` needs a value.")
-            value = more.pop(0)
-        options[key.replace("-", "_")] = value
-    return options.pop("name"), options
+            if not words or words[0].startswith("--"):
+                raise UsageError(f"%%lrp: `--{key}` needs a value, as in `--{key} {_VALUES.get(key, '…')}`.")
+            value = words.pop(0)
+        options[key.replace("-", "_")] = _hertz(value, "%%lrp: `--rate`") if key == "rate" else value
+    return name or "program", options
 
 
-def _did_you_mean(word: str) -> str:
-    return did_you_mean(word, ["--world", "--bridge", "--rate"])
+_VALUES = {"world": "line", "bridge": "sim", "rate": "20"}
+
+
+def _hertz(text: str, what: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise UsageError(f"{what} is a number of ticks per second, not `{text}`.") from None
 
 
 @magics_class
@@ -104,7 +103,7 @@ class LRPMagics(Magics):
         name, options = _options(line)
         bridge = options.pop("bridge", None)
         if options.get("world") and bridge not in (None, "sim"):
-            raise UsageError(f"%%lrp: `--world` is for the simulator; `{bridge}` has its own.")
+            raise UsageError(f"%%lrp: `--world` is for the simulator, and the bridge is `{bridge}`.")
         return lab_of(registry.open_program(name, cell, bridge, namespace=self._names, **options))
 
     def _line(self, line: str) -> object:
@@ -119,7 +118,9 @@ class LRPMagics(Magics):
         if action is not None:
             return action(self, rest)
         found = registry.find(word)
-        if len(rest) == 0 and found is not None:
+        if found is not None and rest:
+            raise UsageError(f"%lrp: Unexpected `{rest[0]}`. `%lrp {word}` shows the lab of `{word}`.")
+        if found is not None:
             return lab_of(found)
         listed = ", ".join(f"`{name}`" for name in registry.names()) or "none"
         hint = did_you_mean(word, [*WORDS, *registry.names()])
@@ -194,13 +195,7 @@ class LRPMagics(Magics):
         """Set the ticks per second."""
         if not rest:
             raise UsageError("%lrp rate: Write the number of ticks per second, as in `%lrp rate 20`.")
-        try:
-            hertz = float(rest[0])
-        except ValueError:
-            raise UsageError(
-                f"%lrp rate: `{rest[0]}` is not a valid rate. Write the number of ticks per second."
-            ) from None
-        _the(rest[1:]).session.rate = hertz
+        _the(rest[1:]).session.rate = _hertz(rest[0], "%lrp rate: The rate")
 
     def check(self, rest: list[str]) -> None:
         """Print the findings of the checks."""
@@ -233,9 +228,11 @@ class LRPMagics(Magics):
         connection = _the(rest[1:])
         known = dict(enumerate(connection.texts.versions, 1))
         found = known.get(int(rest[0]))
+        if not known:
+            raise UsageError(f"%lrp version: There are no earlier texts of `{connection.name}`.")
         if found is None:
             raise UsageError(
-                f"%lrp version: There is no version {rest[0]}; there are {len(known)}. "
+                f"%lrp version: There is no version {rest[0]}, only 1 to {len(known)}. "
                 "`%lrp versions` lists them."
             )
         if self.shell is not None:
@@ -279,8 +276,10 @@ def _the(rest: list[str]) -> PageConnection:
     name = rest[0] if rest else names[0] if len(names) == 1 else ""
     connection = registry.find(name)
     if connection is None:
-        listed = ", ".join(f"`{known}`" for known in names) or "none"
-        what = f"There is no program `{name}`.{did_you_mean(name, names)}" if name else "Name a program."
+        listed = ", ".join(f"`{known}`" for known in names)
+        what = f"No program `{name}` is open.{did_you_mean(name, names)}" if name else "Name a program."
+        if not names:
+            raise UsageError("%lrp: No program is open. `%lrp examples` lists bundled ones.")
         raise UsageError(f"%lrp: {what} Open programs: {listed}.")
     return connection
 

@@ -279,7 +279,7 @@ def test_another_world_can_be_chosen_before_it_is_opened() -> None:
 def test_an_unknown_world_or_noise_is_reported_in_a_sentence() -> None:
     with pytest.raises(BridgeError, match=r"There is no world `lin`.*Did you mean `line`"):
         SimBridge("lin")
-    with pytest.raises(BridgeError, match=r"no noise `engine`\. Choose one of motor"):
+    with pytest.raises(BridgeError, match=r"no noise `engine`\. Choose one of `motor`"):
         SimBridge(noise={"engine": 1})
 
 

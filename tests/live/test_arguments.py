@@ -47,7 +47,7 @@ PROGRAM = "(var n := [1]) (machine m (state a) (state b) (ontime 300 a -> b)) (s
             {"bridge": lrp.SimBridge(), "world": "line"},
             "The bridge `sim` exists already and accepts no more options, such as `world`.",
         ),
-        ({"bridge": "sim", "seed": "x"}, "`seed` is a whole number, not str."),
+        ({"bridge": "sim", "seed": "x"}, "`seed` is a whole number, not `x`."),
         ({"bridge": "sim", "seed": True}, "`seed` is a whole number, not bool."),
         ({"bridge": "sim", "noise": 3}, '`noise` is a mapping such as `{"light": 4}`, not int.'),
         ({"bridge": "sim", "noise": {"light": -4}}, "`light` is a standard deviation of 0 or more, not -4."),

@@ -134,6 +134,8 @@ def test_the_text_is_written_into_a_new_cell(shell, run):
 def test_earlier_texts_are_listed_and_written_into_a_new_cell(shell, run):
     lab = cell(shell, "mine", A)
     assert "no earlier texts of `mine`" in run("versions")
+    with pytest.raises(UsageError, match="no earlier texts of `mine`"):
+        run("version 1")
     lab.text = B
     lab.text = "(machine"
     assert [version.text for version in lab.versions] == [B, A]
@@ -143,7 +145,7 @@ def test_earlier_texts_are_listed_and_written_into_a_new_cell(shell, run):
     assert second.endswith(A.strip())
     run("version 2 mine")
     assert shell.rl_next_input == f"%%lrp mine\n{A}"
-    with pytest.raises(UsageError, match="no version 3; there are 2"):
+    with pytest.raises(UsageError, match="no version 3, only 1 to 2"):
         run("version 3")
     with pytest.raises(UsageError, match="Write the number of a version"):
         run("version mine")
@@ -175,12 +177,13 @@ def test_there_is_nothing_to_debug_before_a_block_fails(shell, run):
             "folower",
             "There is no command or program `folower`. Did you mean `follower`? Open programs: `follower`.",
         ),
-        ("pause other", "There is no program `other`. Open programs: `follower`."),
+        ("follower now", "%lrp: Unexpected `now`. `%lrp follower` shows the lab of `follower`."),
+        ("pause other", "No program `other` is open. Open programs: `follower`."),
         ("pause a b", "Expected one name, not 2"),
         ("new folower", "There is no bundled program `folower`. Did you mean `follower`? Choose one of"),
         ("new", "Expected one name, not 0. Write `%lrp new NAME`."),
         ("rate", "Write the number of ticks per second"),
-        ("rate fast", "`fast` is not a valid rate. Write the number of ticks per second."),
+        ("rate fast", "The rate is a number of ticks per second, not `fast`."),
         ("rate -1", "A rate is between 0.01 and 1,000,000 ticks"),
         ("bridge wings", "There is no bridge `wings`"),
     ],
@@ -197,13 +200,16 @@ def test_mistakes_are_reported_in_a_sentence(shell, line, sentence):
     [
         ("mine --world paradise", "There is no world `paradise`"),
         ("mine --bridge wings", "There is no bridge `wings`"),
-        ("mine --rate fast", "invalid float value: 'fast'"),
+        ("mine --rate fast", "`--rate` is a number of ticks per second, not `fast`."),
         ("mine --wings", "`--wings` needs a value"),
+        ("mine --world", "`--world` needs a value, as in `--world line`."),
+        ("mine --world --rate 5", "`--world` needs a value, as in `--world line`."),
+        ("mine --seed many", "`seed` is a whole number, not `many`."),
         ("mine --wings 2", "has no option `wings`"),
         ("mine more", "Unexpected `more`"),
         ("../mine", "not a valid name for a program"),
-        ("mine 'half", "No closing quotation"),
-        ("mine --bridge none --world line", "`--world` is for the simulator"),
+        ("mine 'half", "A quotation mark is not closed in `mine 'half`."),
+        ("mine --bridge none --world line", "`--world` is for the simulator, and the bridge is `none`."),
     ],
 )
 def test_mistakes_in_the_head_of_a_cell_are_reported_in_a_sentence(shell, line, sentence):
@@ -211,6 +217,16 @@ def test_mistakes_in_the_head_of_a_cell_are_reported_in_a_sentence(shell, line, 
         cell(shell, line, A)
     assert sentence in str(error.value)
     assert registry.names() == []
+
+
+def test_a_command_without_an_open_program_is_reported_in_a_sentence(shell):
+    with pytest.raises(UsageError, match=r"No program is open\. `%lrp examples` lists bundled ones\."):
+        shell.run_line_magic("lrp", "pause")
+
+
+def test_a_seed_of_a_cell_is_a_number_and_may_come_before_the_name(shell):
+    seeded = cell(shell, "--seed=7 --world line mine", A).session
+    assert (seeded.name, seeded.bridge.simulation.world.seed) == ("mine", 7)
 
 
 def test_a_mistake_shows_no_traceback(shell, capsys):

@@ -343,7 +343,7 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "LRP517",
         "error",
         "Two values without a sign between them",
-        "A call needs parentheses, arguments need commas, and the parts of a name are joined by points.",
+        "A call needs parentheses, arguments need commas, and the parts of a name are joined by dots.",
     ),
     (
         "LRP518",
@@ -442,7 +442,7 @@ _TABLE: tuple[tuple[str, Severity, str, str], ...] = (
         "LRP543",
         "warning",
         "Block that waits for typing",
-        "A program is not asked questions while it runs. Its variables can be set at any time.",
+        "A running program has no place for typing an answer. Its variables can be set at any time.",
     ),
     (
         "LRP601",

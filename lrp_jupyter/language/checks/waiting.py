@@ -25,12 +25,12 @@ _MESSAGES = {
         "Remove the loop, because `running` is repeated at every tick, or add a `break`."
     ),
     "LRP541": (
-        "Nothing in this loop changes its condition, because sensors are read once per tick, so it never "
-        "ends. Use a state, and a transition that tests the condition."
+        "Nothing in this loop changes its condition, because sensors are read once per tick: it never ends. "
+        "Use a state with a transition that tests the condition."
     ),
     "LRP542": (
         "This holds up the whole program: until it returns, nothing else runs and no edit is applied. "
-        "Use a state, and `ontime`."
+        "Use a state with `ontime` instead."
     ),
     "LRP543": (
         "`input` waits until someone types, and holds up the whole program. Declare a variable, and set its "
