@@ -79,7 +79,7 @@ def find_variable(run: Run, path: Path | str) -> tuple[Environment, str]:
     UnknownElementError
         If there is no such variable now, or several have that name.
     """
-    *where, name = as_path(path) or ("",)
+    *where, name = as_path(path)
     for key, environment in run.live.items():
         if tuple(where) in (environment.path, key) and name in environment.own:  # as spawned, or as defined
             return environment, name
@@ -117,6 +117,10 @@ def evaluate(run: Run, path: Path | str, expression: str) -> object:
     text = expression.strip()
     if not facts_of(text).valid:
         raise SyntaxError(faults_of(text)[0].message)
-    ast.parse(text, EXPRESSION, "eval")  # an expression, not statements
+    try:
+        ast.parse(text, EXPRESSION, "eval")
+    except SyntaxError:
+        what = f"`{text}` is not an expression" if text else "The expression is empty"
+        raise SyntaxError(f"{what}. Write a value, such as `2 * 3`.") from None
     code = compile_block(Block(text), frozenset(environment.visible), EXPRESSION, "expression")
     return bind_code(run, code, environment.visible)()

@@ -327,7 +327,8 @@ def normal(name: str) -> str:
 def as_path(path: str | Path) -> Path:
     """Return a path as a tuple of names as the parser makes them; it may be written as ``"m/a"``."""
     try:
-        return tuple([normal(name) for name in (path.split("/") if isinstance(path, str) else path)])
+        names = [normal(name) for name in (path.split("/") if isinstance(path, str) else path)]
+        return tuple(names) or ("",)
     except (TypeError, AttributeError):
         kind = "None" if path is None else type(path).__name__
         message = f"A path is a text such as `m/a`, or a tuple of names, not {kind}."

@@ -101,12 +101,12 @@ class Session:
     Parameters
     ----------
     program : Program or str
-        A text that is not a valid program raises; to start with one, create an empty session and pass the
+        A text that is not a valid program raises; to start from one, create an empty session and pass the
         text to :meth:`edit`.
     bridge : str, Bridge or subclass of Bridge
         A name (``"none"``, ``"sim"``, …) or a class, to which `options` are passed, or an existing bridge.
     clock : Clock, optional
-        A :class:`~lrp_jupyter.live.clock.VirtualClock` never waits; by default wall time.
+        A :class:`~lrp_jupyter.live.clock.VirtualClock` never waits; by default wall time at this `speed`.
     rate : float
         Ticks per second; 0 for as many as possible.
     namespace : dict, optional
@@ -328,6 +328,7 @@ class Session:
 
     def pause(self, reason: str = "") -> None:
         """Pause program, time and robot. Paper: §6.3."""
+        check_type("reason", reason, str, "a sentence")
         self._driver.do(do.Pause(reason))
 
     def resume(self) -> None:
@@ -578,6 +579,8 @@ class Session:
         ValueError
             The name cannot be used, or the text is not a valid program at the moment.
         """
+        check_type("kind", kind, str, "the kind of an element, such as `state`")
+        check_type("new_name", new_name, str, "a name")
         if self._text != self.program.text and any(f.severity == "error" for f in self.findings):
             raise ValueError("The text is not a valid program at the moment. Correct it first, then rename.")
         text: str = self._driver.do(do.Rename(kind, as_path(path), new_name))
@@ -651,6 +654,7 @@ class Session:
         UnknownElementError
             There is no such variable now, or there are several.
         """
+        check_type("evaluate", evaluate, str, "a text, a Python expression")
         if (value is _ABSENT) == (not evaluate):
             raise TypeError("Pass either a value or `evaluate`, an expression.")
         expression = evaluate or value

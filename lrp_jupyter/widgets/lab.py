@@ -115,8 +115,8 @@ class Lab(Part):
     """A program, alive in a notebook cell: editor, graphs, robot, variables, issues, controls.
 
     It runs at once; on hardware it opens disarmed. A second lab of the same name shows, and patches, the
-    same running program. What is typed is kept in the folder ``.lrp``; where a kept text is another than the
-    given one, the given one runs and the lab asks which of them is wanted.
+    same running program. What is typed is kept in the folder ``.lrp``; if the kept text differs from the
+    given one, the given one runs and the lab asks which to keep.
 
     Parameters
     ----------

@@ -1,5 +1,6 @@
 """Wrong arguments of the public API: one sentence, where they are made."""
 
+import contextlib
 import gc
 import threading
 
@@ -132,6 +133,24 @@ def test_a_wrong_type_anywhere_is_one_sentence(call, sentence):
             ValueError,
             "`on_issue` is `record` or `pause`, not `stop`.",
         ),
+        (lambda s: s.pause(3), TypeError, "`reason` is a sentence, not int."),
+        (lambda s: s.rename("state", "m/a", 3), TypeError, "`new_name` is a name, not int."),
+        (
+            lambda s: s.rename(3, "m/a", "c"),
+            TypeError,
+            "`kind` is the kind of an element, such as `state`, not int.",
+        ),
+        (
+            lambda s: s.set_variable("n", evaluate=5),
+            TypeError,
+            "`evaluate` is a text, a Python expression, not int.",
+        ),
+        (
+            lambda s: s.set_variable("n", evaluate="x = 5"),
+            SyntaxError,
+            "`x = 5` is not an expression. Write a value, such as `2 * 3`.",
+        ),
+        (lambda s: s.run(1, until=[]), UnknownElementError, "There is no state ``."),
         (lambda s: s.frame.values[b"n"], TypeError, A_PATH.replace("int", "bytes")),
         (lambda s: s.frame.values[None], TypeError, A_PATH.replace("int", "None")),
         (lambda s: s.check(3), TypeError, "`program` is a text or a Program, not int."),
@@ -230,3 +249,42 @@ def test_what_a_newcomer_prints_is_short():
         assert repr(session.frame) == "<Frame: paused, tick 10, 1 s, m/b active>"
         assert repr(session.interpreter) == "<Interpreter: tick 10, m/b active>"
         assert repr(lrp.VirtualClock(2)) == "<VirtualClock at 2 s>"
+
+
+WRONG = [3, None, True, b"a", [], {}, object(), float("nan"), "", ("m", 3), "zz", lrp.Session, lambda: 1 / 0]
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda s, wrong: s.pause(wrong),
+        lambda s, wrong: s.rename(wrong, "m/a", "c"),
+        lambda s, wrong: s.rename("state", wrong, "c"),
+        lambda s, wrong: s.rename("state", "m/a", wrong),
+        lambda s, wrong: setattr(s, "rate", wrong),
+        lambda s, wrong: setattr(s, "speed", wrong),
+        lambda s, wrong: setattr(s, "on_issue", wrong),
+        lambda s, wrong: s.transition_to(wrong),
+        lambda s, wrong: s.teleport_to(wrong),
+        lambda s, wrong: s.set_variable(wrong, 1),
+        lambda s, wrong: s.set_variable("n", wrong),
+        lambda s, wrong: s.set_variable("n", evaluate=wrong),
+        lambda s, wrong: s.rewind(wrong),
+        lambda s, wrong: s.call(wrong),
+        lambda s, wrong: s.observe(wrong),
+        lambda s, wrong: s.edit(wrong),
+        lambda s, wrong: s.run(0.1, until=wrong),
+        lambda s, wrong: s.run(0.1, after_tick=wrong),
+        lambda s, wrong: s.wait_for(wrong, 0.1),
+        lambda s, wrong: s.frame.count_of(wrong),
+    ],
+)
+def test_nothing_that_a_session_is_given_breaks_it(call):
+    with lrp.Session(PROGRAM) as session:
+        for wrong in WRONG:
+            session.run(0.2)
+            with contextlib.suppress(
+                lrp.LRPError, TypeError, ValueError, ArithmeticError, NameError, SyntaxError
+            ):
+                call(session, wrong)
+            assert session.status == "paused", repr(wrong)
