@@ -147,12 +147,21 @@ def run(
         ),
     ] = None,
     speed: Annotated[
-        str, typer.Option(metavar="X|max", help="Factor of real time; `max` never waits (simulator only).")
+        str,
+        typer.Option(
+            metavar="X|max",
+            autocompletion=complete.speeds,
+            help="Factor of real time; `max` never waits (simulator only).",
+        ),
     ] = "1",
     seed: Annotated[int | None, typer.Option(help="Seed of the simulator's noise.")] = None,
     noise: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=NUMBER", help="Imperfections: `motor=0.1`, `light=10`; see `lrp worlds`."),
+        typer.Option(
+            metavar="NAME=NUMBER",
+            autocompletion=complete.noises,
+            help="Imperfections: `motor=0.1`, `light=10`, `distance`, `gyro`, `odom`; may be repeated.",
+        ),
     ] = None,
     assignments: Annotated[
         list[str] | None,

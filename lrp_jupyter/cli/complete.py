@@ -13,7 +13,18 @@ from lrp_jupyter import programs
 if TYPE_CHECKING:
     from lrp_jupyter.language.program import Program
 
-__all__ = ["bridges", "bundled", "challenges", "machines", "sources", "states", "variables", "worlds"]
+__all__ = [
+    "bridges",
+    "bundled",
+    "challenges",
+    "machines",
+    "noises",
+    "sources",
+    "speeds",
+    "states",
+    "variables",
+    "worlds",
+]
 
 
 def bundled(incomplete: str) -> list[str]:
@@ -38,6 +49,20 @@ def bridges(incomplete: str) -> list[str]:
     from lrp_jupyter.bridges.discovery import find_bridges
 
     return _beginning(incomplete, find_bridges())
+
+
+def noises(incomplete: str) -> list[str]:
+    """Complete the name of an imperfection of the simulated robot, up to the ``=``."""
+    from dataclasses import fields
+
+    from lrp_jupyter.sim.world import Noise
+
+    return _beginning(incomplete, [f"{field.name}=" for field in fields(Noise)])
+
+
+def speeds(incomplete: str) -> list[str]:
+    """Complete the speed that is a word."""
+    return _beginning(incomplete, ["max"])
 
 
 def challenges(incomplete: str) -> list[str]:

@@ -206,7 +206,10 @@ class Session:
             partial(getattr, self.output, "count"),
         )
         self._driver = Driver(self._loop, name)
-        self.ask, self.submit = self._driver.ask, self._driver.submit  # of commands: internal, not in `help`
+        self.ask, self.submit = (
+            self._driver.ask,
+            self._driver.submit,
+        )  # of commands: internal, not in `help`, `dir`
         self._start_driver = partial(self._driver.start, driver, hung_after, dead_man)
         _open_sessions.add(self)
         self._dropped = weakref.finalize(self, _drop, name, self._driver, self._loop, self.bridge)
@@ -237,6 +240,9 @@ class Session:
         frame = self.frame
         active = ", ".join("/".join(path) for path in frame.active) or "nothing"
         return f"<Session {self.name}: {frame.status}, tick {frame.tick}, {active} active>"
+
+    def __dir__(self) -> list[str]:
+        return [name for name in super().__dir__() if name not in ("ask", "submit")]
 
     def __enter__(self) -> Self:
         return self

@@ -32,6 +32,8 @@ def completed(words: str, cwd) -> list[str]:
         ("lrp grade follower --challenge follow", {"follow the line"}),
         ("lrp programs --show esc", {"escapement"}),
         ("lrp worlds --json ma", {"maze"}),
+        ("lrp run follower --noise m", {"motor="}),
+        ("lrp run follower --speed m", {"max"}),
         ("lrp run missing --until ", set()),
     ],
 )
