@@ -565,7 +565,8 @@ class Loop:
             raise BridgeError(f"`{bridge.name}` is armed: a real robot cannot go back. Disarm it first.")
         have = min(interpreter.journal, len(self.moments))
         if not 0 <= ticks <= have:
-            raise ValueError(f"Cannot go back {ticks} ticks: only {have} can be undone.")
+            many = "1 tick" if ticks == 1 else f"{ticks} ticks"
+            raise ValueError(f"Cannot go back {many}: only {have} can be undone.")
         if ticks:
             now, moment = self.moments[-ticks]
             bridge.rewind(moment)  # the world may refuse, and then nothing has changed

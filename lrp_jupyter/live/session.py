@@ -680,6 +680,7 @@ class Session:
             A real robot is armed.
         """
         check_type("ticks", ticks, int, "a number of ticks")
+        check_number("ticks", ticks, "a number of ticks", least=0)
         before = self.program
         self._driver.do(do.Rewind(ticks))
         if self.program is not before:  # edits were undone, too

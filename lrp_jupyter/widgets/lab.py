@@ -19,7 +19,7 @@ import traitlets
 from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_type
 from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.errors import LRPError, UnknownElementError
+from lrp_jupyter.errors import LRPError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.graph.still import draw
 from lrp_jupyter.interpreter.issues import Issue
@@ -67,12 +67,7 @@ class Part(anywidget.AnyWidget):
     def __init__(self, session: Session | Part | str) -> None:
         check_type("session", session, (Session, Part, str), "a Session, a Lab or the name of a program")
         if isinstance(session, str):
-            found = registry.find(session)
-            if found is None:
-                raise UnknownElementError(
-                    f"No program `{session}` is open. Open programs: {', '.join(registry.names()) or 'none'}."
-                )
-            session = found.session
+            session = registry.named(session).session
         if isinstance(session, Part):
             session = session.session
         self._connect(registry.connection_of(session))

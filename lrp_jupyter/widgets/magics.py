@@ -272,16 +272,7 @@ def _the(rest: list[str]) -> PageConnection:
     """Return the program that is named, or the only one that is open."""
     if len(rest) > 1:
         raise UsageError(f"%lrp: Expected one name, not {len(rest)}.")
-    names = registry.names()
-    name = rest[0] if rest else names[0] if len(names) == 1 else ""
-    connection = registry.find(name)
-    if connection is None:
-        listed = ", ".join(f"`{known}`" for known in names)
-        what = f"No program `{name}` is open.{did_you_mean(name, names)}" if name else "Name a program."
-        if not names:
-            raise UsageError("%lrp: No program is open. `%lrp examples` lists bundled ones.")
-        raise UsageError(f"%lrp: {what} Open programs: {listed}.")
-    return connection
+    return registry.named(rest[0] if rest else "")
 
 
 WORDS: Mapping[str, Callable[[LRPMagics, list[str]], object]] = {

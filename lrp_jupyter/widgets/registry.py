@@ -13,13 +13,14 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.errors import UnknownElementError, did_you_mean
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.kept import FOLDER, Kept, checked_name
 from lrp_jupyter.widgets.texts import Conflict, Texts
 
-__all__ = ["connection_of", "find", "forget", "names", "open_program", "running"]
+__all__ = ["connection_of", "find", "forget", "named", "names", "open_program", "running"]
 
 DEAD_MAN = 5.0
 """Wall seconds without a view after which the program of a real robot pauses."""
@@ -41,6 +42,25 @@ def find(name: str) -> PageConnection | None:
     """Return the open program of this name."""
     connection = _connections.get(name)
     return None if connection is None or connection.closed else connection
+
+
+def named(name: str) -> PageConnection:
+    """Return the open program of a name; an empty one stands for the only program that is open.
+
+    Raises
+    ------
+    UnknownElementError
+        There is none, or the name is empty and there are several.
+    """
+    known = names()
+    found = find(name) if name else find(known[0]) if len(known) == 1 else None
+    if found is not None:
+        return found
+    if not known:
+        raise UnknownElementError("No program is open. `%lrp examples` lists bundled ones.")
+    listed = ", ".join(f"`{each}`" for each in known)
+    what = f"No program `{name}` is open.{did_you_mean(name, known)}" if name else "Name a program."
+    raise UnknownElementError(f"{what} Open programs: {listed}.")
 
 
 def running() -> Iterator[PageConnection]:

@@ -86,7 +86,7 @@ _QUESTIONS = {
         "Keep the lab's text",
     ),
     "lab": (
-        "The lab's last text of `{name}` is not the cell's, which runs now. Which text should be kept?",
+        "The lab's last text of `{name}` differs from the cell's, which runs now. Which text should be kept?",
         "Use the lab's text",
         "Keep the cell's text",
     ),

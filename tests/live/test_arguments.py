@@ -133,6 +133,7 @@ def test_a_wrong_type_anywhere_is_one_sentence(call, sentence):
             ValueError,
             "`on_issue` is `record` or `pause`, not `stop`.",
         ),
+        (lambda s: s.rewind(-1), ValueError, "`ticks` is a number of ticks of 0 or more, not -1."),
         (lambda s: s.pause(3), TypeError, "`reason` is a sentence, not int."),
         (lambda s: s.rename("state", "m/a", 3), TypeError, "`new_name` is a name, not int."),
         (

@@ -52,7 +52,7 @@ def test_every_face_is_the_same_widget_with_another_view(make):
     assert lab.view == "lab"
     assert all(isinstance(part, Part) and part.session is lab.session for part in parts)
     assert StateGraph(lab).session is StateGraph("m").session is lab.session
-    with pytest.raises(UnknownElementError, match="No program `x` is open"):
+    with pytest.raises(UnknownElementError, match=r"No program `x` is open\. Open programs: `m`\."):
         StateGraph("x")
 
 
