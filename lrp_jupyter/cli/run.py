@@ -24,7 +24,7 @@ import typer
 from rich.console import Console, RenderableType
 from rich.text import Text
 
-from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.bridge import Bridge, ConnectionState
 from lrp_jupyter.bridges.discovery import choose_bridge, find_bridges, make_bridge
 from lrp_jupyter.cli.board import Board, BoardState
 from lrp_jupyter.cli.events import EventCollector, EventPrinter
@@ -140,6 +140,7 @@ class _Run:
         self._was_hung = False
         self._stuck = ""  # a sentence about the block because of which the run was ended
         self._notices: set[str] = set()  # of the robot, printed already
+        self._connection = ConnectionState.CONNECTED
         self._last: deque[str] = deque(maxlen=_LAST)
         self._values: dict[Path, str] = {}
         self.pace: Pace
@@ -254,6 +255,10 @@ class _Run:
             if notice.text not in self._notices:
                 self._notices.add(notice.text)
                 self.print(Text(f"{notice.now:8.1f} s  robot: {notice.text}", "yellow"))
+        status = self._bridge.status
+        if status.state not in (self._connection, ConnectionState.DISCONNECTED):
+            self._connection = status.state
+            self.print(Text(f"{frame.time:8.1f} s  robot: {status.sentence}", "yellow"))
 
     def _print_hang(self, frame: Frame) -> None:
         """Print that a block does not return, once."""

@@ -293,6 +293,32 @@ class Recorder(Bridge):
 DRIVE = "(machine m (state a (running [robot.move(linear=0.1)]))) (spawn m a)"
 
 
+class Away(Bridge):
+    """A bridge to a robot that is found late, and lost again."""
+
+    name = "away"
+
+    def open_interface(self):
+        self.ticks = 0
+        self.set_status("waiting for data", "No robot was found yet.")
+
+    def sense(self, now):
+        self.ticks += 1
+        if self.ticks == 10:
+            self.set_status("connected", "The robot was found.")
+        if self.ticks == 20:
+            self.set_status("lost", "The connection broke.")
+
+    def stop(self):
+        pass
+
+
+def test_every_change_of_the_connection_to_the_robot_is_printed(lrp, program):
+    result = lrp("run", program("(machine m (state a)) (spawn m a)"), "--bridge", "away", "--for", "3")
+    said = [line.partition("robot: ")[2] for line in result.stdout.splitlines() if "robot: " in line]
+    assert said[1:] == ["No robot was found yet.", "The robot was found.", "The connection broke."]
+
+
 def test_hardware_that_is_named_is_armed_and_ctrl_c_stops_it(lrp, program):
     handler = signal.getsignal(signal.SIGINT)  # in the background it is another than in a terminal
     Recorder.log.clear()
