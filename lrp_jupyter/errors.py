@@ -196,7 +196,7 @@ def name_of(kind: type) -> str:
 _NAME = type.__dict__["__name__"]
 
 
-def did_you_mean(name: str, names: Iterable[str], likeness: float = 0.5) -> str:
+def did_you_mean(name: str, names: Iterable[str], likeness: float = 0.55) -> str:
     """Return `` Did you mean `light`?`` for the closest name, with a space before it, or nothing.
 
     `likeness` is the least that counts, from 0 to 1; of names of different things, close ones are rarer.

@@ -1,4 +1,4 @@
-"""The exceptions of the package travel: to other processes by pickle, and by copy."""
+"""The exceptions of the package travel, by pickle and by copy, and only names that are close are suggested."""
 
 import copy
 import pickle
@@ -10,7 +10,7 @@ import lrp_jupyter.bridges.ev3
 import lrp_jupyter.bridges.ros
 import lrp_jupyter.cli
 import lrp_jupyter.widgets.lab  # noqa: F401  (with the others, it defines every exception of the package)
-from lrp_jupyter.errors import Edit, Finding, Fix, LRPError, LRPSyntaxError
+from lrp_jupyter.errors import Edit, Finding, Fix, LRPError, LRPSyntaxError, did_you_mean
 
 FIX = Fix("Close it", (Edit(8, 8, ")"),))
 FINDINGS = (
@@ -42,3 +42,16 @@ def test_the_message_of_a_syntax_error_lists_its_findings():
     assert str(LRPSyntaxError(FINDINGS)) == (
         "1:1: LRP101 error: It is not closed.\n2:1: LRP401 hint: Unused."
     )
+
+
+@pytest.mark.parametrize(
+    ("name", "known", "meant"),
+    [
+        ("ligth", ["name", "light"], " Did you mean `light`?"),
+        ("bmup", ["bump"], " Did you mean `bump`?"),
+        ("move", ["name", "beep"], ""),
+        ("world", ["rate", "on_issue"], ""),
+    ],
+)
+def test_only_a_close_name_is_suggested(name, known, meant):
+    assert did_you_mean(name, known) == meant
