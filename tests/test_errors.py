@@ -1,4 +1,4 @@
-"""The exceptions of the package travel, by pickle and by copy, and only names that are close are suggested."""
+"""The exceptions of the package travel by pickle and by copy; only close names are suggested."""
 
 import copy
 import pickle
