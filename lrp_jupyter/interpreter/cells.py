@@ -1,6 +1,6 @@
 """Cells: the variables of a running program, as its blocks see them and as the journal restores them.
 
-A block writes a variable by an instruction of its own, so its code tells which ones, without running
+A block writes a variable by an instruction of its own, so its code shows which ones, without running
 it. What a function defined inside a block writes is another matter: that function may be called at
 any time, by anything, so such variables are compared after every tick instead.
 """

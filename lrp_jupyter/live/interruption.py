@@ -57,7 +57,7 @@ def running_block(
     thread : int or None
         The identity of the thread.
     filenames : container of str
-        The names of files that distinguish blocks from other code.
+        The names of the files of blocks; other code has other names.
     name : str
         The name of foreign code that runs instead of a block, such as ``x.__repr__``.
     other : str

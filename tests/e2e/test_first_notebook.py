@@ -28,7 +28,7 @@ def test_the_first_notebook_keeps_its_promises(page, server):
     lab.is_active("driver/resting")
     lab.type_after("(on white right -> left)", "\n(ontime 1000 resting -> left)")
     lab.is_active("driver/left")
-    assert lab.tick > tick, "it never began anew"
+    assert lab.tick > tick, "it never restarted"
 
     lab.type_after("(spawn driver left", "(")  # a mistake: the robot drives on
     lab.sees("[data-lrp-issue]")
