@@ -868,6 +868,7 @@ export interface SnapshotMessage {
   revision: number;
   running: string;
   findings: FindingView[];
+  accepted: boolean;
   pending: Difference | null;
   choices: ChoicesView;
   world: WorldView | null;

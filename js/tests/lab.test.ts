@@ -359,6 +359,27 @@ describe("the page", () => {
     expect(verdict.textContent).toBe("no kernel");
   });
 
+  it("says in a new view, too, that a text is not a program, or does not run yet", async () => {
+    const verdict = page.find(".lrp-verdict");
+    const { text } = recording.snapshot;
+    page.deliver({ ...structuredClone(recording.snapshot), text: `(${text}`, accepted: false });
+    await page.drawn();
+    expect(verdict.dataset.state).toBe("broken");
+    page.deliver({ ...structuredClone(recording.snapshot), text: `; x\n${text}`, accepted: true });
+    await page.drawn();
+    expect(verdict.dataset.state).toBe("waits");
+  });
+
+  it("says 'runs' of an edit that restarted the program", async () => {
+    page.type("; x\n");
+    page.deliver(answer({ reason: "`m` is active and was removed." }));
+    await page.drawn();
+    expect(page.find(".lrp-verdict").textContent).toBe("runs");
+    page.deliver(answer({ applied: false, reason: "The machine is missing." }));
+    await page.drawn();
+    expect(page.find(".lrp-verdict").textContent).toBe("The machine is missing.");
+  });
+
   it("leaves the keyboard focus in the lab when what had it disappears", async () => {
     page.deliver({ type: "frame", frame: 9, status: "broken", reason: "The session itself failed." });
     await page.drawn();

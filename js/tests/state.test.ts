@@ -31,6 +31,7 @@ const snapshot = (machines: string[], fields: Partial<FrameMessage> = {}): Snaps
   revision: 1,
   running: "",
   findings: [],
+  accepted: true,
   pending: null,
   choices: { bridges: [], worlds: [], programs: [] },
   world: null,

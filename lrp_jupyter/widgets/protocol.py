@@ -474,8 +474,8 @@ class AnswerMessage(TypedDict):
 class SnapshotMessage(TypedDict):
     """Everything, for a view that has just opened.
 
-    `running` is the running text, `text` the editor's. `home` distinguishes programs of the same name. Its
-    frame is acknowledged like any other.
+    `running` is the running text, `text` the editor's; `accepted`: it is a program. `home` distinguishes
+    programs of the same name. Its frame is acknowledged like any other.
     """
 
     type: Literal["snapshot"]
@@ -486,6 +486,7 @@ class SnapshotMessage(TypedDict):
     revision: int
     running: str
     findings: list[FindingView]
+    accepted: bool
     pending: Difference | None
     choices: ChoicesView
     world: WorldView | None

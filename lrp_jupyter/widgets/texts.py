@@ -344,6 +344,7 @@ class Texts:
                 "revision": self.revision,
                 "running": running.text,
                 "findings": [_finding_view(finding, self.text) for finding in self.findings],
+                "accepted": self.noun is not None,
                 "pending": _difference_view(running, self.noun) if waits and self.noun is not None else None,
             }
 

@@ -66,17 +66,19 @@ export function apply(state: LabState, message: FromKernel): Set<Topic> {
     changes = { ...merged(state, message), ...carriedOver(state, message.moved) };
   } else if (message.type === "snapshot") {
     const { type, view, text, revision, frame, ...fields } = message;
+    const waits = message.accepted && !message.pending && text !== message.running;
     const { link, machine, chosen, inspected, cameras, follow } = state;
     changes = {
       ...initialState(),
       ...{ link, machine, chosen, inspected, cameras, follow },
       ...fields,
+      patch: waits ? "not running yet" : "",
       ...merged(EMPTY_VIEW_STATE, frame),
       ...carriedOver(state, frame.moved),
     };
   } else if (message.type === "answer") {
-    const { findings, accepted, reason, pending } = message;
-    changes = { findings, accepted, patch: reason, pending };
+    const { findings, accepted, applied, reason, pending } = message;
+    changes = { findings, accepted, patch: applied ? "" : reason, pending };
   } else if (message.type === "world") changes = { world: message.world };
   Object.assign(state, changes);
   const changed = new Set(Object.keys(changes) as Topic[]);
