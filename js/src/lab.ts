@@ -15,7 +15,7 @@ import { variablesView } from "./parts/variables";
 import { versionsForm } from "./parts/versions";
 import type { AnswerMessage, FromKernel, PartName, ReplyMessage } from "./protocol";
 import { Connection, type Model } from "./session/connection";
-import { forgetLost, keepLost, lostText } from "./session/lost";
+import { forgetLost, keepLost, lostTexts } from "./session/lost";
 import { apply } from "./session/state";
 import { type Lab, Store } from "./session/store";
 import { h, setAttribute } from "./ui/dom";
@@ -101,25 +101,26 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     store.touch(changed);
   }
 
-  /** Offer what was typed into an earlier view of this program and has not reached a kernel. */
+  /** Offer what was typed into earlier views of this program and has not reached a kernel. */
   async function recover(home: string, text: string): Promise<void> {
-    const lost = editor && connection.isAnswered ? lostText(home) : null;
-    if (lost === null) return;
-    if (lost !== text && (await connection.command({ do: "recover", text: lost })).error) return;
-    forgetLost(home);
+    if (!editor || !connection.isAnswered) return;
+    for (const [view, lost] of lostTexts(home)) {
+      if (lost !== text && (await connection.command({ do: "recover", text: lost })).error) return;
+      forgetLost(home, view);
+    }
   }
 
   /** Keep the text if the kernel has not answered it, or has ended and could not keep it. */
   function rescue(isNew = false): void {
     const { link, home, unkept } = store.state;
     if (!editor || !(isNew || !connection.isAnswered || (link === "dead" && unkept))) return;
-    keepLost(home, editor.text);
+    keepLost(home, connection.view, editor.text);
     rescued = true;
   }
 
   function answered({ seq, text, applied }: AnswerMessage): void {
     if (rescued && connection.isAnswered) {
-      forgetLost(store.state.home);
+      forgetLost(store.state.home, connection.view);
       rescued = false;
     }
     if (seq === 0 && connection.inFlight) return; // a text from elsewhere; the one typed here is newer and is sent next
@@ -170,6 +171,11 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     setAttribute(root, "data-lrp-revision", revision);
     setAttribute(root, "data-lrp-status", status);
     setAttribute(root, "data-link", link);
+  });
+  root.addEventListener("keydown", (event) => {
+    if (event.key !== "s" || event.shiftKey || event.altKey || !(event.ctrlKey || event.metaKey)) return;
+    event.preventDefault();
+    host.dispatchEvent(new KeyboardEvent("keydown", event)); // saves the notebook, as everywhere else in it
   });
   const unwatchTheme = watchTheme(root);
   const leaving = () => rescue();

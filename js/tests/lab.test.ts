@@ -4,6 +4,7 @@ import { EditorView } from "@codemirror/view";
 import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { openLab } from "../src/lab";
 import type { AnswerMessage, Command, FromPage, PartName } from "../src/protocol";
+import { lostTexts } from "../src/session/lost";
 import recording from "./page/recording.json";
 
 /** A whole lab in a page without a browser, and the kernel's end of its wire. */
@@ -380,6 +381,18 @@ describe("the page", () => {
     expect(page.find(".lrp-verdict").textContent).toBe("The machine is missing.");
   });
 
+  it("leaves Ctrl+S to the notebook", () => {
+    const targets: (EventTarget | null)[] = [];
+    page.host.addEventListener("keydown", ({ key, ctrlKey, target }) => {
+      if (key === "s" && ctrlKey) targets.push(target);
+    });
+    const init = { key: "s", ctrlKey: true, bubbles: true, cancelable: true };
+    const pressed = new KeyboardEvent("keydown", init);
+    page.editor.contentDOM.dispatchEvent(pressed);
+    expect(pressed.defaultPrevented).toBe(true);
+    expect(targets).toContain(page.host);
+  });
+
   it("leaves the keyboard focus in the lab when what had it disappears", async () => {
     page.deliver({ type: "frame", frame: 9, status: "broken", reason: "The session itself failed." });
     await page.drawn();
@@ -446,7 +459,7 @@ describe("a text that no kernel has answered", () => {
   it("is also kept when the page is left", async () => {
     page.type("; x\n");
     window.dispatchEvent(new Event("pagehide"));
-    expect(localStorage.getItem("lrp-typed:/home/follower")).toBe(`; x\n${snapshot.text}`);
+    expect([...lostTexts("/home/follower").values()]).toEqual([`; x\n${snapshot.text}`]);
   });
 
   it("is forgotten as soon as it is answered, or if the kernel has it", async () => {
@@ -458,7 +471,7 @@ describe("a text that no kernel has answered", () => {
     page.type("; y\n");
     await next(`; y\n${snapshot.text}`);
     expect(page.commands("recover")).toEqual([]);
-    expect(localStorage.getItem("lrp-typed:/home/follower")).toBe(null);
+    expect(lostTexts("/home/follower").size).toBe(0);
   });
 
   it("includes one that the kernel could not keep before it ended", async () => {
@@ -480,6 +493,27 @@ describe("a text that no kernel has answered", () => {
     page.type("; y\n");
     await next();
     await isRecovered(`; y\n${snapshot.text}`);
+  });
+
+  it("is kept for each view, where several are left at once", async () => {
+    const other = new Page();
+    other.deliver(structuredClone(snapshot));
+    page.type("; a\n");
+    other.type("; b\n");
+    window.dispatchEvent(new Event("pagehide"));
+    other.close();
+    other.host.remove();
+    await next();
+    const texts = [`; a\n${snapshot.text}`, `; b\n${snapshot.text}`];
+    expect(new Set(lostTexts("/home/follower").values())).toEqual(new Set(texts));
+    for (let each = 0; each < 2; each++) {
+      page.deliver({ type: "reply", id: page.commands("recover")[each]!.id, error: null });
+      await page.drawn();
+    }
+    expect(new Set(page.commands("recover").map((command) => "text" in command && command.text))).toEqual(
+      new Set(texts),
+    );
+    expect(lostTexts("/home/follower").size).toBe(0);
   });
 
   it("of one program is not given to another", async () => {

@@ -76,6 +76,10 @@ class NotebookPage:
 
     def save(self):
         self.command("docmanager:save")
+        self.is_saved()
+
+    def is_saved(self):
+        """Wait until it is saved."""
         self.page.wait_for_function(f"!{APP}.context.model.dirty")
 
     def close(self):

@@ -77,7 +77,8 @@ def test_what_is_typed_after_the_kernel_ended_comes_back_in_the_next_view(open_l
 
 def test_what_is_typed_after_the_kernel_ended_survives_a_reload_of_the_page(open_lab):
     lab = open_lab(COUNTER)
-    lab.notebook.save()
+    lab.find(".cm-content").press("Control+s")
+    lab.notebook.is_saved()
     lab.notebook.restart_kernel()
     lab.sees(':scope[data-link="dead"]')
     lab.type_after("(state rest)", " (state third")

@@ -1,33 +1,43 @@
 /**
  * Texts that no kernel has: what was typed after it ended, or on its way when it did. The browser keeps
- * them, and the next view of the same program gets them, which asks what to do with them.
+ * them, one for each view, and the next view of the same program gets them, which asks what to do with them.
  */
 
 const PREFIX = "lrp-typed:";
 const others = new Map<string, string>(); // where the browser keeps nothing, or has no space left
 
-export function keepLost(home: string, text: string): void {
+const keyOf = (home: string, view: string) => `${PREFIX}${home}\n${view}`;
+
+export function keepLost(home: string, view: string, text: string): void {
   if (!home) return;
+  const key = keyOf(home, view);
   try {
-    localStorage.setItem(PREFIX + home, text);
-    others.delete(home);
+    localStorage.setItem(key, text);
+    others.delete(key);
   } catch {
-    others.set(home, text);
+    others.set(key, text);
   }
 }
 
-export function lostText(home: string): string | null {
+/** The texts of a program, by the views that kept them. */
+export function lostTexts(home: string): Map<string, string> {
+  let kept: [string, string][] = [...others];
   try {
-    return others.get(home) ?? localStorage.getItem(PREFIX + home);
+    kept = [...Object.entries<string>(localStorage), ...kept];
   } catch {
-    return others.get(home) ?? null;
+    // the browser keeps nothing
   }
+  const start = keyOf(home, "");
+  return new Map(
+    kept.filter(([key]) => key.startsWith(start)).map(([key, text]) => [key.slice(start.length), text]),
+  );
 }
 
-export function forgetLost(home: string): void {
-  others.delete(home);
+export function forgetLost(home: string, view: string): void {
+  const key = keyOf(home, view);
+  others.delete(key);
   try {
-    localStorage.removeItem(PREFIX + home);
+    localStorage.removeItem(key);
   } catch {
     // there was nothing
   }
