@@ -381,6 +381,21 @@ describe("the page", () => {
     expect(page.find(".lrp-verdict").textContent).toBe("The machine is missing.");
   });
 
+  it("says whether the text of a view without a kernel was copied", async () => {
+    page.end();
+    const copied: string[] = [];
+    const clipboards = [{ writeText: async (text: string) => void copied.push(text) }, undefined];
+    const said = [];
+    for (const clipboard of clipboards) {
+      Object.defineProperty(navigator, "clipboard", { value: clipboard, configurable: true });
+      page.find('[data-lrp-action="copy"]').click();
+      await page.drawn();
+      said.push(page.find(".lrp-toast").textContent);
+    }
+    expect(copied).toEqual([page.editor.state.sliceDoc()]);
+    expect(said).toEqual(["The text is copied.", expect.stringContaining("press Ctrl+C")]);
+  });
+
   it("leaves Ctrl+S to the notebook", () => {
     const targets: (EventTarget | null)[] = [];
     page.host.addEventListener("keydown", ({ key, ctrlKey, target }) => {

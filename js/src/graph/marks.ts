@@ -63,10 +63,6 @@ export class Marks {
     };
     this.timers.set(element, setTimeout(end, AFTERGLOW));
   }
-
-  close(): void {
-    for (const timer of this.timers.values()) clearTimeout(timer);
-  }
 }
 
 /** The transition of a machine that fired last. */

@@ -18,7 +18,14 @@ function linkNote(lab: Lab, text: () => string): HTMLElement {
     label: "Copy text",
     title: "Copy the program's text",
     action: "copy",
-    onclick: () => void navigator.clipboard?.writeText(text()),
+    onclick: async () => {
+      try {
+        await navigator.clipboard.writeText(text());
+        lab.notify("The text is copied.");
+      } catch {
+        lab.notify("The browser does not allow copying here. Select the text and press Ctrl+C.");
+      }
+    },
   });
   const again = button({
     label: "Start again",

@@ -139,11 +139,6 @@ export class Stage {
     else soon();
   }
 
-  close(): void {
-    clearTimeout(this.scheduled);
-    cancelAnimationFrame(this.scheduled);
-  }
-
   private transform(c: CanvasRenderingContext2D): void {
     const ratio = (window.devicePixelRatio || 1) * this.fitted;
     const { x, y, scale } = this.camera;
