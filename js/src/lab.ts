@@ -18,7 +18,7 @@ import { Connection, type Model } from "./session/connection";
 import { forgetLost, keepLost, lostTexts } from "./session/lost";
 import { apply } from "./session/state";
 import { type Lab, Store } from "./session/store";
-import { h, setAttribute } from "./ui/dom";
+import { h, prose, setAttribute } from "./ui/dom";
 import { splitter } from "./ui/splitter";
 import { watchTheme } from "./ui/theme";
 import { type WorldPart, worldView } from "./world/view";
@@ -68,7 +68,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     insert: (text) => editor?.insert(text),
     inspect: (kind, path) => inspecting?.open(kind, path),
     notify(sentence) {
-      toast.textContent = sentence;
+      toast.replaceChildren(...prose(sentence));
       showToast(true);
       clearTimeout(toastTimer);
       toastTimer = setTimeout(() => showToast(false), TOAST_TIME);

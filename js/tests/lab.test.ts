@@ -192,9 +192,9 @@ describe("the page", () => {
   it("shows why a command was refused", async () => {
     page.find('[data-lrp-action="reset"]').click();
     const { id } = page.commands("reset")[0]!;
-    page.deliver({ type: "reply", id, error: "The session is closed." });
+    page.deliver({ type: "reply", id, error: "The session `follower` is closed." });
     await page.drawn();
-    expect(page.find(".lrp-toast").textContent).toBe("The session is closed.");
+    expect(page.find(".lrp-toast").innerHTML).toBe("The session <code>follower</code> is closed.");
   });
 
   it("lists an issue once, with its count, and finds its place", async () => {

@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 import { describe, expect, it, vi } from "vitest";
-import { hungNote, unstartedNote } from "../src/parts/notes";
+import { announcer, hungNote, unstartedNote } from "../src/parts/notes";
 import type { Lab } from "../src/session/store";
 
 /** A note of a lab whose state changes by `show`. */
@@ -31,6 +31,21 @@ describe("the note about a block that does not return", () => {
     expect(act.mock.calls).toEqual([[{ do: "interrupt" }]]);
     show({ hung: null, reason: "" });
     expect(note.hidden).toBe(true);
+  });
+
+  it("is announced once, not at every second", () => {
+    vi.useFakeTimers();
+    const state = { active: ["a/b"], status: "hung", reason: "`b.running` has run for 2 s." };
+    let redraw = () => {};
+    let topics: string[] = [];
+    const watch = (watched: string[], call: () => void) => ([topics, redraw] = [watched, call]);
+    const region = announcer({ store: { state, watch } } as unknown as Lab);
+    redraw();
+    vi.runAllTimers();
+    vi.useRealTimers();
+    expect(region.textContent).toBe("hung. b.running has run for 2 s. In b");
+    expect(topics).not.toContain("reason");
+    expect(noteOf(() => {}).note.closest("[role=status], [aria-live]")).toBe(null);
   });
 
   it("has no button where interrupting was in vain", () => {

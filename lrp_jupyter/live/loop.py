@@ -502,8 +502,8 @@ class Loop:
     def _check_whole(self) -> None:
         if self.fault:
             raise LRPError(
-                "The session itself failed, not the program; its `fault` is the traceback. "
-                "Start it again with `start` or `reset`."
+                "The session itself failed, not the program. Start it again, or reset it; "
+                "its `fault` is the traceback."
             )
 
     def pause(self, reason: str = "") -> None:

@@ -61,7 +61,7 @@ export function hungNote(lab: Lab): HTMLElement {
     action: "interrupt",
     onclick: () => void lab.act({ do: "interrupt" }),
   });
-  const note = h("div", { class: "lrp-note lrp-note-warning", role: "status" }, words, interrupt);
+  const note = h("div", { class: "lrp-note lrp-note-warning" }, words, interrupt); // changes every second: see `announcer`
   lab.store.watch(["hung", "reason"], () => {
     const { hung, reason } = lab.store.state;
     setHidden(note, !hung);
@@ -197,14 +197,15 @@ export function announcer(lab: Lab): HTMLElement {
   let _timer: ReturnType<typeof setTimeout> | undefined;
   let announced = "";
   const speak = () => {
-    const { active, status } = lab.store.state;
+    const { active, status, reason } = lab.store.state;
     const states = active.map((path) =>
       path
         .split("/")
         .filter((_, i) => i % 2)
         .join(", "),
     );
-    const words = `${status === "running" ? "" : `${status}. `}${states.length ? `In ${states.join(" and ")}` : ""}`;
+    const why = status === "hung" ? `${reason.replaceAll("`", "")} ` : "";
+    const words = `${status === "running" ? "" : `${status}. `}${why}${states.length ? `In ${states.join(" and ")}` : ""}`;
     if (words !== announced) region.textContent = announced = words;
   };
   lab.store.watch(["active", "status"], () => {

@@ -1,7 +1,7 @@
 /** Save the program under a chosen name; ask before another file is replaced. */
 
 import type { Lab } from "../session/store";
-import { h, setHidden } from "../ui/dom";
+import { h, prose, setHidden } from "../ui/dom";
 
 export function saveForm(lab: Lab): { element: HTMLElement; open: () => void } {
   const input = h("input", {
@@ -31,7 +31,7 @@ export function saveForm(lab: Lab): { element: HTMLElement; open: () => void } {
     const name = input.value.trim();
     const reply = await lab.ask({ type: "save", name, replace: replacing });
     ask(reply.exists ?? false);
-    if (reply.error) error.textContent = reply.error;
+    if (reply.error) error.replaceChildren(...prose(reply.error));
     else if (!reply.exists) {
       close();
       lab.notify(`Saved as ${name}.`);
