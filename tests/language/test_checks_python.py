@@ -318,6 +318,14 @@ def test_what_may_be_a_truth_value_is_left_alone(block: str) -> None:
     assert check(condition(block)) == ()
 
 
+def test_a_comparison_instead_of_a_delay_becomes_a_condition() -> None:
+    for block in ("robot.b == 1", "not robot.b", "robot.b > 1 and not robot.c"):
+        assert found(delay(block)) == [("LRP508", block)]
+        assert fixed(delay(block)) == delay(block).replace("ontime", "on")
+    for block in ("robot.b > 1 and 500", "500 * (robot.b > 1)", "500 if robot.b == 1 else 5"):
+        assert check(delay(block)) == ()
+
+
 def test_a_delay_is_a_number() -> None:
     assert (
         message(delay("'5'"))
@@ -345,7 +353,7 @@ def test_a_delay_is_a_number() -> None:
         ("x = [1]; x[0] = 0,5; print(x)", "x = [1]; x[0] = 0.5; print(x)", "LRP518"),
         ("if speed == 1 or 2: time = 1", "if speed == 1 or speed == 2: time = 1", "LRP527"),
         ("if speed is 1: time = 1", "if speed == 1: time = 1", "LRP528"),
-        ("if speed is not 'é': time = 1", "if speed != 'é': time = 1", "LRP528"),
+        ("if robot.b is not 'é': time = 1", "if robot.b != 'é': time = 1", "LRP528"),
         ("time <- 2", "time = 2", "LRP504"),
         ("def f():\n  time = 1\nf()", "def f():\n  nonlocal time\n  time = 1\nf()", "LRP529"),
         ("def f(): time = 1\nf()", "def f(): nonlocal time; time = 1\nf()", "LRP529"),
@@ -407,3 +415,34 @@ def test_a_condition_that_assigns_a_comparison_is_the_comparison() -> None:
 def test_a_local_name_that_another_block_reads_is_reported_there_only() -> None:
     text = "(var time := [1])(machine m (state a (onentry [tiem = 2]) (running [print(tiem)])))(spawn m a)"
     assert found(text) == [("LRP502", "tiem")]
+
+
+# Variables and texts
+
+
+def counting(test: str, action: str = "n += 1") -> str:
+    machine = f"(machine m (state a (running [{action}])) (on [{test}] a -> b) (state b))"
+    return f"(var n := [0])\n{machine}\n(spawn m a)"
+
+
+def test_a_variable_that_is_a_number_is_never_equal_to_a_text() -> None:
+    assert found(counting('n == "3"')) == [("LRP526", '"3"')]
+    assert fixed(counting('n == "3"')) == counting("n == 3")
+    assert found(counting('"three" < n')) == [("LRP525", '"three"')]
+    assert message(counting('n != "3"')) == (
+        "`n` is a number, always different from a text. Write `3` without quotes."
+    )
+
+
+@pytest.mark.parametrize("action", ["n = 2 * n", "n = len([1])", "n = -1", "n = robot.a - robot.b"])
+def test_a_variable_to_which_numbers_are_assigned_is_a_number(action: str) -> None:
+    assert found(counting('n == "3"', action)) == [("LRP526", '"3"')]
+
+
+@pytest.mark.parametrize(
+    "action",
+    ["n = 'x'", "n = str(n)", "n = robot.a", "for n in 'ab': pass", "n, o = 1, 2", "n = 2 * robot.a"],
+)
+def test_a_variable_to_which_anything_is_assigned_may_be_a_text(action: str) -> None:
+    assert check(counting('n == "3"', action)) == ()
+    assert check(counting('n == "3"').replace("[0]", "['']").replace("n += 1", "n += 'a'")) == ()

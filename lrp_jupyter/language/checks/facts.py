@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 from lrp_jupyter.language.blocks import read
 from lrp_jupyter.language.checks.misreadings import misreadings
+from lrp_jupyter.language.checks.uses import SIGNS, Other
 from lrp_jupyter.language.names import Offsets, Use, Uses
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.source import Diagnosis
@@ -109,6 +110,12 @@ class Facts:
         Its last statement, if its value is None for certain.
     literal : tuple of str and Span, or None
         Kind and place of its value, if that is written as a literal.
+    test : Span or None
+        The place of its value, if that is `True` or `False` for certain.
+    texts : tuple of (str, Other)
+        Names that it compares with a text, and that text.
+    numbers : frozenset of str
+        Names that it binds, and to nothing but numbers.
     misread : tuple of Diagnosis
         Python that means something other than it seems to.
     inner : tuple of Inner
@@ -126,6 +133,9 @@ class Facts:
     bitwise: tuple[Remark, ...] = ()
     valueless: Remark | None = None
     literal: tuple[str, Span] | None = None
+    test: Span | None = None
+    texts: tuple[tuple[str, Other], ...] = ()
+    numbers: frozenset[str] = frozenset()
     misread: tuple[Diagnosis, ...] = ()
     inner: tuple[Inner, ...] = ()
     unread: tuple[Word, ...] = ()
@@ -157,6 +167,9 @@ def facts_of(text: str) -> Facts:
         bitwise=tuple(values.bitwise),
         valueless=values.valueless(),
         literal=values.literal(),
+        test=values.test(),
+        texts=tuple(values.texts),
+        numbers=frozenset(values.numbers) - _others(values, free, places),
         misread=misreadings(tree, places, suite.shift),
         inner=tuple(_inner(values.functions, found, places)),
         unread=tuple(_unread(tree.body, free, found, places)),
@@ -232,6 +245,11 @@ def _inner(
                 yield Inner(use.name, places.word(use).span, not changes, start + places.shift, text)
 
 
+def _others(values: _Values, free: list[Use], places: _Places) -> set[str]:
+    """Return the names that a block binds to something that may not be a number."""
+    return {use.name for use in free if use.writes and use.start not in values.numbers[use.name]}
+
+
 def _statements(body: list[ast.stmt]) -> Iterator[ast.AST]:
     """Yield the statements of a function, those of functions and classes inside left out."""
     waiting: list[ast.AST] = list(reversed(body))
@@ -269,6 +287,8 @@ class _Values:
         self.uncalled: list[Remark] = []
         self.bitwise: list[Remark] = []
         self.functions: list[ast.FunctionDef | ast.AsyncFunctionDef] = []
+        self.texts: list[tuple[str, Other]] = []
+        self.numbers: dict[str, set[int]] = defaultdict(set)  # where they are bound to one
         waiting: list[tuple[ast.AST, bool]] = [(statement, False) for statement in reversed(body)]
         while waiting:
             node, nested = waiting.pop()
@@ -285,6 +305,11 @@ class _Values:
         elif isinstance(node, ast.AugAssign):
             if isinstance(node.target, ast.Name):
                 self.changes.append(node)
+                self.numbers[node.target.id].add(self.places.start_of(node.target))
+        elif isinstance(node, ast.Assign):
+            target = node.targets[0]
+            if isinstance(target, ast.Name) and len(node.targets) == 1 and _is_number(node.value, target.id):
+                self.numbers[target.id].add(self.places.start_of(target))
         elif isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             self.functions.append(node)
         elif isinstance(node, ast.Return):
@@ -306,13 +331,21 @@ class _Values:
     def _comparison(self, node: ast.Compare) -> None:
         """Register comparisons such as `a == 1 & b`, where a bitwise operation of a literal is unlikely."""
         before = node.left
-        for operand in node.comparators:
+        for index, operand in enumerate(node.comparators):
+            written = SIGNS.get(type(node.ops[index]))
+            for name, text in ((before, operand), (operand, before)):
+                if written and isinstance(name, ast.Name) and _kind(text) == "a string":
+                    self.texts.append((name.id, self._text(written, text)))
             if isinstance(operand, ast.BinOp) and isinstance(operand.left, ast.Constant):
                 sign = {ast.BitAnd: "&", ast.BitOr: "|"}.get(type(operand.op))
                 if sign and not self.places.between(before, "(", operand):
                     edit = self.places.between(operand.left, sign, operand.right)
                     self.bitwise.append(Remark(self.places.span(node), edit, sign))
             before = operand
+
+    def _text(self, sign: str, node: ast.expr) -> Other:
+        value = node.value if isinstance(node, ast.Constant) else None
+        return Other(sign, "text", self.places.span(node), value)
 
     def valueless(self) -> Remark | None:
         """Return the last statement, if the block's value is None for certain."""
@@ -335,12 +368,39 @@ class _Values:
         kind = _kind(self.last.value)
         return (kind, self.places.span(self.last)) if kind else None
 
+    def test(self) -> Span | None:
+        """Return the place of the block's value, if that is `True` or `False` for certain."""
+        if self.returns or not isinstance(self.last, ast.Expr) or not _is_truth(self.last.value):
+            return None
+        return self.places.span(self.last)
+
+
+_MEASURES = frozenset({"abs", "float", "int", "len", "round"})
+_OF_NUMBERS = ast.Sub | ast.Div | ast.FloorDiv | ast.Pow
+
+
+def _is_number(node: ast.expr, known: str) -> bool:
+    """Return whether an expression is certainly a number, if the name `known` is one."""
+    if isinstance(node, ast.UnaryOp):
+        return not isinstance(node.op, ast.Not) and _is_number(node.operand, known)
+    if isinstance(node, ast.BinOp):
+        both = _is_number(node.left, known) and _is_number(node.right, known)
+        return both or isinstance(node.op, _OF_NUMBERS)
+    if isinstance(node, ast.Call):
+        return isinstance(node.func, ast.Name) and node.func.id in _MEASURES
+    return _kind(node) == "a number" or (isinstance(node, ast.Name) and node.id == known)
+
 
 def _is_test(node: ast.expr) -> bool:
     """Return whether an expression is a comparison, a negation, or begins with one."""
     if isinstance(node, ast.BoolOp):
         return _is_test(node.values[0])
     return isinstance(node, ast.Compare) or (isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not))
+
+
+def _is_truth(node: ast.expr) -> bool:
+    """Return whether the value of an expression is certainly `True` or `False`."""
+    return all(map(_is_truth, node.values)) if isinstance(node, ast.BoolOp) else _is_test(node)
 
 
 def _root(node: ast.expr) -> str:

@@ -13,7 +13,7 @@ from itertools import chain
 from lrp_jupyter.language.checks.facts import Facts, facts_of
 from lrp_jupyter.language.checks.names import BUILTINS
 from lrp_jupyter.language.checks.report import Reporter, replace
-from lrp_jupyter.language.checks.robot import check_robot, suspicious_uses
+from lrp_jupyter.language.checks.robot import Remedied, check_robot, compared, suspicious_uses
 from lrp_jupyter.language.program import Block, Edit, Fix, Span, path_text
 from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
 from lrp_jupyter.language.robot import RobotMembers
@@ -64,13 +64,30 @@ class _Python:
             remedied = known or check_robot(use, self.robot, is_condition, is_action, is_number)
             if remedied is not None:
                 wrong.add(use.span)
-                code, span, message, fix = remedied
-                start = place.block.span.start + 1
-                if fix is not None:
-                    edits = tuple(Edit(edit.start + start, edit.end + start, edit.text) for edit in fix.edits)
-                    fix = Fix(fix.title, edits)
-                self.report.add(code, _shifted(place.block, span), message, fix)
+                self._remedied(place, remedied)
         return wrong
+
+    def _remedied(self, place: PlacedBlock, remedied: Remedied) -> None:
+        code, span, message, fix = remedied
+        start = place.block.span.start + 1
+        if fix is not None:
+            edits = tuple(Edit(edit.start + start, edit.end + start, edit.text) for edit in fix.edits)
+            fix = Fix(fix.title, edits)
+        self.report.add(code, _shifted(place.block, span), message, fix)
+
+    @cached_property
+    def _numbers(self) -> set[tuple[Scope | None, str]]:
+        """The variables that begin as a number, and to which no block assigns anything else."""
+        found: set[tuple[Scope | None, str]] = set()
+        for scope in self.scopes:
+            for name, variable in scope.variables.items():
+                literal = facts_of(variable.initial.text).literal
+                if literal and literal[0] == "a number":
+                    found.add((scope, name))
+        for place in self.blocks:
+            facts = facts_of(place.block.text)
+            found -= {(place.visible.get(name), name) for name in facts.binds if name not in facts.numbers}
+        return found
 
     # Names
 
@@ -217,6 +234,13 @@ class _Python:
             message = f"This {place.purpose} ends in a statement and has no value. {remedy}."
             fix = "==" if place.purpose == "condition" and facts.valueless.edit else None
             self._add("LRP505", place, facts.valueless.span, message, fix, facts.valueless.edit)
+        if facts.test and place.purpose == "delay":
+            self._tested_delay(place, facts.test)
+        for name, other in facts.texts:
+            if (place.visible.get(name), name) in self._numbers:
+                remedied = compared(name, "number", other)
+                if remedied:
+                    self._remedied(place, remedied)
         halved = any(diagnosis.code == "LRP518" for diagnosis in facts.misread)
         if facts.literal and place.purpose in _WANTED and not halved:
             kind, wanted = facts.literal[0], _WANTED[place.purpose]
@@ -225,6 +249,15 @@ class _Python:
                     f"A {place.purpose} must be {wanted}, not {kind}. Write an expression that returns one."
                 )
                 self._add("LRP508", place, facts.literal[1], message)
+
+    def _tested_delay(self, place: PlacedBlock, test: Span) -> None:
+        """Report a comparison as a delay, with the keyword for conditions as its fix."""
+        opening = self.report.program.text.rfind("ontime", 0, place.block.span.start)
+        fix = replace(Span(opening, opening + len("ontime")), "on") if opening >= 0 else None
+        message = (
+            "A delay is a number of milliseconds, and this is `True` or `False`. Write `on` for a condition."
+        )
+        self.report.add("LRP508", _shifted(place.block, test), message, fix)
 
     def _add(
         self,

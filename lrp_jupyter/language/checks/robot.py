@@ -10,11 +10,11 @@ from functools import lru_cache
 from typing import NamedTuple
 
 from lrp_jupyter.language.checks.report import nearest, replace
-from lrp_jupyter.language.checks.uses import Argument, RobotCall, RobotUse, robot_uses
+from lrp_jupyter.language.checks.uses import Argument, Other, RobotCall, RobotUse, robot_uses
 from lrp_jupyter.language.program import Edit, Fix, Span
 from lrp_jupyter.language.robot import Parameters, RobotMember, RobotMembers
 
-__all__ = ["Remedied", "check_robot", "suspicious_uses"]
+__all__ = ["Remedied", "check_robot", "compared", "suspicious_uses"]
 
 
 class Remedied(NamedTuple):
@@ -175,12 +175,12 @@ def _reading(use: RobotUse, member: RobotMember, is_condition: bool, is_action: 
         message = f"A condition is `True` or `False`, but `{path}` is {_ARTICLES[kind]}. Compare it with one."
         message = message.replace("with one", "with a text" if kind == "text" else "with a number")
         return Remedied("LRP508", use.span, message)
-    return _comparison(use, path, kind) if use.other and kind else None
+    return compared(path, kind, use.other) if use.other and kind else None
 
 
-def _comparison(use: RobotUse, path: str, kind: str) -> Remedied | None:
-    assert use.other is not None
-    sign, other, span, value = use.other
+def compared(path: str, kind: str, with_what: Other) -> Remedied | None:
+    """Return what is wrong with the comparison of a value of a kind with a literal."""
+    sign, other, span, value = with_what
     is_equality = sign in ("==", "!=")
     what = _ARTICLES[kind]
     if {kind, other} == {"truth value", "number"}:

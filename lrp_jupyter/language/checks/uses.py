@@ -12,7 +12,7 @@ from lrp_jupyter.language.names import Offsets
 from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.suites import children
 
-__all__ = ["Argument", "Other", "RobotCall", "RobotUse", "robot_uses"]
+__all__ = ["SIGNS", "Argument", "Other", "RobotCall", "RobotUse", "robot_uses"]
 
 Role = Literal[
     "read", "called", "assigned", "deleted", "stated", "compared", "computed", "tested", "value", "with"
@@ -79,7 +79,7 @@ class RobotUse(NamedTuple):
     is_value: bool = False
 
 
-_SIGNS: dict[type[ast.cmpop], str] = {
+SIGNS: dict[type[ast.cmpop], str] = {
     ast.Eq: "==", ast.NotEq: "!=", ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=",
 }  # fmt: skip
 _LITERALS: dict[type, str] = {bool: "truth value", int: "number", float: "number", str: "text"}
@@ -185,9 +185,9 @@ class _Uses:
         operands = [node.left, *node.comparators]
         place = next(i for i, each in enumerate(operands) if each is operand)
         for other, sign in self._neighbours(node, operands, place):
-            if isinstance(other, ast.Constant) and type(other.value) in _LITERALS and type(sign) in _SIGNS:
+            if isinstance(other, ast.Constant) and type(other.value) in _LITERALS and type(sign) in SIGNS:
                 kind = _LITERALS[type(other.value)]
-                return Other(_SIGNS[type(sign)], kind, self.span(other), other.value)
+                return Other(SIGNS[type(sign)], kind, self.span(other), other.value)
         return None
 
     @staticmethod
