@@ -21,6 +21,7 @@ _SOURCE = re.compile(r"\s+(?:\w+|\*|(?:\*\s*-\s*)?\{[^{}]*\})\s*->")
 _BLOCK = re.compile(r"(?<=[\w)\]\"'])\s+(?=\[[^\[\]]*\]\s*(?:[)(\[;]|\Z))")
 """Between two blocks; a subscript follows its value without a space."""
 _DOES = re.compile(r"[=<>(\[]")
+_HYPHENS = re.compile(r"\w+(?:-\w+)+")
 _JOINED = re.compile(r"\"\"\s*\"\"|\"\"\w|[\w\])]\"\"")
 _LOADED = re.compile(r"(?<![\w.])[^\W\d]\w*(?!\w|\s*=[^=])")
 
@@ -174,6 +175,8 @@ class Bracketing(TextDraft):
             return 0
         start, end = self.tokens[index][1], self.tokens[source - 1][2]
         python = self.text[start:end]
+        if _HYPHENS.fullmatch(python) and python.replace("-", "_") in self.events | self.hyphened:
+            return 0
         if not is_python(python) or AMOUNT.fullmatch(python) or "," in python or "\n" in python:
             return 0
         self._unbracketed(start, end)

@@ -29,6 +29,8 @@ from lrp_jupyter.language.triggers import FORMS
 
 __all__ = ["Corrected", "correct", "is_form"]
 
+_NAMED = frozenset({"event", "machine", "state", "var"})
+_AFTER_NAME = frozenset({"ASSIGN", "BLOCK"})
 _FIRST_WORD = re.compile(r"\s*([^\W\d]\w*)")
 
 
@@ -269,17 +271,35 @@ class _Walk(Keywords, Bracketing, Parts):
 
     def _names_in_brackets(self, index: int, frame: OpenForm) -> int:
         """Remove the round brackets from names of states and events; return the index after them, or 0."""
-        if frame.keyword not in FORMS and frame.keyword != "spawn":
+        named = frame.keyword in _NAMED and not frame.items
+        if not named and frame.keyword not in FORMS and frame.keyword != "spawn":
             return 0
         close = index + 1
-        while self._kind(close) == "NAME":
+        while self._kind(close) == "NAME" or (
+            self._kind(close) == "INTEGER" and frame.keyword == "ontime" and not frame.items
+        ):
             close += 1
         start = self.starts[index]
         inside = self.text[start + 1 : self.tokens[close][1]].split() if self._kind(close) == "CLOSE" else []
         condition = frame.keyword in ("on", "exit") and not frame.items
-        if not inside or (condition and inside[0] not in self.events) or len(inside) > 2:
+        if not inside or (condition and inside[0] not in self.events) or (named and len(inside) > 1):
             return 0
-        return self._unwrapped(start, self.tokens[close][2], inside, frame, close + 1)
+        if named and inside[0] in LEGAL.get(frame.keyword, ()):
+            return 0
+        end = self.tokens[close][2]
+        if frame.keyword in FORMS and len(inside) > 1 and self.states.issuperset(inside):
+            return self._grouped(start, end, " ".join(inside), frame, close + 1)
+        if len(inside) > 2:
+            return 0
+        return self._unwrapped(start, end, inside, frame, close + 1)
+
+    def _grouped(self, start: int, end: int, names: str, frame: OpenForm, following: int) -> int:
+        """Put the sources of a transition, which are in other brackets, into braces."""
+        names = f"{{{names}}}"
+        message = f"Several sources are written in braces. Write `{names}`."
+        self._add(start, end, "LRP110", message, Edit(start, end, names))
+        frame.items += [Piece(kind, start, end) for kind in ("LBRACE", "NAME", "RBRACE")]
+        return following
 
     def _doubled(self, index: int) -> int:
         """Remove a `(` before another one, with its `)` if it has one."""
@@ -351,7 +371,12 @@ class _Walk(Keywords, Bracketing, Parts):
         if keyword:
             self._form(start, end, keyword)
             return index + 1
-        named = not frame.items if frame.keyword in ("machine", "state") else frame.keyword == "spawn"
+        named = not frame.items if frame.keyword in _NAMED else frame.keyword == "spawn"
+        named = named and (frame.keyword not in ("var", "event") or self._kind(index + 1) in _AFTER_NAME)
+        words = inside.split()
+        source = frame.keyword in FORMS and (frame.items or frame.keyword == "eps")
+        if source and len(words) > 1 and self.states.issuperset(words):
+            return self._grouped(start, end, " ".join(words), frame, index + 1)
         if named or (frame.keyword in FORMS and frame.items and inside.strip() in self.states):
             names = inside.split()
             if 0 < len(names) <= self._most_names(frame) and all(map(str.isidentifier, names)):
@@ -556,10 +581,15 @@ class _Walk(Keywords, Bracketing, Parts):
         return 2 if frame.keyword == "spawn" and not frame.items else 1
 
     def _unwrapped(self, start: int, end: int, names: list[str], frame: OpenForm, following: int) -> int:
-        """Remove the brackets round names; return the index after them."""
+        """Remove the brackets round names or a delay; return the index after them."""
         plain = " ".join(names)
         before = "" if self.text[start - 1 : start].isspace() else " "
-        message = f"Names are written without brackets here. Write `{plain}`."
+        what = (
+            "Delays are written without brackets"
+            if plain.isdecimal()
+            else "Names are written without brackets here"
+        )
+        message = f"{what}. Write `{plain}`."
         self._add(start, end, "LRP110", message, Edit(start, end, before + plain))
         frame.items += [Piece("NAME", start, end)] * len(names)
         return following

@@ -19,6 +19,7 @@ LONGEST = 40
 """Number of parts that are looked at: more than any form has that can be corrected."""
 
 
+_HYPHENED = re.compile(r"\(\s*event\s+(\w+(?:-\w+)+)")
 _WORD = re.compile(r"[^\W\d]\w*")
 
 
@@ -70,6 +71,7 @@ class TextDraft:
                     keyword = keyword_of(text, self.tokens[index - 1]).lower()
                     if keyword in defined:
                         defined[keyword].add(name)
+        self.hyphened = {word.replace("-", "_") for word in _HYPHENED.findall(text)}
         self.frames = [OpenForm("program", 0)]
         self.edits: list[Edit] = []
         self.found: list[Diagnosis] = []

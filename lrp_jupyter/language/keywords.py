@@ -31,7 +31,7 @@ class Keywords(TextDraft):
             return None
         joined = self._word(self.tokens[index + 1]) in ("-", ".") if self._kind(index + 1) else False
         second = index + 1 + joined
-        if self._kind(second) != "NAME":
+        if self._kind(second) != "NAME" or self._word(self.tokens[second]) in self.events:
             return None
         name, after = self._word(self.tokens[second]).lower(), self._kind(second + 1)
         if word == "state":

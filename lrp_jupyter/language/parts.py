@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.draft import OpenForm, Piece, TextDraft
 from lrp_jupyter.language.forms import USAGE
@@ -16,9 +18,10 @@ class Parts(TextDraft):
 
     def _transition(self, frame: OpenForm) -> None:
         """Correct the arrow of a transition and the order of its parts."""
-        items = frame.items
         if "ARROW" not in frame.types:
-            items = self._arrow(frame)
+            frame.items = self._arrow(frame)
+        self._source(frame)
+        items = frame.items
         types = tuple([item.kind for item in items])
         arrow = _source_length(types)
         if frame.keyword != "eps" and arrow and types[arrow:-1] == ("ARROW", "NAME"):
@@ -29,6 +32,31 @@ class Parts(TextDraft):
             meant = "ontime" if types[0] == "INTEGER" else "on"
             if types[1] in ("NAME", "STAR"):
                 self._change_keyword(frame, meant, "An `eps` has neither an event nor a delay")
+
+    def _source(self, frame: OpenForm) -> None:
+        """Put several sources into braces."""
+        first = 0 if frame.keyword == "eps" else 1
+        types = frame.types
+        if "ARROW" not in types[first:]:
+            return
+        arrow = types.index("ARROW", first)
+        items = frame.items[first:arrow]
+        inside = [item for item in items if item.kind == "NAME"]
+        kinds = {item.kind for item in items}
+        braces = len({"LBRACE", "RBRACE"} & kinds)
+        starred = types[first : first + 2] == ("STAR", "MINUS")
+        known = all(self._word(item) in self.states for item in inside)
+        lone = braces == 0 and (len(inside) > 1 or starred)
+        if frame.keyword == "exit" or not inside or not known or not (lone or braces == 1):
+            return
+        if kinds - {"NAME", "LBRACE", "RBRACE"} - ({"STAR", "MINUS"} if starred else set()):
+            return
+        start, end = inside[0].start, inside[-1].end
+        before = Edit(start, start, "{") if "LBRACE" not in kinds else None
+        after = Edit(end, end, "}") if "RBRACE" not in kinds else None
+        names = " ".join(map(self._word, inside))
+        message = f"Several sources are written in braces. Write `{{{names}}}`."
+        self._add(start, end, "LRP108", message, *filter(None, (before, after)))
 
     def _trigger_last(self, frame: OpenForm, first: Piece, destination: Piece, trigger: Piece) -> None:
         """Move the event or delay of a transition from its end to its beginning."""
@@ -57,7 +85,7 @@ class Parts(TextDraft):
             wrong = item.kind in ("SIGN", "ASSIGN", "MINUS") or (
                 at > 0
                 and item.kind == "NAME"
-                and self._word(item) in ARROW_WORDS
+                and self._word(item).lower() in ARROW_WORDS
                 and self._word(item) not in self.states
                 and at + 1 < len(items)
             )
@@ -133,11 +161,18 @@ class Parts(TextDraft):
             return
         for item in frame.items:
             if item.kind == "BLOCK":
+                repeats = _REPEATED.search(self.text, item.start, item.end)
+                has_running = "RUNNING_FORM" in frame.types
+                form, other = ("onentry", "running")[:: -1 if repeats and not has_running else 1]
                 message = (
-                    "An action needs a form that says when it runs. Write `(running […])` or `(onentry […])`."
+                    f"An action needs a form that says when it runs. Write `({form} […])` or `({other} […])`."
                 )
-                edits = Edit(item.start, item.start, "(running "), Edit(item.end, item.end, ")")
-                self._add(item.start, item.end, "LRP117", message, *edits, certain=False)
+                edits = Edit(item.start, item.start, f"({form} "), Edit(item.end, item.end, ")")
+                self._add(item.start, item.end, "LRP117", message, *edits)
+
+
+_REPEATED = re.compile(r"\brobot\.(?!stop\b|pen\b)\w+(?:\s*\(|\s+as\b)|[+\-*/]=")
+"""What is probably meant to be repeated: a robot that gets no command for a while stops."""
 
 
 def _source_length(types: tuple[str, ...]) -> int:

@@ -8,6 +8,7 @@ from difflib import get_close_matches
 
 __all__ = [
     "AMOUNT",
+    "ANY_WORDS",
     "ARROWS",
     "ARROW_WORDS",
     "ASSIGN_WORDS",
@@ -50,6 +51,7 @@ FOLLOWERS |= {"onpause": ("pause",), "onresume": ("resume",)}
 ARROWS = "→⇒⟶⟹➔➜➝➞←⇐"
 SIGN = re.compile(rf"[=:<>~\-{ARROWS}]+")
 ARROW_WORDS = frozenset({"to", "into", "then", "goto", "zu", "nach"})
+ANY_WORDS = frozenset({"any", "all", "every", "anything", "everything", "anywhere"})
 ASSIGN_WORDS = frozenset({"is", "be", "equals", "becomes", "to"})
 UNITS = {
     "ms": 1,

@@ -255,6 +255,18 @@ def test_an_exit_to_nowhere_names_the_machine_around() -> None:
     )
 
 
+def test_a_word_for_any_state_becomes_a_wildcard() -> None:
+    text = "(machine m (state a) (state b) (on [robot.b] any -> b))(spawn m a)"
+    assert found(text) == [("LRP302", "any")]
+    assert fixed(text) == text.replace("any", "*")
+
+
+def test_an_event_in_brackets_loses_them() -> None:
+    text = "(machine m (event e [robot.b]) (state a) (state b) (on [e] a -> b) (on e b -> a))(spawn m a)"
+    assert found(text) == [("LRP502", "e")]
+    assert fixed(text) == text.replace("[e]", "e")
+
+
 def test_an_exit_in_a_root_machine_dangles() -> None:
     text = "(machine m (state a) (state b) (exit [robot.b] a -> c))(spawn m a)"
     assert found(text) == [("LRP401", "b"), ("LRP307", "(exit [robot.b] a -> c)")]

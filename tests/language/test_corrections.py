@@ -66,6 +66,32 @@ SLIPS = [
     ("500 have_rest→moving", "500 have_rest -> moving", "LRP104", "not `→`"),
     ("500 have_rest --> moving", "500 have_rest -> moving", "LRP104", "not `-->`"),
     ("500 have_rest to moving", "500 have_rest -> moving", "LRP104", "not `to`"),
+    ("500 have_rest TO moving", "500 have_rest -> moving", "LRP104", "not `TO`"),
+    (
+        "bump have_rest moving} ->",
+        "bump {have_rest moving} ->",
+        "LRP108",
+        "Several sources are written in braces.",
+    ),
+    (
+        "bump {have_rest moving ->",
+        "bump {have_rest moving} ->",
+        "LRP108",
+        "Several sources are written in braces.",
+    ),
+    ("bump have_rest moving ->", "bump {have_rest moving} ->", "LRP108", "Write `{have_rest moving}`."),
+    ("bump (have_rest moving) ->", "bump {have_rest moving} ->", "LRP110", "Write `{have_rest moving}`."),
+    ("bump [have_rest moving] ->", "bump {have_rest moving} ->", "LRP110", "Write `{have_rest moving}`."),
+    ("*-moving ->", "*-{moving} ->", "LRP108", "Several sources are written in braces."),
+    ("var (speed)", "var speed", "LRP110", "Names are written without brackets here."),
+    ("event [bump]", "event bump", "LRP110", "Names are written without brackets here."),
+    ("ontime (500)", "ontime 500", "LRP110", "Delays are written without brackets. Write `500`."),
+    (
+        "[robot.move(linear=speed)] ;",
+        "(running [robot.move(linear=speed)]) ;",
+        "LRP117",
+        "Write `(running […])` or",
+    ),
     ("500 have_rest moving", "500 have_rest -> moving", "LRP108", "The arrow `->` is missing"),
     ("*-{moving} moving", "*-{moving} -> moving", "LRP108", "The arrow `->` is missing"),
     ("(state[have_rest]", "(state have_rest", "LRP110", "Write `have_rest`."),
@@ -266,6 +292,26 @@ def test_fixes_of_any_text_can_be_applied_and_come_to_an_end(seed: int) -> None:
             tried.add((fixable[0].message, fixable[0].line))
             text = fixed(text, fixable[0])
         assert len(tried) < 30
+
+
+def test_an_event_with_a_hyphen_is_a_name_in_conditions_too() -> None:
+    text = RIGHT.replace("bump ", "the-bump ")
+    (finding,) = check(text)
+    assert finding.code == "LRP110"
+    assert fixed(text, finding) == RIGHT.replace("bump ", "the_bump ")
+
+
+def test_an_event_called_like_the_second_part_of_a_keyword_is_a_condition() -> None:
+    text = RIGHT.replace("bump ", "start ").replace("{have_rest moving}", "(have_rest moving)")
+    (finding,) = check(text)
+    assert fixed(text, finding) == RIGHT.replace("bump ", "start ")
+
+
+def test_an_action_without_its_form_runs_once_or_repeatedly_by_what_it_does() -> None:
+    text = RIGHT.replace('(running [print("here")])', '[print("here")]')
+    (finding,) = check(text)
+    assert "Write `(onentry […])` or `(running […])`." in finding.message
+    assert fixed(text, finding) == RIGHT.replace('(running [print("here")])', '(onentry [print("here")])')
 
 
 def test_a_block_is_closed_before_the_next_one():

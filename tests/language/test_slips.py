@@ -51,6 +51,8 @@ def applied(text: str) -> str:
         ("whille x: y = 1", "while x: y = 1", "`whille` is not a keyword of Python. Did you mean `while`?"),
         ("retrun x", "return x", "`retrun` is not a keyword of Python. Did you mean `return`?"),
         ("Def f(): return 1", "def f(): return 1", "Keywords are written in lowercase. Write `def`."),
+        ("set x to 5", "x = 5", "An assignment is written with `=`. Write `x = …`."),
+        ("x == 1 & not y", "x == 1 and not y", "`&` combines bits. Write `and`."),
         ("var x = 5", "x = 5", "Python has no `var`. Write the assignment without it."),
         ("if x > 1\n  y = 1", "if x > 1:\n  y = 1", "This `if` needs a `:`. Write it after `if x > 1`."),
         ("if x > 1 y = 1", "if x > 1: y = 1", "This `if` needs a `:`. Write it after `if x > 1`."),

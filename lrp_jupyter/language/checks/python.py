@@ -141,6 +141,14 @@ class _Python:
         self, code: str, place: PlacedBlock, name: str, span: Span, problem: str, *known: Iterable[str]
     ) -> None:
         """Report an unknown name, with a remedy."""
+        if (
+            place.scope.event(name)
+            and place.element.kind == "transition"
+            and place.block.text.strip() == name
+        ):
+            message = f"`{name}` is an event, not Python. Write it without brackets."
+            self.report.add(code, _shifted(place.block, span), message, replace(place.block.span, name))
+            return
         elsewhere = self._elsewhere(place, name)
         groups = [tuple(names) for names in known]
         prefix = any(each.startswith(name) for names in groups for each in names)

@@ -16,6 +16,7 @@ from typing import NamedTuple
 from lrp_jupyter.language.checks.report import Reporter, replace
 from lrp_jupyter.language.program import Edit, Event, Fix, Name, Span, Spawn, Transition, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, Spawning
+from lrp_jupyter.language.spellings import ANY_WORDS
 
 __all__ = ["Links", "MeantArrow", "MeantSpawn", "check_references"]
 
@@ -162,6 +163,9 @@ class _References:
         if name in machine.states:
             return name
         problem = f"`{machine.name}` has no state `{name}`"
+        if code == "LRP302" and name.lower() in ANY_WORDS:
+            self.report.add(code, name.span, f"{problem}. Write `*` for any state.", replace(name.span, "*"))
+            return name
         remedy = f"Define `(state {name})` in it"
         return self.report.unknown(code, name, problem, machine.states, remedy) or name
 

@@ -196,7 +196,8 @@ def compared(path: str, kind: str, with_what: Other) -> Remedied | None:
     if kind == other:
         return None
     fix = None
-    if kind == "number" and isinstance(value, str) and _is_number(value):
+    truths = ("0", "1", "True", "False") if kind == "truth value" else ()
+    if isinstance(value, str) and (value in truths or (kind == "number" and _is_number(value))):
         fix = replace(span, value.strip())
         remedy = f"Write `{value.strip()}` without quotes"
     elif kind == "truth value":

@@ -35,7 +35,9 @@ def keywords(code: WrongBlock) -> Guesses:
         if word in _DECLARING and after.kind == "name" and code.begins(index):
             message = f"Python has no `{word}`. Write the assignment without it."
             edits = [Edit(token.start, after.start, "")]
-            if code.get(index + 2).text == ":=":
+            if code.get(index + 2).text == "to":
+                message = f"An assignment is written with `=`. Write `{after.text} = …`."
+            if code.get(index + 2).text in (":=", "to"):
                 edits.append(Edit(code.get(index + 2).start, code.get(index + 2).end, "="))
             yield Guess("LRP511", message, token.start, token.end, tuple(edits))
         if word in _ENDING and code.begins(index) and code.ends(index + 1):
@@ -151,6 +153,9 @@ def negated(code: WrongBlock) -> Guesses:
             meant = _OPPOSITE[after.text]
             message = f"`not` does not negate the sign after it. Write `{meant}`."
             yield Guess("LRP517", message, token.start, after.end, (Edit(token.start, after.end, meant),))
+        if before.text in ("&", "|"):
+            meant = "and" if before.text == "&" else "or"
+            yield change(before, meant, "LRP517", f"`{before.text}` combines bits. Write `{meant}`.")
         if is_value_end(before):
             yield change(token, "and not", "LRP517", "Something is missing before `not`. Write `and not`.")
             yield change(token, "!=", "LRP517", "`not` does not compare. Write `!=`.")
