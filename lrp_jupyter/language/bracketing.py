@@ -18,7 +18,7 @@ _ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
 _WORDS = re.compile(r"[^\W\d]\w*(?:\s+[^\W\d]\w*)*")
 _LONGEST_STRING = 200
 _SOURCE = re.compile(r"\s+(?:\w+|\*|(?:\*\s*-\s*)?\{[^{}]*\})\s*->")
-_BLOCK = re.compile(r"(?<=[\w)\]\"'])\s+(?=\[[^\[\]]*\]\s*(?:[)(\[;]|\Z))")
+_BLOCK = re.compile(r"(?<=[\w)\]\"'])\s+(?=\[)")
 """Between two blocks; a subscript follows its value without a space."""
 _DOES = re.compile(r"[=<>(\[]")
 _HYPHENS = re.compile(r"\w+(?:-\w+)+")
@@ -233,11 +233,15 @@ class Bracketing(TextDraft):
                 self._add(start, start + 1, "LRP103", message, Edit(start, start + 1, ""))
                 return
         after = _SOURCE if frame.keyword in FORMS else _BLOCK if frame.keyword in _ACTIONS else None
-        source = after.search(self.text, start, end) if after else None
-        if source and is_python(self.text[start + 1 : source.start()]):
-            end = source.start()
+        for found in after.finditer(self.text, start, end) if after else ():
+            following = block_end(self.text, found.end()) if after is _BLOCK else len(self.text)
+            is_next = after is _SOURCE or is_python(self.text[found.end() + 1 : following])
+            if is_next and is_python(self.text[start + 1 : found.start()]):
+                end = found.start()
+                self._add(*unclosed(self.text, start, end), Edit(end, end, "]"))
+                return
         closes = block_end(f"{self.text[start:end]}]", 0) == end - start
-        if closes and (source or self.text[end : end + 1] == ")"):
+        if closes and self.text[end : end + 1] == ")":
             self._add(*unclosed(self.text, start, end), Edit(end, end, "]"))
 
     def _hidden_by_comment(self, offset: int) -> bool:

@@ -62,7 +62,9 @@ class TextDraft:
         self.events: set[str] = set()
         self.machines: set[str] = set()
         self.states: set[str] = set()
+        self.variables: set[str] = set()
         defined = {"event": self.events, "machine": self.machines, "state": self.states}
+        defined["var"] = self.variables
         for index, (kind, start, end) in enumerate(self.tokens):
             if kind == "NAME":
                 name = text[start:end]

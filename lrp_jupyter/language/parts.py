@@ -61,9 +61,8 @@ class Parts(TextDraft):
     def _trigger_last(self, frame: OpenForm, first: Piece, destination: Piece, trigger: Piece) -> None:
         """Move the event or delay of a transition from its end to its beginning."""
         word = self._word(trigger)
-        if trigger.kind == "NAME" and (
-            word in self.states or (word not in self.events and frame.keyword != "ontime")
-        ):
+        known = self.variables if frame.keyword == "ontime" else self.events
+        if trigger.kind == "NAME" and (word in self.states or word not in known):
             return
         what = "The delay" if frame.keyword == "ontime" else "The event"
         message = f"{what} comes before the states. Write `{USAGE[frame.keyword]}`."

@@ -321,6 +321,24 @@ def test_a_block_is_closed_before_the_next_one():
     assert fixed(text, finding) == text.replace("()", "()]", 1)
 
 
+def test_a_block_is_closed_before_one_that_contains_brackets() -> None:
+    text = RIGHT.replace('print("stops")])', 'print("stops")\n      [print([1][0])])')
+    (finding,) = check(text)
+    assert (finding.code, finding.line) == ("LRP103", 13)
+    assert '"stops")]\n      [print([1][0])])' in fixed(text, finding)
+
+
+def test_the_name_of_a_transition_is_not_a_delay_in_the_wrong_place() -> None:
+    (finding,) = check(
+        RIGHT.replace("(ontime 500 have_rest -> moving)", "(ontime have_rest -> moving tslow)")
+    )
+    assert finding.message.startswith("Expected the source state")
+    (finding,) = check(
+        RIGHT.replace("(ontime 500 have_rest -> moving)", "(ontime have_rest -> moving speed)")
+    )
+    assert finding.message.startswith("The delay comes before")
+
+
 @pytest.mark.parametrize(
     ("changes", "line", "words"),
     [
