@@ -23,6 +23,7 @@ from lrp_jupyter.language.corrections import correct, is_form
 from lrp_jupyter.language.forms import USAGE, Mistake, Shape, article, expected_text, shape_of, short
 from lrp_jupyter.language.matching import Matching, match
 from lrp_jupyter.language.program import Block, Finding, Machine, Name, Program, Span, Variable, line_starts
+from lrp_jupyter.language.relocation import Members, Stray, members, relocated
 from lrp_jupyter.language.scanner import block_end
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.spellings import closest
@@ -134,6 +135,8 @@ class _Reader:
         self.content = self.before = 0  # … its offset, and the bytes before that in its line
         self.invalid = 0  # blocks so far that are not Python
         self.findings: list[Diagnosis] = []
+        self.strays: list[Stray] = []  # forms in the wrong form
+        self.machines: list[Members] = []
 
     def read(self) -> Program | None:
         """Return the program, or at least what is found of it; `findings` are the errors."""
@@ -187,6 +190,10 @@ class _Reader:
         for _ in range(closing.get(len(tokens), 0)):
             form = self._finish(form, forms, tokens[-1][2])
         self._shape(form, len(text))
+        for stray in self.strays[:_MANY]:
+            edits = relocated(stray, self.machines, text)
+            if edits:
+                self.findings[stray.finding] = self.findings[stray.finding]._replace(edits=edits)
         program = nodes.program(form.types, form.parts, text, self.filename)
         self._declared(form, program.variables)
         return program
@@ -280,6 +287,8 @@ class _Reader:
                 part = nodes.node(keyword, form.types, form.parts, shape, Span(start, end))
                 if form.empty or form.declared or keyword in _VALIDATED:
                     self._validate(form, shape, part)
+            if keyword == "machine":
+                self.machines.append(members(form.parts, Span(start, end)))
             kind = _FORM_TYPES[keyword]
             outer.types.append(kind)
             outer.parts.append(part)
@@ -379,6 +388,7 @@ class _Reader:
         start = self.text.index(keyword, form.tokens[index][1])
         message = f"`{keyword}` is not allowed {where}. Put it {right}."
         edits = self._relocated(keyword, form, index, end) if len(self.findings) <= _MANY else ()
+        self.strays.append(Stray(len(self.findings), form.parts[index], *form.tokens[index][1:]))
         self.report(start, start + len(keyword), "LRP107", message, *edits)
 
     def _relocated(self, keyword: str, form: _Form, index: int, end: int) -> tuple[Edit, ...]:
