@@ -99,7 +99,7 @@ def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
         if position in moved:
             continue
         _, start, end = tokens[indices[position]]
-        message = "Unmatched `)`: there is no open form here. Remove it."
+        message = "This `)` is one too many. Remove it."
         findings.append(Diagnosis(start, end, "LRP102", message, (Edit(start, end, ""),)))
     for position in found.lost:
         _, start, end = tokens[indices[position]]

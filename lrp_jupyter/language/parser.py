@@ -380,7 +380,7 @@ class _Reader:
     def _misplaced(self, keyword: str, form: _Form, index: int, end: int) -> None:
         around = form.keyword
         homes = [home for home, legal in LEGAL.items() if keyword in legal]
-        where = "at the top level" if around == "program" else f"in `{around}`"
+        where = "at the top level" if around == "program" else f"in {article(around)} `{around}`"
         places = [
             "at the top level" if home == "program" else f"in {article(home)} `{home}`" for home in homes
         ]
@@ -435,7 +435,12 @@ class _Reader:
             self.report(first, last, "LRP108", message)
             return
         found = short(self.text[start : min(stop, start + 40)])
-        self.report(start, stop, "LRP108", f"Expected {what} instead of `{found}`. {usage}")
+        message = f"Expected {what} instead of `{found}`. {usage}"
+        if form.keyword in _TESTED and form.types[index - 1 : index + 1] == ["BLOCK", "BLOCK"]:
+            message = f"`{form.keyword}` has one condition. Join the two with `and` or `or`."
+        elif what == "its name":
+            message = f"Expected the name of this `{form.keyword}` instead of `{found}`. {usage}"
+        self.report(start, stop, "LRP108", message)
 
 
 _EXPLAINED = 20

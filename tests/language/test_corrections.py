@@ -133,7 +133,7 @@ SLIPS = [
     ("// ahead (slowly)", "; ahead", "LRP114", "Comments begin with `;`, not with `//`."),
     ("/* ahead */", "; ahead", "LRP114", "Comments begin with `;`, not with `/*`."),
     ("(var speed := [0.2]", "(var speed := [0.2])", "LRP101", "This `(var` is not closed."),
-    ("speed := [0.2]))", "speed := [0.2])", "LRP102", "Unmatched `)`"),
+    ("speed := [0.2]))", "speed := [0.2])", "LRP102", "This `)` is one too many."),
     ("((event bump", "(event bump", "LRP102", "This `(` is one too many."),
     ("\nevent bump", "\n(event bump", "LRP101", "A `(` is missing before `event`."),
     ("(spawn drive moving]", "(spawn drive moving)", "LRP104", "This form ends with `)`, not with `]`."),

@@ -94,6 +94,9 @@ def test_a_wrong_use_of_the_robot_is_one_finding(block: str, code: str, message:
     ("block", "repaired"),
     [
         ("robot.move(lienar=1)", "robot.move(linear=1)"),
+        ("robot.drive(linear=1)", "robot.move(linear=1)"),
+        ("robot.pne(True)", "robot.pen(True)"),
+        ("print(robot.light.value)", "print(robot.light.data)"),
         ("robot.move(linear := 1)", "robot.move(linear=1)"),
         ("robot.move(speed, 1)", "robot.move(linear=speed, angular=1)"),
         ("robot.move(linear='0.2')", "robot.move(linear=0.2)"),

@@ -74,6 +74,7 @@ def replace(span: Span, text: str, title: str = "") -> Fix:
 def nearest(name: str, known: frozenset[str]) -> str | None:
     """Return the known name most similar to `name`, if one is similar."""
     same = sorted(other for other in known if other.lower() == name.lower())
-    close = same or get_close_matches(name, sorted(known), n=1, cutoff=0.7)
+    swapped = sorted(other for other in known if len(name) > 2 and sorted(other) == sorted(name))
+    close = same or swapped or get_close_matches(name, sorted(known), n=1, cutoff=0.7)
     begun = [other for other in known if len(name) > 1 and other.startswith(name)]
     return next(iter(close or (begun if len(begun) == 1 else [])), None)

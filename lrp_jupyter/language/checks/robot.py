@@ -99,11 +99,28 @@ def _unknown(use: RobotUse, members: RobotMembers, around: str, index: int) -> R
         start = use.spans[0].start
         fix = Fix(f"Change to `robot.{elsewhere[0]}`", (Edit(start, span.end, elsewhere[0]),))
         return Remedied("LRP520", span, f"`{what}` has no `{name}`. Write `robot.{elsewhere[0]}`.", fix)
+    meant = meant or _by_arguments(use, members, around)
+    if meant is None and len(known) == 1:
+        message = f"`{what}` has no `{name}`. Write `{what}.{known[0]}`."
+        return Remedied("LRP520", span, message, replace(span, known[0]))
     if meant is None:
         listed = ", ".join(f"`{each}`" for each in known)
         return Remedied("LRP520", span, f"`{what}` has no `{name}`. It has {listed}.")
     message = f"`{what}` has no `{name}`. Did you mean `{meant}`?"
     return Remedied("LRP520", span, message, replace(span, meant))
+
+
+def _by_arguments(use: RobotUse, members: RobotMembers, around: str) -> str | None:
+    """Return the only method that has the arguments of a call, as `move` for `drive(linear=1)`."""
+    used = {argument.name for argument in use.call.arguments} if use.call else set()
+    found = [
+        name
+        for name in members.inside(around)
+        if (method := members.members.get(f"{around}.{name}".strip("."))) is not None
+        and method.parameters is not None
+        and used.issubset(method.parameters.names)
+    ]
+    return found[0] if used and len(found) == 1 else None
 
 
 def _part(
