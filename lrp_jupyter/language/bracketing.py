@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import re
+from itertools import islice
 from keyword import iskeyword
 
 from lrp_jupyter.errors import Edit
-from lrp_jupyter.language.draft import OpenForm, Piece, TextDraft, is_python
+from lrp_jupyter.language.draft import LONGEST, OpenForm, Piece, TextDraft, is_python
 from lrp_jupyter.language.scanner import LINE_END, block_end, brackets, line_end, strings
 from lrp_jupyter.language.spellings import AMOUNT, SIGN
 from lrp_jupyter.language.tokens import FORM_LINE, LEGAL, keyword_of
@@ -17,6 +18,8 @@ __all__ = ["Bracketing", "unclosed"]
 _ACTIONS = frozenset({"onentry", "running", "onexit", "onpause", "onresume"})
 _WORDS = re.compile(r"[^\W\d]\w*(?:\s+[^\W\d]\w*)*")
 _LONGEST_STRING = 200
+_LONGEST_BLOCK = 2_000  # characters of a block that is parsed for each place of a missing quote
+_TRIED = 10  # blocks that lack a quote, and places for a missing `]`
 _SOURCE = re.compile(r"\s+(?:\w+|\*|(?:\*\s*-\s*)?\{[^{}]*\})\s*->")
 _BLOCK = re.compile(r"(?<=[\w)\]\"'])\s+(?=\[)")
 """Between two blocks; a subscript follows its value without a space."""
@@ -103,7 +106,8 @@ class Bracketing(TextDraft):
         """Return the offset of the first `spawn` or block after Python that has no brackets, or 0."""
         if frame.keyword not in _ACTIONS:
             return 0
-        for token in self.tokens[self._after(start) + 1 : self._after(end)]:
+        first = self._after(start) + 1
+        for token in self.tokens[first : min(self._after(end), first + LONGEST)]:
             spaced = self.text[token[1] - 1].isspace()
             is_part = token[0] == "BLOCK" or (
                 token[0] == "OPEN" and keyword_of(self.text, token) in LEGAL.get(frame.keyword, ())
@@ -233,7 +237,7 @@ class Bracketing(TextDraft):
                 self._add(start, start + 1, "LRP103", message, Edit(start, start + 1, ""))
                 return
         after = _SOURCE if frame.keyword in FORMS else _BLOCK if frame.keyword in _ACTIONS else None
-        for found in after.finditer(self.text, start, end) if after else ():
+        for found in islice(after.finditer(self.text, start, end), _TRIED) if after else ():
             following = block_end(self.text, found.end()) if after is _BLOCK else len(self.text)
             is_next = after is _SOURCE or is_python(self.text[found.end() + 1 : following])
             if is_next and is_python(self.text[start + 1 : found.start()]):
@@ -262,12 +266,14 @@ class Bracketing(TextDraft):
 
     def _lacks_quote(self, start: int, stop: int) -> bool:
         """Write the quote that a string in a block lacks, if it is clear where; return whether it is."""
-        limit = min(stop, start + _LONGEST_STRING)
+        limit, stop = min(stop, start + _LONGEST_STRING), min(stop, start + _LONGEST_BLOCK)
         line = start
         while line < limit:
             last = min(line_end(self.text, line), stop)
             for quote in "\"'":
-                if self.text.count(quote, line, last) % 2 and quote * 3 not in self.text[line:last]:
+                odd = self.text.count(quote, line, last) % 2
+                if odd and quote * 3 not in self.text[line:last] and self.quotes < _TRIED:
+                    self.quotes += 1
                     return self._quote(start, line, last, stop, quote)
             line = last + 1
         return False

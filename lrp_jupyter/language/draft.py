@@ -78,6 +78,7 @@ class TextDraft:
         self.edits: list[Edit] = []
         self.found: list[Diagnosis] = []
         self.misspelt: set[str] = set()
+        self.quotes = 0  # blocks so far in which a quote is missing
 
     def _add(self, start: int, end: int, code: str, message: str, *edits: Edit, certain: bool = True) -> None:
         """Register an error and the edits that correct it; they are its fix if they are certain."""

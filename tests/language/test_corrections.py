@@ -9,6 +9,7 @@ import pytest
 from checking import start_of
 
 from lrp_jupyter.errors import edited
+from lrp_jupyter.language import bracketing, draft
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.program import Finding
@@ -384,3 +385,17 @@ def test_a_string_that_is_not_closed_ends_before_the_names_of_the_program(wrong:
     (finding,) = check(text)
     assert finding.code == "LRP514"
     assert fixed(text, finding) == RIGHT.replace('print("here")', right)
+
+
+def test_the_place_of_a_quote_is_not_searched_for_in_long_blocks(monkeypatch: pytest.MonkeyPatch) -> None:
+    parsed = []
+
+    def is_python(text: str) -> bool:
+        parsed.append(len(text))
+        return draft.is_python(text)
+
+    monkeypatch.setattr(bracketing, "is_python", is_python)
+    call = "b(c, d), " * 3_000
+    wrong = f'(machine m (state a (running [print("a, {call})])))(spawn m a)'
+    assert {finding.line for finding in check(wrong)} == {1}
+    assert sum(parsed) < 1_000_000

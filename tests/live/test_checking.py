@@ -79,7 +79,7 @@ def test_uses_of_the_robot_that_work_have_no_findings(block: str) -> None:
         ("if robot.light.data < 'x': speed = 1", "LRP525", "`robot.light.data` is a number, not a text."),
         ("if robot.light.data == 'x': speed = 1", "LRP526", "`robot.light.data` is a number, never equal"),
         ("if robot.bumper.data == '1': speed = 1", "LRP526", "`robot.bumper.data` is `True` or"),
-        ("if robot.bumper.data == 2: speed = 1", "LRP526", "`robot.bumper.data` is `True` or `False`, never"),
+        ("if robot.bumper.data == 2: speed = 1", "LRP526", "`robot.bumper.data` is `True` or `False`"),
         ("robot.light.data", "LRP507", "This only reads `robot.light.data` and does nothing with it."),
     ],
 )  # fmt: skip
