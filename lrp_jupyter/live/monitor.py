@@ -67,6 +67,7 @@ class Monitor:
         """Wall seconds after which a block is interrupted, and the program paused."""
         self.ended_run = ""
         """A sentence about the block that exceeded the limit; empty if none has."""
+        self._notice: threading.Thread | None = None  # that calls the listeners
         self._end = threading.Event()
         self._left = math.inf  # wall time at which the last run was over
         self._leaving = threading.Lock()
@@ -96,8 +97,9 @@ class Monitor:
     def end(self) -> None:
         """End the thread, and wait for it."""
         self._end.set()
-        if self._thread is not threading.current_thread() and self._thread.ident is not None:
-            self._thread.join(5)
+        for thread in (self._thread, self._notice):
+            if thread is not None and thread is not threading.current_thread() and thread.ident is not None:
+                thread.join(5 if thread is self._thread else PATIENCE)
 
     def leave(self) -> None:
         """End the thread a second from now, unless :meth:`stays` is called: the next run needs one, too."""
@@ -202,7 +204,7 @@ class Monitor:
             if self._reported:
                 self._reported = False
                 loop.set_hung(None, None)
-                loop.changed()
+                self._notify()
             return
         if block is None:
             hung = Hung(_name(loop) or _other(loop), round(since, 1))
@@ -213,7 +215,16 @@ class Monitor:
         if not self._reported:
             self._reported = True
             loop.bridge.stop_all()
-        loop.changed()
+        self._notify()
+
+    def _notify(self) -> None:
+        """Call the listeners on a thread of its own: one of them may be what does not return."""
+        if self._notice is None or not self._notice.is_alive():
+            context = contextvars.copy_context()
+            self._notice = threading.Thread(
+                target=context.run, args=(self._loop.changed,), name="lrp notice", daemon=True
+            )
+            self._notice.start()
 
 
 def block_of(loop: Loop, thread: int | None, others: bool = True) -> RunningBlock | None:

@@ -177,6 +177,25 @@ def test_an_observer_that_raises_before_observe_has_returned_is_removed(session,
     assert reported() == [REPORT, "Traceback (most recent call last):", "RuntimeError"]
 
 
+def test_a_listener_that_returns_on_no_thread_is_interrupted_for_an_edit(session, reported):
+    gate = threading.Event()
+    counting = session(COUNT, rate=100, hung_after=0.2)
+    counting.start()
+    ticks_on(counting)
+
+    def wait():
+        while not gate.wait(0.01):
+            pass
+
+    end = counting.listen(wait)
+    assert hung(counting).startswith("A listener has not returned for")
+    counting.edit(COUNT.replace("n + 1", "n + 2"))
+    assert "n + 2" in ticks_on(counting).program.text
+    assert reported()[0] == REPORT
+    end()
+    gate.set()
+
+
 def test_a_listener_may_edit_the_program(session):
     counting = session(COUNT, rate=100)
     counting.start()
