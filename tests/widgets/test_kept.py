@@ -232,7 +232,8 @@ def test_the_text_of_a_view_that_lost_its_kernel_continues_what_was_kept(cell):
     assert len(connection.texts.conflicts) == 1
 
 
-def test_an_answer_ends_only_the_conflict_that_it_is_about(bench):
+@pytest.mark.parametrize("answer", ["take", "keep"])
+def test_an_answer_ends_only_the_conflict_that_it_is_about(bench, answer):
     lab = bench(A)
     page = lab.page()
     page.do("recover", text=B)
@@ -240,10 +241,12 @@ def test_an_answer_ends_only_the_conflict_that_it_is_about(bench):
     lab.connection.texts.recover(C)
     lab.publish()
     assert page.latest("conflict")["text"] == C
-    page.do("take", number=number)
+    page.do(answer, number=number)
     assert lab.connection.texts.text == A
-    page.do("take", number=page.latest("conflict")["number"])
-    assert lab.connection.texts.text == C
+    assert lab.connection.texts.conflict["text"] == C
+    page.do(answer, number=page.latest("conflict")["number"])
+    assert lab.connection.texts.text == {"take": C, "keep": A}[answer]
+    assert lab.connection.texts.conflict is None
 
 
 # -- versions --------------------------------------------------------------------------------------
@@ -322,6 +325,22 @@ def test_revisions_of_a_long_text_cost_no_memory(bench):
 
 def printed(lab):
     return list(lab.session.output.since(0)[1])
+
+
+def test_a_lab_that_is_closed_keeps_at_once_what_could_not_be_kept(bench, tmp_path, monkeypatch):
+    lab = bench(A, tmp_path, name="mine")
+    page = lab.page()
+
+    def fails(*_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(files.os, "replace", fails)
+        page.type(B)
+        lab.publish()
+    assert "No space left" in page.latest("unkept")
+    lab.connection.close()
+    assert (tmp_path / "mine.lrp").read_text() == B
 
 
 @pytest.mark.parametrize("reason", [errno.ENOSPC, errno.EROFS, errno.EACCES])
