@@ -47,6 +47,10 @@ class RunningBlock(NamedTuple):
     frame: FrameType
 
 
+_CALLERS = ("lrp_jupyter.live.values", "lrp_jupyter.live.foreign")
+"""Modules of this package that call foreign code and survive whatever it raises."""
+
+
 def running_block(
     thread: int | None, filenames: Container[str], name: str = "", other: str = ""
 ) -> RunningBlock | None:
@@ -65,6 +69,8 @@ def running_block(
     """
     frame = None if thread is None else sys._current_frames().get(thread)
     line, block, foreign, called = 0, None, None, True
+    if frame is not None and _module(frame) in _CALLERS:
+        foreign = frame  # a call of C has no frame
     while frame is not None:  # a block may have called functions of its own
         if frame.f_code.co_filename in filenames:
             line, block = line or frame.f_lineno, frame
