@@ -7,6 +7,8 @@ from checking import found
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lrp_jupyter.errors import edited
+from lrp_jupyter.language import slips
 from lrp_jupyter.language.checks import CODES, check
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.slips import explain
@@ -15,9 +17,7 @@ from lrp_jupyter.language.slips import explain
 def applied(text: str) -> str:
     """Apply the fix of the only slip of a block."""
     (slip,) = explain(text)
-    for start, end, new in sorted(slip.edits, reverse=True):
-        text = text[:start] + new + text[end:]
-    return text
+    return edited(text, slip.edits)
 
 
 @pytest.mark.parametrize(
@@ -230,3 +230,11 @@ def test_the_search_for_remedies_is_bounded() -> None:
 def test_a_quote_inside_does_not_join_two_strings() -> None:
     (slip,) = explain('print("on guard, after, edges, "edges")')
     assert "'" not in {edit.text for edit in slip.edits}
+
+
+def test_the_search_for_the_remedy_of_one_block_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    parsed = []
+    error = slips._error
+    monkeypatch.setattr(slips, "_error", lambda text: parsed.append(len(text)) or error(text))
+    assert slips.explain("(((" + "a b, " * 1000)
+    assert sum(parsed) < 500_000
