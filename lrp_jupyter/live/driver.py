@@ -209,7 +209,7 @@ class Driver:
     @property
     def _inside_block(self) -> bool:
         """Whether a block of the program itself is the caller."""
-        return self.loop.ticking and self._thread == threading.get_ident()
+        return self.loop.ticking is not None and self._thread == threading.get_ident()
 
     @property
     def _thread(self) -> int | None:

@@ -96,7 +96,7 @@ def _is_ours(frame: FrameType) -> bool:
     return _module(frame).startswith("lrp_jupyter.")
 
 
-_ROOM = 50  # frames that raising the exception may take
+_ROOM = 20  # frames that raising the exception may take; Python 3.11 aborts at 50 beyond the limit
 _SOON = 0.02  # wall seconds in which a thread that runs Python reaches its next bytecode
 
 _requested: dict[int, FrameType] = {}

@@ -111,7 +111,8 @@ class Loop:
         """The foreign code that runs now between two ticks, for the monitor."""
         self.fault = ""
         """The traceback of the fault that broke the session, or an empty text."""
-        self.ticking = False
+        self.ticking: object = None
+        """What identifies the tick under way; None between two."""
         self._unstarted = False  # whether it was paused before it was started
         self._texts = ValueTexts(self._calling)
         self._step = bridge.time_step  # seconds; None where time passes by itself
@@ -134,13 +135,13 @@ class Loop:
     @property
     def work(self) -> object:
         """What identifies the tick or the foreign code under way; None between two. From any thread."""
-        return self.interpreter.tick if self.ticking else self.foreign
+        return self.ticking or self.foreign
 
     @property
     def hung(self) -> Hung | None:
         """The block that does not return, or None; from any thread."""
         work, hung = self._hung
-        return hung if work == self.work else None
+        return hung if work is self.work else None
 
     def set_hung(self, work: object, hung: Hung | None) -> None:
         """Set the block that does not return, and the :attr:`work` under way; called by the monitor."""
@@ -280,14 +281,14 @@ class Loop:
     def tick(self) -> None:
         """Run one tick now; the next one is due a period later."""
         interpreter, bridge, now, step = self.interpreter, self.bridge, self.now, self._step
-        self.ticking = True
+        self.ticking = object()  # a number would repeat: before the tick has begun, and after a rewind
         try:
             self.moments.append((now, None if step is None else bridge.moment()))
             bridge.begin_tick(now, self.period)
             interpreter.step(now)
             bridge.end_tick(now)
         finally:
-            self.ticking = False
+            self.ticking = None
         on_time = step is None and now - self.due <= LAG
         self.due = (self.due if on_time else now) + self.period
         if interpreter.paused and self.status == "running":

@@ -155,7 +155,7 @@ class Monitor:
         """Note what the loop is doing; return for how many wall seconds it has been doing it."""
         loop = self._loop
         work = loop.work
-        if work is None or work != self._work[0]:
+        if work is None or work is not self._work[0]:
             self._work = work, wall
             self._interrupted, self._last = None, -math.inf
         since = wall - self._work[1]

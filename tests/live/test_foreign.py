@@ -148,7 +148,7 @@ def test_an_observer_is_removed_on_the_thread_of_the_loop_and_between_two_ticks(
     rebind = Run.rebind
 
     def noted(run):
-        threads.append((threading.get_ident(), loop.ticking))
+        threads.append((threading.get_ident(), loop.ticking is not None))
         rebind(run)
 
     monkeypatch.setattr(Run, "rebind", noted)

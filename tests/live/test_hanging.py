@@ -1,7 +1,7 @@
 """Blocks that do not return: they are named, interrupted for whoever waits, and become issues."""
 
-import gc
 import signal
+import subprocess
 import sys
 import threading
 from time import perf_counter
@@ -87,12 +87,47 @@ def test_an_edit_interrupts_a_block_that_does_not_return(hanging, block):
 
 
 def test_an_edit_interrupts_a_block_that_is_at_the_limit_of_recursion(hanging):
-    gc.collect()  # pymunk does not survive that its objects are collected at the limit
     session = hanging(RUNNING.format("\ndef f():\n  try: f()\n  except RecursionError: f()\nf()"))
     limit = sys.getrecursionlimit()
     session.edit(GOOD)
     assert runs_on(session).issues[0].code == "LRP611"
     assert sys.getrecursionlimit() == limit
+
+
+FINALIZED_AT_THE_LIMIT = """
+import gc, time
+from lrp_jupyter import Session
+
+class Cycle:
+    def __init__(self):
+        self.me = self
+
+    def __del__(self):
+        def deep(n):
+            if n:
+                deep(n - 1)
+        try:
+            deep(10)
+        except RecursionError:
+            pass
+
+block = "def f():\\n  Cycle()\\n  try: f()\\n  except RecursionError: f()\\nf()"
+program = f"(machine m (state a (running [{block}]))) (spawn m a)"
+gc.set_threshold(20, 2, 2)
+with Session(program, hung_after=0.2, namespace={"Cycle": Cycle}) as session:
+    session.start()
+    for number in range(4):
+        time.sleep(0.6)
+        session.edit(f"{program}; {number}")
+    print(session.issues[0].code)
+"""
+
+
+@pytest.mark.slow
+def test_objects_that_python_finalizes_at_the_limit_of_recursion_do_not_end_the_process():
+    """Python 3.11 aborts where an error is raised more than 50 frames beyond the limit."""
+    python = subprocess.run([sys.executable, "-c", FINALIZED_AT_THE_LIMIT], capture_output=True, timeout=LONG)
+    assert (python.returncode, python.stdout.split()) == (0, [b"LRP611"])
 
 
 @pytest.mark.parametrize("place", PLACES.values(), ids=PLACES)
@@ -206,6 +241,20 @@ def test_a_block_that_returns_soon_after_an_edit_is_not_interrupted(hanging):
     gate.set()
     answer.result(LONG)
     assert runs_on(session).issues == ()
+
+
+def test_the_ticks_after_a_block_that_hung_do_not_count_as_hung(hanging):
+    session, seen = hanging(RUNNING.format("while True: pass")), []
+    begin_tick = session.bridge.begin_tick
+
+    def begin(*when):
+        seen.append(session.status)
+        begin_tick(*when)
+
+    session.bridge.begin_tick = begin
+    session.edit(GOOD)
+    runs_on(session)
+    assert set(seen) == {"running"}
 
 
 def test_a_call_that_cannot_be_interrupted_is_named_as_such(hanging):
