@@ -173,9 +173,9 @@ class Safety:
         def call() -> None:
             try:
                 stop()
-            except KeyboardInterrupt:
-                raise
             except BaseException as error:
+                if issubclass(type(error), KeyboardInterrupt) and timeout is None:
+                    raise  # on the caller's thread it may be Ctrl-C
                 failures.append(sentence_of(error))
 
         if timeout is None:

@@ -280,20 +280,25 @@ def test_the_stop_is_sent_while_disarmed(disarmed: Any) -> None:
     assert disarmed.sent == [(0.0, 0.0)]
 
 
-def test_a_stop_that_fails_does_not_raise_but_reports_it() -> None:
+@pytest.mark.parametrize(
+    ("timeout", "error"),
+    [(None, OSError("unplugged")), (60.0, OSError("unplugged")), (60.0, KeyboardInterrupt("unplugged"))],
+)
+def test_a_stop_that_fails_does_not_raise_but_reports_it(timeout: float | None, error: BaseException) -> None:
     class Broken(Bridge):
         name = "test-broken-stop"
+        stop_timeout = timeout
 
         def open_interface(self) -> None:
             """Nothing."""
 
         def stop(self) -> None:
-            raise OSError("unplugged")
+            raise error
 
     bridge = Broken()
     bridge.open()
     assert bridge.stop_all() is False
-    assert texts(bridge) == ["The robot may not have stopped: OSError: unplugged."]
+    assert texts(bridge) == [f"The robot may not have stopped: {type(error).__name__}: unplugged."]
 
 
 def test_a_stop_that_hangs_does_not_hang_the_caller() -> None:
