@@ -136,6 +136,7 @@ class SimBridge(Bridge):
             if self._noise is not None:
                 first, *others = simulation.world.robots
                 noisy = replace(simulation.world, robots=(replace(first, noise=self._noise), *others))
+                simulation.close()
                 simulation = Simulation(noisy, seed)
         except (WorldError, TypeError) as error:
             raise BridgeError(str(error)) from error
@@ -199,8 +200,14 @@ class SimBridge(Bridge):
 
     def open_interface(self) -> Panel | None:
         """Read the sensors, so that there is something to see before the first tick."""
+        if self.simulation.is_closed:
+            self.simulation = self._simulate(self.simulation.world, None)
         self.simulation.latch()
         return None
+
+    def close_interface(self) -> None:
+        """End the physics; a bridge that is opened again starts its world again."""
+        self.simulation.close()
 
     @property
     def _robot(self) -> SimRobot:
@@ -307,7 +314,8 @@ class SimBridge(Bridge):
         BridgeError
             There is no such world, or it has a mistake; the old world stays.
         """
-        self.simulation = self._simulate(world, seed)
+        former, self.simulation = self.simulation, self._simulate(world, seed)
+        former.close()
         if self.is_open:
             self.nodes.clear()
             self.add_members()

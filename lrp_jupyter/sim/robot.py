@@ -22,7 +22,7 @@ from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.sensors import Odometer, Readings, read_distances, read_lights
 from lrp_jupyter.sim.world import BoxSolid, Point, Pose, RobotSpec, Solid
 
-__all__ = ["STEP", "Memory", "Motion", "SimRobot", "SimSolid", "edge", "fresh_space"]
+__all__ = ["STEP", "Memory", "Motion", "SimRobot", "SimSolid", "clear", "edge", "fresh_space"]
 
 STEP = 0.01  # s: one step of physics
 GRAVITY = 9.81  # m/s²
@@ -306,6 +306,15 @@ def fresh_space(clock: StepCount) -> pymunk.Space:
     space.on_collision(_ROLLING, None, pre_solve=_touch)
     space.on_collision(_PRESSING, None, pre_solve=_press, data=clock)
     return space
+
+
+def clear(space: pymunk.Space) -> None:
+    """Remove everything from a space that is no longer used, so that Python can free the parts in any order.
+
+    Python's garbage collector may run inside a block. If the block is interrupted just then, the exception is
+    raised in pymunk's finalizers, and one that has not removed all parts of a space crashes the process.
+    """
+    space.remove(*space.constraints, *space.shapes, *space.bodies)
 
 
 def edge(space: pymunk.Space, size: Point) -> None:

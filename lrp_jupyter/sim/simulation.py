@@ -19,8 +19,6 @@ from dataclasses import replace
 from random import Random
 from typing import Any
 
-import pymunk
-
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.input_log import Checkpoint, InputLog, WorldMoment, packed, unpack
 from lrp_jupyter.sim.inputs import (
@@ -35,7 +33,7 @@ from lrp_jupyter.sim.inputs import (
     check_input,
 )
 from lrp_jupyter.sim.rest import Rest
-from lrp_jupyter.sim.robot import STEP, Motion, SimRobot, SimSolid, StepCount, edge, fresh_space
+from lrp_jupyter.sim.robot import STEP, Motion, SimRobot, SimSolid, StepCount, clear, edge, fresh_space
 from lrp_jupyter.sim.sensors import Readings, light_spots
 from lrp_jupyter.sim.world import Point, Pose, World
 from lrp_jupyter.sim.worlds import load
@@ -87,8 +85,15 @@ class Simulation:
         self._inputs = 0
         self._base = 0
         self._log = InputLog()
-        self._space = self._start()
+        self._space = fresh_space(self._clock)
+        self.is_closed = False
+        self._start()
         self._checkpoint()
+
+    def close(self) -> None:
+        """End the physics; what was last known of the world can still be read. A second call does nothing."""
+        self.is_closed = True
+        clear(self._space)
 
     # -- time ---------------------------------------------------------------------------------
 
@@ -330,7 +335,7 @@ class Simulation:
         self.revision += 1
         self._base = self.steps
         self._random.seed(self.world.seed)
-        self._space = self._start()
+        self._start()
         self._checkpoint(between_inputs=True)
 
     # -- rewinding ----------------------------------------------------------------------------
@@ -386,7 +391,7 @@ class Simulation:
             between_inputs=between_inputs,
         )
         self._log.add(checkpoint)
-        self._space = self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)
+        self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)
 
     def _restore(self, checkpoint: Checkpoint) -> None:
         self._clock.steps, self._inputs = checkpoint.moment
@@ -398,16 +403,18 @@ class Simulation:
             robot.memory = memory.copy()
         while self.track and self.track[-1][0] > self.steps:
             self.track.pop()
-        self._space = self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)
+        self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)
 
-    def _start(self) -> pymunk.Space:
+    def _start(self) -> None:
         for robot in self.robots:
             robot.start()
         robots = [robot.start_motion for robot in self.robots]
-        return self._build(robots, [thing.start_motion for thing in self.solids])
+        self._build(robots, [thing.start_motion for thing in self.solids])
 
-    def _build(self, robots: list[Motion], solids: list[Motion]) -> pymunk.Space:
-        space = fresh_space(self._clock)
+    def _build(self, robots: list[Motion], solids: list[Motion]) -> None:
+        """Continue in a new space."""
+        clear(self._space)
+        self._space = space = fresh_space(self._clock)
         if not self.world.open:
             edge(space, self.world.size)
         for thing, motion in zip(self.solids, solids, strict=True):
@@ -416,4 +423,3 @@ class Simulation:
         for robot, motion in zip(self.robots, robots, strict=True):
             robot.embody(space, motion)
         self._rest = Rest(self.robots, self.solids)
-        return space

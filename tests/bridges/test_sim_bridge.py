@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import math
+import subprocess
+import sys
 import threading
 from collections.abc import Callable
 
@@ -376,3 +378,45 @@ def test_the_bumper_is_a_truth_value() -> None:
     bridge = SimBridge("line")
     bridge.open()
     assert bridge.robot.bumper.data is False
+
+
+FREED_IN_ANY_ORDER = """
+import gc, sys
+from lrp_jupyter.bridges.sim import SimBridge
+
+def interrupt(frame, event, _):
+    if frame.f_code.co_name == sys.argv[1]:
+        raise KeyboardInterrupt
+
+gc.disable()
+for _ in range(20):
+    bridge = SimBridge()
+    bridge.open()
+    bridge.advance(25)
+    bridge.load_world("maze")
+    bridge.advance(1)
+    bridge.close()
+del bridge
+sys.settrace(interrupt)
+gc.collect()
+sys.settrace(None)
+print("done")
+"""
+
+
+@pytest.mark.parametrize("finalizer", ["ext_cpSpaceShapeIteratorFunc", "ext_cpSpaceBodyIteratorFunc"])
+def test_the_process_survives_an_interruption_while_python_frees_old_worlds(finalizer: str) -> None:
+    python = subprocess.run(
+        [sys.executable, "-c", FREED_IN_ANY_ORDER, finalizer], capture_output=True, timeout=120
+    )
+    assert (python.returncode, python.stdout.split()) == (0, [b"done"])
+
+
+def test_a_closed_world_can_still_be_read_and_starts_again_when_it_is_opened(sim: SimBridge) -> None:
+    start = pose(sim)
+    drive(sim, 10)
+    end = pose(sim)
+    sim.close()
+    assert pose(sim) == end != start
+    sim.open()
+    assert (pose(sim), sim.simulation.world.seed) == (start, 1)
