@@ -58,7 +58,7 @@ def read_source(what: str) -> Source:
     known = [*programs.names(), *sorted(str(each) for each in Path().glob("*.lrp"))]
     hint = did_you_mean(what, known) or did_you_mean(path.stem, known)
     hint = hint or f" Bundled programs: {', '.join(programs.names())}."
-    raise FileError(f"There is no file or bundled program `{what}`.{hint}")
+    raise FileError(f"`{what}` is neither a file nor a bundled program.{hint}")
 
 
 _DEBOUNCE = 50  # ms without a change: editors write in several steps
