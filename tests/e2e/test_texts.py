@@ -115,7 +115,7 @@ def open_given(page, server, request):
 
 @pytest.mark.parametrize("source", [f"%%lrp demo\n{COUNTER}", "%%lrp demo"], ids=["cell", "name"])
 def test_a_hidden_text_of_a_stranger_does_not_run_before_it_is_chosen(open_given, source):
-    stranger = "(machine m (state a (onentry [open('owned', 'w')])) (state b)) (spawn m a)"
+    stranger = "(machine m (state a (onentry [open('owned', 'w')])) (state b)) (spawn m a)" + " " * 400 + ";"
     lab = open_given(stranger, source)
     owned = lab.notebook.path.parent / "owned"
     lab.reads('[role="alertdialog"]', "that you have not written here")
@@ -123,6 +123,9 @@ def test_a_hidden_text_of_a_stranger_does_not_run_before_it_is_chosen(open_given
     assert not owned.exists()
     lab.find('[role="alertdialog"] summary').press("Enter")
     lab.reads('[role="alertdialog"] pre', "open('owned', 'w')")
+    shown, note = '[role="alertdialog"] pre', '[role="alertdialog"]'
+    assert lab.find(shown).evaluate("text => text.scrollWidth <= text.clientWidth")  # the whole line
+    assert lab.find(note).evaluate("note => note.scrollWidth <= note.clientWidth")
     lab.find('[data-lrp-action="keep-text"]').press("Enter")
     lab.misses('[role="alertdialog"]:not([hidden])')
     lab.notebook.run_cell(1)
