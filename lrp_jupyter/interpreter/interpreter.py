@@ -52,6 +52,7 @@ from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.language.rename import rename as renamed_text
+from lrp_jupyter.language.unmeant import Unmeant
 
 __all__ = ["Interpreter", "VariableMapping"]
 
@@ -338,8 +339,17 @@ class Interpreter:
 
     # ---- changes ----------------------------------------------------------------------------
 
-    def patch(self, program: Program, now: float | None = None) -> Patch:
+    def patch(self, program: Program, now: float | None = None, unmeant: Unmeant | None = None) -> Patch:
         """Change the running program.
+
+        Parameters
+        ----------
+        program : Program
+        now : float, optional
+            Seconds; by default the last time.
+        unmeant : Unmeant, optional
+            What of the program is still being typed: the program without it runs instead if it would disturb
+            what is active.
 
         Returns
         -------
@@ -351,8 +361,14 @@ class Interpreter:
         run = self._run
         self._advance(now)
         before = run.program
+        waits = unmeant is not None and (
+            unmeant.always or decide(run, link(program), "restart").reason is not None
+        )
+        if unmeant is not None and waits:
+            program = unmeant.instead
         changes = diff(before, program)
         decision = decide(run, link(program), self.on_active_edit) if run.roots else Decision()
+        run.unmeant = None if unmeant is None or waits else unmeant.element
         if decision.apply:
             run.remember()
             show_in_tracebacks(program)
@@ -364,8 +380,9 @@ class Interpreter:
                 adopt(run, program, changes.successors)
             self._report_duplicates()
             self._count_revision(changes.successors)
-        self.patch_reason = decision.reason or ""
-        patch = Patch(changes, decision.apply, decision.restart, decision.reason)
+        reason = unmeant.reason if unmeant is not None and waits else decision.reason
+        self.patch_reason = reason or ""
+        patch = Patch(changes, decision.apply and not waits, decision.restart, reason)
         run.emit("patched", (), patch)
         self._done()
         return patch

@@ -38,7 +38,7 @@ class Patch:
     changes : ChangeSet
         The differences in meaning.
     applied : bool
-        False: the old program keeps running.
+        False: the old program keeps running, or one without what is not meant yet.
     restarted : bool
         The program starts again at the next tick.
     reason : str or None

@@ -84,6 +84,8 @@ class Run:
         self.events: list[TraceEvent] = []
         self.interrupted: BaseException | None = None
         self.event_values: dict[Path, bool | None] | None = None
+        self.unmeant: Element | None = None
+        """The element in which the user is typing a word; its faults are not reported."""
         self.new_issue = False
         self.stale = False
         self.leaking = False
@@ -299,6 +301,8 @@ class Run:
             return
         if issubclass(type_, NoDataYet) and site.element.kind in ("event", "transition"):
             return  # there it just does not occur
+        if site.element == self.unmeant:
+            return
         kind, message = kind_and_message(error)
         program, tick, raised = self.program, self.ticks, None
         if not issubclass(type_, (Fault, NoDataYet)):

@@ -13,6 +13,7 @@ from typing import Any, ClassVar, Literal
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.patching import Patch
 from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.language.unmeant import Unmeant
 from lrp_jupyter.live.inbox import Command
 from lrp_jupyter.live.loop import Loop
 
@@ -44,10 +45,11 @@ class ReplaceProgram(Command):
     interrupts: ClassVar[bool] = True
     newest_wins: ClassVar[bool] = True
     program: Program
+    unmeant: Unmeant | None = None
 
     def apply(self, loop: Loop) -> Patch:
         """See :class:`Command`."""
-        return loop.interpreter.patch(self.program, loop.now)
+        return loop.interpreter.patch(self.program, loop.now, self.unmeant)
 
 
 @dataclass(frozen=True, slots=True)

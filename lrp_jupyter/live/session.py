@@ -76,6 +76,7 @@ from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.language.robot import RobotMembers
+from lrp_jupyter.language.unmeant import Cursor, Judgement, judge
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.checking import members_of
 from lrp_jupyter.live.clock import Clock, MonotonicClock
@@ -181,6 +182,9 @@ class Session:
         self.output = Output()
         self.findings: tuple[Finding, ...] = ()
         """The findings of the checks about the last text."""
+        self.hides_findings = False
+        """Whether there are others, about what is only half typed at the cursor."""
+        self._checked: tuple[Program | None, tuple[Finding, ...]] = None, ()
         self._text = program.text
         self.bridge = make_bridge(bridge, **options)
         self._members: tuple[object, RobotMembers] = self.bridge.nodes.table, members_of(self.bridge)
@@ -525,8 +529,14 @@ class Session:
             self.findings = (*self.findings, late)
         return self.findings
 
-    def offer(self, text: str) -> tuple[Program | None, Future[Any]]:
+    def offer(self, text: str, cursor: Cursor | None = None) -> tuple[Program | None, Future[Any]]:
         """Continue with another text as :meth:`edit` does, without waiting until it is applied.
+
+        Parameters
+        ----------
+        text : str
+        cursor : Cursor, optional
+            Where the text is being edited: what is only half typed there waits. By default nothing waits.
 
         Returns
         -------
@@ -537,16 +547,31 @@ class Session:
         """
         check_type("text", text, str, "the text of a program")
         self._driver.check_open()
-        program, findings = scan(text, f"<lrp {self.name}>")
+        program, self.findings, unmeant, self.hides_findings = self.judge(text, cursor)
         self._text = text
         if program is None:
-            self.findings = findings
             nothing: Future[Any] = Future()
             nothing.set_result(None)
             return None, nothing
-        self.findings = self.check(program)
         link(program)  # here and now, so that the loop stands still only for the swap of plans
-        return program, self._driver.ask(do.ReplaceProgram(program))
+        if unmeant is not None:
+            link(unmeant.instead)
+        return program, self._driver.ask(do.ReplaceProgram(program, unmeant))
+
+    def judge(self, text: str, cursor: Cursor | None = None) -> Judgement:
+        """Return what a text means, for the robot and the namespace of this session; nothing changes."""
+        program, findings = scan(text, f"<lrp {self.name}>")
+        if program is not None:
+            findings = self.check(program)
+        if cursor is None:
+            return Judgement(program, findings)
+        return judge(text, program, findings, cursor, self.program, self._check_again)
+
+    def _check_again(self, program: Program) -> tuple[Finding, ...]:
+        """Return the findings about a program, which probably is the one checked before."""
+        if self._checked[0] is not program:
+            self._checked = program, self.check(program)
+        return self._checked[1]
 
     def check(self, program: Program | str) -> tuple[Finding, ...]:
         """Return the findings about a program, for the robot and the namespace of this session."""

@@ -1,0 +1,288 @@
+"""The word at the cursor: what of a text is not meant yet, because it is being typed.
+
+A half-typed name is seldom what the program should be: `loo` on the way to `lookleft`, `0.` on the way to
+`0.25`. With a cursor, a text is therefore two programs: the text itself, and the text *without the change at
+the cursor*, in which only that change is as it was in the running program. The second one runs instead of
+the first while
+
+- a number is being typed,
+- the word at the cursor brings an error into the text, or
+- the cursor is inside an active state, and what changed there brings an error into the text.
+
+A new transition is different: it runs although the state that it leads to is not there yet, so that it is
+drawn at once; only its faults are not reported. Which words are still being typed is the editor's decision,
+by its timers: everything here is a function of its arguments.
+
+Deviation: §6.1 applies every text that is a program at once. Without a cursor that is what happens.
+"""
+
+from __future__ import annotations
+
+import re
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from difflib import SequenceMatcher
+from itertools import chain
+from typing import Any, NamedTuple
+
+from lrp_jupyter.language.parser import scan
+from lrp_jupyter.language.program import Element, Finding, Program, Span, State
+from lrp_jupyter.language.resolution import resolve
+
+__all__ = ["Cursor", "Judgement", "Unmeant", "judge", "without_change"]
+
+Check = Callable[[Program], tuple[Finding, ...]]
+
+_WORD = re.compile(r"[0-9][\w.]*|\w+")
+_TOKEN = re.compile(r"\w+|\s+|[^\w\s]")
+_SIGN = re.compile(r"\w+|[^\w\s]")
+_NEAR = 200  # characters before the cursor in which the words beside it are looked for
+_MOST = 3_000
+"""Tokens that two texts may differ in for the changes between them to be told apart: more take seconds."""
+_ARROWS = frozenset({"LRP301", "LRP302", "LRP303"})
+"""The errors about the names in a transition."""
+
+
+class Cursor(NamedTuple):
+    """Where the cursor of an editor is.
+
+    Parameters
+    ----------
+    offset : int
+        In characters.
+    meant : bool
+        Whether the word that it touches is meant: it is not while it is being typed.
+    """
+
+    offset: int
+    meant: bool = False
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Unmeant:
+    """What of a program is not meant yet.
+
+    Parameters
+    ----------
+    instead : Program
+        The program without it.
+    reason : str
+        Why it waits: ``waits:`` and a sentence, without a full stop; empty if it does not.
+    always : bool
+        Whether `instead` runs in any case; else only where the program would change the actions of an active
+        state, remove it, or restart.
+    element : Element or None
+        The element that contains it; its faults are not reported.
+    """
+
+    instead: Program
+    reason: str = ""
+    always: bool = False
+    element: Element | None = None
+
+
+class Judgement(NamedTuple):
+    """What a text means while the cursor is in it.
+
+    Parameters
+    ----------
+    program : Program or None
+        The program that the text describes.
+    findings : tuple of Finding
+        Those to be shown: without those about what is not meant yet.
+    unmeant : Unmeant or None
+    hides : bool
+        Whether any finding is not shown.
+    """
+
+    program: Program | None
+    findings: tuple[Finding, ...]
+    unmeant: Unmeant | None = None
+    hides: bool = False
+
+
+def judge(
+    text: str,
+    program: Program | None,
+    findings: tuple[Finding, ...],
+    cursor: Cursor,
+    running: Program,
+    check: Check,
+) -> Judgement:
+    """Return what a text means while the cursor is in it.
+
+    Parameters
+    ----------
+    text : str
+    program : Program or None
+        The program that it describes.
+    findings : tuple of Finding
+        The findings about it.
+    cursor : Cursor
+    running : Program
+        The program that runs now.
+    check : callable
+        Returns the findings about a program.
+    """
+    if program is None:
+        left = findings if cursor.meant else _away_from(text, _unfinished(text, cursor.offset), findings)
+        return Judgement(None, left, hides=len(left) < len(findings))
+    word = None if cursor.meant else _word_at(text, cursor.offset)
+    if word is not None:
+        left, unmeant = _without_word(program, word, findings, running, check)
+        if unmeant is not None:
+            return Judgement(program, left, unmeant, len(left) < len(findings))
+    state = _state_at(program, cursor.offset)
+    if state is not None:
+        instead = without_change(program, running, state.span)
+        errors = _new_errors(findings, instead, check)
+        if errors:
+            return Judgement(program, findings, Unmeant(instead, _reason(errors[0])))
+    return Judgement(program, findings)
+
+
+def _without_word(
+    program: Program, word: Span, findings: tuple[Finding, ...], running: Program, check: Check
+) -> tuple[tuple[Finding, ...], Unmeant | None]:
+    """Return the findings that are not about a word that is being typed, and what waits because of it."""
+    text = program.text
+    left = _away_from(text, word, findings)
+    instead = without_change(program, running, word)
+    if text[word.start].isdecimal():
+        waits = instead is not program
+        return left, Unmeant(
+            instead, f"waits: `{text[slice(*word)]}` is being typed", waits
+        ) if waits else None
+    errors = _new_errors(findings, instead, check)
+    if errors and not _begins_arrow(program, instead, errors):
+        known = {(each.code, each.message) for each in check(instead)}
+        about = [each for each in errors if each not in left] or errors
+        left = tuple(each for each in left if (each.code, each.message) in known)
+        return left, Unmeant(instead, _reason(about[0]), always=True)
+    if len(left) == len(findings):
+        return findings, None
+    return left, Unmeant(instead, element=_element_at(program, word))
+
+
+def _new_errors(findings: tuple[Finding, ...], instead: Program, check: Check) -> list[Finding]:
+    """Return the errors that a program has more of than another one."""
+    errors = [each for each in findings if each.severity == "error"]
+    if not errors:
+        return []
+    known = Counter((each.code, each.message) for each in check(instead) if each.severity == "error")
+    new = [each for each in errors if not _counted(known, (each.code, each.message))]
+    left = Counter(code for code, _ in known.elements())
+    return [each for each in new if not _counted(left, each.code)]
+
+
+def _counted(counts: Counter[Any], key: object) -> bool:
+    counts[key] -= 1
+    return counts[key] >= 0
+
+
+def _begins_arrow(program: Program, instead: Program, errors: list[Finding]) -> bool:
+    """Return whether the errors are about the names of a transition that is new."""
+    before, now = (sum(len(machine.transitions) for _, machine in each.walk()) for each in (instead, program))
+    return now > before and all(each.code in _ARROWS for each in errors)
+
+
+def _reason(error: Finding) -> str:
+    problem = error.message.partition(". ")[0].rstrip(".")
+    return f"waits: {problem[0].lower()}{problem[1:]}"
+
+
+def without_change(program: Program, before: Program, span: Span) -> Program:
+    """Return a program without what has changed at a range of its text since another program.
+
+    The changes elsewhere stay. Where they cannot be separated, the result is the other program.
+    """
+    text = _without_change(program.text, before.text, span)
+    if text == before.text:
+        return before
+    if text == program.text:
+        return program
+    found, _ = scan(text, program.filename)
+    return before if found is None else found
+
+
+def _without_change(text: str, old: str, span: Span) -> str:
+    most = min(len(text), len(old))
+    start = bisect_left(range(most), True, key=lambda n: text[: n + 1] != old[: n + 1])
+    most -= start
+    end = bisect_left(range(most), True, key=lambda n: text[-n - 1 :] != old[-n - 1 :])
+    while start and _is_letter(text[start - 1]):  # a word is compared as a whole
+        start -= 1
+    while end and _is_letter(text[-end]):
+        end -= 1
+    now, then = (_TOKEN.findall(each[start : len(each) - end]) for each in (text, old))
+    if len(now) + len(then) > _MOST:
+        return old
+    parts, at = [text[:start]], start
+    for tag, i, j, k, m in SequenceMatcher(None, then, now, autojunk=False).get_opcodes():
+        mine, other = "".join(now[k:m]), "".join(then[i:j])
+        is_here = tag != "equal" and at <= span.end and span.start <= at + len(mine)
+        parts.append(other if is_here else mine)
+        at += len(mine)
+    return "".join(parts) + text[len(text) - end :]
+
+
+def _is_letter(char: str) -> bool:
+    return char.isalnum() or char == "_"
+
+
+def _word_at(text: str, offset: int) -> Span | None:
+    """Return the range of the name or number that a cursor touches."""
+    start = max(text.rfind("\n", 0, offset), text.rfind("\r", 0, offset)) + 1
+    for match in _WORD.finditer(text, start):
+        if match.start() > offset:
+            break
+        if match.end() >= offset:
+            return Span(*match.span())
+    return None
+
+
+def _unfinished(text: str, offset: int) -> Span:
+    """Return the range around a cursor in which something may only be unfinished: the words beside it."""
+    begin = max(0, offset - _NEAR)
+    before = [match.start() + begin for match in _SIGN.finditer(text[begin:offset])][-2:]
+    after = _SIGN.search(text, offset)
+    return Span(before[0] if before else offset, after.end() if after else len(text))
+
+
+def _away_from(text: str, span: Span, findings: tuple[Finding, ...]) -> tuple[Finding, ...]:
+    """Return the findings that do not touch a range of the text."""
+    place = Program(text=text).place
+    begin, end = place(span.start), place(span.end)
+    return tuple(
+        [
+            each
+            for each in findings
+            if (each.line, each.column) > end or (each.end_line, each.end_column) < begin
+        ]
+    )
+
+
+def _state_at(program: Program, offset: int) -> State | None:
+    """Return the innermost state that a cursor is in."""
+    around = [
+        state
+        for _, machine in program.walk()
+        for state in machine.states
+        if state.span.start < offset < state.span.end
+    ]
+    return around[-1] if around else None
+
+
+def _element_at(program: Program, span: Span) -> Element | None:
+    """Return the element that a fault of what is at a range of the text is attributed to."""
+    names = resolve(program)
+    places: Iterator[tuple[Element, Span]] = chain(
+        ((each.element, each.block.span) for placed in names.blocks.values() for each in placed),
+        ((each.element, each.noun.span) for arrows in names.arrows.values() for each in arrows),
+        ((each.element, each.noun.span) for each in names.spawns),
+    )
+    return next(
+        (element for element, (start, end) in places if start <= span.start and span.end <= end), None
+    )

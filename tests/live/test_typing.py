@@ -1,0 +1,129 @@
+"""Typing into a running session, letter by letter, with the cursor."""
+
+from lrp_jupyter import Session
+from lrp_jupyter.language.unmeant import Cursor
+from lrp_jupyter.live.clock import VirtualClock
+
+START = """\
+(var speed := [1])
+(machine follower
+  (event off [True])
+  (state moving)
+  (state looking (running [speed])
+    (machine lookalgo (state lookleft)))
+  (on off moving -> looking))
+(spawn follower moving)
+"""
+
+
+class Typist:
+    """A session and its text, which changes letter by letter."""
+
+    def __init__(self, text=START, **options):
+        self.session = Session(text, clock=VirtualClock(), **options)
+        self.text = text
+        self.session.step()
+        self.session.step()
+
+    def types(self, before, letters, brackets="", meant=False):
+        """Type after a piece of the text, brackets closed at once; return the last patch."""
+        at = self.text.index(before) + len(before)
+        self.text = self.text[:at] + brackets + self.text[at:]
+        for letter in letters:
+            self.text = self.text[:at] + letter + self.text[at:]
+            at += 1
+            patch = self.offers(at)
+            self.session.step()
+        if meant:
+            patch = self.offers(at, True)
+            self.session.step()
+        return patch
+
+    def replaces(self, old, new, meant=False):
+        at = self.text.index(old)
+        self.text = self.text.replace(old, new)
+        patch = self.offers(at + len(new), meant)
+        self.session.step()
+        return patch
+
+    def offers(self, at, meant=False):
+        _, answer = self.session.offer(self.text, Cursor(at, meant))
+        return answer.result()
+
+    @property
+    def restarts(self):
+        return self.session.interpreter.restarts
+
+
+def test_a_spawn_typed_into_the_active_state_restarts_once():
+    typist = Typist()
+    patch = typist.types("(state lookleft))", " (onentry (spawn lookalgo lookleft", "))")
+    assert patch.applied
+    assert patch.restarted
+    assert typist.restarts == 1
+    assert typist.session.issues == ()
+
+
+def test_while_the_cursor_is_in_the_active_state_an_error_in_it_waits_even_if_it_is_meant():
+    typist = Typist()
+    patch = typist.types("(state lookleft))", " (onentry (spawn lookalgo loo", "))", meant=True)
+    assert (patch.applied, patch.restarted, typist.restarts) == (False, False, 0)
+    assert patch.reason == "waits: `lookalgo` has no state `loo`"
+    assert "LRP305" in [finding.code for finding in typist.session.findings]
+    assert typist.offers(0, True).restarted
+
+
+def test_a_kept_program_does_not_run_an_error_in_its_active_state_either():
+    typist = Typist(on_active_edit="keep")
+    patch = typist.replaces("(running [speed])", "(running [spee])", meant=True)
+    assert not patch.applied
+    assert typist.session.issues == ()
+
+
+def test_a_destination_typed_letter_by_letter_is_no_issue_and_does_not_pause():
+    typist = Typist(on_issue="pause")
+    typist.types("(on off moving -> looking)", " (on off looking -> res", ")")
+    machine = typist.session.program.machines[0]
+    assert [str(each.destination) for each in machine.transitions] == ["looking", "res"]
+    assert typist.session.issues == ()
+    assert typist.session.status == "paused"  # by `step`, not for a reason
+    assert typist.session.frame.reason == ""
+    typist.types("looking -> res", "ting", meant=True)
+    (issue,) = typist.session.issues
+    assert "resting" in issue.message
+
+
+def test_a_number_takes_effect_when_it_is_meant():
+    typist = Typist()
+    assert not typist.replaces("[1", "[15").applied
+    assert typist.session.variables["speed"] == 1
+    assert typist.offers(typist.text.index("15") + 2, True).applied
+    assert typist.session.variables["speed"] == 15
+
+
+def test_renaming_the_active_state_letter_by_letter_restarts_when_it_is_meant():
+    typist = Typist()
+    for name in ("lookin", "looki", "looks", "looksy"):
+        typist.text = START.replace("(state looking", f"(state {name}")
+        assert not typist.offers(typist.text.index("(state look") + 7 + len(name)).restarted
+    assert typist.session.frame.is_active("looking")
+    assert typist.session.issues == ()
+    patch = typist.offers(0, True)
+    assert patch.restarted
+
+
+def test_everything_else_of_a_text_is_applied_while_a_word_waits():
+    typist = Typist()
+    typist.text = START.replace("[1]", "[3]").replace("-> looking", "-> lookin")
+    patch = typist.offers(typist.text.index("-> lookin") + 9)
+    assert not patch.applied
+    assert typist.session.variables["speed"] == 3
+    assert typist.session.program.text == START.replace("[1]", "[3]")
+
+
+def test_without_a_cursor_nothing_waits():
+    typist = Typist()
+    typist.session.edit(
+        START.replace("(state lookleft))", "(state lookleft)) (onentry (spawn lookalgo loo))")
+    )
+    assert typist.restarts == 1
