@@ -22,7 +22,8 @@ from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.errors import BridgeError
-from lrp_jupyter.sim.inputs import Draw, Input, PlaceRobot, PlaceSolid, ResetWorld
+from lrp_jupyter.sim.edits import Become, Draw, WorldEdit, WorldHistory, is_edit
+from lrp_jupyter.sim.inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.robot import SimRobot
 from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
 from lrp_jupyter.sim.world import Noise, World, WorldError
@@ -60,10 +61,12 @@ class RobotPicture:
 
 @dataclass(frozen=True, slots=True)
 class SimPicture:
-    """The moving part of the world at one moment; the static part is `SimBridge.world`.
+    """The world at one moment.
 
     Attributes
     ----------
+    world : World
+        Its description.
     time : float
         Seconds of the world.
     robots : tuple of RobotPicture
@@ -72,9 +75,10 @@ class SimPicture:
     revision : int
         Increases when the world changes other than by motion and trails.
     marks : int
-        Number of pieces of trails and drawings on the floor.
+        Number of pieces of trails on the floor.
     """
 
+    world: World
     time: float
     robots: tuple[RobotPicture, ...]
     solids: tuple[tuple[float, float, float], ...]
@@ -126,18 +130,19 @@ class SimBridge(Bridge):
         except (TypeError, ValueError) as error:
             raise BridgeError(str(error)) from None
         self._stopping = False
+        self._history = WorldHistory()
         self.simulation = self._simulate(world, number)
 
     def _simulate(
         self, world: str | os.PathLike[str] | Mapping[str, object] | World, seed: int | None
     ) -> Simulation:
         try:
-            simulation = Simulation(world, seed)
+            simulation = Simulation(world, seed, self._history)
             if self._noise is not None:
                 first, *others = simulation.world.robots
                 noisy = replace(simulation.world, robots=(replace(first, noise=self._noise), *others))
                 simulation.close()
-                simulation = Simulation(noisy, seed)
+                simulation = Simulation(noisy, seed, self._history)
         except (WorldError, TypeError) as error:
             raise BridgeError(str(error)) from error
         return simulation
@@ -260,6 +265,8 @@ class SimBridge(Bridge):
     def rewind(self, moment: object) -> None:
         """Rewind the world to a moment, exactly: the same inputs give the same continuation.
 
+        What was drawn and placed by hand since stays, as the text of the program does.
+
         Raises
         ------
         BridgeError
@@ -271,10 +278,12 @@ class SimBridge(Bridge):
             raise BridgeError(
                 "That moment belongs to another world, and a change of worlds cannot be rewound."
             )
+        present = self.world
         try:
             self.simulation.rewind(moment.world)
         except ValueError as error:
             raise BridgeError(str(error)) from error
+        self._continue_with(present)
         self.safety.motion = moment.motion
         self._stopping = moment.stopping
 
@@ -282,12 +291,27 @@ class SimBridge(Bridge):
 
     @property
     def world(self) -> World:
-        """The description that the world started from."""
+        """The description that a reset of the world returns to: the one loaded, with all edits since."""
         return self.simulation.world
 
     @property
+    def is_edited(self) -> bool:
+        """Whether the world is another than the one loaded."""
+        return self.simulation.world != self.simulation.original
+
+    @property
+    def can_undo(self) -> bool:
+        """Whether there is an edit of the world to undo."""
+        return self._history.can_undo
+
+    @property
+    def can_redo(self) -> bool:
+        """Whether an edit of the world was undone."""
+        return self._history.can_redo
+
+    @property
     def picture(self) -> SimPicture:
-        """The moving part, now, with all queued inputs applied. On the interpreter's thread."""
+        """The world now, with all queued inputs applied. On the interpreter's thread."""
         simulation = self.simulation
         simulation.step(0)
         robots = tuple(
@@ -302,7 +326,14 @@ class SimBridge(Bridge):
             for robot in simulation.robots
         )
         solids = tuple(thing.pose for thing in simulation.solids)
-        return SimPicture(simulation.time, robots, solids, simulation.revision, len(simulation.floor.marks))
+        return SimPicture(
+            simulation.world,
+            simulation.time,
+            robots,
+            solids,
+            simulation.revision,
+            len(simulation.floor.marks),
+        )
 
     def load_world(
         self, world: str | os.PathLike[str] | Mapping[str, object] | World, seed: int | None = None
@@ -314,16 +345,74 @@ class SimBridge(Bridge):
         BridgeError
             There is no such world, or it has a mistake; the old world stays.
         """
-        former, self.simulation = self.simulation, self._simulate(world, seed)
+        simulation = self._simulate(world, seed)
+        self._history.note(self.world)
+        self._use(simulation)
+
+    def _use(self, simulation: Simulation) -> None:
+        former, self.simulation = self.simulation, simulation
         former.close()
         if self.is_open:
             self.nodes.clear()
             self.add_members()
             self.open_interface()
 
+    def edit_world(self, edit: WorldEdit) -> None:
+        """Edit the description while the world runs. On the interpreter's thread, between two ticks.
+
+        Robots and untouched solids stay where they are. A reset of the world returns to the edited
+        description.
+
+        Raises
+        ------
+        BridgeError
+            The edit is about something that is not in the world.
+        """
+        try:
+            self.simulation.apply(edit)
+        except ValueError as error:
+            raise BridgeError(str(error)) from error
+
+    def undo_world(self) -> None:
+        """Undo the last edit of the world, or the change of worlds. On the interpreter's thread.
+
+        Raises
+        ------
+        BridgeError
+            Nothing was edited.
+        """
+        self._return_to(self._history.undo(self.world), "undone")
+
+    def redo_world(self) -> None:
+        """Redo the edit that was undone last. On the interpreter's thread.
+
+        Raises
+        ------
+        BridgeError
+            Nothing was undone, or something was edited since.
+        """
+        self._return_to(self._history.redo(self.world), "redone")
+
+    def _return_to(self, world: World | None, done: str) -> None:
+        if world is None:
+            raise BridgeError(f"There is no edit of the world that could be {done}.")
+        if is_edit(self.world, world):
+            self._continue_with(world)
+        else:
+            self._use(Simulation(world, history=self._history))
+
+    def _continue_with(self, world: World) -> None:
+        if world != self.world:
+            self.simulation.replay(Become(world))
+
     def reset_world(self, drawings: bool = False) -> None:
-        """Reset the world to its start and erase trails; drawings too, if `drawings`. Any thread."""
-        self._submit(ResetWorld(drawings))
+        """Reset the world to its start and erase trails. Any thread.
+
+        What was drawn and placed by hand stays, unless `drawings`; that can be undone.
+        """
+        if drawings:
+            self._submit(Become(self.simulation.original))
+        self._submit(ResetWorld())
 
     def place_robot(self, pose: tuple[float, float, float], robot: int = 0) -> None:
         """Put a robot down elsewhere: x, y (metres), heading (radians). Any thread.

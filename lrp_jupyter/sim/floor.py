@@ -1,8 +1,8 @@
 """The floor as light sensors see it: strokes, queried analytically, point by point.
 
 A stroke is cut into pieces (segments and arcs). Each piece is entered into the cells of a grid
-that it can touch, so that a query visits the few pieces of one cell, however long trails and
-drawings have become. Marks are only ever appended: the floor at an earlier moment is a prefix.
+that it can touch, so that a query visits the few pieces of one cell, however long trails have
+become. Marks are only ever appended: the floor at an earlier moment is a prefix.
 """
 
 from __future__ import annotations
@@ -86,14 +86,14 @@ Mark = tuple[int, Paint, Segment]  # step, how, what
 
 
 class LiveFloor:
-    """The floor of a running world: its description, and the marks drawn since.
+    """The floor of a running world: its description, and the marks that pens have left on it.
 
     Parameters
     ----------
     floor : FloorSpec
         The strokes of the description.
     marks : list of Mark, optional
-        The marks drawn since, oldest first; the list is kept and appended to.
+        The marks of pens, oldest first; the list is kept and appended to.
     """
 
     def __init__(self, floor: FloorSpec, marks: list[Mark] | None = None) -> None:
@@ -108,15 +108,11 @@ class LiveFloor:
         for _, paint, piece in self.marks:
             self._enter(paint, piece)
 
-    def add(self, stroke: PathStroke, step: int) -> None:
-        """Paint a stroke over everything."""
-        paint = Paint(stroke.width / 2, stroke.grey, False)
-        for piece in _segments(stroke.path):
-            self._append(step, paint, piece)
-
     def ink(self, paint: Paint, start: Point, end: Point, step: int) -> None:
         """Draw one piece of a pen's trail."""
-        self._append(step, paint, _segment(start, end))
+        piece = _segment(start, end)
+        self.marks.append((step, paint, piece))
+        self._enter(paint, piece)
 
     def light(self, x: float, y: float) -> float:
         """Return the mean grey of the spot around a point, 0 to 255."""
@@ -130,10 +126,6 @@ class LiveFloor:
                 if not paint.ink or paint.grey < grey:
                     grey += (paint.grey - grey) * share
         return grey
-
-    def _append(self, step: int, paint: Paint, piece: Segment) -> None:
-        self.marks.append((step, paint, piece))
-        self._enter(paint, piece)
 
     def _enter(self, paint: Paint, piece: _Piece) -> None:
         wide = paint.half + SPOT

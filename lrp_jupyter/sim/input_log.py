@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 from lrp_jupyter.sim.floor import Mark
 from lrp_jupyter.sim.inputs import Input
 from lrp_jupyter.sim.robot import Memory, Motion
+from lrp_jupyter.sim.world import World
 
 __all__ = ["Checkpoint", "InputLog", "WorldMoment", "packed", "unpack"]
 
@@ -34,6 +35,7 @@ class Checkpoint:
     """The full state of a run at one moment, and the inputs since then."""
 
     moment: WorldMoment
+    world: World
     base: int  # step of the start or last reset
     robots: list[tuple[Motion, Memory]]
     solids: list[Motion]

@@ -6,9 +6,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from lrp_jupyter.sim.world import PathStroke, Point, Pose, World
+from lrp_jupyter.sim.edits import Draw, WorldEdit
+from lrp_jupyter.sim.world import Point, Pose, World
 
-__all__ = ["Draw", "Drive", "Input", "Latch", "Pen", "PlaceRobot", "PlaceSolid", "ResetWorld", "check_input"]
+__all__ = ["Drive", "Input", "Latch", "Pen", "PlaceRobot", "PlaceSolid", "ResetWorld", "check_input"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,26 +53,11 @@ class PlaceSolid:
 
 
 @dataclass(frozen=True, slots=True)
-class Draw:
-    """Paint a stroke on the floor; one with ``grey=None`` has the floor's own grey and erases."""
-
-    path: tuple[tuple[float, float], ...]
-    width: float = 0.03
-    grey: float | None = 0
-
-    def stroke(self, floor_grey: float) -> PathStroke:
-        """Return the stroke to paint."""
-        return PathStroke(self.path, self.width, floor_grey if self.grey is None else self.grey)
-
-
-@dataclass(frozen=True, slots=True)
 class ResetWorld:
-    """Reset the world to its start and erase trails; drawings too, if `drawings`."""
-
-    drawings: bool = False
+    """Reset the world to its start and erase trails."""
 
 
-Input = Latch | Drive | Pen | PlaceRobot | PlaceSolid | Draw | ResetWorld
+Input = Latch | Drive | Pen | PlaceRobot | PlaceSolid | WorldEdit | ResetWorld
 
 
 def check_input(what: Input, world: World) -> Input:
@@ -80,7 +66,7 @@ def check_input(what: Input, world: World) -> Input:
     Raises
     ------
     ValueError
-        No such robot or solid, or a number that is not finite.
+        No such robot or solid, a number that is not finite, or an edit that is not possible.
     """
     match what:
         case Drive(linear, angular, robot):
@@ -104,6 +90,9 @@ def check_input(what: Input, world: World) -> Input:
             _finite(width, 0 if grey is None else grey, *(number for point in path for number in point))
             points = tuple((_clamp(x, 0.0, world.size[0]), _clamp(y, 0.0, world.size[1])) for x, y in path)
             return Draw(points, _clamp(width, 0.001, 1.0), None if grey is None else _clamp(grey, 0.0, 255.0))
+        case WorldEdit():
+            what.edited(world)
+            return what
         case _:
             return what
 

@@ -28,7 +28,7 @@ from lrp_jupyter.sim.world import (
     Zone,
 )
 
-__all__ = ["did_you_mean", "read_file", "read_world"]
+__all__ = ["did_you_mean", "read_file", "read_solid", "read_text", "read_world", "read_zone"]
 
 T = TypeVar("T")
 _FAR = 1000.0  # metres: larger worlds are surely a mistake of units
@@ -54,20 +54,37 @@ def read_file(path: Path) -> World:
     except (OSError, UnicodeDecodeError) as error:
         reason = getattr(error, "strerror", None) or error
         raise WorldError(f"{path} cannot be read: {reason}.") from error
+    return read_text(text, str(path))
+
+
+def read_text(text: str, source: str) -> World:
+    """Read a world from JSON text.
+
+    Parameters
+    ----------
+    text : str
+    source : str
+        Where the text is from, for messages.
+
+    Raises
+    ------
+    WorldError
+        It is not JSON, or not a world.
+    """
     try:
         value = json.loads(text, parse_constant=_no_constant)
     except json.JSONDecodeError as error:
         raise WorldError(
-            f"{path} is not valid JSON: line {error.lineno}, column {error.colno}: {error.msg}."
+            f"{source} is not valid JSON: line {error.lineno}, column {error.colno}: {error.msg}."
         ) from error
     except WorldError as error:
-        raise WorldError(f"{path}: {error}") from None
+        raise WorldError(f"{source}: {error}") from None
     except RecursionError:
-        raise WorldError(f"{path} is nested too deeply.") from None
+        raise WorldError(f"{source} is nested too deeply.") from None
     try:
         return read_world(value)
     except WorldError as error:
-        raise WorldError(f"{path}: {error}") from None
+        raise WorldError(f"{source}: {error}") from None
 
 
 def read_world(value: object) -> World:
@@ -95,7 +112,7 @@ def read_world(value: object) -> World:
         size=(width, height),
         robots=robots,
         floor=_floor(record.get("floor", {}), "floor"),
-        solids=_each(record.get("solids", []), "solids", _solid),
+        solids=_each(record.get("solids", []), "solids", read_solid),
         zones=_zones(record.get("zones", {}), "zones"),
         seed=_whole(record.get("seed", 0), "seed"),
         open=_truth(record.get("open", False), "open"),
@@ -131,7 +148,14 @@ def _stroke(value: object, place: str) -> Stroke:
     return CircleStroke((x, y, _positive(radius, f"{place}[2]")), width, grey)
 
 
-def _solid(value: object, place: str) -> Solid:
+def read_solid(value: object, place: str) -> Solid:
+    """Read a solid from plain data; `place` names it in messages.
+
+    Raises
+    ------
+    WorldError
+        It is not a solid.
+    """
     record = _record(value, place, ("box", "circle", "angle", "push", "name"))
     shape = _one_of(record, place, ("box", "circle"))
     angle = _number(record.get("angle", 0), f"{place}.angle", low=-_FAR, high=_FAR)
@@ -144,10 +168,17 @@ def _solid(value: object, place: str) -> Solid:
 
 
 def _zones(value: object, place: str) -> dict[str, Zone]:
-    return {name: _zone(item, f"{place}.{name}") for name, item in _record(value, place, None).items()}
+    return {name: read_zone(item, f"{place}.{name}") for name, item in _record(value, place, None).items()}
 
 
-def _zone(value: object, place: str) -> Zone:
+def read_zone(value: object, place: str) -> Zone:
+    """Read a zone from plain data; `place` names it in messages.
+
+    Raises
+    ------
+    WorldError
+        It is not a zone.
+    """
     record = _record(value, place, ("box", "circle"))
     shape = _one_of(record, place, ("box", "circle"))
     if shape == "box":

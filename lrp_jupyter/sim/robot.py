@@ -113,6 +113,7 @@ class Memory:
     """The state of a robot besides its body; every field is a value, so that a copy is a snapshot."""
 
     odometer: Odometer
+    first_heading: float = 0.0  # rad: the gyro counts from here
     command: tuple[float, float] = (0.0, 0.0)
     commanded_at: int = 0  # step of the last command
     slip: tuple[float, float] = (1.0, 1.0)  # factor of motor noise on each wheel's speed, in this tick
@@ -149,7 +150,7 @@ class SimRobot:
 
     def start(self) -> None:
         """Reset the memory."""
-        self.memory = Memory(Odometer(self.spec.pose))
+        self.memory = Memory(Odometer(self.spec.pose), self.spec.pose[2])
 
     @property
     def start_motion(self) -> Motion:
@@ -203,7 +204,7 @@ class SimRobot:
         spec, memory, pose = self.spec, self.memory, self.pose
         lights = read_lights(spec, pose, floor, random)
         distances = read_distances(spec, pose, space, self.sight, random)
-        gyro = pose[2] - spec.pose[2]
+        gyro = pose[2] - memory.first_heading
         if spec.noise.gyro:
             gyro += random.gauss(0.0, spec.noise.gyro)
         memory.odometer = memory.odometer.advanced(pose, spec.noise.odom, random)

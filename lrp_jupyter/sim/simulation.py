@@ -19,10 +19,10 @@ from dataclasses import replace
 from random import Random
 from typing import Any
 
+from lrp_jupyter.sim.edits import Become, Draw, WorldEdit, WorldHistory
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.input_log import Checkpoint, InputLog, WorldMoment, packed, unpack
 from lrp_jupyter.sim.inputs import (
-    Draw,
     Drive,
     Input,
     Latch,
@@ -35,14 +35,14 @@ from lrp_jupyter.sim.inputs import (
 from lrp_jupyter.sim.rest import Rest
 from lrp_jupyter.sim.robot import STEP, Motion, SimRobot, SimSolid, StepCount, clear, edge, fresh_space
 from lrp_jupyter.sim.sensors import Readings, light_spots
-from lrp_jupyter.sim.world import Point, Pose, World
+from lrp_jupyter.sim.world import Point, Pose, Solid, World
 from lrp_jupyter.sim.worlds import load
 
 __all__ = ["STEP", "Simulation", "WorldMoment"]
 
 STEPS_PER_SECOND = 100
 CHECKPOINT_STEPS = 1000
-MOST_MARKS = 20_000  # pieces of trails and drawings; later ones are not drawn
+MOST_MARKS = 20_000  # pieces of trails; later ones are not drawn
 PEN_PIECE = 0.005  # m
 TRACK_STEPS = 10
 TRACK_POINTS = 3_000
@@ -57,25 +57,36 @@ class Simulation:
         An argument of :func:`~lrp_jupyter.sim.worlds.load`.
     seed : int, optional
         Of all noise; the world's own by default.
+    history : WorldHistory, optional
+        Where edits are recorded; an empty one by default.
 
     Attributes
     ----------
     world : World
-        The description that it started from.
+        The description that a reset returns to: the original with all edits since.
+    original : World
+        The description that it was made from.
     robots : tuple of SimRobot
     solids : tuple of SimSolid
     floor : LiveFloor
+    history : WorldHistory
+        The earlier descriptions.
     revision : int
-        Increases when a solid is moved by hand, and with every reset and rewinding: a view has to draw the
-        world again. Motion, trails and drawing on the floor do not change it.
+        Increases when a solid is moved by hand, and with every edit, reset and rewinding: a view has to draw
+        the world again. Motion and trails do not change it.
     """
 
     def __init__(
-        self, world: str | os.PathLike[str] | Mapping[str, object] | World = "line", seed: int | None = None
+        self,
+        world: str | os.PathLike[str] | Mapping[str, object] | World = "line",
+        seed: int | None = None,
+        history: WorldHistory | None = None,
     ) -> None:
         self.world = load(world) if seed is None else replace(load(world), seed=seed)
+        self.original = self.world
+        self.history = WorldHistory() if history is None else history
         self.robots = tuple(SimRobot(spec, index) for index, spec in enumerate(self.world.robots))
-        self.solids = tuple(SimSolid(spec, index) for index, spec in enumerate(self.world.solids))
+        self._place_solids()
         self.floor = LiveFloor(self.world.floor)
         self.revision = 0
         self.track: deque[tuple[int, int, float, float]] = deque(maxlen=TRACK_POINTS)
@@ -184,12 +195,14 @@ class Simulation:
     def reset(self, drawings: bool = False) -> None:
         """Reset the world to its start, sensors and noise included; time continues.
 
-        Trails are erased; what was drawn by hand stays unless `drawings`.
+        Trails are erased; what was drawn and placed by hand stays unless `drawings`.
         """
-        self.apply(ResetWorld(drawings))
+        if drawings:
+            self.apply(Become(self.original))
+        self.apply(ResetWorld())
 
     def apply(self, what: Input) -> None:
-        """Apply an input now.
+        """Apply an input now; an edit can be undone by the :attr:`history`.
 
         Raises
         ------
@@ -197,7 +210,12 @@ class Simulation:
             It names no robot or solid of this world, or a number is not finite.
         """
         self._drain()
-        self._apply_now(check_input(what, self.world))
+        self._apply_new(check_input(what, self.world))
+
+    def replay(self, what: Input) -> None:
+        """Apply an input now, without an entry in the :attr:`history`."""
+        self._drain()
+        self._apply_now(what)
 
     def submit(self, what: Input) -> None:
         """Queue an input, which is applied before the next step or latch. Any thread.
@@ -211,7 +229,12 @@ class Simulation:
 
     def _drain(self) -> None:
         while self._queue:
-            self._apply_now(self._queue.popleft())
+            self._apply_new(self._queue.popleft())
+
+    def _apply_new(self, what: Input) -> None:
+        if isinstance(what, WorldEdit):
+            self.history.note(self.world)
+        self._apply_now(what)
 
     def _apply_now(self, what: Input) -> None:
         """Record and apply an input; a replay applies recorded inputs here, too."""
@@ -240,11 +263,10 @@ class Simulation:
                 self._space.reindex_shapes_for_body(body)
                 self._rest.disturb()
                 self.revision += 1
-            case Draw():
-                if len(self.floor.marks) + len(what.path) <= MOST_MARKS:
-                    self.floor.add(what.stroke(self.floor.grey), self.steps)
-            case ResetWorld(drawings):
-                self._reset(drawings)
+            case WorldEdit():
+                self._edit(what.edited(self.world))
+            case ResetWorld():
+                self._reset()
         if self._log.wants_checkpoint:
             self._checkpoint(between_inputs=True)
 
@@ -304,8 +326,8 @@ class Simulation:
         Parameters
         ----------
         marks : int
-            Number of the floor's marks (trails, drawings) that the caller knows; only later ones are
-            returned. Known ones stay valid while `revision` is the same.
+            Number of the floor's marks (trails) that the caller knows; only later ones are returned.
+            Known ones stay valid while `revision` is the same.
 
         Returns
         -------
@@ -328,9 +350,31 @@ class Simulation:
             ],
         }
 
-    def _reset(self, drawings: bool) -> None:
-        kept = [] if drawings else [mark for mark in self.floor.marks if not mark[1].ink]
-        self.floor = LiveFloor(self.world.floor, kept)
+    def _edit(self, world: World) -> None:
+        """Continue with another description: solids that are in both stay where they are."""
+        former, self.world = self.world, world
+        self.revision += 1
+        for robot, spec in zip(self.robots, world.robots, strict=True):
+            robot.spec = spec
+        if world.floor != former.floor:
+            self.floor = LiveFloor(world.floor, self.floor.marks)
+        if world.solids == former.solids:
+            return
+        there: dict[Solid, deque[Motion]] = {}
+        for thing in self.solids:
+            there.setdefault(thing.spec, deque()).append(thing.body.motion())
+        self._place_solids()
+        motions = [
+            there[thing.spec].popleft() if there.get(thing.spec) else thing.start_motion
+            for thing in self.solids
+        ]
+        self._checkpoint(between_inputs=True, solids=motions)
+
+    def _place_solids(self) -> None:
+        self.solids = tuple(SimSolid(spec, index) for index, spec in enumerate(self.world.solids))
+
+    def _reset(self) -> None:
+        self.floor = LiveFloor(self.world.floor)
         self.track.clear()
         self.revision += 1
         self._base = self.steps
@@ -378,13 +422,14 @@ class Simulation:
         self._advance_to(step)
         self.revision += 1
 
-    def _checkpoint(self, between_inputs: bool = False) -> None:
-        """Record the state, and continue from the record in a new space."""
+    def _checkpoint(self, between_inputs: bool = False, solids: list[Motion] | None = None) -> None:
+        """Record the state, with solids moved to new places if given, and continue from the record."""
         checkpoint = Checkpoint(
             moment=self.moment,
+            world=self.world,
             base=self._base,
             robots=[(robot.body.motion(), robot.memory.copy()) for robot in self.robots],
-            solids=[thing.body.motion() for thing in self.solids],
+            solids=[thing.body.motion() for thing in self.solids] if solids is None else solids,
             random=packed(self._random),
             marks=self.floor.marks,
             mark_count=len(self.floor.marks),
@@ -396,11 +441,13 @@ class Simulation:
     def _restore(self, checkpoint: Checkpoint) -> None:
         self._clock.steps, self._inputs = checkpoint.moment
         self._base = checkpoint.base
+        self.world = checkpoint.world
+        self._place_solids()
         del checkpoint.marks[checkpoint.mark_count :]
         self.floor = LiveFloor(self.world.floor, checkpoint.marks)
         unpack(self._random, checkpoint.random)
-        for robot, (_, memory) in zip(self.robots, checkpoint.robots, strict=True):
-            robot.memory = memory.copy()
+        for robot, spec, (_, memory) in zip(self.robots, self.world.robots, checkpoint.robots, strict=True):
+            robot.spec, robot.memory = spec, memory.copy()
         while self.track and self.track[-1][0] > self.steps:
             self.track.pop()
         self._build([motion for motion, _ in checkpoint.robots], checkpoint.solids)

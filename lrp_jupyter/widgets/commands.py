@@ -13,20 +13,15 @@ from functools import partial
 from typing import Annotated, Any, ClassVar
 
 from lrp_jupyter import programs
-from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError
+from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.sim.world import Point, Pose
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
 from lrp_jupyter.widgets.protocol import ElementKind, OnActiveEdit, path_of
 
 Applied = Future[Any] | None
 Ticks = Annotated[int, Between(1, 10_000)]
-Index = Annotated[int, Between(0, 10_000)]
-Grey = Annotated[int, Between(0, 255)]
-Width = Annotated[float, Between(0, 10)]  # m
 Positive = Annotated[float, Between(0, 1e6)]
 
 _INTERRUPTING = 5.0  # wall seconds, longer than it takes to interrupt a block that does not return
@@ -396,104 +391,6 @@ class ClearIssuesCommand(PageCommand, do="clear_issues"):
 
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.session.ask(do.Call(opened.session.interpreter.issues.clear))
-
-
-# -- the world ---------------------------------------------------------------------------------------
-
-
-def _world(opened: OpenProgram) -> SimBridge:
-    bridge = opened.session.bridge
-    if not isinstance(bridge, SimBridge):
-        raise BridgeError(f"`{bridge.name}` has no world that could be changed.")
-    return bridge
-
-
-def _publish(opened: OpenProgram) -> Applied:
-    """Publish a frame of the changed world, also while nothing ticks."""
-    return opened.session.ask(do.Call(lambda: None, "publish"))
-
-
-@dataclass(frozen=True)
-class DragRobotCommand(PageCommand, do="drag_robot"):
-    """Move a robot; sent while it is dragged."""
-
-    index: Index
-    pose: Pose
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        _world(opened).place_robot(self.pose, self.index)
-        return _publish(opened)
-
-
-@dataclass(frozen=True)
-class DragSolidCommand(PageCommand, do="drag_solid"):
-    """Move a solid; sent while it is dragged."""
-
-    index: Index
-    pose: Pose
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        _world(opened).place_solid(self.index, self.pose)
-        return _publish(opened)
-
-
-@dataclass(frozen=True)
-class StrokeCommand(PageCommand, do="stroke"):
-    """Draw a line on the floor, in metres."""
-
-    points: list[Point]
-    width: Width = 0.03
-    grey: Grey = 0
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        _world(opened).draw(tuple(self.points), self.width, self.grey)
-        return _publish(opened)
-
-
-@dataclass(frozen=True)
-class EraseCommand(PageCommand, do="erase"):
-    """Paint with the floor's own grey."""
-
-    points: list[Point]
-    width: Width = 0.06
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        _world(opened).erase(tuple(self.points), self.width)
-        return _publish(opened)
-
-
-@dataclass(frozen=True)
-class ResetPoseCommand(PageCommand, do="reset_pose"):
-    """Return a robot to its start."""
-
-    index: Index
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        bridge = _world(opened)
-        if self.index >= len(bridge.world.robots):
-            raise BridgeError(f"There is no robot {self.index}.")
-        bridge.place_robot(bridge.world.robots[self.index].pose, self.index)
-        return _publish(opened)
-
-
-@dataclass(frozen=True)
-class ResetWorldCommand(PageCommand, do="reset_world"):
-    """Reset the world to its start, without trails and drawings."""
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        _world(opened).reset_world(drawings=True)
-        return _publish(opened)
-
-
-@dataclass(frozen=True)
-class WorldCommand(PageCommand, do="world"):
-    """Continue in another world."""
-
-    name: str
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        bridge = _world(opened)
-        return opened.session.ask(do.Call(partial(bridge.load_world, self.name), "world"))
 
 
 # -- the graph ---------------------------------------------------------------------------------------

@@ -326,7 +326,11 @@ class ZoneView(TypedDict):
 
 
 class WorldView(TypedDict):
-    """The world as `World.to_dict` writes it, without default values, which the page fills in."""
+    """The world as `World.to_dict` writes it, without default values, which the page fills in.
+
+    Solids are where they are now. `edited`: it is not what was loaded; `undo` and `redo`: whether there is an
+    edit to undo or redo.
+    """
 
     version: int
     name: NotRequired[str]
@@ -337,6 +341,9 @@ class WorldView(TypedDict):
     solids: list[SolidView]
     robots: list[RobotShape]
     zones: dict[str, ZoneView]
+    edited: NotRequired[bool]
+    undo: NotRequired[bool]
+    redo: NotRequired[bool]
 
 
 class InkView(TypedDict):
@@ -376,7 +383,7 @@ class VersionView(TypedDict):
 
 
 class ChoicesView(TypedDict):
-    """Names of the bridges, of the bundled worlds, of the bundled programs."""
+    """Names of the bridges, of worlds (bundled ones and files), of the bundled programs."""
 
     bridges: list[str]
     worlds: list[str]
@@ -440,8 +447,8 @@ class FrameMessage(ViewState, total=False):
     """What changed in the view state since the last frame sent to this view.
 
     A field that is missing has not changed. Of an object only the changed entries are sent, None for one
-    that is gone (see `difference` in `view_state`); other fields are sent in full. `ink` are new trails and
-    drawings of the world. If something moved in the world, one buffer comes with it: where everything is
+    that is gone (see `difference` in `view_state`); other fields are sent in full. `ink` are new trails of
+    pens. If something moved in the world, one buffer comes with it: where everything is
     now, made by `pack_poses`; 36 bytes for one robot.
     """
 
@@ -562,6 +569,7 @@ class ReplyMessage(TypedDict):
     references: NotRequired[ReferencesView | None]
     inspect: NotRequired[InspectView]
     versions: NotRequired[list[VersionView]]
+    svg: NotRequired[str]
     exists: NotRequired[bool]
 
 

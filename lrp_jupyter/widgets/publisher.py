@@ -33,6 +33,7 @@ from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.protocol import ViewState
 from lrp_jupyter.widgets.texts import Texts, Written
 from lrp_jupyter.widgets.view_state import ViewStates, difference, is_urgent
+from lrp_jupyter.widgets.world_commands import saved_worlds
 from lrp_jupyter.widgets.world_state import WorldCursor
 
 __all__ = ["PendingReply", "Publisher", "Send"]
@@ -389,7 +390,7 @@ class Publisher:
                 **self._texts.everything(),
                 "choices": {
                     "bridges": list(find_bridges()),
-                    "worlds": list(BUNDLED),
+                    "worlds": [*BUNDLED, *saved_worlds()],
                     "programs": list(programs.names()),
                 },
                 "world": world,

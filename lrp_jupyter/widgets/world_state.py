@@ -56,11 +56,11 @@ class WorldCursor:
         assert isinstance(picture, SimPicture)
         self._picture = picture
         if picture.marks == self._marks:
-            return {}, [_poses(bridge, picture)]
+            return {}, [_poses(picture)]
         strokes = _strokes_of(bridge.simulation.floor.marks[self._marks : picture.marks])
         ink: InkView = {"first": self._strokes, "strokes": strokes}
         self._marks, self._strokes = picture.marks, self._strokes + len(strokes)
-        return {"ink": ink}, [_poses(bridge, picture)]
+        return {"ink": ink}, [_poses(picture)]
 
 
 def _scene_of(session: Session) -> object:
@@ -75,8 +75,7 @@ def world_view(bridge: Bridge, picture: object) -> WorldView | None:
     """Return a world with its solids where they are now; None for a bridge without a world."""
     if not isinstance(bridge, SimBridge):
         return None
-    world = bridge.world
-    places = picture.solids if isinstance(picture, SimPicture) else ()
+    world, places = (picture.world, picture.solids) if isinstance(picture, SimPicture) else (bridge.world, ())
     return {
         "version": 1,
         "name": world.name,
@@ -101,6 +100,9 @@ def world_view(bridge: Bridge, picture: object) -> WorldView | None:
             for robot in world.robots
         ],
         "zones": {name: _zone(zone) for name, zone in world.zones.items()},
+        "edited": bridge.is_edited,
+        "undo": bridge.can_undo,
+        "redo": bridge.can_redo,
     }
 
 
@@ -119,6 +121,8 @@ def _solid(solid: Solid, place: tuple[float, float, float] | None) -> SolidView:
     shape: tuple[float, ...] = solid.box if isinstance(solid, BoxSolid) else solid.circle
     x, y, angle = place or (*shape[:2], solid.angle)
     view: SolidView = {"angle": angle, "push": solid.push}
+    if solid.name:
+        view["name"] = solid.name
     if isinstance(solid, BoxSolid):
         view["box"] = [x, y, *solid.box[2:]]
     else:
@@ -130,10 +134,10 @@ def _zone(zone: Zone) -> ZoneView:
     return {"box": list(zone.box)} if isinstance(zone, BoxZone) else {"circle": zone.circle}
 
 
-def _poses(bridge: SimBridge, picture: SimPicture) -> bytes:
+def _poses(picture: SimPicture) -> bytes:
     """Return the poses of everything, as the buffer of a `FrameMessage`."""
     robots: list[Any] = []
-    for robot, spec in zip(picture.robots, bridge.world.robots, strict=False):
+    for robot, spec in zip(picture.robots, picture.world.robots, strict=False):
         lights: list[float] = [*robot.lights, *[math.nan] * len(spec.light)]
         distances = [*robot.distances, *[math.inf] * len(spec.distance)]
         robots.append(
@@ -148,14 +152,14 @@ def _poses(bridge: SimBridge, picture: SimPicture) -> bytes:
         )
     pushed = [
         place
-        for place, solid in zip(picture.solids, bridge.world.solids, strict=False)
+        for place, solid in zip(picture.solids, picture.world.solids, strict=False)
         if solid.push is not None
     ]
     return pack_poses(picture.time, robots, pushed)
 
 
 def _strokes_of(marks: Sequence[Mark]) -> list[StrokeView]:
-    """Join connected pieces of trails and drawings into strokes."""
+    """Join connected pieces of trails into strokes."""
     strokes: list[StrokeView] = []
     before: tuple[Paint, float, float] | None = None
     for _, paint, piece in marks:

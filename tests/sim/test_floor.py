@@ -99,7 +99,7 @@ def test_ink_darkens_and_never_lightens():
 
 def test_a_prefix_of_the_marks_is_the_floor_of_before():
     floor = LiveFloor(FloorSpec())
-    floor.add(PathStroke(((0, 0), (1, 0))), step=1)
-    floor.add(PathStroke(((0, 0), (1, 0)), grey=99), step=2)
-    assert floor.light(0.5, 0) == 99
-    assert LiveFloor(FloorSpec(), floor.marks[:1]).light(0.5, 0) == 0
+    floor.ink(Paint(0.01, 99, True), (0, 0), (1, 0), step=1)
+    floor.ink(Paint(0.01, 0, True), (0, 0), (1, 0), step=2)
+    assert floor.light(0.5, 0) == 0
+    assert LiveFloor(FloorSpec(), floor.marks[:1]).light(0.5, 0) == 99

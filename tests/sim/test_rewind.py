@@ -13,12 +13,16 @@ from lrp_jupyter.sim import (
     Pen,
     PlaceRobot,
     PlaceSolid,
+    PutSolid,
+    RemoveSolid,
     ResetWorld,
+    SetStart,
     Simulation,
+    WorldError,
     input_log,
     load,
 )
-from lrp_jupyter.sim.world import Noise
+from lrp_jupyter.sim.world import BoxSolid, DiscSolid, Noise
 
 
 def crowded():
@@ -40,6 +44,7 @@ def everything(simulation):
     """All that can be known of a running world."""
     return (
         simulation.moment,
+        simulation.world,
         [robot.body.motion() for robot in simulation.robots],
         [robot.memory for robot in simulation.robots],
         [thing.body.motion() for thing in simulation.solids],
@@ -50,9 +55,10 @@ def everything(simulation):
 
 def seen(simulation):
     """The same without identities."""
-    moment, robots, memories, solids, marks, random = everything(simulation)
+    moment, world, robots, memories, solids, marks, random = everything(simulation)
     return (
         moment,
+        world,
         robots,
         [replace(memory, pen=None) for memory in memories],
         solids,
@@ -109,11 +115,36 @@ inputs = st.one_of(
     st.builds(
         Draw, st.lists(st.tuples(st.floats(0, 1.6), st.floats(0, 1.3)), min_size=1, max_size=3).map(tuple)
     ),
-    st.builds(ResetWorld, st.booleans()),
+    st.just(ResetWorld()),
+    st.builds(
+        PutSolid,
+        st.sampled_from(
+            [
+                BoxSolid((1.4, 0.2, 0.2, 0.1), push=0.3),
+                BoxSolid((0.9, 0.57, 0.1, 0.4)),
+                DiscSolid((1, 0.6, 0.1)),
+            ]
+        ),
+        st.none() | st.integers(0, 8),
+    ),
+    st.builds(RemoveSolid, st.integers(0, 8)),
+    st.builds(SetStart, poses),
 )
 
 
-@given(st.lists(st.tuples(inputs, st.integers(0, 60)), min_size=1, max_size=25), st.data())
+def possible(script):
+    """The part of a script in which no solid is replaced or removed that is not there."""
+    simulation, done = Simulation(crowded()), []
+    for what, steps in script:
+        try:
+            simulation.apply(what)
+        except (ValueError, WorldError):
+            continue
+        done.append((what, steps))
+    return done
+
+
+@given(st.lists(st.tuples(inputs, st.integers(0, 60)), min_size=1, max_size=25).map(possible), st.data())
 def test_whatever_acts_every_moment_can_be_gone_back_to(script, data):
     simulation = Simulation(crowded())
     moments = [(simulation.moment, seen(simulation))]

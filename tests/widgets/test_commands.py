@@ -132,9 +132,11 @@ def test_the_pose_and_the_world_can_be_reset(lab, page):
     page.do("drag_robot", index=0, pose=[1.0, 1.0, 1.0])
     assert page.do("reset_pose", index=0) is None
     assert lab.session.frame.robot.robots[0].pose == pytest.approx(start)
-    page.do("erase", points=[[0.5, 0.5]], width=0.1)
+    lab.session.call(lab.session.bridge.simulation.pen)
+    page.do("step", value=20)
     assert page.do("reset_world") is None
     assert lab.session.frame.robot.marks == 0
+    assert lab.session.frame.robot.robots[0].pose == pytest.approx(start)
     assert "no robot 3" in page.do("reset_pose", index=3)
 
 

@@ -333,17 +333,24 @@ def test_what_is_dragged_while_paused_is_seen(bench):
     assert "no robot 7" in page.do("drag_robot", index=7, pose=[1.0, 0.5, 0.0])
 
 
-def test_trails_and_drawings_come_as_ink_that_is_added_to(bench):
+def test_trails_come_as_ink_that_is_added_to(bench):
     lab = bench("(machine m (state a)) (spawn m a)", bridge="sim", world="empty")
     page = lab.page()
     lab.publish()
-    assert page.do("stroke", points=[[0.2, 0.2], [0.4, 0.2], [0.4, 0.4]], width=0.03, grey=0) is None
+
+    def drive():
+        lab.session.call(lambda: lab.session.bridge.simulation.step(100))
+        lab.publish()
+
+    simulation = lab.session.bridge.simulation
+    lab.session.call(lambda: (simulation.pen(grey=120, width=0.01), simulation.drive(0.2)))
+    drive()
     ink = page.last("frame")["ink"]
-    assert ink == {
-        "first": 0,
-        "strokes": [{"path": [(0.2, 0.2), (0.4, 0.2), (0.4, 0.4)], "width": 0.03, "grey": 0}],
-    }
-    page.do("stroke", points=[[1.0, 0.2], [1.4, 0.2]], width=0.03, grey=0)
+    (trail,) = ink["strokes"]
+    assert ink["first"] == 0
+    assert trail["path"][0] == (1.5, 1.0)
+    assert {**trail, "path": []} == {"path": [], "width": 0.01, "grey": 120, "ink": True}
+    drive()
     assert page.last("frame")["ink"]["first"] == 1
     page.do("reset_world")
     lab.publish()

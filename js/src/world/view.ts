@@ -88,7 +88,7 @@ export function worldView(lab: Lab): WorldPart {
       }),
       button({
         icon: "world",
-        title: "Reset world: robot, objects, trails and drawings",
+        title: "Reset world: robot and objects to their start, without trails",
         action: "reset-world",
         onclick: () => void lab.act({ do: "reset_world" }),
       }),
