@@ -20,6 +20,7 @@ import { foldKeymap } from "@codemirror/language";
 import { nextDiagnostic, previousDiagnostic } from "@codemirror/lint";
 import { closeSearchPanel, findNext, findPrevious, openSearchPanel } from "@codemirror/search";
 import type { KeyBinding } from "@codemirror/view";
+import { newLine } from "../language/indent";
 
 const everywhere = { scope: "editor search-panel", preventDefault: true };
 
@@ -42,5 +43,6 @@ export const keys: KeyBinding[] = [
   ...historyKeymap,
   ...foldKeymap,
   indentWithTab,
+  { key: "Enter", run: newLine },
   ...standardKeymap,
 ];

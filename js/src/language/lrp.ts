@@ -3,37 +3,17 @@
 import { pythonLanguage } from "@codemirror/lang-python";
 import {
   foldNodeProp,
-  indentNodeProp,
   LanguageSupport,
   LRLanguage,
   syntaxHighlighting,
   syntaxTree,
-  type TreeIndentContext,
 } from "@codemirror/language";
 import type { EditorState } from "@codemirror/state";
 import { parseMixed, type SyntaxNode } from "@lezer/common";
 import { classHighlighter, styleTags, tags } from "@lezer/highlight";
+import { indentation } from "./indent";
 import { type Outline, outline } from "./outline";
 import { parser } from "./parser";
-
-const FORMS = ["Variable", "Machine", "State", "Event", "Spawn", "Action", "Transition", "Unknown"];
-
-/** Inside a block: under its first statement, or two steps in where that stands on a line of its own. */
-function blockIndent(context: TreeIndentContext): number {
-  const { node, state } = context;
-  const line = state.doc.lineAt(node.from);
-  const first = /\S/.exec(line.text.slice(node.from + 1 - line.from));
-  if (context.textAfter.startsWith("]") || !first) {
-    const base = context.lineIndent(node.from);
-    return context.textAfter.startsWith("]") ? base : base + context.unit;
-  }
-  return context.column(node.from) + 1 + first.index;
-}
-
-function formIndent(context: TreeIndentContext): number {
-  const base = context.column(context.node.from);
-  return context.textAfter.startsWith(")") ? base : base + context.unit;
-}
 
 function folding(node: SyntaxNode, state: EditorState): { from: number; to: number } | null {
   const end = state.doc.lineAt(node.from).to;
@@ -59,11 +39,6 @@ const configured = parser.configure({
       "[ ]": tags.squareBracket,
       "{ }": tags.brace,
     }),
-    indentNodeProp.add({
-      Program: () => 0,
-      Block: blockIndent,
-      ...Object.fromEntries(FORMS.map((name) => [name, formIndent])),
-    }),
     foldNodeProp.add(
       Object.fromEntries(["Machine", "State", "Action", "Event", "Block"].map((n) => [n, folding])),
     ),
@@ -81,7 +56,7 @@ export const lrpLanguage = LRLanguage.define({
 });
 
 export function lrp(): LanguageSupport {
-  return new LanguageSupport(lrpLanguage, syntaxHighlighting(classHighlighter));
+  return new LanguageSupport(lrpLanguage, [syntaxHighlighting(classHighlighter), indentation]);
 }
 
 const outlines = new WeakMap<object, Outline>();
