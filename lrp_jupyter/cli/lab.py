@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 from importlib.util import find_spec
@@ -12,9 +13,20 @@ import typer
 
 from lrp_jupyter.errors import LRPError
 
-__all__ = ["copy_notebooks", "open_lab", "send_at_once", "shipped_notebooks"]
+__all__ = [
+    "copy_notebooks",
+    "fold_side_bar",
+    "open_lab",
+    "send_at_once",
+    "shipped_notebooks",
+    "sign_notebooks",
+    "use_settings",
+]
 
 FIRST = "00-hello-live-robot.ipynb"
+
+_WORKSPACE = "lrp"
+_SETTINGS = Path(__file__).with_name("jupyter")
 
 
 def shipped_notebooks() -> Path:
@@ -45,6 +57,36 @@ def copy_notebooks(folder: Path) -> list[Path]:
     return copied
 
 
+def sign_notebooks() -> None:
+    """Make Jupyter trust the notebooks of the package, so that their stored pictures are shown.
+
+    A signature is that of a content: a copy that was changed is not trusted.
+    """
+    import nbformat
+    from nbformat.sign import NotebookNotary
+
+    notary: Any = NotebookNotary()  # type: ignore[no-untyped-call]
+    for file in shipped_notebooks().rglob("*.ipynb"):
+        notary.sign(nbformat.read(file, as_version=4))  # type: ignore[no-untyped-call]
+
+
+def fold_side_bar() -> None:
+    """Create a workspace whose side bar is folded, which leaves its width to the lab, unless it exists."""
+    from jupyterlab.commands import get_workspaces_dir
+    from jupyterlab_server.workspaces_handler import WorkspacesManager
+
+    workspaces = WorkspacesManager(get_workspaces_dir())
+    if not workspaces.load(_WORKSPACE)["data"]:
+        layout = {"layout-restorer:data": {"left": {"collapsed": True}}}
+        workspaces.save(_WORKSPACE, json.dumps({"data": layout, "metadata": {"id": _WORKSPACE}}))
+
+
+def use_settings() -> None:
+    """Add this package's defaults to JupyterLab's: no question about news. The user's settings come first."""
+    given = os.environ.get("JUPYTER_CONFIG_PATH")
+    os.environ["JUPYTER_CONFIG_PATH"] = os.pathsep.join(filter(None, [given, str(_SETTINGS)]))
+
+
 def open_lab(folder: Path, browser: bool, options: list[str]) -> None:
     """Run JupyterLab in this process until it is stopped.
 
@@ -61,7 +103,11 @@ def open_lab(folder: Path, browser: bool, options: list[str]) -> None:
     typer.echo(
         f"{len(copied)} files copied to {folder}." if copied else f"The notebooks are in {folder} already."
     )
-    arguments = [f"--ServerApp.root_dir={folder}", f"--LabApp.default_url=/lab/tree/{FIRST}", *options]
+    sign_notebooks()
+    fold_side_bar()
+    use_settings()
+    url = f"/lab/workspaces/{_WORKSPACE}/tree/{FIRST}"
+    arguments = [f"--ServerApp.root_dir={folder}", f"--LabApp.default_url={url}", *options]
     if not browser:
         arguments.append("--no-browser")
     if hasattr(os, "geteuid") and os.geteuid() == 0:

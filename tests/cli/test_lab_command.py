@@ -13,7 +13,14 @@ from time import monotonic
 
 import pytest
 
-from lrp_jupyter.cli.lab import FIRST, copy_notebooks, shipped_notebooks
+from lrp_jupyter.cli.lab import (
+    FIRST,
+    copy_notebooks,
+    fold_side_bar,
+    shipped_notebooks,
+    sign_notebooks,
+    use_settings,
+)
 
 
 def test_the_notebooks_are_copied_once(tmp_path):
@@ -58,14 +65,62 @@ def test_the_lab_opens_on_the_first_notebook(tmp_path):
     try:
         url = None
         for line in process.stdout:
-            if url := re.search(r"http://127\.0\.0\.1:\d+/lab/tree/\S+", line):
+            if url := re.search(r"http://127\.0\.0\.1:\d+/lab/workspaces/lrp/tree/\S+", line):
                 break
         assert url is not None
         assert FIRST in url[0]
-        contents = re.sub(r"/lab/tree/.*", f"/api/contents/{FIRST}?token=t", url[0])
+        contents = re.sub(r"/lab/workspaces/lrp/tree/.*", f"/api/contents/{FIRST}?token=t", url[0])
         assert status(contents) == 200
     finally:
         watchdog.cancel()
         process.send_signal(signal.SIGTERM)
         process.wait(30)
         process.stdout.close()
+
+
+@pytest.fixture
+def private(tmp_path, monkeypatch):
+    """Jupyter's directories in a folder of their own."""
+    for name in ("CONFIG", "DATA", "RUNTIME"):
+        monkeypatch.setenv(f"JUPYTER_{name}_DIR", str(tmp_path / name))
+    monkeypatch.delenv("JUPYTER_CONFIG_PATH", raising=False)
+    monkeypatch.setenv("JUPYTERLAB_WORKSPACES_DIR", str(tmp_path / "WORKSPACES"))
+    return tmp_path
+
+
+def test_a_copied_notebook_is_trusted_until_it_is_changed_elsewhere(private):
+    nbformat = pytest.importorskip("nbformat")
+    from nbformat.sign import NotebookNotary
+
+    copy_notebooks(private / "work")
+    sign_notebooks()
+    notebook = nbformat.read(private / "work" / FIRST, as_version=4)
+    assert NotebookNotary().check_signature(notebook)
+    notebook.cells[0].source = "other"
+    assert not NotebookNotary().check_signature(notebook)
+
+
+def test_the_side_bar_is_folded_once_and_then_stays_as_the_user_left_it(private):
+    pytest.importorskip("jupyterlab")
+    folder = private / "WORKSPACES"
+    fold_side_bar()
+    (file,) = folder.iterdir()
+    assert '"collapsed": true' in file.read_text()
+    left = file.read_text().replace("true", "false")
+    file.write_text(left)
+    fold_side_bar()
+    assert file.read_text() == left
+
+
+def test_the_users_own_defaults_precede_those_of_the_package(private, monkeypatch):
+    pytest.importorskip("jupyterlab_server")
+    from jupyter_server.services.config.manager import ConfigManager
+
+    news = "@jupyterlab/apputils-extension:notification"
+    section = "default_setting_overrides"
+    monkeypatch.setenv("JUPYTER_CONFIG_PATH", str(private / "own"))
+    use_settings()
+    assert ConfigManager(config_dir_name="labconfig").get(section)[news] == {"fetchNews": "false"}
+    (private / "own" / "labconfig").mkdir(parents=True)
+    (private / "own" / "labconfig" / f"{section}.json").write_text(f'{{"{news}": {{"fetchNews": "true"}}}}')
+    assert ConfigManager(config_dir_name="labconfig").get(section)[news] == {"fetchNews": "true"}

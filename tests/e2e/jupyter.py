@@ -92,27 +92,30 @@ class Server:
 
 
 @contextmanager
-def jupyter(home):
-    """Run a server of JupyterLab and Notebook in a directory of its own."""
+def jupyter(home, app=("jupyterlab", "--ServerApp.root_dir"), settings=QUIET):
+    """Run a server of JupyterLab and Notebook in a directory of its own.
+
+    `app` is a module with its arguments, of which the last names the option for the folder of notebooks.
+    """
     root = home / "notebooks"
-    root.mkdir()
+    root.mkdir(parents=True)
     env = {**os.environ, **{name: str(home / name.lower()) for name in DIRECTORIES}, "PYTHONWARNINGS": ""}
     env.pop("JUPYTER_PATH", None)
     for name in DIRECTORIES:
         Path(env[name]).mkdir()
     (Path(env["JUPYTER_CONFIG_DIR"]) / "jupyter_server_config.py").write_text(CONFIG)
-    for name, settings in QUIET.items():
+    for name, values in settings.items():
         file = Path(env["JUPYTERLAB_SETTINGS_DIR"]) / name
         file.parent.mkdir(parents=True, exist_ok=True)
-        file.write_text(json.dumps(settings))
+        file.write_text(json.dumps(values))
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         port = free.getsockname()[1]
     command = [
-        *(sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root"),
+        *(sys.executable, "-m", *app[:-1], f"{app[-1]}={root}", "--no-browser"),
         *("--ServerApp.ip=127.0.0.1", f"--ServerApp.port={port}", "--ServerApp.port_retries=0"),
         *("--IdentityProvider.token=", "--ServerApp.password=", "--ServerApp.disable_check_xsrf=True"),
-        *(f"--ServerApp.root_dir={root}", "--ServerApp.answer_yes=True"),
+        *("--ServerApp.answer_yes=True", "--ServerApp.allow_root=True"),
         *("--LabApp.expose_app_in_browser=True", "--JupyterNotebookApp.expose_app_in_browser=True"),
     ]
     with (home / "log").open("w") as log:
