@@ -93,7 +93,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     if (message.type === "reply") return;
     const changed = apply(store.state, message);
     if (message.type === "snapshot") {
-      editor?.begin(message.text, message.running);
+      editor?.begin(message.text, message.running, message.half_typed);
       void recover(message.home, message.text);
     }
     if (message.type === "answer") answered(message);
@@ -118,14 +118,15 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     rescued = true;
   }
 
-  function answered({ seq, text, applied }: AnswerMessage): void {
+  function answered(answer: AnswerMessage): void {
+    const { seq, text } = answer;
     if (rescued && connection.isAnswered) {
       forgetLost(store.state.home, connection.view);
       rescued = false;
     }
     if (seq === 0 && connection.inFlight) return; // a text from elsewhere; the one typed here is newer and is sent next
     if (text !== null) editor?.replaceText(text);
-    editor?.wasAnswered(applied);
+    editor?.wasAnswered(answer);
   }
 
   const wanted = (name: PartName) => part === "lab" || part === name;
@@ -187,7 +188,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     elsewhere.close();
     connection.close();
     store.close();
-    editor?.view.destroy();
+    editor?.close();
     root.remove();
   };
 }

@@ -26,6 +26,8 @@ export interface TextMessage {
   seq: number;
   base: number;
   text: string;
+  cursor?: [number, number] | null;
+  meant?: boolean;
 }
 
 /** The frame with this number has arrived, and all frames before it. */
@@ -903,6 +905,8 @@ export interface AnswerMessage {
   accepted: boolean;
   applied: boolean;
   reason: string;
+  half_typed: boolean;
+  running: string | null;
   pending: Difference | null;
 }
 
@@ -970,6 +974,7 @@ export interface SnapshotMessage {
   running: string;
   findings: FindingView[];
   accepted: boolean;
+  half_typed: boolean;
   pending: Difference | null;
   choices: ChoicesView;
   world: WorldView | null;

@@ -81,6 +81,18 @@ describe("text", () => {
     expect(wire.texts()).toEqual(["a", "abcd"]);
   });
 
+  it("is sent again when its last word is meant", () => {
+    const sent = () =>
+      wire.sent.flatMap((message) => (message.type === "text" ? [[message.text, message.meant]] : []));
+    wire.connection.text("a", [1, 2], false);
+    wire.connection.text("a", [1, 2], true);
+    wire.hear(answer(1));
+    expect(sent()).toEqual([
+      ["a", false],
+      ["a", true],
+    ]);
+  });
+
   it("is not freed by the answer to another view's text", () => {
     wire.connection.text("a");
     wire.connection.text("ab");

@@ -82,6 +82,8 @@ const answer = (fields: Partial<AnswerMessage>): Partial<AnswerMessage> => ({
   accepted: true,
   applied: true,
   reason: "",
+  half_typed: false,
+  running: null,
   pending: null,
   ...fields,
 });
@@ -363,9 +365,15 @@ describe("the page", () => {
   it("says in a new view, too, that a text is not a program, or does not run yet", async () => {
     const verdict = page.find(".lrp-verdict");
     const { text } = recording.snapshot;
-    page.deliver({ ...structuredClone(recording.snapshot), text: `(${text}`, accepted: false });
+    const range = { line: 1, column: 1, end_line: 1, end_column: 2 };
+    const open = { id: "1", code: "LRP101", severity: "error" as const, message: "", range, fix: null };
+    const broken = { text: `(${text}`, accepted: false, findings: [open] };
+    page.deliver({ ...structuredClone(recording.snapshot), ...broken });
     await page.drawn();
     expect(verdict.dataset.state).toBe("broken");
+    page.deliver({ ...structuredClone(recording.snapshot), ...broken, findings: [] });
+    await page.drawn();
+    expect(verdict.textContent).toMatch(/^unfinished/); // what is being typed at the cursor has no mark
     page.deliver({ ...structuredClone(recording.snapshot), text: `; x\n${text}`, accepted: true });
     await page.drawn();
     expect(verdict.dataset.state).toBe("waits");

@@ -32,6 +32,7 @@ const snapshot = (machines: string[], fields: Partial<FrameMessage> = {}): Snaps
   running: "",
   findings: [],
   accepted: true,
+  half_typed: false,
   pending: null,
   choices: { bridges: [], worlds: [], programs: [] },
   world: null,

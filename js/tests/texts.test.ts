@@ -59,4 +59,10 @@ describe("a place in a text of the past", () => {
     tracked.begin(text("𝄞𝄞 x"));
     expect(tracked.span(at(1, 4, 5))).toEqual({ from: 5, to: 6 });
   });
+
+  it("is found in a text that differs from the one that it refers to", () => {
+    const tracked = new Tracked();
+    tracked.differs(text("one three"), text("one big three"));
+    expect(tracked.span(at(1, 5, 10))).toEqual({ from: 8, to: 13 });
+  });
 });

@@ -102,6 +102,11 @@ class Judgement(NamedTuple):
     unmeant: Unmeant | None = None
     hides: bool = False
 
+    @property
+    def half_typed(self) -> bool:
+        """Whether the text means something else as soon as the word at the cursor is meant, or left."""
+        return self.hides or self.unmeant is not None
+
 
 def judge(
     text: str,

@@ -182,8 +182,8 @@ class Session:
         self.output = Output()
         self.findings: tuple[Finding, ...] = ()
         """The findings of the checks about the last text."""
-        self.hides_findings = False
-        """Whether there are others, about what is only half typed at the cursor."""
+        self.half_typed = False
+        """Whether some of the last text waits, or is not marked, until it is meant or the cursor leaves."""
         self._checked: tuple[Program | None, tuple[Finding, ...]] = None, ()
         self._text = program.text
         self.bridge = make_bridge(bridge, **options)
@@ -547,7 +547,9 @@ class Session:
         """
         check_type("text", text, str, "the text of a program")
         self._driver.check_open()
-        program, self.findings, unmeant, self.hides_findings = self.judge(text, cursor)
+        judgement = self.judge(text, cursor)
+        program, self.findings, unmeant, _ = judgement
+        self.half_typed = judgement.half_typed
         self._text = text
         if program is None:
             nothing: Future[Any] = Future()

@@ -21,6 +21,7 @@ from time import monotonic
 from typing import Any
 
 from lrp_jupyter.errors import BridgeError, SessionClosedError
+from lrp_jupyter.language.unmeant import Cursor
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets import commands as commands  # these four define messages that `decode` knows
 from lrp_jupyter.widgets import inspection as inspection
@@ -37,7 +38,7 @@ from lrp_jupyter.widgets.messages import (
     TextMessage,
     decode,
 )
-from lrp_jupyter.widgets.protocol import ViewState
+from lrp_jupyter.widgets.protocol import ViewState, offset_of
 from lrp_jupyter.widgets.publisher import PendingReply, Publisher, Send
 from lrp_jupyter.widgets.texts import Texts
 
@@ -104,11 +105,12 @@ class PageConnection:
                 return  # forgotten, or never opened: it sends hello when it gets no message for a while
             elif isinstance(message, ByeMessage):
                 self._publisher.forget(message.view)
+                self.texts.leave(message.view)
             elif isinstance(message, CreditMessage):
                 self._publisher.credit(message.view, message.frame)
                 self.session.seen()
             elif isinstance(message, TextMessage):
-                self.texts.write(message.text, message.view, message.seq)
+                self.texts.write(message.text, message.view, message.seq, _cursor(message))
             elif isinstance(message, PageCommand):
                 self._reply(message, partial(message.apply, self), message.patience)
             elif isinstance(message, PageRequest):
@@ -231,3 +233,8 @@ class PageConnection:
         self._publisher.end()
         if self._worker is not None:
             self._worker.shutdown(wait=False, cancel_futures=True)
+
+
+def _cursor(message: TextMessage) -> Cursor | None:
+    """Return where a text is being edited, if it is."""
+    return message.cursor and Cursor(offset_of(message.text, *message.cursor), message.meant)

@@ -95,11 +95,17 @@ class ByeMessage(PageMessage, type="bye"):
 
 @dataclass(frozen=True)
 class TextMessage(PageMessage, type="text"):
-    """The whole text of the editor. `base` is the last revision that the view knew."""
+    """The whole text of the editor. `base` is the last revision that the view knew.
+
+    `cursor` is the line and column of the cursor while the text is edited. Unless it is `meant`, the word
+    there is still being typed; the view sends the text again when it is meant, or left.
+    """
 
     seq: int
     base: int
     text: str
+    cursor: tuple[int, int] | None = None
+    meant: bool = True
 
 
 @dataclass(frozen=True)

@@ -463,7 +463,9 @@ class AnswerMessage(TypedDict):
 
     `seq` is the receiver's own, or 0 where another view, a rename, a load or a cell brought the text, which
     then comes along. `accepted`: it is a program; `applied`: it runs now; `reason` is why not, or why it
-    restarted. `pending` is what a held text would change.
+    restarted. `half_typed`: something waits, or is not marked, until the word at the cursor is meant or left.
+    `running` is the running text if it has become neither this text nor an earlier one. `pending` is what a
+    held text would change.
     """
 
     type: Literal["answer"]
@@ -475,6 +477,8 @@ class AnswerMessage(TypedDict):
     accepted: bool
     applied: bool
     reason: str
+    half_typed: bool
+    running: str | None
     pending: Difference | None
 
 
@@ -482,7 +486,7 @@ class SnapshotMessage(TypedDict):
     """Everything, for a view that has just opened.
 
     `running` is the running text, `text` the editor's; `accepted`: it is a program. `home` distinguishes
-    programs of the same name. Its frame is acknowledged like any other.
+    programs of the same name. `half_typed`: as in an answer. Its frame is acknowledged like any other.
     """
 
     type: Literal["snapshot"]
@@ -494,6 +498,7 @@ class SnapshotMessage(TypedDict):
     running: str
     findings: list[FindingView]
     accepted: bool
+    half_typed: bool
     pending: Difference | None
     choices: ChoicesView
     world: WorldView | None

@@ -327,6 +327,8 @@ class Publisher:
                     "accepted": written.accepted,
                     "applied": written.applied,
                     "reason": written.reason,
+                    "half_typed": written.half_typed,
+                    "running": written.running,
                     "pending": written.pending,
                 }
             )

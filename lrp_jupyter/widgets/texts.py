@@ -19,8 +19,8 @@ from typing import Any
 from lrp_jupyter.errors import FileError, SessionClosedError
 from lrp_jupyter.files import read_file, write_file
 from lrp_jupyter.language.diff import diff
-from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program
+from lrp_jupyter.language.unmeant import Cursor
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.kept import FOLDER, Kept, Version, newest
 from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, range_of
@@ -52,6 +52,8 @@ class Written:
     """Whether views that did not type it need the text."""
     applied: bool = False
     reason: str = ""
+    half_typed: bool = False
+    running: str | None = None
     pending: Difference | None = None
     done: float | None = None
 
@@ -131,6 +133,8 @@ class Texts:
         self.revision = 0
         self.findings: tuple[Finding, ...] = ()
         self.noun: Program | None = None
+        self.half_typed = False
+        """Whether something waits, or is not marked, until the word at the cursor is meant or left."""
         self.kept = kept
         self._lock = RLock()
         self._saving = Lock()  # of the files, and of what follows
@@ -140,6 +144,8 @@ class Texts:
         self._session: Session
         self._wake: Callable[[], None] = lambda: None
         self._answered = Program()  # the running program, as known to the views
+        self._reason = ""  # of the last answer
+        self._writer = ""  # the view in which the text was typed
         self._revisions: dict[tuple[int, int], int] = {}
         self._accepted: str | None = None
         self._typed = float("-inf")
@@ -174,7 +180,7 @@ class Texts:
 
     # -- in ----------------------------------------------------------------------------------------
 
-    def write(self, text: str, view: str = "", seq: int = 0) -> Written:
+    def write(self, text: str, view: str = "", seq: int = 0, cursor: Cursor | None = None) -> Written:
         """Make a text the editor's, and offer it to the session unless edits are held.
 
         Parameters
@@ -184,16 +190,20 @@ class Texts:
             The view in which it was typed; empty if it came from a cell, a bundled program or a file.
         seq : int
             The number assigned by the view.
+        cursor : Cursor, optional
+            Where it is being edited.
         """
         with self._lock:
+            self._writer = view
             self._leave(text, bool(view))
             answer: Future[Any] = Future()
             try:
                 if not self.hold:
-                    noun, answer = self._session.offer(text)
+                    noun, answer = self._session.offer(text, cursor)
                     self.noun, self.findings = noun, self._session.findings
+                    self.half_typed = self._session.half_typed
                 else:
-                    self._judge(text)
+                    self._judge(text, cursor)
                     answer.set_result(None)
             except SessionClosedError as error:  # the text is kept anyway
                 self._judge(text)
@@ -202,6 +212,12 @@ class Texts:
             written = self._written(view, seq, answer, self._clock() + _LATE)
         answer.add_done_callback(lambda _: self._wake())
         return written
+
+    def leave(self, view: str) -> None:
+        """Apply what waits in a text that was typed in a view, because the view closes."""
+        with self._lock:
+            if self.half_typed and view == self._writer and not self.hold:
+                self.write(self.text)
 
     def apply(self) -> None:
         """Apply the held text."""
@@ -233,6 +249,7 @@ class Texts:
     def _written(self, view: str, seq: int, answer: Future[Any], deadline: float) -> Written:
         findings = [_finding_view(finding, self.text) for finding in self.findings]
         written = Written(view, seq, self.revision, self.text, self.noun, findings, answer, deadline)
+        written.half_typed = self.half_typed
         if self.noun is not None:
             self._accepted = self.text
         self.waiting.append(written)
@@ -259,11 +276,9 @@ class Texts:
         with self._lock:
             self._versions = newest([Version(text, time()), *self._versions])
 
-    def _judge(self, text: str) -> None:
+    def _judge(self, text: str, cursor: Cursor | None = None) -> None:
         """Check a text that is not offered to the session."""
-        self.noun, self.findings = scan(text, f"<lrp {self._session.name}>")
-        if self.noun is not None:
-            self.findings = self._session.check(self.noun)
+        self.noun, self.findings, _, self.half_typed = self._session.judge(text, cursor)
 
     # -- out: the publisher's thread ---------------------------------------------------------------
 
@@ -279,13 +294,16 @@ class Texts:
             while self.waiting and self._is_decided(self.waiting[0], now):
                 ready.append(self.waiting.popleft())
             program = self._session.program
-            if not self.waiting and (program is not self._answered or self._came_from_elsewhere()):
-                if not ready:
-                    ready.append(self._news(program))
-                self._answered = program
+            is_new = program is not self._answered or self._came_from_elsewhere()
+            if is_new and not ready and not self.waiting:
+                ready.append(self._news(program))
             for written in ready:
+                if program is not self._answered and program.text != written.text:
+                    written.running = program.text
+                    self._revisions.setdefault(_fingerprint(program.text), written.revision)
                 if self.hold and written.noun is not None and written.text != program.text:
                     written.pending = _difference_view(program, written.noun)
+                self._answered, self._reason = program, written.reason
             return ready
 
     def _is_decided(self, written: Written, now: float) -> bool:
@@ -331,6 +349,8 @@ class Texts:
         written = self._written("", 0, nothing, 0.0)
         self.waiting.remove(written)
         written.is_news, written.applied = is_news, self.text == program.text
+        if self.half_typed:
+            written.reason = self._reason
         return written
 
     def everything(self) -> dict[str, Any]:
@@ -345,6 +365,7 @@ class Texts:
                 "running": running.text,
                 "findings": [_finding_view(finding, self.text) for finding in self.findings],
                 "accepted": self.noun is not None,
+                "half_typed": self.half_typed,
                 "pending": _difference_view(running, self.noun) if waits and self.noun is not None else None,
             }
 

@@ -58,10 +58,10 @@ class Page:
         self.lab.finish()
         return next(m for m in self.messages if m["type"] == "reply" and m["id"] == number)
 
-    def type(self, text, seq=1):
+    def type(self, text, seq=1, **cursor):
         """Type a text; return its answer."""
         before = len(self.messages)
-        self.send("text", seq=seq, base=0, text=text)
+        self.send("text", seq=seq, base=0, text=text, **cursor)
         self.lab.publish()
         return next(m for m in self.messages[before:] if m["type"] == "answer")
 

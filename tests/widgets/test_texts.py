@@ -329,3 +329,59 @@ def test_a_snapshot_repeats_the_last_answer(bench, text):
     assert snapshot["revision"] == answer["revision"]
     assert (snapshot["findings"], snapshot["accepted"]) == (answer["findings"], answer["accepted"])
     assert snapshot["running"] == lab.session.program.text
+
+
+def test_a_word_that_is_not_meant_waits_and_is_marked_when_it_is_sent_again(bench):
+    lab = bench(C)
+    page = lab.page()
+    text = C.replace("a -> c", "a -> cc")
+    answer = page.type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    assert (answer["accepted"], answer["applied"], answer["half_typed"]) == (True, False, True)
+    assert answer["reason"] == "waits: `m` has no state `cc`"
+    assert [finding["code"] for finding in answer["findings"]] == []
+    assert lab.session.program.text == C
+    answer = page.type(text, seq=2, cursor=[1, text.index("cc") + 3], meant=True)
+    assert (answer["applied"], answer["reason"], answer["half_typed"]) == (True, "", False)
+    assert "LRP303" in [finding["code"] for finding in answer["findings"]]
+
+
+def test_the_running_text_is_sent_while_only_a_part_of_a_text_runs(bench):
+    lab = bench(C)
+    page = lab.page()
+    text = C.replace("(state a)", "(state a) (state b)").replace("a -> c", "a -> cc")
+    page.type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    lab.publish()
+    assert page.last("answer")["running"] == C.replace("(state a)", "(state a) (state b)")
+    assert page.last("answer")["reason"] == "waits: `m` has no state `cc`"
+    assert page.latest("revision") == page.last("answer")["revision"]
+    page.type(text, seq=2)
+    assert page.last("answer")["running"] is None
+
+
+def test_a_held_text_is_not_marked_where_it_is_half_typed(bench):
+    lab = bench(C)
+    page = lab.page()
+    assert page.do("hold", on=True) is None
+    text = C.replace("a -> c", "a -> cc")
+    answer = page.type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    assert (answer["findings"], answer["half_typed"]) == ([], True)
+    answer = page.type(text, seq=2, cursor=[1, 1], meant=True)
+    assert [finding["code"] for finding in answer["findings"]][-1] == "LRP303"
+
+
+def test_what_waits_is_applied_when_the_view_closes(bench):
+    lab = bench(C)
+    page, other = lab.page(), lab.page("other")
+    text = C.replace("a -> c", "a -> cc")
+    page.type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    other.send("bye")
+    assert lab.session.program.text == C
+    page.send("bye")
+    assert lab.session.program.text == text
+
+
+def test_a_view_that_opens_learns_that_something_waits(bench):
+    lab = bench(C)
+    text = C.replace("a -> c", "a -> cc")
+    lab.page().type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    assert lab.page("other").last("snapshot")["half_typed"]

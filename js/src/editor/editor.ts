@@ -16,7 +16,7 @@ import {
   tooltips,
 } from "@codemirror/view";
 import { lrp, outlineOf } from "../language/lrp";
-import type { ElementKind, TextRange } from "../protocol";
+import type { AnswerMessage, ElementKind, TextRange } from "../protocol";
 import type { Connection } from "../session/connection";
 import type { Lab } from "../session/store";
 import { completion } from "./complete";
@@ -27,8 +27,9 @@ import { hover } from "./hover";
 import { keys } from "./keys";
 import { live, liveChanged, marksOf } from "./live";
 import { goToDefinition, navigation, rename } from "./navigate";
-import { lineSeparator } from "./places";
+import { lineSeparator, placeOf } from "./places";
 import { adopt, adopted, Tracked } from "./texts";
+import { Typing } from "./typing";
 
 const PARSE_FOR = 200; // ms: long enough to highlight a new text at once
 const VALUES_AFTER = 200; // ms: values that change faster cannot be read, and each change lays out the page
@@ -45,6 +46,7 @@ export class Editor {
   private readonly onItsWay = new Tracked();
   private readonly answered = new Tracked();
   private readonly running = new Tracked();
+  private readonly typing = new Typing((cursor, meant) => this.send(cursor, meant));
   private began = false;
   private values = true;
   private marks = "";
@@ -98,13 +100,19 @@ export class Editor {
         tabindex: "0",
         "aria-label": "LRP program; Escape, then Tab leaves the editor",
       }),
-      EditorView.domEventHandlers({ mousedown: (event, view) => this.openLink(event, view) }),
+      EditorView.domEventHandlers({
+        mousedown: (event, view) => this.openLink(event, view),
+        blur: () => this.typing.left(),
+      }),
       EditorView.updateListener.of((update) => {
         if (update.selectionSet) rememberCursor(lab.store.state.name, update.state.selection.main.head);
-        if (!update.docChanged) return;
+        if (!update.docChanged) {
+          if (update.selectionSet) this.typing.moved(update);
+          return;
+        }
         for (const text of [this.onItsWay, this.answered, this.running]) text.add(update.changes);
         if (!update.transactions.some((transaction) => transaction.annotation(adopted)))
-          this.connection.text(this.text);
+          this.typing.changed(update);
       }),
     ];
   }
@@ -122,20 +130,26 @@ export class Editor {
     return true;
   }
 
+  private send(cursor: number | null, meant: boolean): void {
+    const place = cursor === null ? null : placeOf(this.view.state.doc, cursor);
+    this.connection.text(this.text, place && [place.line, place.column], meant);
+  }
+
   get text(): string {
     return this.view.state.sliceDoc();
   }
 
   /** The text of a session that this view did not know; `running` is the program's. */
-  begin(text: string, running: string): void {
+  begin(text: string, running: string, halfTyped: boolean): void {
     if (!this.began) this.open(text, rememberedCursor(this.lab.store.state.name));
     else if (this.text !== text && !this.connection.inFlight) this.put(text);
     this.began = true;
     forceParsing(this.view, this.view.state.doc.length, PARSE_FOR);
     this.answered.begin(this.view.state.toText(text));
     this.onItsWay.copy(this.answered);
-    this.running.begin(this.view.state.toText(running));
-    if (this.text === running) this.running.begin(this.view.state.doc);
+    this.running.differs(this.view.state.toText(running), this.view.state.doc);
+    this.typing.answered(halfTyped);
+    if (!this.view.hasFocus) this.typing.left(); // it was typed before the page was loaded again
   }
 
   private put(text: string): void {
@@ -163,10 +177,17 @@ export class Editor {
     }
   }
 
-  /** Handle an answer to the text in flight (`mine`) or to one that replaced it; it is running if `applied`. */
-  wasAnswered(applied: boolean): void {
+  /** Handle an answer to the text in flight or to one that replaced it; it is running if `applied`. */
+  wasAnswered({ applied, running, half_typed, seq }: AnswerMessage): void {
     this.answered.copy(this.onItsWay);
     if (applied) this.running.copy(this.onItsWay);
+    else if (running !== null) this.running.differs(this.view.state.toText(running), this.view.state.doc);
+    if (seq && this.connection.isAnswered) this.typing.answered(half_typed);
+  }
+
+  close(): void {
+    this.typing.stop();
+    this.view.destroy();
   }
 
   /** Record the text that is being sent; called before each sending. */

@@ -4,7 +4,14 @@
  * from elsewhere, of which only what differs is replaced, so that the cursor stays.
  */
 
-import { Annotation, type ChangeDesc, type ChangeSpec, type Text, Text as Texts } from "@codemirror/state";
+import {
+  Annotation,
+  type ChangeDesc,
+  ChangeSet,
+  type ChangeSpec,
+  type Text,
+  Text as Texts,
+} from "@codemirror/state";
 import type { EditorView } from "@codemirror/view";
 import type { TextRange } from "../protocol";
 import { type Span, spanOf } from "./places";
@@ -18,6 +25,13 @@ export class Tracked {
   begin(doc: Text): void {
     this.doc = doc;
     this.changes = null;
+  }
+
+  /** Refer to a text that differs from the present one. */
+  differs(doc: Text, now: Text): void {
+    this.begin(doc);
+    const change = difference(doc, now);
+    if (change) this.add(ChangeSet.of(change, doc.length).desc);
   }
 
   /** Refer to what another one refers to. */

@@ -23,8 +23,8 @@ function verdict(lab: Lab): HTMLElement {
       state = "waits";
       words = "no kernel";
     } else if (!accepted) {
-      state = "broken";
-      words = errors === 1 ? "1 error" : `${errors} errors`;
+      state = errors ? "broken" : "waits";
+      words = errors === 1 ? "1 error" : errors ? `${errors} errors` : "unfinished";
       if (status === "running") words += "; the last valid program keeps running";
     } else if (status === "broken") {
       state = "waits";

@@ -59,6 +59,13 @@ export type Question = Without<
   "view" | "id"
 >;
 
+/** A text, where it is being edited, and whether the word there is meant. */
+interface Typed {
+  text: string;
+  cursor: [number, number] | null;
+  meant: boolean;
+}
+
 export interface Listener {
   /** A message for this view; its buffers hold poses. */
   message(message: FromKernel, buffers: DataView[]): void;
@@ -76,8 +83,8 @@ export class Connection {
   private seq = 0;
   private nextId = 1;
   private base = 0;
-  private waitingText: string | null = null;
-  private sentText: string | null = null;
+  private waitingText: Typed | null = null;
+  private sentText: Typed | null = null;
   private link: Link = "connecting";
   /** When the comm was reported to open or close: if no message follows, the kernel is gone. */
   private suspectedAt = Number.POSITIVE_INFINITY;
@@ -115,18 +122,22 @@ export class Connection {
     return this.inFlight === 0 && this.waitingText === null;
   }
 
-  /** Send the whole text; returns whether it was sent at once. */
-  text(text: string): boolean {
+  /**
+   * Send the whole text, and where it is being edited: line and column, and whether the word there is meant.
+   * Returns whether it was sent at once.
+   */
+  text(text: string, cursor: [number, number] | null = null, meant = true): boolean {
     if (this.link !== "live") this.listener.unanswered?.();
+    const typed = { text, cursor, meant };
     if (this.inFlight) {
-      this.waitingText = text;
+      this.waitingText = typed;
       return false;
     }
     this.inFlight = ++this.seq;
-    this.sentText = text;
+    this.sentText = typed;
     this.textSince = this.clock.now();
     this.listener.sending?.();
-    this.post({ type: "text", view: this.view, seq: this.seq, base: this.base, text });
+    this.post({ type: "text", view: this.view, seq: this.seq, base: this.base, ...typed });
     return true;
   }
 
@@ -215,9 +226,10 @@ export class Connection {
   }
 
   private next(): void {
-    const text = this.waitingText;
+    const next = this.waitingText;
     this.waitingText = null;
-    if (text !== null && text !== this.sentText) this.text(text);
+    const last = this.sentText;
+    if (next && (next.text !== last?.text || next.meant || !last.meant)) this.again(next);
   }
 
   /** Handle a snapshot: texts sent before it are no longer answered, so the newest is sent again. */
@@ -225,7 +237,11 @@ export class Connection {
     const mine = this.waitingText ?? (this.inFlight ? this.sentText : null);
     this.inFlight = 0;
     this.waitingText = null;
-    if (mine !== null && mine !== text) this.text(mine);
+    if (mine !== null && mine.text !== text) this.again(mine);
+  }
+
+  private again({ text, cursor, meant }: Typed): void {
+    this.text(text, cursor, meant);
   }
 
   private updateLink(): void {

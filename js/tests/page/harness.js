@@ -106,6 +106,8 @@ function answer(message) {
     accepted: !open,
     applied: !open,
     reason: "",
+    half_typed: false,
+    running: null,
     pending: state.settings.hold
       ? { added: ["state `follower/lost`"], removed: [], changed: ["event `follower/bumping`"], moved: [] }
       : null,

@@ -1,0 +1,75 @@
+/**
+ * When what is typed is meant: a word that is left, or after which nothing was typed for a while. Until then
+ * the kernel is told that it is not, and what it would break waits.
+ */
+
+import type { EditorState } from "@codemirror/state";
+import type { ViewUpdate } from "@codemirror/view";
+
+export const WORD_AFTER = 700; // ms
+export const NUMBER_AFTER = 400;
+
+const WORD = /[\p{L}\p{N}_.]*$/u;
+const REST = /^[\p{L}\p{N}_]*/u;
+
+/** Sends the text with an offset of the cursor, or null if it is elsewhere. */
+type Send = (cursor: number | null, meant: boolean) => void;
+
+export class Typing {
+  private from = 0;
+  private to = 0;
+  private timer = 0;
+  /** Whether something of the last text waits for the word to be meant, or for the cursor to leave. */
+  private waits = false;
+
+  constructor(private readonly send: Send) {}
+
+  /** Handle a change of the text that was made here. */
+  changed({ state, transactions }: ViewUpdate): void {
+    const isTyped = transactions.some((one) => one.isUserEvent("input.type") || one.isUserEvent("delete"));
+    this.stop();
+    const head = state.selection.main.head;
+    if (isTyped) {
+      const word = wordAt(state, head);
+      [this.from, this.to] = [word.from, word.to];
+      this.timer = window.setTimeout(() => this.over(head), word.isNumber ? NUMBER_AFTER : WORD_AFTER);
+    }
+    this.waits = true; // until the kernel answers
+    this.send(head, !isTyped);
+  }
+
+  /** Handle a movement of the cursor. */
+  moved({ state }: ViewUpdate): void {
+    const { head } = state.selection.main;
+    if (!this.timer || head < this.from || head > this.to) this.over(head);
+  }
+
+  /** Handle the loss of the focus: the cursor is nowhere. */
+  left(): void {
+    this.over(null);
+  }
+
+  /** Handle the answer to the last text. */
+  answered(halfTyped: boolean): void {
+    this.waits = halfTyped;
+  }
+
+  stop(): void {
+    clearTimeout(this.timer);
+    this.timer = 0;
+  }
+
+  private over(cursor: number | null): void {
+    this.stop();
+    if (this.waits) this.send(cursor, true);
+  }
+}
+
+/** The word or number around an offset. */
+function wordAt(state: EditorState, offset: number): { from: number; to: number; isNumber: boolean } {
+  const line = state.doc.lineAt(offset);
+  const before = WORD.exec(line.text.slice(0, offset - line.from))![0];
+  const after = REST.exec(line.text.slice(offset - line.from))![0];
+  const word = /^[\d.]/.test(before) ? before : before.slice(before.lastIndexOf(".") + 1);
+  return { from: offset - word.length, to: offset + after.length, isNumber: /^\d/.test(word || after) };
+}
