@@ -19,8 +19,11 @@ import { forgetLost, keepLost, lostTexts } from "./session/lost";
 import { apply } from "./session/state";
 import { type Lab, Store } from "./session/store";
 import { h, prose, setAttribute } from "./ui/dom";
-import { splitter } from "./ui/splitter";
+import { enlarging } from "./ui/enlarge";
+import { Layout, type Panels } from "./ui/layout";
+import { bringIntoSight, fitHeight } from "./ui/sight";
 import { watchTheme } from "./ui/theme";
+import { membersCard } from "./world/members";
 import { type WorldPart, worldView } from "./world/view";
 
 const TOAST_TIME = 6000; // ms that an error stays
@@ -45,6 +48,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
   let world: WorldPart | null = null;
   let inspecting: Inspector | null = null;
   let rescued = false;
+  let opened = false;
 
   const lab: Lab = {
     store,
@@ -95,6 +99,8 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     if (message.type === "snapshot") {
       editor?.begin(message.text, message.running, message.half_typed);
       void recover(message.home, message.text);
+      if (part === "lab" && !opened) requestAnimationFrame(() => bringIntoSight(root));
+      opened = true;
     }
     if (message.type === "answer") answered(message);
     world?.message(message, buffers);
@@ -133,29 +139,23 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
   if (wanted("editor")) editor = new Editor(lab, connection);
   if (wanted("world")) world = worldView(lab);
   inspecting = inspector(lab);
+  const card = membersCard(lab);
   const panels = {
     editor: editor && editorPanel(lab, editor),
     tree: wanted("tree") ? treeView(lab) : null,
     graph: wanted("graph") ? graphView(lab) : null,
     world: world?.element ?? null,
-    variables: wanted("variables") ? variablesView(lab) : null,
+    variables: wanted("variables") ? variablesView(lab, part === "lab" ? card : null) : null,
     issues: wanted("issues") ? issuesView(lab) : null,
   };
+  if (part === "world") panels.world?.append(card);
+  const layout = part === "lab" ? new Layout(panels as Panels) : null; // a whole lab has all of them
+  const { isFilling, fill } = enlarging(host, root, layout);
   const save = saveForm(lab);
   const versions = versionsForm(lab);
   const choices: Choices = {
-    panels: Object.entries(panels).flatMap(([name, element]) =>
-      element
-        ? [
-            {
-              name,
-              title: `Show ${name}`,
-              shown: () => !element.hidden,
-              show: (on: boolean) => showPanel(root, name, element, on),
-            },
-          ]
-        : [],
-    ),
+    layout,
+    fills: { shown: isFilling, show: fill },
     values: values(editor),
     save: save.open,
     versions: versions.open,
@@ -163,7 +163,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
   root.append(notes(lab, () => editor?.text ?? ""));
   if (part === "lab" || part === "controls")
     root.prepend(controls(lab, choices), save.element, versions.element);
-  root.append(part === "lab" ? columns(root, panels) : (Object.values(panels).find(Boolean) ?? h("div")));
+  root.append(layout?.element ?? Object.values(panels).find(Boolean) ?? h("div"));
   root.append(inspecting.element, toast, announcer(lab));
 
   store.watch(["tick", "revision", "status", "link"], () => {
@@ -174,17 +174,21 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     setAttribute(root, "data-link", link);
   });
   root.addEventListener("keydown", (event) => {
+    event.stopPropagation(); // or the notebook, too, would act on it: `x` cuts away the cell
     if (event.key !== "s" || event.shiftKey || event.altKey || !(event.ctrlKey || event.metaKey)) return;
     event.preventDefault();
     host.dispatchEvent(new KeyboardEvent("keydown", event)); // saves the notebook, as everywhere else in it
   });
   const unwatchTheme = watchTheme(root);
+  const unfit = part === "lab" ? fitHeight(root) : () => {};
   const leaving = () => rescue();
   window.addEventListener("pagehide", leaving);
   return () => {
     window.removeEventListener("pagehide", leaving);
     rescue();
     unwatchTheme();
+    unfit();
+    layout?.close();
     elsewhere.close();
     connection.close();
     store.close();
@@ -202,41 +206,4 @@ function values(editor: Editor | null): Choices["values"] {
       editor?.showValues(on);
     },
   };
-}
-
-function showPanel(root: HTMLElement, name: string, element: HTMLElement, on: boolean): void {
-  element.hidden = !on;
-  root.toggleAttribute(`data-without-${name}`, !on);
-}
-
-type Panels = Record<"editor" | "tree" | "graph" | "world" | "variables" | "issues", HTMLElement | null>;
-
-/** The three columns; in a narrow place the stylesheet stacks them. */
-function columns(root: HTMLElement, panels: Panels): HTMLElement {
-  const { editor, tree, graph, world, variables, issues } = panels;
-  const left = h("div", { class: "lrp-column lrp-column-left" }, editor);
-  const middle = h("div", { class: "lrp-column lrp-column-middle" }, tree, graph);
-  const lower = h("div", { class: "lrp-lower" }, variables, issues);
-  const right = h("div", { class: "lrp-column lrp-column-right" }, world);
-  right.append(
-    splitter({
-      name: "--lrp-share-world",
-      label: "Height of the world",
-      direction: "rows",
-      value: 46,
-      min: 15,
-      max: 80,
-      whole: right,
-    }),
-    lower,
-  );
-  const body = h("div", { class: "lrp-columns" }, left);
-  const bar = { direction: "columns", whole: root, min: 15, max: 65 } as const;
-  body.append(
-    splitter({ ...bar, name: "--lrp-share-left", label: "Width of the editor", value: 37 }),
-    middle,
-    splitter({ ...bar, name: "--lrp-share-right", label: "Width of the world", value: 28, reversed: true }),
-    right,
-  );
-  return body;
 }

@@ -1,13 +1,19 @@
 /** The lab's menu, for settings that are rarely changed. */
 
 import type { Lab } from "../session/store";
+import type { Layout, Panels } from "../ui/layout";
 import type { MenuItem } from "../ui/menu";
+
+interface Choice {
+  shown: () => boolean;
+  show: (on: boolean) => void;
+}
 
 /** Settings of this view only. */
 export interface Choices {
-  /** Parts that can be hidden, each with its switch. */
-  panels: { name: string; title: string; shown: () => boolean; show: (on: boolean) => void }[];
-  values: { shown: () => boolean; show: (on: boolean) => void };
+  layout: Layout | null;
+  fills: Choice;
+  values: Choice;
   save: () => void;
   versions: () => void;
 }
@@ -15,18 +21,20 @@ export interface Choices {
 export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
   const { settings, choices: known } = lab.store.state;
   const keep = settings.on_active_edit === "keep";
-  const panels = choices.panels.map(({ name, title, shown, show }) => ({
-    label: title,
-    action: `panel-${name}`,
-    checked: shown(),
-    run: () => show(!shown()),
-  }));
+  const { layout, fills, values } = choices;
+  const panels = layout
+    ? Object.entries(layout.panels).map(([name, { hidden }]) => ({
+        label: `Show ${name}`,
+        action: `panel-${name}`,
+        checked: !hidden,
+        run: () => layout.show(name as keyof Panels, hidden),
+      }))
+    : [];
   const programs = known.programs.map((name) => ({
     label: `Open ${name}`,
     action: `load-${name}`,
     run: () => void lab.act({ do: "load", name }),
   }));
-  const { values } = choices;
   return [
     { label: "Save…", action: "save", run: choices.save },
     { label: "Versions…", action: "versions", run: choices.versions },
@@ -45,6 +53,13 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
       run: () => values.show(!values.shown()),
     },
     null,
+    {
+      label: "Fill the window",
+      action: "fill",
+      checked: fills.shown(),
+      hint: "⇧F9",
+      run: () => fills.show(!fills.shown()),
+    },
     ...panels,
     ...(programs.length ? [null, ...programs] : []),
   ];

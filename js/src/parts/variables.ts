@@ -10,10 +10,21 @@ interface Group {
   variables: string[];
 }
 
-export function variablesView(lab: Lab): HTMLElement {
+/** `below` is shown under the variables and scrolls with them. */
+export function variablesView(lab: Lab, below: HTMLElement | null = null): HTMLElement {
   const { store } = lab;
-  const list = h("div", { class: "lrp-variables" });
-  const { element } = panel("variables", "Variables", [], list);
+  const list = h("div");
+  const { element } = panel(
+    "variables",
+    "Variables",
+    [],
+    h(
+      "div",
+      { class: "lrp-variables", tabindex: "0", role: "group", "aria-label": "Variables" },
+      list,
+      below,
+    ),
+  );
   const rows = new Map<string, Row>();
   const makeGroup = (group: Group) =>
     h(

@@ -9,7 +9,7 @@ interface ButtonOptions extends Record<string, unknown> {
   label?: string;
   title: string;
   action?: string;
-  onclick: (event: MouseEvent) => void;
+  onclick?: (event: MouseEvent) => void;
 }
 
 /** `action` becomes `data-lrp-action`, the name in the page for tests and themes. */
@@ -21,7 +21,8 @@ export function button({
   onclick,
   ...rest
 }: ButtonOptions): HTMLButtonElement {
-  const attributes: Attributes = { type: "button", class: "lrp-button", title, onclick, ...rest };
+  const attributes: Attributes = { type: "button", class: "lrp-button", title, ...rest };
+  if (onclick) attributes.onclick = onclick;
   if (action) attributes["data-lrp-action"] = action;
   if (!label) attributes["aria-label"] = title;
   return h(
@@ -60,7 +61,7 @@ export function setSwitch(element: Element, on: boolean): void {
   if (element.getAttribute("aria-checked") !== String(on)) element.setAttribute("aria-checked", String(on));
 }
 
-/** A panel: a heading, tools at its right, and a body. */
+/** A panel: a heading, tools at its right, and a body. See `enlarge.ts` for the last tool. */
 export function panel(
   part: string,
   title: string,
@@ -71,7 +72,13 @@ export function panel(
   const element = h(
     "section",
     { class: "lrp-panel", "data-lrp": part, "aria-label": title },
-    h("header", { class: "lrp-head" }, heading, h("div", { class: "lrp-tools" }, ...tools)),
+    h(
+      "header",
+      { class: "lrp-head" },
+      heading,
+      h("div", { class: "lrp-tools" }, ...tools),
+      button({ icon: "enlarge", title: "Enlarge this panel, or show all again (F9)", action: "enlarge" }),
+    ),
     ...body,
   );
   return { element, heading };

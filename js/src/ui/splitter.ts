@@ -1,61 +1,63 @@
-/** A bar between two panels, moved by dragging or with the arrow keys. It sets a CSS variable. */
+/** A bar between two parts of the lab, moved by dragging or with the arrow keys; a double click returns it. */
 
+import type { Bar, Box } from "./boxes";
 import { h } from "./dom";
 
-interface Options {
-  /** The variable: a share of the whole, in percent. */
-  name: string;
-  label: string;
-  direction: "columns" | "rows";
-  value: number;
-  min: number;
-  max: number;
-  /** The element whose size is the whole, and which carries the variable. */
-  whole: HTMLElement;
-  /** Count from the far end. */
-  reversed?: boolean;
-}
+export const LEAST = 15; // percent that each part keeps
+const STEP = 2; // percent by an arrow key
 
-export function splitter(options: Options): HTMLElement {
-  const { name, label, direction, min, max, whole, reversed = false } = options;
-  const columns = direction === "columns";
-  const set = (wanted: number) => {
-    const value = Math.min(max, Math.max(min, wanted));
-    whole.style.setProperty(name, `${value}%`);
-    bar.setAttribute("aria-valuenow", String(Math.round(value)));
-  };
-  const bar = h("div", {
-    class: `lrp-splitter lrp-splitter-${direction}`,
+/** `choose` gets the new share in percent, null for the usual one. */
+export function splitter(whole: HTMLElement, choose: (share: number | null) => void) {
+  let shown: Bar;
+  const set = (share: number) => choose(Math.min(100 - LEAST, Math.max(LEAST, share)));
+  const element = h("div", {
+    class: "lrp-splitter",
     role: "separator",
     tabindex: "0",
-    "aria-label": label,
-    "aria-orientation": columns ? "vertical" : "horizontal",
-    "aria-valuemin": String(min),
-    "aria-valuemax": String(max),
+    "aria-valuemin": String(LEAST),
+    "aria-valuemax": String(100 - LEAST),
     onpointerdown: (event: PointerEvent) => {
       event.preventDefault();
-      bar.setPointerCapture(event.pointerId);
-      bar.dataset.dragged = "";
+      element.setPointerCapture(event.pointerId);
+      element.dataset.dragged = "";
     },
     onpointermove: (event: PointerEvent) => {
-      if (!bar.hasPointerCapture(event.pointerId)) return;
+      if (!element.hasPointerCapture(event.pointerId)) return;
       const frame = whole.getBoundingClientRect();
-      const share = columns
-        ? (event.clientX - frame.left) / frame.width
-        : (event.clientY - frame.top) / frame.height;
-      set(100 * (reversed ? 1 - share : share));
+      const { left, top, width, height } = shown.around;
+      const x = (100 * (event.clientX - frame.left)) / frame.width;
+      const y = (100 * (event.clientY - frame.top)) / frame.height;
+      set(shown.division.axis === "columns" ? (100 * (x - left)) / width : (100 * (y - top)) / height);
     },
-    onpointerup: () => delete bar.dataset.dragged,
+    onpointerup: () => delete element.dataset.dragged,
+    ondblclick: () => choose(null),
     onkeydown: (event: KeyboardEvent) => {
-      const less = columns ? "ArrowLeft" : "ArrowUp";
-      const more = columns ? "ArrowRight" : "ArrowDown";
-      if (event.key !== less && event.key !== more) return;
+      const [less, more] =
+        shown.division.axis === "columns" ? ["ArrowLeft", "ArrowRight"] : ["ArrowUp", "ArrowDown"];
+      if (event.key === less) set(shown.share - STEP);
+      else if (event.key === more) set(shown.share + STEP);
+      else if (event.key === "Home") set(LEAST);
+      else if (event.key === "End") set(100 - LEAST);
+      else return;
       event.preventDefault();
-      event.stopPropagation();
-      const value = Number.parseFloat(whole.style.getPropertyValue(name)); // others may have set it too
-      set(value + (event.key === more ? 2 : -2) * (reversed ? -1 : 1));
     },
   });
-  set(options.value);
-  return bar;
+  return {
+    element,
+    update(bar: Bar): void {
+      shown = bar;
+      const { division, share, box } = bar;
+      element.className = `lrp-splitter lrp-splitter-${division.axis}`;
+      element.setAttribute("aria-label", division.label);
+      element.setAttribute("aria-orientation", division.axis === "columns" ? "vertical" : "horizontal");
+      element.setAttribute("aria-valuenow", String(Math.round(share)));
+      put(element, box);
+    },
+  };
+}
+
+/** Put an element into its place; the stylesheet decides whether it has one. */
+export function put(element: HTMLElement, box: Box): void {
+  for (const [side, share] of Object.entries(box))
+    element.style.setProperty(`--lrp-box-${side}`, `${share}%`);
 }

@@ -1,10 +1,9 @@
-/** The world of the simulated robot, or the panel of a real one; below it what `robot` offers. */
+/** The world of the simulated robot, or the panel of a real one. */
 
 import type { FromKernel } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, setText } from "../ui/dom";
-import { membersCard } from "./members";
 import type { Palette } from "./paint";
 import { bridgePanel } from "./panel";
 import { readPoses } from "./poses";
@@ -95,7 +94,6 @@ export function worldView(lab: Lab): WorldPart {
     ],
     view,
     bridgePanel(lab),
-    membersCard(lab),
   );
   useTools(stage, lab, () => tool);
   store.watch(["world", "panel", "snapshot"], () => {
@@ -103,7 +101,6 @@ export function worldView(lab: Lab): WorldPart {
     stage.show(world);
     view.hidden = !world;
     element.toggleAttribute("data-worldless", !world);
-    makeRoom(element, !world && Boolean(store.state.panel));
     setText(heading, world ? "World" : "Robot");
   });
   store.watch(["choices", "world"], () => {
@@ -140,13 +137,6 @@ export function worldView(lab: Lab): WorldPart {
       showTime();
     },
   };
-}
-
-/** A robot's panel holds more than the picture of a world, so it gets more of its column. */
-function makeRoom(element: HTMLElement, wanted: boolean): void {
-  if (element.hasAttribute("data-roomy") === wanted) return;
-  element.toggleAttribute("data-roomy", wanted);
-  element.parentElement?.style.setProperty("--lrp-share-world", wanted ? "68%" : "46%");
 }
 
 function palette(root: HTMLElement): Palette {

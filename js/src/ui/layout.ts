@@ -1,0 +1,136 @@
+/**
+ * The panels of the lab: all in one screen, and the world the largest. Sizes and hidden panels are kept by the
+ * browser. No panel moves in the document, so none loses its focus or where it was scrolled to.
+ */
+
+import { arrange, type Division, type Plan } from "./boxes";
+import { h } from "./dom";
+import { forget, keep, kept } from "./kept";
+import { put, splitter } from "./splitter";
+
+const lists: Plan = {
+  name: "lists",
+  label: "Height of the variables",
+  axis: "rows",
+  share: 62,
+  parts: ["variables", "issues"],
+};
+const three: Plan = {
+  name: "three",
+  label: "Width of the world",
+  axis: "columns",
+  share: 60,
+  parts: [
+    {
+      name: "three-editor",
+      label: "Width of the editor",
+      axis: "columns",
+      share: 55,
+      parts: ["editor", "machines"],
+    },
+    { name: "three-world", label: "Height of the world", axis: "rows", share: 50, parts: ["world", lists] },
+  ],
+};
+/** The two pictures above the texts: a robot can be seen where a third column would leave no room for it. */
+const two: Plan = {
+  name: "two",
+  label: "Width of the world",
+  axis: "columns",
+  share: 39,
+  parts: [
+    { name: "two-graph", label: "Height of the graph", axis: "rows", share: 55, parts: ["machines", lists] },
+    { name: "two-world", label: "Height of the world", axis: "rows", share: 44, parts: ["world", "editor"] },
+  ],
+};
+
+/** The plan for a width in px; null: panels one below the other, as high as they need to be. */
+function planFor(width: number): Plan | null {
+  return width >= 1350 ? three : width >= 750 ? two : null;
+}
+
+const HIDDEN = "hidden-";
+const SHARE = "share-";
+
+export type Panels = Record<"editor" | "tree" | "graph" | "world" | "variables" | "issues", HTMLElement>;
+
+export class Layout {
+  readonly element: HTMLElement;
+  /** What has a place of its own: a panel, or the tree and the graph together. */
+  private readonly places: Map<string, HTMLElement>;
+  private readonly bars = new Map<Division, ReturnType<typeof splitter>>();
+  private alone: HTMLElement | null = null;
+  private readonly observer = new ResizeObserver(() => this.update());
+
+  constructor(readonly panels: Readonly<Panels>) {
+    const { editor, tree, graph, ...others } = panels;
+    const machines = h("div", { class: "lrp-machines" }, tree, graph);
+    this.places = new Map(Object.entries({ editor, machines, ...others })); // in the order of the tab key
+    this.element = h("div", { class: "lrp-panels" }, ...this.places.values());
+    for (const [name, panel] of Object.entries(panels)) panel.hidden = kept(HIDDEN + name) !== null;
+    this.observer.observe(this.element);
+    this.update();
+  }
+
+  show(name: keyof Panels, on: boolean): void {
+    this.panels[name].hidden = !on;
+    if (on) forget(HIDDEN + name);
+    else keep(HIDDEN + name, "");
+    this.maximise(null);
+  }
+
+  /** The panel that is shown alone. */
+  get maximised(): HTMLElement | null {
+    return this.alone;
+  }
+
+  maximise(panel: HTMLElement | null): void {
+    this.alone?.removeAttribute("data-maximised");
+    this.alone = panel;
+    panel?.setAttribute("data-maximised", "");
+    this.update();
+  }
+
+  close(): void {
+    this.observer.disconnect();
+  }
+
+  private update(): void {
+    const alone = [...this.places.keys()].find((name) => this.places.get(name)!.contains(this.alone));
+    const plan = alone ?? planFor(this.element.clientWidth);
+    this.element.toggleAttribute("data-stacked", !plan);
+    const { boxes, bars } = arrange(
+      plan,
+      (name) => isVisible(this.places.get(name)!),
+      ({ name, share }) => Number(kept(SHARE + name)) || share,
+    );
+    for (const [name, place] of this.places) {
+      const box = boxes.get(name);
+      if (box) put(place, box);
+      place.toggleAttribute("data-away", Boolean(plan) && !box); // and it keeps its size: nothing in it is laid out again
+    }
+    for (const { element } of this.bars.values()) element.hidden = true;
+    for (const bar of bars) {
+      const { element, update } = this.bars.get(bar.division) ?? this.makeBar(bar.division);
+      element.hidden = false;
+      update(bar);
+    }
+  }
+
+  private makeBar(division: Division) {
+    const bar = splitter(this.element, (share) => {
+      if (share === null) forget(SHARE + division.name);
+      else keep(SHARE + division.name, share.toFixed(1));
+      this.update();
+    });
+    this.bars.set(division, bar);
+    this.element.append(bar.element);
+    return bar;
+  }
+}
+
+function isVisible(place: HTMLElement): boolean {
+  const panels = place.matches(".lrp-panel")
+    ? [place]
+    : [...place.querySelectorAll<HTMLElement>(".lrp-panel")];
+  return panels.some((panel) => !panel.hidden);
+}

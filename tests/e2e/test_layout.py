@@ -1,0 +1,211 @@
+"""The places of the panels: in one screen, the world first, kept as their user left them. Keys of the lab."""
+
+import pytest
+
+from e2e import axe
+from e2e.pages import APP, LINE, MARGIN
+from e2e.programs import COUNTER, FOLLOWER
+
+DIAMETER = 0.16  # m, of the bundled robot
+PANELS = ("editor", "tree", "graph", "world", "variables", "issues")
+SCREENS = [(1280, 800), (1600, 1000), (1900, 1000), (900, 900), (700, 900)]
+
+
+@pytest.fixture
+def screen(page):
+    """Set the size of the window; it is as it was in the next test."""
+    yield lambda width, height: page.set_viewport_size({"width": width, "height": height})
+    page.set_viewport_size({"width": 1600, "height": 1000})
+
+
+@pytest.fixture
+def open_follower(open_lab, screen):
+    """Open the follower as its user does, by Shift+Enter, in a window of this size."""
+
+    def open_follower(width=1280, height=800, *more):
+        screen(width, height)
+        lab = open_lab(FOLLOWER, "follower --world line", *more)
+        lab.goes_on()
+        return lab
+
+    return open_follower
+
+
+def box(lab, part):
+    return lab.sees(f'[data-lrp="{part}"]').bounding_box()
+
+
+def in_sight(lab, selector):
+    """Wait until an element is wholly in the part of the notebook that can be seen."""
+    lab.until(
+        "element => { const { left, top, right, bottom } = element.getBoundingClientRect();"
+        " const frame = element.closest('.jp-WindowedPanel-outer').getBoundingClientRect();"
+        " return left >= frame.left && right <= frame.right && top >= frame.top && bottom <= frame.bottom; }",
+        selector,
+    )
+
+
+def cells(lab):
+    return lab.page.evaluate(f"{APP}.content.widgets.length")
+
+
+# -- places ----------------------------------------------------------------------------------------
+
+
+def test_everything_is_in_one_screen_beside_the_file_browser(open_follower):
+    lab = open_follower(1280, 800)
+    lab.root.evaluate("root => root.scrollIntoView()")
+    for part in PANELS:
+        in_sight(lab, f'[data-lrp="{part}"]')
+    for one in PANELS:
+        for other in PANELS:
+            a, b = box(lab, one), box(lab, other)
+            apart = (
+                a["x"] + a["width"] <= b["x"] + 1
+                or b["x"] + b["width"] <= a["x"] + 1
+                or a["y"] + a["height"] <= b["y"] + 1
+                or b["y"] + b["height"] <= a["y"] + 1
+            )
+            assert one == other or apart, (one, other)
+
+
+@pytest.mark.parametrize(("width", "height"), [size for size in SCREENS if size[0] >= 1280])
+def test_the_world_is_the_widest_picture_and_the_robot_can_be_seen(open_follower, width, height):
+    lab = open_follower(width, height)
+    canvas = lab.sees(".lrp-canvas").bounding_box()
+    metre = min(canvas["width"] / (LINE[0] + 2 * MARGIN), canvas["height"] / (LINE[1] + 2 * MARGIN))
+    assert DIAMETER * metre >= 24
+    assert canvas["width"] >= 0.39 * lab.root.bounding_box()["width"]
+    assert canvas["width"] >= box(lab, "graph")["width"]
+
+
+@pytest.mark.parametrize(("width", "height"), [(900, 900), (700, 900)])
+def test_where_there_is_little_room_the_world_is_above_the_other_panels(open_follower, width, height):
+    lab = open_follower(width, height)
+    places = {part: box(lab, part) for part in PANELS}
+    assert min(places, key=lambda part: places[part]["y"]) == "world"
+    assert len({place["x"] for place in places.values()}) == 1
+    assert lab.root.evaluate("root => root.scrollWidth <= root.clientWidth")
+
+
+def test_the_robot_is_in_sight_after_shift_enter(open_notebook, screen):
+    screen(1280, 800)
+    notebook = open_notebook("%load_ext lrp_jupyter", f"%%lrp follower\n{FOLLOWER}", "1", "2")
+    notebook.run_cell(0)
+    notebook.page.locator(".jp-CodeCell").nth(1).locator(".cm-content").click()
+    notebook.page.keyboard.press("Shift+Enter")
+    lab = notebook.lab().ready()
+    in_sight(lab, ".lrp-canvas")
+    in_sight(lab, '[data-lrp-action="stop"]')
+
+
+# -- sizes, hidden panels ------------------------------------------------------------------------
+
+
+def test_sizes_and_hidden_panels_are_kept_over_a_reload(open_follower):
+    lab = open_follower()
+    bar = lab.find('[role="separator"][aria-label="Width of the world"]:visible')
+    before = box(lab, "world")["width"]
+    bar.focus()
+    for _ in range(5):
+        bar.press("ArrowRight")
+    assert box(lab, "world")["width"] == pytest.approx(before - 0.1 * lab.root.bounding_box()["width"], abs=3)
+    lab.do("menu")
+    lab.choose("panel-issues")
+    assert not lab.find('[data-lrp="issues"]').is_visible()
+    left = box(lab, "world")
+    lab.notebook.save()
+    lab.page.reload()
+    lab.notebook.ready()
+    lab.notebook.begin_cell(1)
+    again = lab.notebook.lab().ready()
+    assert box(again, "world")["width"] == pytest.approx(left["width"], abs=1)
+    assert not again.find('[data-lrp="issues"]').is_visible()
+    again.find('[role="separator"][aria-label="Width of the world"]:visible').dblclick()
+    assert box(again, "world")["width"] == pytest.approx(before, abs=3)
+
+
+def test_the_place_of_a_hidden_panel_goes_to_the_others(open_follower):
+    lab = open_follower()
+    whole = lab.sees(".lrp-panels").bounding_box()
+    for part in ("editor", "tree", "graph", "variables", "issues"):
+        lab.do("menu")
+        lab.choose(f"panel-{part}")
+    assert box(lab, "world") == whole
+
+
+# -- one panel alone, the lab alone ----------------------------------------------------------------
+
+
+def test_a_double_click_on_its_head_enlarges_a_panel_and_another_returns(open_follower):
+    lab = open_follower()
+    before = box(lab, "world")
+    lab.find('[data-lrp="world"] .lrp-title').dblclick()
+    assert box(lab, "world") == lab.sees(".lrp-panels").bounding_box()
+    assert not lab.find('[data-lrp="editor"]').is_visible()
+    lab.find('[data-lrp="world"] .lrp-title').dblclick()
+    assert box(lab, "world") == before
+    assert lab.find('[data-lrp="editor"]').is_visible()
+
+
+def test_a_key_enlarges_the_panel_of_the_focus_and_a_button_does(open_follower):
+    lab = open_follower()
+    for part in PANELS:
+        lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').focus()
+        lab.page.keyboard.press("F9")
+        assert box(lab, part) == lab.sees(".lrp-panels").bounding_box(), part
+        lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').click()
+        assert lab.find('[role="separator"]:visible').count() == 4
+
+
+def test_another_key_lets_the_lab_fill_the_window(open_follower):
+    lab = open_follower()
+    lab.find(".cm-content").focus()
+    lab.page.keyboard.press("Shift+F9")
+    assert lab.root.bounding_box() == {"x": 0, "y": 0, "width": 1280, "height": 800}
+    lab.page.keyboard.type("; typed")
+    assert "; typed" in lab.text
+    lab.page.keyboard.press("Shift+F9")
+    assert lab.root.bounding_box()["width"] < 900
+    lab.page.keyboard.type(" on")
+    assert "; typed on" in lab.text
+
+
+# -- keys ------------------------------------------------------------------------------------------
+
+
+def test_keys_on_the_controls_do_not_reach_the_notebook(open_follower):
+    lab = open_follower(1280, 800, "1", "2")
+    for action in ("reset", "follow", "zoom-fit"):
+        lab.do(action)
+        for key in ("x", "a", "b", "d", "d", "ArrowDown", "m", "z"):
+            lab.page.keyboard.press(key)
+    lab.goes_on()
+    assert cells(lab) == 4
+    assert lab.page.evaluate(f"{APP}.content.activeCellIndex") == 1
+
+
+def test_arrow_keys_move_the_rate_after_a_click_on_it(open_follower):
+    lab = open_follower()
+    lab.do("rate")
+    slider = lab.sees('[data-lrp-action="rate"]')
+    before = int(slider.input_value())
+    lab.page.keyboard.press("ArrowRight")
+    lab.page.keyboard.press("ArrowRight")
+    assert int(slider.input_value()) == before + 2
+
+
+# -- axe -------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_nothing_serious_at_any_size_nor_in_a_panel_alone(open_lab, screen, theme):
+    lab = open_lab(COUNTER)
+    axe.choose_theme(lab, theme)
+    for width, height in SCREENS:
+        screen(width, height)
+        axe.finds_nothing_serious(lab)
+    for part in PANELS:
+        lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').click()
+        axe.finds_nothing_serious(lab)
+        lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').click()
