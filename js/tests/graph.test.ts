@@ -1,9 +1,11 @@
 // @vitest-environment happy-dom
-import { beforeEach, describe, expect, it, vi } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { AutoFit, LEGIBLE } from "../src/graph/autofit";
 import { Camera } from "../src/graph/camera";
 import { draw, type Layers, makeLayers } from "../src/graph/draw";
 import { nearest } from "../src/graph/focus";
 import { AFTERGLOW, lastFired, Marks } from "../src/graph/marks";
+import { scroll } from "../src/graph/scroll";
 import type { Layout, StateShape, TransitionShape } from "../src/protocol";
 import { initialState, type LabState } from "../src/session/state";
 import recording from "./page/recording.json";
@@ -193,6 +195,105 @@ describe("the camera", () => {
     expect(camera.scale).toBe(4);
     for (let i = 0; i < 50; i++) camera.zoom(0.5, 0, 0);
     expect(camera.scale).toBe(0.2);
+  });
+});
+
+describe("scrolling", () => {
+  const content = { x: -20, y: 0, width: 300, height: 80 };
+  const size = { width: 200, height: 100 };
+
+  it("moves a drawing that is larger than its panel, and not beyond its ends", () => {
+    const camera = new Camera();
+    camera.set({ x: 20, y: 10, scale: 1 });
+    expect(scroll(camera, content, size, 60, 0)).toBe(true);
+    expect(camera.x).toBe(-40);
+    scroll(camera, content, size, 500, 0);
+    expect(camera.x).toBe(-80);
+    expect(scroll(camera, content, size, 1, 0)).toBe(false);
+  });
+
+  it("leaves a drawing alone that is in view, so that the page scrolls", () => {
+    const camera = new Camera();
+    camera.set({ x: 20, y: 10, scale: 1 });
+    expect(scroll(camera, content, size, 0, 40)).toBe(false);
+    expect(camera.y).toBe(10);
+  });
+});
+
+describe("the camera's own movements", () => {
+  let svg: SVGSVGElement;
+  let camera: Camera;
+  let autofit: AutoFit;
+  const resize = (width: number, height: number) => {
+    Object.defineProperty(svg, "clientWidth", { value: width, configurable: true });
+    Object.defineProperty(svg, "clientHeight", { value: height, configurable: true });
+  };
+  const box = (x: number, y: number, width: number, height: number) => ({ x, y, width, height });
+  const at = () => [camera.x, camera.y, camera.scale];
+  beforeEach(() => {
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "requestAnimationFrame", "performance"] });
+    vi.stubGlobal("matchMedia", () => ({ matches: false }));
+    svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
+    resize(400, 300);
+    camera = new Camera();
+    autofit = new AutoFit(svg, camera, () => {});
+    autofit.show(camera, box(0, 0, 400, 300), null);
+    vi.advanceTimersByTime(5000);
+  });
+  afterEach(() => {
+    vi.unstubAllGlobals();
+    vi.useRealTimers();
+  });
+
+  it("do not happen while everything is in view", () => {
+    autofit.update(box(50, 50, 200, 200), box(60, 60, 10, 10));
+    vi.advanceTimersByTime(5000);
+    expect(at()).toEqual([0, 0, 1]);
+  });
+
+  it("wait for a second after the last key", () => {
+    autofit.typed();
+    autofit.update(box(0, 0, 440, 300), null);
+    vi.advanceTimersByTime(600);
+    autofit.typed();
+    vi.advanceTimersByTime(990);
+    expect(at()).toEqual([0, 0, 1]);
+    vi.advanceTimersByTime(500);
+    expect(camera.scale).toBeCloseTo(400 / 440);
+  });
+
+  it("do not happen during a drag", () => {
+    autofit.hold();
+    autofit.update(box(0, 0, 440, 300), null);
+    vi.advanceTimersByTime(5000);
+    expect(at()).toEqual([0, 0, 1]);
+    autofit.release();
+    vi.advanceTimersByTime(500);
+    expect(camera.scale).toBeCloseTo(400 / 440);
+  });
+
+  it("never make names too small: what is new is scrolled into view instead", () => {
+    autofit.update(box(0, 0, 400, 3000), box(100, 2000, 60, 36));
+    vi.advanceTimersByTime(500);
+    expect(camera.scale).toBe(LEGIBLE);
+    const [, y] = camera.inside(200, 150);
+    expect(y).toBeCloseTo(2018);
+  });
+
+  it("leave a camera alone that the user has moved, except for what is new", () => {
+    camera.pan(30, 0);
+    autofit.update(box(0, 0, 600, 300), null);
+    vi.advanceTimersByTime(500);
+    expect(at()).toEqual([30, 0, 1]);
+    autofit.update(box(0, 0, 600, 300), box(500, 100, 60, 36));
+    vi.advanceTimersByTime(500);
+    expect(camera.x).toBe(400 - 14 - 560);
+  });
+
+  it("keep the middle of the panel when its size changes", () => {
+    resize(500, 400);
+    autofit.resized(null);
+    expect(at()).toEqual([50, 50, 1]);
   });
 });
 

@@ -15,6 +15,7 @@ import {
   placeholder,
   tooltips,
 } from "@codemirror/view";
+import { showTyped } from "../graph/shown";
 import { lrp, outlineOf } from "../language/lrp";
 import type { AnswerMessage, ElementKind, TextRange } from "../protocol";
 import type { Connection } from "../session/connection";
@@ -86,6 +87,7 @@ export class Editor {
       completion(lab),
       hover(lab),
       navigation(lab),
+      showTyped(lab),
       live(lab.store.state, () => this.values),
       placeholder("(machine follower …) (spawn follower moving)"),
       Prec.high(

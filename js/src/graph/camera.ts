@@ -1,4 +1,4 @@
-/** Zoom and pan. Only the user changes them; until then everything is shown. */
+/** Zoom and pan: which part of a drawing is shown, and how large. */
 
 export interface Box {
   x: number;
@@ -16,20 +16,25 @@ export class Camera {
   scale = 1;
   /** Whether the user has zoomed or panned. */
   moved = false;
+  /** Whether it has shown anything yet. */
+  placed = false;
 
   /** Show all of a box, centred, magnified at most `most` times. */
   fit(box: Box, width: number, height: number, most = 1.25): void {
     if (!width || !height || !box.width || !box.height) return;
-    this.scale = Math.max(SMALLEST, Math.min(width / box.width, height / box.height, most));
-    this.x = width / 2 - (box.x + box.width / 2) * this.scale;
-    this.y = height / 2 - (box.y + box.height / 2) * this.scale;
+    const scale = Math.max(SMALLEST, Math.min(width / box.width, height / box.height, most));
+    this.set({
+      x: width / 2 - (box.x + box.width / 2) * scale,
+      y: height / 2 - (box.y + box.height / 2) * scale,
+      scale,
+    });
   }
 
-  /** Start at a corner of the drawing, at a given scale. */
-  corner(at: { x: number; y: number }, scale: number): void {
+  set({ x, y, scale }: { x: number; y: number; scale: number }): void {
+    this.x = x;
+    this.y = y;
     this.scale = scale;
-    this.x = -at.x * scale;
-    this.y = -at.y * scale;
+    this.placed = true;
   }
 
   /** Zoom by a factor, keeping the point (x, y) of the screen where it is. */

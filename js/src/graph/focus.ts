@@ -32,8 +32,8 @@ export function nearest(from: Point, points: readonly Point[], key: string): num
   return best;
 }
 
-/** Let the arrow keys move the focus between elements. */
-export function walkWithArrows(svg: SVGSVGElement): void {
+/** Let the arrow keys move the focus between elements; `reveal` brings the focused one into view. */
+export function walkWithArrows(svg: SVGSVGElement, reveal: (element: SVGGElement) => void): void {
   const elements = () => [...svg.querySelectorAll<SVGGElement>("[role=button]")];
   const centre = (element: Element): Point => {
     const shaft = element.querySelector<SVGPathElement>(".lrp-shaft");
@@ -47,6 +47,7 @@ export function walkWithArrows(svg: SVGSVGElement): void {
   const focus = (element: SVGGElement) => {
     for (const other of elements()) other.setAttribute("tabindex", other === element ? "0" : "-1");
     element.focus({ preventScroll: true });
+    reveal(element);
   };
   svg.addEventListener("focusin", (event) => {
     const element = (event.target as Element).closest<SVGGElement>("[role=button]");

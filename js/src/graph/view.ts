@@ -1,21 +1,23 @@
 /** The state graph of the machine shown: drawing, marks, zoom and pan, menus. */
 
 import { restartNotice } from "../parts/notes";
-import type { Layout } from "../protocol";
+import type { Layout, StateShape } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, s, setAttribute } from "../ui/dom";
 import { type MenuItem, openMenu } from "../ui/menu";
-import { Camera } from "./camera";
-import { draw, makeLayers, moveState } from "./draw";
+import { AutoFit, LEGIBLE } from "./autofit";
+import { type Box, Camera } from "./camera";
+import { Dragging } from "./drag";
+import { draw, makeLayers } from "./draw";
 import { keepOneTabStop, walkWithArrows } from "./focus";
 import { Marks } from "./marks";
+import { ScrollBars, scroll, scrollByWheel } from "./scroll";
+import { showMachine } from "./shown";
 
 type Mode = "live" | "static" | "hidden";
 const DRAG_FROM = 4; // px of movement that make a press a drag
-const LEGIBLE = 0.5; // a large machine begins at its corner, so that its names can be read
-const NEARLY = 0.8; // prefer slightly smaller to cut off
-const SEND_EVERY = 40; // ms between two places of a dragged state
+const ACTIVE_FOR = 300; // ms that a state is active before it is brought into view
 
 export function graphView(lab: Lab): HTMLElement {
   const { store } = lab;
@@ -26,12 +28,26 @@ export function graphView(lab: Lab): HTMLElement {
   let shown: Layout | null = null;
   let mode: Mode = "live";
 
-  const place = () => setAttribute(layers.root, "transform", camera.transform);
-  const fit = (least = 0) => {
+  const place = () => {
+    setAttribute(layers.root, "transform", camera.transform);
+    scrollBars.update(camera, contents(), size());
+  };
+  const size = () => ({ width: svg.clientWidth, height: svg.clientHeight });
+  const scrollBars = new ScrollBars();
+  const fitting = new AutoFit(svg, camera, place);
+  const dragging = new Dragging(
+    (path, x, y) => lab.send({ do: "pin", path: parent(path), name: last(path), x, y }),
+    () => fitting.release(),
+  );
+  const contents = (): Box => {
     const [x = 0, y = 0, width = 0, height = 0] = shown?.view ?? [];
-    camera.fit({ x, y, width, height }, svg.clientWidth, svg.clientHeight);
-    if (camera.scale < least * NEARLY) camera.corner({ x, y }, least);
-    place();
+    return { x, y, width, height };
+  };
+  /** The state that must be in view: the active one, or where the machine starts. */
+  const focus = (): Box | null => {
+    const states = shown?.states ?? [];
+    const shape = states.find(({ id }) => store.state.lit.includes(id)) ?? states.find(({ start }) => start);
+    return shape ? around(shape) : null;
   };
   const redraw = (force = false) => {
     const layout = store.state.layouts[store.state.machine] ?? null;
@@ -48,15 +64,17 @@ export function graphView(lab: Lab): HTMLElement {
       return;
     }
     delete element.dataset.stale;
+    const known = new Set(shown?.states.map(({ id }) => id));
+    const fresh = other ? undefined : layout.states.find(({ id }) => !known.has(id));
     shown = layout;
-    if (other) {
-      camera = store.state.cameras[layout.machine] ??= new Camera();
-    }
     draw(layers, layout);
     keepOneTabStop(svg);
     svg.setAttribute("aria-label", `State graph of ${layout.name}`);
-    if (camera.moved) place();
-    else fit(LEGIBLE);
+    if (other) {
+      camera = store.state.cameras[layout.machine] ??= new Camera();
+      fitting.show(camera, contents(), focus());
+    } else fitting.update(contents(), fresh ? around(fresh) : null);
+    dragging.drawn(layout);
   };
 
   const modes = h(
@@ -74,12 +92,15 @@ export function graphView(lab: Lab): HTMLElement {
     ...["live", "static", "hidden"].map((name) => h("option", { value: name }, name)),
   );
   const zoom = (factor: number) => {
+    fitting.stop();
     camera.zoom(factor, svg.clientWidth / 2, svg.clientHeight / 2);
     place();
   };
   const whole = () => {
-    fit();
-    camera.moved = camera.scale < LEGIBLE; // or a resize would undo it
+    fitting.stop();
+    camera.fit(contents(), svg.clientWidth, svg.clientHeight);
+    camera.moved = camera.scale < LEGIBLE; // the user prefers all of it to legible names
+    place();
   };
   const { element } = panel(
     "graph",
@@ -102,14 +123,23 @@ export function graphView(lab: Lab): HTMLElement {
       button({ icon: "plus", title: "Zoom in", action: "zoom-in", onclick: () => zoom(1.25) }),
       button({ icon: "fit", title: "Show all", action: "zoom-fit", onclick: whole }),
     ],
-    h("div", { class: "lrp-graph-body" }, svg, emptyNote(lab), restartNotice(lab)),
+    h("div", { class: "lrp-graph-body" }, svg, ...scrollBars.elements, emptyNote(lab), restartNotice(lab)),
   );
 
   store.watch(["layouts", "machine", "snapshot"], () => redraw());
   store.watch(["lit", "entered", "fired", "machine", "layouts", "chosen"], marks.update);
-  new ResizeObserver(() => {
-    if (!camera.moved) fit(LEGIBLE);
-  }).observe(svg);
+  let isWaiting = false;
+  store.watch(["lit", "follow"], () => {
+    if (isWaiting || !store.state.follow) return;
+    isWaiting = true;
+    setTimeout(() => {
+      isWaiting = false;
+      const active = focus();
+      if (active && store.state.follow) fitting.reveal(active);
+    }, ACTIVE_FOR);
+  });
+  new ResizeObserver(() => fitting.resized(focus())).observe(svg);
+  lab.root.addEventListener("keydown", () => fitting.typed(), true);
 
   /* ---------------------------------------------------------------- zoom, pan, drag */
 
@@ -120,56 +150,59 @@ export function graphView(lab: Lab): HTMLElement {
   svg.addEventListener(
     "wheel",
     (event) => {
-      if (!event.ctrlKey && !event.metaKey) return; // the page scrolls
+      if (!event.ctrlKey && !event.metaKey) return;
       event.preventDefault();
       const { x, y } = local(event);
+      fitting.stop();
       camera.zoom(Math.exp(-event.deltaY * 0.002), x, y);
       place();
     },
     { passive: false },
   );
+  scrollByWheel(svg, (dx, dy) => {
+    fitting.stop();
+    const moves = scroll(camera, contents(), size(), dx, dy);
+    place();
+    return moves;
+  });
   svg.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     const node = (event.target as Element).closest<SVGGElement>("[data-lrp-state]");
     const begin = local(event);
     let last = begin;
     let moved = false;
-    let sent = 0;
     const move = (now: PointerEvent) => {
       const point = local(now);
       if (!moved && Math.hypot(point.x - begin.x, point.y - begin.y) < DRAG_FROM) return;
-      if (!moved) svg.setPointerCapture(event.pointerId);
+      if (!moved) {
+        svg.setPointerCapture(event.pointerId);
+        fitting.hold();
+        if (node) dragging.begin(node);
+      }
       moved = true;
-      if (node) {
-        const [x, y] = camera.inside(point.x, point.y);
-        node.setAttribute("data-dragged", "");
-        moveState(node, x, y);
-        if (now.timeStamp - sent > SEND_EVERY) {
-          sent = now.timeStamp;
-          pin(node, x, y);
-        }
-      } else {
-        camera.pan(point.x - last.x, point.y - last.y);
+      const [dx, dy] = [point.x - last.x, point.y - last.y];
+      if (node) dragging.move(dx / camera.scale, dy / camera.scale, now.timeStamp);
+      else {
+        camera.pan(dx, dy);
         place();
       }
       last = point;
     };
     const end = () => {
       svg.removeEventListener("pointermove", move);
-      if (!node || !moved) return;
-      pin(node, ...camera.inside(last.x, last.y));
-      node.removeAttribute("data-dragged");
-      svg.addEventListener("click", (click) => click.stopPropagation(), { capture: true, once: true });
+      svg.removeEventListener("pointerup", end);
+      svg.removeEventListener("pointercancel", end);
+      if (!moved) return;
+      if (node) dragging.drop();
+      else fitting.release();
+      const swallow = (click: Event) => click.stopPropagation(); // the one that ends the drag
+      svg.addEventListener("click", swallow, true);
+      setTimeout(() => svg.removeEventListener("click", swallow, true));
     };
     svg.addEventListener("pointermove", move);
-    svg.addEventListener("pointerup", end, { once: true });
-    svg.addEventListener("pointercancel", end, { once: true });
+    svg.addEventListener("pointerup", end);
+    svg.addEventListener("pointercancel", end);
   });
-  const pin = (node: Element, x: number, y: number) => {
-    const path = node.getAttribute("data-lrp-state") ?? "";
-    const name = path.slice(path.lastIndexOf("/") + 1);
-    lab.send({ do: "pin", path: store.state.machine, name, x: Math.round(x), y: Math.round(y) });
-  };
 
   /* ---------------------------------------------------------------- choose, open, menu */
 
@@ -181,7 +214,7 @@ export function graphView(lab: Lab): HTMLElement {
   };
   const open = (path: string) => {
     const inner = shown?.states.find((shape) => shape.id === path)?.machines[0];
-    if (inner) store.set("machine", `${path}/${inner}`);
+    if (inner) showMachine(store, `${path}/${inner}`);
   };
   const choose = (target: EventTarget | null) => {
     const { arrow, state } = hit(target);
@@ -225,8 +258,25 @@ export function graphView(lab: Lab): HTMLElement {
     event.preventDefault();
     event.stopPropagation();
   });
-  walkWithArrows(svg);
+  walkWithArrows(svg, (focused) => {
+    const { left, top, width, height } = focused.getBoundingClientRect();
+    const corner = local({ clientX: left, clientY: top });
+    const [x, y] = camera.inside(corner.x, corner.y);
+    fitting.reveal({ x, y, width: width / camera.scale, height: height / camera.scale }, true);
+  });
   return element;
+}
+
+function around({ x, y, width, height }: StateShape): Box {
+  return { x: x - width / 2, y: y - height / 2, width, height };
+}
+
+function parent(path: string): string {
+  return path.slice(0, path.lastIndexOf("/"));
+}
+
+function last(path: string): string {
+  return path.slice(path.lastIndexOf("/") + 1);
 }
 
 function emptyNote(lab: Lab): HTMLElement {

@@ -1,5 +1,6 @@
 /** All machines, nested as in the program; each with its active state. */
 
+import { showMachine } from "../graph/shown";
 import type { MachineItem } from "../protocol";
 import type { Lab } from "../session/store";
 import { panel, setSwitch, toggle } from "../ui/button";
@@ -12,10 +13,6 @@ export function treeView(lab: Lab): HTMLElement {
     store.set("follow", on),
   );
   const { element } = panel("tree", "Machines", [follow], list);
-  const showMachine = (path: string) => {
-    if (store.state.follow && path !== store.state.machine) store.set("follow", false);
-    store.set("machine", path);
-  };
   const make = ({ path }: MachineItem) =>
     h(
       "div",
@@ -23,7 +20,7 @@ export function treeView(lab: Lab): HTMLElement {
         class: "lrp-tree-item",
         role: "treeitem",
         "data-lrp-machine": path,
-        onclick: () => showMachine(path),
+        onclick: () => showMachine(store, path),
         ondblclick: () => lab.goTo("machine", path),
       },
       h("span", { class: "lrp-dot", "aria-hidden": "true" }),
@@ -62,7 +59,7 @@ export function treeView(lab: Lab): HTMLElement {
     const path = (event.target as HTMLElement).dataset.lrpMachine;
     if (event.key === "Enter" && path) lab.goTo("machine", path);
     else if (next) {
-      showMachine(next.dataset.lrpMachine!);
+      showMachine(store, next.dataset.lrpMachine!);
       next.focus();
     } else return;
     event.preventDefault();

@@ -1,0 +1,211 @@
+/**
+ * The camera's own movements. It fits a drawing into the panel when another one is shown and when part of it
+ * gets out of view; it glides, and waits while the user types or drags. What would have to shrink below a
+ * legible size is larger than the panel instead, and is scrolled.
+ */
+
+import type { Box, Camera } from "./camera";
+
+/** The smallest scale chosen without the user: labels of 11.5 px are 10 px high. */
+export const LEGIBLE = 0.87;
+const QUIET = 1000; // ms without a key before anything moves
+const GLIDE = 260; // ms
+const EDGE = 14; // px between the panel's border and what is brought into view
+
+interface View {
+  x: number;
+  y: number;
+  scale: number;
+}
+
+export class AutoFit {
+  private camera: Camera;
+  private content: Box = { x: 0, y: 0, width: 0, height: 0 };
+  /** What is to be brought into view when the user pauses. */
+  private wanted: Box | null = null;
+  private size = { width: 0, height: 0 };
+  private lastKey = Number.NEGATIVE_INFINITY;
+  private held = false;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private gliding = 0;
+
+  constructor(
+    private readonly svg: SVGSVGElement,
+    camera: Camera,
+    private readonly place: () => void,
+  ) {
+    this.camera = camera;
+  }
+
+  /** Show another drawing, at once. `focus` is in view if not all of it can be. */
+  show(camera: Camera, content: Box, focus: Box | null): void {
+    this.stop();
+    this.camera = camera;
+    this.content = content;
+    this.wanted = null;
+    this.size = this.panel();
+    if (!camera.placed) this.jump(focus);
+    else this.place();
+    this.check();
+  }
+
+  /** The drawing has changed; `fresh` is what is new in it. */
+  update(content: Box, fresh: Box | null): void {
+    this.content = content;
+    this.wanted = fresh ?? this.wanted;
+    this.check();
+  }
+
+  /** The size of the panel has changed: what is in its middle stays there. */
+  resized(focus: Box | null): void {
+    const before = this.size;
+    this.size = this.panel();
+    const { camera } = this;
+    if (!camera.placed) {
+      this.jump(focus);
+      return;
+    }
+    if (!before.width || !this.size.width) return;
+    this.stop();
+    camera.x += (this.size.width - before.width) / 2;
+    camera.y += (this.size.height - before.height) / 2;
+    const isShrunk = camera.scale < 1 && this.target().scale > camera.scale;
+    if (!camera.moved && this.isQuiet() && (isShrunk || this.isCutOff())) this.jump(null);
+    else this.place();
+    this.check();
+  }
+
+  /** Bring a box of the drawing into view when the user pauses, or at once if he asked for it. */
+  reveal(box: Box, now = false): void {
+    this.wanted = box;
+    if (now) this.bringWantedIntoView();
+    else this.check();
+  }
+
+  /** A key was pressed. */
+  typed(): void {
+    this.lastKey = performance.now();
+  }
+
+  /** Nothing moves while the pointer drags. */
+  hold(): void {
+    this.stop();
+    this.held = true;
+  }
+
+  release(): void {
+    this.held = false;
+    this.check();
+  }
+
+  /** Stop gliding where the camera is. */
+  stop(): void {
+    cancelAnimationFrame(this.gliding);
+    clearTimeout(this.timer);
+  }
+
+  private panel(): { width: number; height: number } {
+    return { width: this.svg.clientWidth, height: this.svg.clientHeight };
+  }
+
+  private isQuiet(): boolean {
+    return !this.held && performance.now() - this.lastKey >= QUIET;
+  }
+
+  private readonly check = (): void => {
+    const { camera } = this;
+    if (!camera.placed || this.held) return;
+    if (!(this.wanted || (!camera.moved && this.isCutOff()))) return;
+    clearTimeout(this.timer);
+    if (!this.isQuiet()) {
+      this.timer = setTimeout(this.check, this.lastKey + QUIET - performance.now() + 1);
+      return;
+    }
+    if (!camera.moved && this.isCutOff()) this.glide(this.target(this.wanted));
+    else this.bringWantedIntoView();
+    this.wanted = null;
+  };
+
+  private bringWantedIntoView(): void {
+    const { wanted, camera, size } = this;
+    this.wanted = null;
+    if (!wanted || !size.width) return;
+    const x = shift(wanted.x * camera.scale + camera.x, wanted.width * camera.scale, size.width);
+    const y = shift(wanted.y * camera.scale + camera.y, wanted.height * camera.scale, size.height);
+    if (x || y) this.glide({ x: camera.x + x, y: camera.y + y, scale: camera.scale });
+  }
+
+  /** Whether part of the drawing is out of view that need not be. */
+  private isCutOff(): boolean {
+    const { camera, content, size } = this;
+    if (!size.width || !content.width) return false;
+    const ends = (at: number, length: number, offset: number, room: number): boolean => {
+      const first = at * camera.scale + offset;
+      const last = first + length * camera.scale;
+      const fits = last - first <= room + 1;
+      return fits
+        ? first < -1 || last > room + 1
+        : camera.scale > LEGIBLE || first > EDGE || last < room - EDGE;
+    };
+    return (
+      ends(content.x, content.width, camera.x, size.width) ||
+      ends(content.y, content.height, camera.y, size.height)
+    );
+  }
+
+  /** Where the camera shows everything, or as much as is legible: then `focus`, or what is in the middle now. */
+  private target(focus: Box | null = null): View {
+    const { camera, content } = this;
+    const { width, height } = this.panel();
+    const scale = Math.max(LEGIBLE, Math.min(width / content.width, height / content.height, 1.25));
+    const [x, y] = camera.inside(width / 2, height / 2);
+    const middle = focus ? { x: focus.x + focus.width / 2, y: focus.y + focus.height / 2 } : { x, y };
+    return {
+      x: offset(content.x * scale, content.width * scale, middle.x * scale, width),
+      y: offset(content.y * scale, content.height * scale, middle.y * scale, height),
+      scale,
+    };
+  }
+
+  private jump(focus: Box | null): void {
+    const { camera, content } = this;
+    const { width, height } = this.panel();
+    if (!width || !height || !content.width || !content.height) return;
+    camera.set(this.target(focus ?? (camera.placed ? null : corner(content))));
+    this.place();
+  }
+
+  private glide(to: View): void {
+    this.stop();
+    const { camera } = this;
+    const from = { x: camera.x, y: camera.y, scale: camera.scale };
+    const begun = performance.now();
+    const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+    const step = () => {
+      const time = still ? 1 : Math.min(1, (performance.now() - begun) / GLIDE);
+      const share = time * time * (3 - 2 * time);
+      const at = (key: keyof View) => from[key] + (to[key] - from[key]) * share;
+      camera.set({ x: at("x"), y: at("y"), scale: at("scale") });
+      this.place();
+      if (time < 1) this.gliding = requestAnimationFrame(step);
+    };
+    step();
+  }
+}
+
+/** How far something has to move to be in view, px. */
+function shift(first: number, length: number, room: number): number {
+  const last = first + length;
+  if (first < EDGE || length > room - 2 * EDGE) return first >= 0 && last <= room ? 0 : EDGE - first;
+  return last > room - EDGE ? Math.min(0, room - EDGE - last) : 0;
+}
+
+/** Where a drawing begins in the panel: in its middle, or scrolled to a point if it is longer. */
+function offset(begin: number, length: number, middle: number, room: number): number {
+  if (length <= room) return (room - length) / 2 - begin;
+  return Math.min(-begin, Math.max(room - length - begin, room / 2 - middle));
+}
+
+function corner({ x, y }: Box): Box {
+  return { x, y, width: 0, height: 0 };
+}

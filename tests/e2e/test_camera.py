@@ -1,0 +1,149 @@
+"""The camera of the state graph: it stays where it is, unless something is out of view."""
+
+import pytest
+
+from e2e.programs import COUNTER, FOLLOWER, INNER
+
+RING = "(machine m {})\n(spawn m s0)\n".format(
+    "\n  ".join(
+        [f"(state s{i})" for i in range(24)] + [f"(ontime 90000 s{i} -> s{(i + 1) % 24})" for i in range(24)]
+    )
+)
+PLACES = """svg => { const all = svg.getBoundingClientRect();
+  return Object.fromEntries([...svg.querySelectorAll('[data-lrp-state]')].map(node => {
+    const box = node.querySelector('.lrp-box').getBoundingClientRect();
+    return [node.dataset.lrpState, [box.x + box.width / 2 - all.x, box.y + box.height / 2 - all.y]]; })); }"""
+OUT_OF_VIEW = """svg => { const all = svg.getBoundingClientRect();
+  return [...svg.querySelectorAll('.lrp-box')].filter(node => { const box = node.getBoundingClientRect();
+    return box.left < all.left - 1 || box.right > all.right + 1
+      || box.top < all.top - 1 || box.bottom > all.bottom + 1; }).length; }"""
+IS_VISIBLE = """box => { const all = box.closest('svg').getBoundingClientRect();
+  const one = box.getBoundingClientRect();
+  return one.left >= all.left - 1 && one.right <= all.right + 1
+    && one.top >= all.top - 1 && one.bottom <= all.bottom + 1; }"""
+FONTS = """svg => ['.lrp-name', '.lrp-label', '.lrp-nested text', '.lrp-within'].flatMap(kind =>
+  [...svg.querySelectorAll(kind)].map(text => parseFloat(getComputedStyle(text).fontSize)
+    * svg.querySelector('.lrp-layer-states').getScreenCTM().a))"""
+
+
+def graph(lab):
+    return lab.sees(".lrp-graph")
+
+
+def places(lab):
+    """Return the centres of all states in the panel, in px of the screen."""
+    return graph(lab).evaluate(PLACES)
+
+
+def distance(a, b):
+    return max(abs(a[0] - b[0]), abs(a[1] - b[1]))
+
+
+def rests(lab):
+    """Wait until nothing has moved for half a second."""
+    lab.page.evaluate(
+        """async places => { const svg = document.querySelector('.lrp-graph');
+        let before = '', since = performance.now();
+        while (performance.now() - since < 500) {
+          const now = svg.querySelector('g').getAttribute('transform')
+            + [...svg.querySelectorAll('[data-lrp-state]')].map(one => one.getAttribute('transform'));
+          if (now !== before) { before = now; since = performance.now(); }
+          await new Promise(requestAnimationFrame); } }"""
+    )
+
+
+def drag(lab, state, dx, dy):
+    """Drag a state by so many px of the screen, not gripped at its centre; return where it is dropped."""
+    lab.state(state).scroll_into_view_if_needed()
+    start = places(lab)[state]
+    box = lab.state(state).bounding_box()
+    x, y = box["x"] + 12, box["y"] + 9
+    mouse = lab.page.mouse
+    mouse.move(x, y)
+    mouse.down()
+    mouse.move(x + dx, y + dy, steps=8)
+    mouse.up()
+    return start[0] + dx, start[1] + dy
+
+
+def test_states_stay_where_they_are_while_one_types(open_lab):
+    lab = open_lab(FOLLOWER, "follower --world line")
+    rests(lab)
+    before = places(lab)
+    lab.select("(machine follower")
+    lab.page.keyboard.press("ArrowRight")
+    lab.page.keyboard.press("Enter")
+    for letter in "(state resting)(eps resting -> waiting":
+        lab.page.keyboard.type(letter)
+        now = places(lab)
+        assert all(distance(before[name], now[name]) < 2 for name in before if name in now), letter
+    lab.sees('[data-lrp-state="follower/waiting"]')
+    lab.until(IS_VISIBLE, '[data-lrp-state="follower/waiting"] .lrp-box')
+
+
+def test_what_gets_out_of_view_comes_back_when_one_pauses(open_lab):
+    lab = open_lab(COUNTER)
+    rests(lab)
+    lab.type_after("(state rest)", " (state a_state_with_a_long_name) (state s1) (state s2)")
+    lab.sees('[data-lrp-state="m/s2"]')
+    lab.until(f"svg => ({OUT_OF_VIEW})(svg) === 0", ".lrp-graph")
+
+
+def test_a_dragged_state_lands_where_it_is_dropped(open_lab):
+    lab = open_lab(COUNTER)
+    rests(lab)
+    rest = places(lab)["m/rest"]
+    for way in ((-90, 60), (120, -70), (40, 200)):
+        dropped = drag(lab, "m/count", *way)
+        assert distance(places(lab)["m/count"], dropped) < 1.5
+        rests(lab)
+        assert distance(places(lab)["m/count"], dropped) < 1.5
+        assert distance(places(lab)["m/rest"], rest) < 1.5
+
+
+def test_the_graph_shows_the_machine_in_which_one_types(open_lab):
+    lab = open_lab(INNER)
+    lab.sees('[data-lrp-state="m/b"]')
+    lab.type_after("(state y)", " (state z)")
+    lab.sees('[data-lrp-state="m/a/inner/z"]')
+    lab.misses('[data-lrp-state="m/b"]')
+    lab.type_after("(state b)", " (state c)")
+    lab.sees('[data-lrp-state="m/c"]')
+
+
+@pytest.mark.parametrize("width", [700, 900, 1280, 1600])
+def test_names_and_labels_are_legible_at_every_width(open_lab, width):
+    lab = open_lab(RING)
+    try:
+        lab.page.set_viewport_size({"width": width, "height": 800})
+        rests(lab)
+        assert min(graph(lab).evaluate(FONTS)) >= 9.99
+    finally:
+        lab.page.set_viewport_size({"width": 1600, "height": 1000})
+
+
+def test_what_does_not_fit_is_scrolled_by_the_wheel_and_reached_by_keys(open_lab):
+    lab = open_lab(RING)
+    lab.sees('[data-lrp-state="m/s12"]')
+    try:
+        lab.page.set_viewport_size({"width": 800, "height": 700})
+        rests(lab)
+        assert graph(lab).evaluate(OUT_OF_VIEW) > 0
+        assert lab.find(".lrp-scroll").evaluate_all("bars => bars.some(bar => !bar.hidden)")
+        before = places(lab)["m/s0"]
+        graph(lab).scroll_into_view_if_needed()
+        graph(lab).hover()
+        lab.page.wait_for_timeout(400)  # a new gesture
+        lab.page.mouse.wheel(60, 60)
+        lab.until(
+            f"(svg, y) => ({PLACES})(svg)['m/s0'].join() !== y", ".lrp-graph", ",".join(map(str, before))
+        )
+        for state in ("m/s0", "m/s23", "m/s12"):
+            lab.find(f'[data-lrp-state="{state}"]').focus()
+            lab.page.keyboard.press("ArrowRight")
+            lab.page.keyboard.press("ArrowDown")
+            focused = lab.find(".lrp-graph").evaluate("() => document.activeElement.dataset.lrpState")
+            if focused:
+                lab.until(IS_VISIBLE, f'[data-lrp-state="{focused}"] .lrp-box')
+    finally:
+        lab.page.set_viewport_size({"width": 1600, "height": 1000})
