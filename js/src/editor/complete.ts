@@ -10,24 +10,9 @@ import {
 import type { Extension } from "@codemirror/state";
 import { outlineOf } from "../language/lrp";
 import type { Lab } from "../session/store";
+import { h, prose } from "../ui/dom";
 import { contextAt, spawnable } from "./context";
-
-const FORMS: Record<string, [template: string, detail: string, inside: string]> = {
-  var: ["var #{name} := [#{value}]", "a variable", "Program Machine"],
-  machine: ["machine #{name}\n\t#{}", "states and transitions", "Program State"],
-  state: ["state #{name}#{}", "a state", "Machine"],
-  event: ["event #{name} [#{condition}]", "a condition with a name", "Program Machine"],
-  spawn: ["spawn #{machine} #{state}", "start a machine", "Program Action"],
-  onentry: ["onentry [#{}]", "once, on entering", "State"],
-  running: ["running [#{}]", "at every tick", "State"],
-  onexit: ["onexit [#{}]", "once, on leaving", "State"],
-  on: ["on #{event} #{source} -> #{destination}", "when an event occurs", "Machine"],
-  ontime: ["ontime #{milliseconds} #{source} -> #{destination}", "after milliseconds", "Machine"],
-  eps: ["eps #{source} -> #{destination}", "at once", "Machine"],
-  exit: ["exit #{event} #{source} -> #{destination}", "out of the nested machine", "Machine"],
-  onpause: ["onpause [#{}]", "when paused", "Program"],
-  onresume: ["onresume [#{}]", "when resumed", "Program"],
-};
+import { FORMS } from "./forms";
 
 const PATIENCE = 250; // ms to wait for the kernel with what is known here,
 const LONGER = 2000; // and with nothing
@@ -46,8 +31,22 @@ async function complete(context: CompletionContext, lab: Lab): Promise<Completio
   const place = contextAt(context.state, context.pos);
   if (place.wanted === "python") return python(context, lab, place.scope);
   if (!word && !context.explicit && place.wanted !== "keyword") return null;
-  const options = ofProgram(context, lab, place);
-  return options.length ? { from, options, validFor: /^[\w\u0080-\uffff]*$/ } : null;
+  return offered(context, from, ofProgram(context, lab, place));
+}
+
+/**
+ * The options, while the word is not complete: after `rest`, Enter begins a line, whether or not there is
+ * also a `restless`.
+ */
+export function offered(
+  context: CompletionContext,
+  from: number,
+  options: Completion[],
+): CompletionResult | null {
+  const labels = new Set(options.map(({ label }) => label));
+  const open = (word: string) => context.explicit || !labels.has(word);
+  if (!options.length || !open(context.state.sliceDoc(from, context.pos))) return null;
+  return { from, options, validFor: (word) => /^[\w\u0080-\uffff]*$/.test(word) && open(word) };
 }
 
 function ofProgram(context: CompletionContext, lab: Lab, place: ReturnType<typeof contextAt>): Completion[] {
@@ -83,9 +82,16 @@ function ofProgram(context: CompletionContext, lab: Lab, place: ReturnType<typeo
 }
 
 function keywords(form: string): Completion[] {
-  return Object.entries(FORMS).flatMap(([label, [template, detail, inside]]) =>
+  return Object.entries(FORMS).flatMap(([label, { template, detail, inside, doc }]) =>
     inside.split(" ").includes(form) || form === "Unknown"
-      ? [snippetCompletion(template, { label, detail, type: "keyword" })]
+      ? [
+          snippetCompletion(template, {
+            label,
+            detail,
+            type: "keyword",
+            info: () => h("div", {}, ...prose(doc)),
+          }),
+        ]
       : [],
   );
 }
@@ -132,8 +138,7 @@ async function python(context: CompletionContext, lab: Lab, scope: string): Prom
       detail,
       ...(info ? { info } : {}),
     }));
-  const options = [...own, ...more];
-  return options.length ? { from, options, validFor: /^[\w\u0080-\uffff]*$/ } : null;
+  return offered(context, from, [...own, ...more]);
 }
 
 /** The kernel's reply if it comes soon: a busy kernel must not hold up the other options. */

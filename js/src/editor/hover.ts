@@ -1,4 +1,4 @@
-/** The card under the pointer: what a name is, the value it has now, and its documentation. */
+/** The card under the pointer: what a name or keyword is, its documentation, and the value a name has now. */
 
 import { syntaxTree } from "@codemirror/language";
 import type { Extension } from "@codemirror/state";
@@ -8,6 +8,7 @@ import type { HoverView } from "../protocol";
 import type { Lab } from "../session/store";
 import { h, prose } from "../ui/dom";
 import { chainAt, contextAt } from "./context";
+import { FORMS } from "./forms";
 
 export function hover(lab: Lab): Extension {
   return hoverTooltip(
@@ -26,11 +27,13 @@ export function hover(lab: Lab): Extension {
   );
 }
 
-function ofProgram(
+export function ofProgram(
   lab: Lab,
   state: Parameters<typeof outlineOf>[0],
   chain: { text: string; from: number },
 ): HoverView | null {
+  const form = syntaxTree(state).resolveInner(chain.from, 1).name === "Keyword" && FORMS[chain.text];
+  if (form) return { title: form.usage, type: "", value: "", doc: form.doc };
   const found = outlineOf(state);
   const { lit, events, variables, entered, fired } = lab.store.state;
   const scope = found.around(chain.from, "machine")?.path ?? "";

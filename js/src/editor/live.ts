@@ -1,6 +1,6 @@
 /**
  * The running program in its text: active states, the last fired transitions, and the values of
- * variables and events faintly at the ends of their lines.
+ * variables and events faintly at the right of their lines.
  */
 
 import { syntaxTree } from "@codemirror/language";
@@ -17,6 +17,7 @@ import { lastFired } from "../graph/marks";
 import { outlineOf } from "../language/lrp";
 import type { LabState } from "../session/state";
 import { h } from "../ui/dom";
+import { testedEvents } from "./tested";
 
 /** An effect: something that is drawn here has changed. */
 export const liveChanged = StateEffect.define<null>();
@@ -24,20 +25,26 @@ export const liveChanged = StateEffect.define<null>();
 const LONGEST = 60;
 
 class ValueWidget extends WidgetType {
-  constructor(readonly text: string) {
+  constructor(private readonly values: readonly Value[]) {
     super();
   }
 
   override eq(other: ValueWidget): boolean {
-    return other.text === this.text;
+    return JSON.stringify(other.values) === JSON.stringify(this.values);
   }
 
   override toDOM(): HTMLElement {
-    return h("span", { class: "lrp-inline-value", "aria-hidden": "true" }, this.text);
+    const dom = h("span", { class: "lrp-inline-value", "aria-hidden": "true" });
+    this.updateDOM(dom);
+    return dom;
   }
 
   override updateDOM(dom: HTMLElement): boolean {
-    dom.textContent = this.text;
+    const named = this.values.length > 1;
+    const parts = this.values.map(({ name, text, stale }) =>
+      h("span", { "data-stale": stale ? "" : null }, named ? `${name} = ${text}` : text),
+    );
+    dom.replaceChildren(...parts);
     return true;
   }
 
@@ -92,27 +99,33 @@ function decorate(editor: EditorState, lab: LabState, values: boolean): Decorati
     if (item) marks.push(firedMark.range(item.from, item.to));
   }
   if (values) {
-    for (const [line, text] of lineValues(editor, lab)) {
-      const widget = Decoration.widget({ widget: new ValueWidget(text), side: 1 });
+    for (const [line, shown] of lineValues(editor, lab)) {
+      const widget = Decoration.widget({ widget: new ValueWidget(shown), side: 1 });
       marks.push(widget.range(editor.doc.line(line).to));
     }
   }
   return Decoration.set(marks, true);
 }
 
-/** The annotation at the end of each line. */
-function lineValues(editor: EditorState, lab: LabState): Map<number, string> {
-  const texts = new Map<number, string[]>();
-  for (const item of outlineOf(editor).items) {
-    const value = shownValue(item.kind, item.path, lab);
-    if (value === null) continue;
-    const line = editor.doc.lineAt(item.to).number;
-    const list = texts.get(line) ?? [];
-    texts.set(line, [...list, `${item.name} = ${value}`]);
+/** What is shown at the end of a line; an event that is not tested now has its last value. */
+interface Value {
+  name: string;
+  text: string;
+  stale: boolean;
+}
+
+/** The values at the end of each line. */
+function lineValues(editor: EditorState, lab: LabState): Map<number, Value[]> {
+  const lines = new Map<number, Value[]>();
+  const tested = testedEvents(lab);
+  for (const { kind, path, name, to } of outlineOf(editor).items) {
+    const text = shownValue(kind, path, lab);
+    if (text === null) continue;
+    const line = editor.doc.lineAt(to).number;
+    const value = { name, text, stale: kind === "event" && !tested.has(path) };
+    lines.set(line, [...(lines.get(line) ?? []), value]);
   }
-  const alone = (list: string[]) =>
-    list.length === 1 ? list[0]!.slice(list[0]!.indexOf(" = ") + 3) : list.join("   ");
-  return new Map([...texts].map(([line, list]) => [line, alone(list)]));
+  return lines;
 }
 
 function shownValue(kind: string, path: string, lab: LabState): string | null {

@@ -1,0 +1,92 @@
+"""The first hour in the editor: what is typed looks right, and what is unknown is explained."""
+
+from e2e.programs import COUNTER, FOLLOWER
+
+PRINTED = """\
+(var limit := [
+  base = 5
+  base * 2])
+
+(machine m
+  (var n := [0])
+  (event full [n > limit])
+
+  (state count
+    (running [
+      n += 1
+      if n > 100:
+          n = 0]))
+  (state rest)   ; for a while
+  (on full count -> rest)
+  (ontime 500 rest -> count))
+
+(spawn m count)"""
+EMPTY = "; nothing yet"
+VALUES = """\
+(var short := [1])
+(var list := [list(range(200))])
+(var text := ["a text so long that its line of the program has no room left for what it is at the moment"])
+(machine m
+  (event waits [short > 1])
+  (event idle [short > 0])
+  (state a)
+  (state b)
+  (on waits a -> b)
+  (on idle b -> a))
+(spawn m a)
+"""
+
+
+def test_a_program_typed_without_any_indentation_looks_as_printed(open_lab):
+    lab = open_lab(EMPTY)
+    lab.find(".cm-content").focus()
+    lab.page.keyboard.press("Control+End")
+    for number, line in enumerate(PRINTED.split("\n")):
+        if number:
+            lab.page.keyboard.press("Enter")
+        lab.page.keyboard.type(line.strip(), delay=5)
+    assert lab.text == f"{EMPTY}\n{PRINTED}"
+    lab.sees('.lrp-verdict[data-state="runs"]')
+    lab.is_active("m/count")
+
+
+def test_enter_after_a_complete_name_begins_a_line(open_lab):
+    lab = open_lab(COUNTER.replace("(state rest)", "(state rest) (state restless)"))
+    lab.replace("-> rest tfull", "-> res")
+    lab.sees(".cm-tooltip-autocomplete [role=option]")
+    lab.page.keyboard.type("t")
+    lab.misses(".cm-tooltip-autocomplete")
+    lab.page.keyboard.press("Enter")
+    assert "-> rest\n" in lab.text
+
+
+def test_a_keyword_is_explained_under_the_pointer(open_lab):
+    lab = open_lab(FOLLOWER, "follower --world line")
+    lab.select("ontime 1000")
+    lab.find(".cm-line .tok-keyword").get_by_text("ontime").last.hover()
+    card = lab.sees(".lrp-card")
+    assert "(ontime milliseconds source -> destination)" in card.inner_text()
+
+
+def test_values_keep_to_the_right_of_their_lines_and_need_none_of_their_own(open_lab):
+    lab = open_lab(VALUES)
+    lab.sees(".cm-line:has-text('(event waits') .lrp-inline-value")
+    boxes = lab.find(".cm-line:has(.lrp-inline-value)").evaluate_all(
+        "lines => lines.map(line => { const value = line.querySelector('.lrp-inline-value');"
+        " const [outer, inner] = [line, value].map(node => node.getBoundingClientRect());"
+        " value.remove(); const { height } = line.getBoundingClientRect();"
+        " return { taller: outer.height - height, right: outer.right - inner.right,"
+        " left: inner.left - outer.left }; })"
+    )
+    assert [box["taller"] for box in boxes] == [0] * 4
+    assert all(0 <= box["right"] < 1 and box["left"] > 0 for box in boxes)
+
+
+def test_the_value_of_an_event_that_is_not_tested_is_faded(open_lab):
+    lab = open_lab(VALUES.replace("(state a)", "(state a (onexit [short = 0]))"))
+    stale = "css=.cm-line:has-text('(event idle') [data-stale]"
+    fresh = "css=.cm-line:has-text('(event waits') .lrp-inline-value span:not([data-stale])"
+    lab.sees(fresh)
+    lab.replace("short := [1]", "short := [2]")
+    lab.sees(stale.replace("idle", "waits"))
+    lab.sees(fresh.replace("waits", "idle"))
