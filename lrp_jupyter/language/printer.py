@@ -7,10 +7,10 @@ them, edit the text (see :mod:`~lrp_jupyter.language.rename`).
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 
 from lrp_jupyter.arguments import A_PROGRAM, check_type
+from lrp_jupyter.language.margins import STEP, aligned
 from lrp_jupyter.language.program import (
     Action,
     Block,
@@ -21,15 +21,12 @@ from lrp_jupyter.language.program import (
     Transition,
     Variable,
 )
-from lrp_jupyter.language.scanner import block_end, logical_lines, strings
-from lrp_jupyter.language.suites import parse_suite
+from lrp_jupyter.language.scanner import block_end
 
 __all__ = ["to_source"]
 
 _WIDTH = 90
-_STEP = "  "
-_MARGIN = re.compile(r"[ \t\f]*+")
-_LINE = re.compile(r"(\r\n|\r|\n)([ \t]*+)(?=\S)")
+_STEP = " " * STEP
 
 
 def to_source(program: Program) -> str:
@@ -123,35 +120,9 @@ def _closed(head: str, parts: list[str]) -> str:
 
 def _with_block(head: str, block: Block, tail: str) -> str:
     """Return a block after `head`, its lines aligned with its first one."""
-    column = len(head) - head.rfind("\n")
-    whole = f"[{_aligned(block.text, column)}]"
+    line = head[head.rfind("\n") + 1 :]
+    base = len(line) - len(line.lstrip())
+    whole = f"[{aligned(block.text, len(line) + 1, base)}]"
     if block_end(whole, 0) != len(whole) - 1:  # a comment would swallow the bracket
-        whole = f"{whole[:-1]}\n{' ' * (column - 1)}]"
+        whole = f"{whole[:-1]}\n{' ' * len(line)}]"
     return f"{head}{whole}{tail}"
-
-
-def _aligned(text: str, column: int) -> str:
-    """Return a block with its lines aligned to `column`, unless that would change its meaning."""
-    better = text.strip(" \t").rstrip()
-    lines = [_MARGIN.match(text, start)[0] for start in logical_lines(text)]  # type: ignore[index]
-    if lines:
-        smallest = len(min(lines, key=len))
-        try:
-            level = not smallest or better[:1] in "\r\n#" or bool(parse_suite(text)[1].indent)
-        except SyntaxError:
-            return text
-        better = _moved(better, (column if level else column + 4) - smallest)
-    return better if Block(better) == Block(text) else text
-
-
-def _moved(text: str, by: int) -> str:
-    """Return a text with all lines but the first indented further, except those inside strings."""
-    inside = strings(text)
-
-    def line(match: re.Match[str]) -> str:
-        at = match.start()
-        if any(start < at < end for start, end in inside):
-            return match[0]
-        return match[1] + (match[2] + " " * by if by >= 0 else match[2][-by:])
-
-    return _LINE.sub(line, text)

@@ -35,8 +35,8 @@ def test_a_block_is_laid_out_below_its_first_line() -> None:
               b = '''
  x''']
       [
-       for i in a:
-         print(i)])))
+        for i in a:
+          print(i)])))
 """
     )
 

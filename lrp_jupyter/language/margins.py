@@ -1,0 +1,63 @@
+"""The margins of blocks: a block of several lines moved to another column, with the same meaning."""
+
+from __future__ import annotations
+
+import re
+
+from lrp_jupyter.language.scanner import logical_lines, strings
+from lrp_jupyter.language.source import Block
+from lrp_jupyter.language.suites import parse_suite
+
+__all__ = ["STEP", "aligned"]
+
+STEP = 2
+"""The columns by which what is inside a form is indented further than the form."""
+
+_BODY = 4  # Python that is indented further than its first line
+_MARGIN = re.compile(r"[ \t\f]*+")
+_LINE = re.compile(r"(\r\n|\r|\n)([ \t]*+)(?=\S)")
+
+
+def aligned(text: str, column: int, base: int) -> str:
+    """Return the text of a block without white space around it, its lines below its first statement.
+
+    Parameters
+    ----------
+    text : str
+        The text between the brackets.
+    column : int
+        Of the first character after the opening bracket, from 0: the first statement's, unless that stands
+        on a line of its own.
+    base : int
+        The column at which the line with the bracket begins: such a statement stands :data:`STEP` further.
+
+    Returns
+    -------
+    str
+        The text as it is, if its meaning would change.
+    """
+    better = text.strip(" \t").rstrip()
+    lines = [_MARGIN.match(text, start)[0] for start in logical_lines(text)]  # type: ignore[index]
+    if lines:
+        smallest = len(min(lines, key=len))
+        below = better[:1] in ("\r", "\n")
+        try:
+            level = not smallest or below or better[:1] == "#" or bool(parse_suite(text)[1].indent)
+        except SyntaxError:
+            return text
+        target = base + STEP if below else column if level else column + _BODY
+        better = _moved(better, target - smallest)
+    return better if Block(better) == Block(text) else text
+
+
+def _moved(text: str, by: int) -> str:
+    """Return a text with all lines but the first indented further, except those inside strings."""
+    inside = strings(text)
+
+    def line(match: re.Match[str]) -> str:
+        at = match.start()
+        if any(start < at < end for start, end in inside):
+            return match[0]
+        return match[1] + (match[2] + " " * by if by >= 0 else match[2][-by:])
+
+    return _LINE.sub(line, text)

@@ -1,0 +1,113 @@
+"""The formatter changes white space only, twice is as once, and the bundled programs are as it wants them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from programs import programs
+
+import lrp_jupyter
+from lrp_jupyter import LRPSyntaxError, parse
+from lrp_jupyter.errors import edited
+from lrp_jupyter.language.format import formatted, formatting
+from lrp_jupyter.language.printer import to_source
+from lrp_jupyter.language.program import Program
+from lrp_jupyter.language.tokens import tokenize
+
+BUNDLED = sorted(Path(lrp_jupyter.__file__).parent.glob("programs/*.lrp"))
+SPACES = [
+    "",
+    "",
+    " ",
+    "   ",
+    "\t",
+    "\n",
+    "\n\n\n",
+    "\r\n  ",
+    " ; one )\n",
+    "; two\n\n  # three [\n",
+    "\n\t;\n",
+]
+
+
+@st.composite
+def texts(draw: st.DrawFn) -> str:
+    """Return a program with white space and comments anywhere between its tokens."""
+    source = to_source(draw(programs.filter(lambda program: program != Program())))
+    text, before = "", 0
+    for kind, start, end in tokenize(source):
+        needed = " " if before and source[before:start] and kind != "CLOSE" else ""
+        text += draw(st.sampled_from(SPACES)) + needed + source[start:end]
+        before = end
+    return text + draw(st.sampled_from(SPACES))
+
+
+@given(texts())
+def test_only_white_space_changes(text: str) -> None:
+    after = formatted(text)
+    assert parse(after) == parse(text)
+    assert "".join(after.split()) == "".join(text.split())
+    assert edited(text, formatting(text)) == after
+    assert all(not text[start:end].strip() and not new.strip() for start, end, new in formatting(text))
+
+
+@given(texts())
+def test_to_format_twice_changes_nothing_more(text: str) -> None:
+    assert formatting(formatted(text)) == ()
+
+
+@pytest.mark.parametrize("path", BUNDLED, ids=lambda path: path.stem)
+def test_a_bundled_program_is_as_the_formatter_wants_it(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert formatted(text) == text
+    assert formatted(to_source(parse(text))) == to_source(parse(text))
+
+
+def test_a_program_typed_into_one_line_is_laid_out() -> None:
+    text = "(machine m(var n:=[0])(state a(running[n+=1]))(state b(machine c(state x)))(on[n>5]*->b t))"
+    assert (
+        formatted(text)
+        == """\
+(machine m
+  (var n := [0])
+  (state a (running [n+=1]))
+  (state b
+    (machine c
+      (state x)))
+  (on [n>5] *-> b t))
+"""
+    )
+
+
+def test_comments_blank_lines_and_lone_brackets_stay() -> None:
+    text = "; top\n\n\n\n(machine m   ; m\n; a\n  (state a\n   (running [\n x = 1\n])) ; x\n\n# end\n)"
+    assert (
+        formatted(text)
+        == """\
+; top
+
+(machine m   ; m
+  ; a
+  (state a
+    (running [
+      x = 1
+    ])) ; x
+
+  # end
+)
+"""
+    )
+
+
+def test_the_line_ends_of_the_text_stay() -> None:
+    assert formatted("(machine m\r\n(state a)(state b))\r\n(spawn m a)") == (
+        "(machine m\r\n  (state a)\r\n  (state b))\r\n(spawn m a)\r\n"
+    )
+
+
+def test_a_text_with_errors_is_not_formatted() -> None:
+    with pytest.raises(LRPSyntaxError):
+        formatted("(machine m (state a)")
