@@ -197,7 +197,7 @@ def _first_texts(texts: Texts, kept: Kept, cell: str | None) -> list[str]:
     own: list[tuple[str, str]] = []
     for ending in (".draft", ".lrp"):
         text = kept.read(ending)
-        if text is None or not text.strip() or text == cell:
+        if text is None or not text.strip() or _are_alike(text, cell):
             continue
         if kept.is_own(ending, text):
             own.append((ending, text))
@@ -218,12 +218,17 @@ def _reconcile(texts: Texts, text: str) -> None:
     """Reconcile the texts of the cell and the lab: the changed one wins; if both changed, ask."""
     for earlier in [each for each in texts.conflicts if each.source == "cell"]:
         texts.withdraw(earlier)
-    if text not in (texts.text, texts.cell):
-        if texts.text.strip() and texts.text != texts.cell:
+    if not (_are_alike(text, texts.text) or _are_alike(text, texts.cell)):
+        if texts.text.strip() and not _are_alike(texts.text, texts.cell):
             texts.ask(Conflict("cell", text))
             return
         texts.write(text)
     texts.cell = text
+
+
+def _are_alike(text: str, cell: str | None) -> bool:
+    """Return whether a text is that of a cell, which has its own line ends and a newline at its end."""
+    return cell is not None and text.splitlines() == cell.splitlines()
 
 
 @atexit.register

@@ -62,6 +62,16 @@ def test_an_unchanged_cell_keeps_the_labs_text(cell):
     assert connection.texts.conflict is None
 
 
+@pytest.mark.parametrize("typed", [B, "(machine m\r\n  (state a))\r\n(spawn m a)"])
+def test_a_labs_text_that_was_written_into_the_cell_is_no_conflict(cell, restart_kernel, typed):
+    written = "\n".join(typed.splitlines()) + "\n"  # as a cell holds it, and IPython passes it
+    cell(A).texts.write(typed)
+    assert cell(written).texts.conflict is None
+    assert cell(written).texts.text == typed
+    restart_kernel()
+    assert cell(written).texts.conflict is None
+
+
 def test_where_cell_and_lab_have_changed_the_person_is_asked(cell):
     connection = cell(A)
     connection.texts.write(B)
