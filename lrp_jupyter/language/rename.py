@@ -22,7 +22,7 @@ from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Element, Name, Path, Program, Span
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
 
-__all__ = ["Symbol", "references", "rename", "symbols"]
+__all__ = ["Symbol", "check_name", "references", "rename", "rename_edits", "symbols"]
 
 _KINDS = ("state", "machine", "event", "variable", "transition")
 
@@ -143,21 +143,27 @@ def rename(program: Program, kind: str, path: Path, new_name: str) -> str:
     """
     if not program.text:
         program = parse(to_source(program), program.filename)
+    return edited(program.text, rename_edits(program, kind, path, new_name))
+
+
+def rename_edits(program: Program, kind: str, path: Path, new_name: str) -> list[Edit]:
+    """Return the edits of a rename of a program that has a text. Raise as :func:`rename` does."""
     element = Element(kind, tuple(path))
     found, uses = symbols(program)
     symbol = next((symbol for symbol in found if symbol.element == element), None)
     if symbol is None:
         raise _unknown(program, element)
-    _check_name(kind, new_name)
+    check_name(kind, new_name)
     name = normal(new_name)
     if name == normal(program.text[slice(*symbol.definition)]):
-        return program.text
-    text = _changed(program.text, symbol, uses, name)
+        return []
+    edits = _changes(symbol, uses, name)
+    text = edited(program.text, edits)
     try:
         _check_meaning(program, found, uses, text, symbol, name)
     except LRPSyntaxError as error:
         raise ValueError(f"`{name}` is not valid everywhere: {error.findings[0].message}") from None
-    return text
+    return edits
 
 
 def _unknown(program: Program, element: Element) -> Exception:
@@ -171,21 +177,22 @@ def _unknown(program: Program, element: Element) -> Exception:
     return UnknownElementError(f"There is no {element}.")
 
 
-def _check_name(kind: str, name: str) -> None:
+def check_name(kind: str, name: str) -> None:
+    """Raise ValueError unless an element of this kind can have the name."""
     if not name.isidentifier():
         raise ValueError(f"`{name}` is not a valid name. Use letters, digits and `_`.")
     if kind == "variable" and (iskeyword(normal(name)) or name == "__debug__"):
         raise ValueError(f"`{name}` is a keyword of Python. Give the variable another name.")
 
 
-def _changed(text: str, symbol: Symbol, uses: list[Mention], name: str) -> str:
+def _changes(symbol: Symbol, uses: list[Mention], name: str) -> list[Edit]:
     names = {symbol.definition: name, **dict.fromkeys(symbol.references, name)}
     for use in uses:
         if use.symbol is symbol and use.imported:
             if "." in use.imported:
                 raise ValueError(f"`import {use.imported}` assigns `{use.name}`. Add an `as` first.")
             names[use.span] = f"{use.imported} as {name}"
-    return edited(text, [Edit(*span, new) for span, new in names.items()])
+    return [Edit(*span, new) for span, new in names.items()]
 
 
 def _check_meaning(

@@ -1,0 +1,482 @@
+"""Drawing: what is done to a state graph, as edits of the program's text.
+
+Every function returns the edits of one act (a new state, a transition led elsewhere, …) and changes no
+character beyond what the act means: comments, line ends and the layout of other forms stay, and new forms
+are indented like those around them. An act that would not make a valid program is refused in a sentence.
+A new form goes after the last one of its kind: a new transition has the lowest priority.
+
+Paper: §9 (editing the state graph itself).
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from itertools import chain
+from typing import Literal, NamedTuple
+
+from lrp_jupyter.errors import Edit, LRPSyntaxError, UnknownElementError, edited
+from lrp_jupyter.language.forms import Shape, shape_of
+from lrp_jupyter.language.names import normal
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.program import Path, Program, State, path_text
+from lrp_jupyter.language.rename import check_name
+from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
+from lrp_jupyter.language.sheet import Sheet, WrittenForm
+from lrp_jupyter.language.tokens import LEGAL
+from lrp_jupyter.language.triggers import FORMS
+
+__all__ = [
+    "DrawnProgram",
+    "WrittenTransition",
+    "change_transition",
+    "delete_machine",
+    "delete_state",
+    "delete_transition",
+    "new_form",
+    "new_state",
+    "new_transition",
+    "numbered",
+    "retarget",
+    "reverse",
+    "start_in",
+]
+
+FIRST_MACHINE = "main"
+"""The name of the machine that is made for the first state of an empty program."""
+
+_AMOUNT = re.compile(r"(\d+(?:\.\d+)?)\s*(ms|s)")
+_KEYWORD = re.compile(rf"({'|'.join(FORMS)})(?:\s+(?=\S)|(?=\[))")
+
+
+class DrawnProgram:
+    """A program with its text, as nested forms and resolved names.
+
+    Raises
+    ------
+    LRPSyntaxError
+        The text is not a valid program.
+    """
+
+    def __init__(self, text: str) -> None:
+        self.program: Program = parse(text)
+        self.names: Resolution = resolve(self.program)
+        self.sheet = Sheet(text)
+
+    def machine(self, path: Path) -> Scope:
+        """Return the machine at a path."""
+        found = self.names.by_path.get(path)
+        if found is None or found.noun is None:
+            raise UnknownElementError(f"There is no machine `{path_text(path)}`.")
+        return found
+
+    def state(self, path: Path) -> tuple[Scope, State]:
+        """Return the state at a path, and its machine."""
+        found = self.names.by_path.get(path[:-1])
+        state = found.states.get(path[-1]) if found and path else None
+        if found is None or state is None:
+            raise UnknownElementError(f"There is no state `{path_text(path)}`.")
+        return found, state
+
+    def arrow(self, path: Path) -> Arrow:
+        """Return the transition at a path, whose last name is its id."""
+        scope = self.machine(path[:-1])
+        for arrow in self.names.arrows[scope]:
+            if arrow.element.path == path:
+                return arrow
+        raise UnknownElementError(f"There is no transition `{path[-1]}` in `{path_text(scope.path)}`.")
+
+    def form_of(self, scope: Scope) -> WrittenForm:
+        """Return the form of a machine, or the top level."""
+        return self.sheet.root if scope.noun is None else self.sheet.at[scope.noun.span.start]
+
+    def written(self, arrow: Arrow) -> WrittenTransition:
+        """Return a transition as it is written."""
+        return WrittenTransition(self.sheet, self.sheet.at[arrow.noun.span.start])
+
+    def is_spawned(self, scope: Scope) -> bool:
+        """Return whether anything spawns a machine."""
+        return any(spawning.machine is scope for spawning in self.names.spawns)
+
+    def starts(self, scope: Scope, state: str) -> list[WrittenForm]:
+        """Return the spawns that start a machine in a state."""
+        return [
+            self.sheet.at[spawning.noun.span.start]
+            for spawning in self.names.spawns
+            if spawning.machine is scope and spawning.noun.state == state
+        ]
+
+    def spawn(self, scope: Scope, state: str) -> Edit:
+        """Return the edit that spawns a machine which nothing spawns yet."""
+        form = f"(spawn {scope.path[-1]} {state})"
+        if scope.outer is None or scope.outer.noun is None:
+            return self.sheet.added(self.sheet.root, form)
+        return self.spawn_by(scope.outer.states[scope.state], form)
+
+    def spawn_by(self, state: State, form: str) -> Edit:
+        """Return the edit that adds a spawn to what a state does on entry."""
+        whole = self.sheet.at[state.span.start]
+        entries = [each for each in whole.forms if each.keyword == "onentry"]
+        if entries:
+            return self.sheet.appended(entries[-1], form)
+        return self.sheet.added(whole, f"(onentry {form})")
+
+    def edits(self, edits: Iterable[Edit]) -> list[Edit]:
+        """Return edits in the order of the text, insertions at one place as one, if they make a program.
+
+        Raises
+        ------
+        ValueError
+            They do not.
+        """
+        joined: list[Edit] = []
+        for edit in sorted(edits, key=lambda edit: edit[:2]):
+            if joined and edit.start == edit.end == joined[-1].start == joined[-1].end:
+                joined[-1] = edit._replace(text=joined[-1].text + edit.text)
+            else:
+                joined.append(edit)
+        try:
+            parse(edited(self.sheet.text, joined))
+        except LRPSyntaxError as error:
+            raise ValueError(error.findings[0].message) from None
+        return joined
+
+
+class WrittenTransition(NamedTuple):
+    """A transition as it is written, with the places of its parts."""
+
+    sheet: Sheet
+    form: WrittenForm
+
+    @property
+    def shape(self) -> Shape:
+        """The roles of its parts."""
+        found = shape_of(self.form.types)
+        assert isinstance(found, Shape)
+        return found
+
+    @property
+    def destination(self) -> tuple[int, int]:
+        """The range of its destination."""
+        return self.form.span(self.shape.destination)
+
+    @property
+    def source(self) -> tuple[int, int]:
+        """The range of all that is written as its source."""
+        first = (self.shape.trigger or 0) + 1
+        return self.form.span(first)[0], self.form.span(self.shape.destination - 2)[1]
+
+    def sources(self, name: str) -> list[int]:
+        """Return the indices of its parts that name a state as a source, or as an exception from `*`."""
+        spans = {index: self.form.span(index) for index in self.shape.sources}
+        return [index for index, span in spans.items() if self.sheet.name(span) == name]
+
+    def without(self, name: str) -> list[Edit]:
+        """Return the edits that take a state out of several sources or exceptions."""
+        gone, all_ = self.sources(name), self.shape.sources
+        if len(gone) == len(all_):  # `*-{a}` becomes `*`
+            return [Edit(self.form.span(all_[0] - 2)[0], self.form.span(all_[-1] + 1)[1], "")]
+        edits = []
+        for index in gone:
+            start, end = self.form.span(index)
+            if index != all_[0]:
+                before = self.form.span(index - 1)[1]
+                blank = not self.sheet.text[before:start].strip(" \t")
+                edits.append(Edit(before if blank else start, end, ""))
+            else:
+                after = self.form.span(index + 1)[0]
+                blank = index + 1 not in gone and not self.sheet.text[end:after].strip(" \t")
+                edits.append(Edit(start, after if blank else end, ""))
+        return edits
+
+
+# -- new elements ----------------------------------------------------------------------------------------
+
+
+def new_state(text: str, machine: Path, name: str) -> list[Edit]:
+    """Return the edits for a new state; the first one of a machine that nothing spawns is its start.
+
+    Parameters
+    ----------
+    text : str
+    machine : tuple of str
+        Empty to make a machine as well.
+    name : str
+
+    Raises
+    ------
+    ValueError
+        The name cannot be used.
+    """
+    drawing = DrawnProgram(text)
+    name = _new_name(name)
+    if not machine:
+        one, taken = drawing.sheet.line_end, drawing.names.top.machines.get("", {})
+        first = next(free for free in numbered(FIRST_MACHINE) if free not in taken)
+        form = f"(machine {first}{one}  (state {name}))"
+        spawn = f"(spawn {first} {name})"
+        if drawing.program.spawns:
+            return drawing.edits([drawing.sheet.added(drawing.sheet.root, each) for each in (form, spawn)])
+        return drawing.edits([drawing.sheet.added(drawing.sheet.root, form, spawn)])
+    scope = drawing.machine(machine)
+    return drawing.edits(_state(drawing, scope, name))
+
+
+def numbered(name: str) -> Iterable[str]:
+    """Return a name, then the same with numbers from 2 on."""
+    return chain((name,), (f"{name}{number}" for number in range(2, 10_000)))
+
+
+def _new_name(name: str) -> str:
+    check_name("state", name)
+    return normal(name)
+
+
+def _state(drawing: DrawnProgram, scope: Scope, name: str) -> list[Edit]:
+    if name in scope.states:
+        raise ValueError(f"`{name}` is taken by another state. Choose another name.")
+    edits = [drawing.sheet.added(drawing.form_of(scope), f"(state {name})")]
+    if not scope.states and not drawing.is_spawned(scope):
+        edits.append(drawing.spawn(scope, name))
+    return edits
+
+
+def new_transition(text: str, machine: Path, source: str, destination: str, trigger: str) -> list[Edit]:
+    """Return the edits for a new transition.
+
+    Parameters
+    ----------
+    text : str
+    machine : tuple of str
+    source : str
+        A state of the machine, or ``*``.
+    destination : str
+        A state of the machine; it is made if there is none of this name.
+    trigger : str
+        An event, a block, a delay (``300``, ``2 s``, a variable), or nothing for ``eps``; what is none of
+        these becomes a condition. A keyword before it decides: ``ontime [pause]``.
+
+    Raises
+    ------
+    ValueError
+        It would not be a valid program.
+    """
+    drawing = DrawnProgram(text)
+    scope = drawing.machine(machine)
+    if source != "*" and source not in scope.states:
+        raise UnknownElementError(f"There is no state `{path_text((*machine, source))}`.")
+    destination = _new_name(destination)
+    edits = [] if destination in scope.states else _state(drawing, scope, destination)
+    keyword, condition = _trigger(scope, trigger.strip())
+    form = " ".join(filter(None, (keyword, condition, source, "->", destination)))
+    form = _only_form(f"({form})", "machine")
+    edits.append(drawing.sheet.added(drawing.form_of(scope), form))
+    return drawing.edits(edits)
+
+
+def _trigger(scope: Scope, trigger: str) -> tuple[str, str]:
+    """Return the keyword and the text of what was written as a trigger."""
+    if trigger in ("", "eps", "ε"):
+        return "eps", ""
+    if found := _KEYWORD.match(trigger):
+        return found[1], _milliseconds(trigger[found.end() :])
+    if _milliseconds(trigger).isdecimal():
+        return "ontime", _milliseconds(trigger)
+    if trigger.isidentifier():
+        name = normal(trigger)
+        is_delay = scope.owner("event", name) is None and scope.owner("variable", name) is not None
+        return ("ontime" if is_delay else "on"), trigger
+    return "on", trigger if trigger.startswith("[") and trigger.endswith("]") else f"[{trigger}]"
+
+
+def _milliseconds(text: str) -> str:
+    """Return a time with its unit (``2 s``) in milliseconds; another text as it is."""
+    found = _AMOUNT.fullmatch(text)
+    return str(round(float(found[1]) * (1000 if found[2] == "s" else 1))) if found else text
+
+
+def new_form(text: str, path: Path, form: str) -> list[Edit]:
+    """Return the edits that add a form to a state, to a machine, or to the program.
+
+    Parameters
+    ----------
+    text : str
+    path : tuple of str
+        Of the state or machine; empty for the program.
+    form : str
+        ``event late [time > 3]``, with or without its brackets.
+
+    Raises
+    ------
+    ValueError
+        It is not one form, or one that does not belong there.
+    """
+    drawing = DrawnProgram(text)
+    if path in drawing.names.by_path:
+        scope = drawing.names.by_path[path]
+        parent, keyword = drawing.form_of(scope), "machine" if path else "program"
+    else:
+        parent, keyword = drawing.sheet.at[drawing.state(path)[1].span.start], "state"
+    return drawing.edits([drawing.sheet.added(parent, _only_form(form, keyword))])
+
+
+def _only_form(text: str, keyword: str) -> str:
+    """Return a form with its brackets if it is exactly one, legal in a form with this keyword."""
+    text = text.strip()
+    form = text if text.startswith("(") else f"({text})"
+    before = {"state": "(machine m (state s ", "machine": "(machine m ", "program": ""}[keyword]
+    whole = f"{before}{form}\n{')' * before.count('(')}"
+    try:
+        parse(whole)
+    except LRPSyntaxError as error:
+        raise ValueError(error.findings[0].message) from None
+    found = Sheet(whole).at.get(len(before))
+    if found is None or found.end != len(before) + len(form) or found.keyword not in LEGAL[keyword]:
+        raise ValueError(f"`{text}` is more than one form. Write one at a time.")
+    return form
+
+
+# -- elements that go ------------------------------------------------------------------------------------
+
+
+def delete_transition(text: str, path: Path) -> list[Edit]:
+    """Return the edits that delete a transition."""
+    drawing = DrawnProgram(text)
+    return drawing.edits(drawing.sheet.removed([drawing.written(drawing.arrow(path)).form]))
+
+
+def delete_state(text: str, path: Path) -> list[Edit]:
+    """Return the edits that delete a state, with its transitions.
+
+    A transition with other sources, or with other exceptions from ``*``, loses this one only. A machine
+    that starts in the state starts in the first other one; if there is none, its spawn goes.
+
+    Raises
+    ------
+    ValueError
+        There are two states of this name.
+    """
+    drawing = DrawnProgram(text)
+    scope, state = drawing.state(path)
+    name = str(state.name)
+    if scope.noun and [str(each.name) for each in scope.noun.states].count(name) > 1:
+        raise ValueError(f"`{name}` is defined twice. Remove the second definition first.")
+    gone, edits = [drawing.sheet.at[state.span.start]], []
+    for arrow in chain.from_iterable(drawing.names.arrows.values()):
+        noun, here = arrow.noun, arrow.scope is scope
+        if noun.destination == name and set(arrow.homes) == {scope}:
+            gone.append(drawing.written(arrow).form)
+        elif here and name in noun.sources:
+            if noun.wildcard or set(noun.sources) != {name}:
+                edits += drawing.written(arrow).without(name)
+            else:
+                gone.append(drawing.written(arrow).form)
+    other = next((each for each in scope.states if each != name), None)
+    for spawn in drawing.starts(scope, name):
+        if other is None:
+            gone.append(spawn)
+        elif not state.span.start < spawn.start < state.span.end:
+            edits.append(Edit(*spawn.span(2), other))
+    return drawing.edits([*edits, *drawing.sheet.removed(gone)])
+
+
+def delete_machine(text: str, path: Path) -> list[Edit]:
+    """Return the edits that delete a machine, with its spawns."""
+    drawing = DrawnProgram(text)
+    scope = drawing.machine(path)
+    spawns = [each for each in drawing.names.spawns if each.machine is scope]
+    gone = [drawing.form_of(scope), *(drawing.sheet.at[each.noun.span.start] for each in spawns)]
+    return drawing.edits(drawing.sheet.removed(gone))
+
+
+# -- transitions that lead elsewhere ---------------------------------------------------------------------
+
+
+def change_transition(text: str, path: Path, form: str) -> list[Edit]:
+    """Return the edits that write a transition in another way, with or without its brackets.
+
+    Raises
+    ------
+    ValueError
+        It is not a transition.
+    """
+    drawing = DrawnProgram(text)
+    old = drawing.written(drawing.arrow(path)).form
+    new = _only_form(form, "machine")
+    if Sheet(new).root.forms[0].keyword not in FORMS:
+        raise ValueError(f"`{form.strip()}` is not a transition. Begin with {', '.join(FORMS)}.")
+    return drawing.edits([Edit(old.start, old.end, new)])
+
+
+def retarget(
+    text: str, path: Path, end: Literal["source", "destination"], name: str, old: str = ""
+) -> list[Edit]:
+    """Return the edits that lead one end of a transition to another state.
+
+    Parameters
+    ----------
+    text : str
+    path : tuple of str
+    end : {"source", "destination"}
+    name : str
+        The other state; as a source also ``*``.
+    old : str
+        Of several sources the one that is replaced.
+
+    Raises
+    ------
+    UnknownElementError
+        There is no such state.
+    """
+    drawing = DrawnProgram(text)
+    arrow = drawing.arrow(path)
+    written = drawing.written(arrow)
+    homes = [arrow.scope] if end == "source" else list(arrow.homes)
+    every = end == "source" and name == "*"
+    if not every and not any(name in home.states for home in homes):
+        where = path_text(homes[0].path) if homes else path_text(arrow.scope.path)
+        raise UnknownElementError(f"There is no state `{name}` in `{where}`.")
+    if end == "destination":
+        return drawing.edits([Edit(*written.destination, name)])
+    if every or arrow.noun.wildcard or len(arrow.noun.sources) == 1:
+        return drawing.edits([Edit(*written.source, name)])
+    if not written.sources(old):
+        raise UnknownElementError(f"`{old}` is not one of the sources of `{path[-1]}`.")
+    if name == old:
+        return []
+    if name in arrow.noun.sources:
+        return drawing.edits(written.without(old))
+    return drawing.edits([Edit(*written.form.span(index), name) for index in written.sources(old)])
+
+
+def reverse(text: str, path: Path) -> list[Edit]:
+    """Return the edits that exchange the source and the destination of a transition.
+
+    Raises
+    ------
+    ValueError
+        It does not lead from one state to one of the same machine.
+    """
+    drawing = DrawnProgram(text)
+    arrow = drawing.arrow(path)
+    noun, written = arrow.noun, drawing.written(arrow)
+    if noun.outward or noun.wildcard or len(noun.sources) != 1:
+        raise ValueError(
+            f"`{arrow.label}` cannot be reversed. Only a transition between two states of one machine can."
+        )
+    return drawing.edits(
+        [Edit(*written.source, str(noun.destination)), Edit(*written.destination, str(noun.sources[0]))]
+    )
+
+
+def start_in(text: str, path: Path) -> list[Edit]:
+    """Return the edits that start a machine in a state; it is spawned if nothing spawns it."""
+    drawing = DrawnProgram(text)
+    scope, state = drawing.state(path)
+    name = str(state.name)
+    spawns = [
+        drawing.sheet.at[each.noun.span.start] for each in drawing.names.spawns if each.machine is scope
+    ]
+    if not spawns:
+        return drawing.edits([drawing.spawn(scope, name)])
+    return drawing.edits([Edit(*spawn.span(2), name) for spawn in spawns])

@@ -1,0 +1,243 @@
+"""The forms of a program's text with their brackets: where a new form goes, and how one is cut out.
+
+Edits made here change nothing else: comments, line ends and the layout of other forms stay, and a new form
+is indented like the forms around it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import takewhile
+
+from lrp_jupyter.errors import Edit
+from lrp_jupyter.language.names import normal
+from lrp_jupyter.language.scanner import LINE_END, strings
+from lrp_jupyter.language.tokens import LEGAL, Token, keyword_of, tokenize
+from lrp_jupyter.language.triggers import FORMS
+
+__all__ = ["Sheet", "WrittenForm"]
+
+_RANKS = {"var": 0, "event": 1, "onentry": 2, "running": 3, "onexit": 4, "onpause": 5, "onresume": 6} | {
+    "state": 7,
+    "machine": 8,
+    "spawn": 9,
+    **dict.fromkeys(FORMS, 10),
+}
+"""The order of the forms in a form: a new one goes after the last one like it, or of a lower rank."""
+_APART = frozenset(
+    {"machine", "spawn", "onpause"}
+)  # at the top level, after another kind: a blank line before
+_BLANKS = re.compile(r"[ \t]*")
+_COMMENT = re.compile(r"[ \t]*[;#][^\r\n]*")
+_LINE = re.compile(r"(\r\n|\r|\n)([ \t]*+)(?=[^\s])")
+_STEP = "  "
+
+
+@dataclass(eq=False)
+class WrittenForm:
+    """A form as it is written: ``text[start:end]``, and the tokens and forms after its keyword.
+
+    ``head`` is the end of its keyword or, of a form that begins with one, of its name.
+    """
+
+    keyword: str
+    start: int
+    head: int
+    end: int = 0
+    items: list[Token | WrittenForm] = field(default_factory=list)
+    parent: WrittenForm | None = None
+
+    @property
+    def forms(self) -> list[WrittenForm]:
+        """The forms directly in it."""
+        return [item for item in self.items if isinstance(item, WrittenForm)]
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """The types of its parts for the grammar, the keyword first."""
+        kinds = (f"{i.keyword.upper()}_FORM" if isinstance(i, WrittenForm) else i[0] for i in self.items)
+        return (self.keyword.upper(), *kinds)
+
+    def span(self, index: int) -> tuple[int, int]:
+        """Return the range of a part, counted as in `types`."""
+        item = self.items[index - 1]
+        return (item.start, item.end) if isinstance(item, WrittenForm) else (item[1], item[2])
+
+
+class Sheet:
+    """The text of a valid program, as nested forms.
+
+    Attributes
+    ----------
+    root : WrittenForm
+        The top level.
+    at : dict of int to WrittenForm
+        Every form by its start.
+    line_end : str
+        The first line end of the text.
+    """
+
+    def __init__(self, text: str) -> None:
+        self.text = text
+        self.root = WrittenForm("program", 0, 0, len(text))
+        self.at: dict[int, WrittenForm] = {}
+        self._ends: dict[int, int] = {}  # by the start of a form: the end of what precedes it
+        opened, last = [self.root], 0
+        for token in tokenize(text):
+            kind, start, end = token
+            if kind == "OPEN":
+                form = WrittenForm(keyword_of(text, token), start, end, parent=opened[-1])
+                self.at[start], self._ends[start] = form, last
+                opened[-1].items.append(form)
+                opened.append(form)
+            elif kind == "CLOSE":
+                opened.pop().end = end
+            else:
+                form = opened[-1]
+                if kind == "NAME" and not form.items and form.keyword in _NAMED:
+                    form.head = end
+                form.items.append(token)
+            last = end
+        found = LINE_END.search(text)
+        self.line_end = found[0] if found else "\n"
+
+    def name(self, span: tuple[int, int]) -> str:
+        """Return the name in a range, as the parser reads it."""
+        return normal(self.text[slice(*span)])
+
+    # -- new forms -----------------------------------------------------------------------------------
+
+    def added(self, parent: WrittenForm, *forms: str) -> Edit:
+        """Return the edit that adds forms of one kind, or of growing rank, to a form."""
+        if parent is self.root:
+            return self._at_top(forms)
+        end, gap = self.place(parent, _keyword(forms[0]))
+        return Edit(end, end, "".join(gap + form for form in forms))
+
+    def place(self, parent: WrittenForm, keyword: str) -> tuple[int, str]:
+        """Return where a new form goes in another one, and what is to be written before it.
+
+        That is a space or, if its neighbours have lines of their own, a line end and their indentation.
+        """
+        before = self._predecessor(parent, keyword)
+        first = next(iter(parent.forms), None)
+        sample = before or first
+        if not self._begins_line((sample or parent).start):
+            return (before.end if before else parent.head), " "
+        indent = self.indent(sample.start) if sample else self.indent(parent.start) + _STEP
+        return self._after_comment(before.end if before else parent.head), self.line_end + indent
+
+    def appended(self, form: WrittenForm, item: str) -> Edit:
+        """Return the edit that adds an item after the last one of a form."""
+        start, end = form.span(len(form.items))
+        gap = self.line_end + self.indent(start) if self._begins_line(start) else " "
+        end = self._after_comment(end) if gap != " " else end
+        return Edit(end, end, gap + item)
+
+    def _predecessor(self, parent: WrittenForm, keyword: str) -> WrittenForm | None:
+        rank = _RANKS[keyword]
+        alike = [form for form in parent.forms if _RANKS[form.keyword] == rank]
+        lower = [form for form in parent.forms if _RANKS[form.keyword] < rank]
+        return next(iter(reversed(alike or lower)), None)
+
+    def _at_top(self, forms: tuple[str, ...]) -> Edit:
+        keyword, one = _keyword(forms[0]), self.line_end
+        before = self._predecessor(self.root, keyword)
+        whole = (one * 2).join(forms)
+        if before is not None:
+            end = self._after_comment(before.end)
+            apart = keyword == "machine" or (keyword in _APART and before.keyword != keyword)
+            gap = one * (2 if apart else 1)
+        elif self.root.forms:
+            first = self.root.forms[0]
+            return Edit(first.start, first.start, whole + one * (1 if keyword == first.keyword else 2))
+        else:
+            end = len(self.text.rstrip())
+            gap = one * 2 if end else ""
+        return Edit(end, end, gap + whole + ("" if self.text[end:] else one))
+
+    def _after_comment(self, end: int) -> int:
+        """Return the end of the comment that follows on the same line, with nothing between; else `end`."""
+        found = _COMMENT.match(self.text, end)
+        return found.end() if found else end
+
+    def _begins_line(self, start: int) -> bool:
+        line = self._line_start(start)
+        return not self.text[line:start].strip(" \t\ufeff")
+
+    def _line_start(self, offset: int) -> int:
+        return max(self.text.rfind("\n", 0, offset), self.text.rfind("\r", 0, offset)) + 1
+
+    def indent(self, offset: int) -> str:
+        """Return the white space at the beginning of a line."""
+        found = _BLANKS.match(self.text, self._line_start(offset))
+        return found[0] if found else ""
+
+    # -- forms that go -------------------------------------------------------------------------------
+
+    def removed(self, forms: Iterable[WrittenForm]) -> list[Edit]:
+        """Return the edits that cut forms out; a form without its only items goes too. Comments stay."""
+        gone = set(forms)
+        for form in list(gone):
+            around = form.parent
+            if around and around.keyword in _ACTIONS and gone.issuperset(set(around.items)):
+                gone.add(around)
+        runs: list[list[int]] = []
+        for form in sorted(gone, key=lambda form: form.start):
+            if runs and form.end <= runs[-1][1]:
+                continue  # inside one that goes
+            if runs and not self.text[runs[-1][1] : form.start].strip():
+                runs[-1][1] = form.end
+            else:
+                runs.append([form.start, form.end])
+        return [self._cut(start, end) for start, end in runs]
+
+    def _cut(self, start: int, end: int) -> Edit:
+        """Return the edit that removes ``text[start:end]`` with the white space that belongs to it."""
+        text, line = self.text, self._line_start(start)
+        left = start - len(list(takewhile(" \t".__contains__, reversed(text[line:start]))))
+        right = _BLANKS.match(text, end).end()  # type: ignore[union-attr]
+        if left > line:
+            return Edit(left, end, "")
+        line_end = LINE_END.match(text, right)
+        if line_end or right == len(text):
+            return Edit(left, line_end.end() if line_end else right, "")
+        if text[right] != ")":
+            return Edit(start, right, "")
+        before = self._ends[start]
+        if text[before:left].strip():  # a comment: the bracket must not be on its line
+            return Edit(start, right, "")
+        return Edit(before, right, "")
+
+    # -- forms that move -----------------------------------------------------------------------------
+
+    def shifted(self, form: WrittenForm, indent: str) -> str:
+        """Return the text of a form with its lines indented for a line of this indentation.
+
+        The lines of strings stay as they are.
+        """
+        text, old = self.text[form.start : form.end], self.indent(form.start)
+        inside = [
+            (start + 1 + begin, start + 1 + end)
+            for kind, start, stop in tokenize(text)
+            if kind == "BLOCK"
+            for begin, end in strings(text[start + 1 : stop - 1])
+        ]
+
+        def line(match: re.Match[str]) -> str:
+            if any(start < match.start() < end for start, end in inside):
+                return match[0]
+            return match[1] + indent + match[2].removeprefix(old)
+
+        return _LINE.sub(line, text)
+
+
+def _keyword(form: str) -> str:
+    return keyword_of(form, tokenize(form)[0])
+
+
+_ACTIONS = frozenset({"onentry", "running", "onexit"})
+_NAMED = frozenset({"machine", "state", "var", "event"})
+assert frozenset().union(*LEGAL.values()) <= _RANKS.keys()
