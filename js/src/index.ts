@@ -1,11 +1,12 @@
 /** The widget: one class for every part of the lab; its `view` trait says which one. */
 
+import type { HostedModel } from "./host/notebook";
 import { openLab } from "./lab";
 import type { PartName } from "./protocol";
 import type { Model } from "./session/connection";
 
 interface Context {
-  model: Model & { get(name: string): unknown };
+  model: Model & HostedModel & { get(name: string): unknown };
   el: HTMLElement;
 }
 

@@ -2,6 +2,8 @@
 
 import { Editor } from "./editor/editor";
 import { graphView } from "./graph/view";
+import type { HostedModel } from "./host/notebook";
+import { cellSource } from "./host/source";
 import { controls } from "./parts/controls";
 import { editorPanel } from "./parts/editor";
 import { type Inspector, inspector } from "./parts/inspector";
@@ -28,7 +30,7 @@ import { type WorldPart, worldView } from "./world/view";
 
 const TOAST_TIME = 6000; // ms that an error stays
 
-export function openLab(model: Model, part: PartName, host: HTMLElement): () => void {
+export function openLab(model: Model & HostedModel, part: PartName, host: HTMLElement): () => void {
   const store = new Store();
   const root = h("div", {
     class: "lrp-lab",
@@ -153,12 +155,14 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
   const { isFilling, fill } = enlarging(host, root, layout);
   const save = saveForm(lab);
   const versions = versionsForm(lab);
+  const cell = editor && cellSource(model, lab, editor);
   const choices: Choices = {
     layout,
     fills: { shown: isFilling, show: fill },
     values: values(editor),
     save: save.open,
     versions: versions.open,
+    cell: () => cell?.items() ?? [],
   };
   root.append(notes(lab, () => editor?.text ?? ""));
   if (part === "lab" || part === "controls")
@@ -191,6 +195,7 @@ export function openLab(model: Model, part: PartName, host: HTMLElement): () => 
     layout?.close();
     elsewhere.close();
     connection.close();
+    cell?.close();
     store.close();
     editor?.close();
     root.remove();

@@ -5,7 +5,7 @@ import { history } from "@codemirror/commands";
 import { bracketMatching, foldGutter, forceParsing, indentOnInput, indentUnit } from "@codemirror/language";
 import { lintGutter } from "@codemirror/lint";
 import { search } from "@codemirror/search";
-import { EditorState, type Extension, Prec } from "@codemirror/state";
+import { EditorState, type Extension, Prec, Text } from "@codemirror/state";
 import {
   EditorView,
   highlightActiveLine,
@@ -29,7 +29,7 @@ import { keys } from "./keys";
 import { live, liveChanged, marksOf } from "./live";
 import { goToDefinition, navigation, rename } from "./navigate";
 import { lineSeparator, placeOf } from "./places";
-import { adopt, adopted, Tracked } from "./texts";
+import { adopt, adopted, difference, Tracked } from "./texts";
 import { Typing } from "./typing";
 
 const PARSE_FOR = 200; // ms: long enough to highlight a new text at once
@@ -231,6 +231,13 @@ export class Editor {
     if (!item) return;
     select(this.view, item.nameFrom, item.nameTo);
     void rename(this.view, this.lab, item.nameFrom);
+  }
+
+  /** Replace the text as if the new one were typed: it is sent, and can be undone. */
+  edit(text: string): void {
+    const { doc } = this.view.state;
+    const changes = difference(doc, Text.of(text.split(/\r\n?|\n/)));
+    if (changes) this.view.dispatch({ changes });
   }
 
   insert(text: string): void {

@@ -16,6 +16,8 @@ export interface Choices {
   values: Choice;
   save: () => void;
   versions: () => void;
+  /** What concerns the cell above the lab. */
+  cell: () => MenuItem[];
 }
 
 export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
@@ -38,6 +40,7 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
   return [
     { label: "Save…", action: "save", run: choices.save },
     { label: "Versions…", action: "versions", run: choices.versions },
+    ...choices.cell(),
     { label: "Inspect the robot", action: "inspect-robot", run: () => lab.inspect("robot", "") },
     null,
     {

@@ -1,0 +1,43 @@
+/**
+ * The notebook around a lab, in hosts that show it to their widgets (JupyterLab and Jupyter Notebook): only
+ * what is used here of their interfaces. Elsewhere there is none, and the lab does without.
+ */
+
+interface Signal<T> {
+  connect(slot: (sender: unknown, value: T) => void): boolean;
+  disconnect(slot: (sender: unknown, value: T) => void): boolean;
+}
+
+export interface NotebookCell {
+  readonly contentChanged: Signal<void>;
+  readonly sharedModel: { getSource(): string; setSource(source: string): void };
+}
+
+export interface Notebook {
+  readonly model: {
+    readonly cells: { get(index: number): NotebookCell | undefined };
+    readonly sharedModel: { insertCell(index: number, cell: { cell_type: "code"; source: string }): unknown };
+  };
+}
+
+/** The part of a widget's model from which its notebook is found. */
+export interface HostedModel {
+  widget_manager?: { context?: Notebook };
+}
+
+export interface CellPlace {
+  notebook: Notebook;
+  cell: NotebookCell;
+  index: number;
+  /** The cell as it is drawn. */
+  element: HTMLElement;
+}
+
+/** The cell whose output contains an element; null if the host shows no notebook. */
+export function cellAround(model: HostedModel, inside: HTMLElement): CellPlace | null {
+  const notebook = model.widget_manager?.context;
+  const element = inside.closest<HTMLElement>(".jp-Cell");
+  const index = Number(element?.dataset.windowedListIndex ?? Number.NaN);
+  const cell = notebook?.model?.cells.get(index);
+  return notebook && element && cell ? { notebook, cell, index, element } : null;
+}
