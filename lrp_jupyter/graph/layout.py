@@ -9,7 +9,8 @@ The result is passed to the next call as `previous`, so that states keep their p
 - a new state is placed at the free position nearest to its neighbours;
 - the missing end of a dangling transition already has the position of the state to come;
 - the position of a removed state stays reserved for :data:`RESERVED` seconds (time is a parameter here);
-- a state whose name is being typed keeps its position: the only one that differs, in the same order.
+- a state whose name is being typed keeps its position: the only one that differs, in the same order; so does
+  the missing end of an arrow.
 
 Paper: §3.1, figure 2 (kinds of transitions and the fictional state ``*``).
 """

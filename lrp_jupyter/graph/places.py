@@ -62,7 +62,8 @@ def keep_positions(
     """
     positions: dict[str, Position] = {}
     if previous is not None:
-        positions = _kept(previous, sizes, _retyped(previous, states), now)
+        retyped = _retyped(previous, states) or _retyped_end(previous, states, links)
+        positions = _kept(previous, sizes, retyped, now)
     first = not any(name in positions for name in sizes)
     for name, (x, y) in moved.items():
         if name in sizes:
@@ -109,6 +110,20 @@ def _retyped(previous: Layout, states: Sequence[str]) -> dict[str, str]:
     if len(changed) != 1 or changed[0][1] in old:
         return {}
     return dict(changed)
+
+
+def _retyped_end(previous: Layout, states: Sequence[str], links: Sequence[Link]) -> dict[str, str]:
+    """Return the missing end of an arrow whose name is being edited, the only one that differs."""
+    arrows = [(a["source"], a["destination"]) for a in previous["transitions"] if a["kind"] != "exit"]
+    if len(arrows) != len(links):
+        return {}
+    pairs = zip(arrows, links, strict=True)
+    changed = {(a, b) for pair in pairs for a, b in zip(*pair, strict=True) if a != b}
+    if len(changed) != 1:
+        return {}
+    ((old, new),) = changed
+    kinds = {shape["name"]: shape["kind"] for shape in previous["states"]}
+    return {old: new} if kinds.get(old) == "missing" and new not in kinds and new not in states else {}
 
 
 def _add_new(

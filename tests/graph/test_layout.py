@@ -325,6 +325,24 @@ def test_typing_a_name_letter_by_letter_moves_nothing():
     assert positions(drawing) == positions(first)
 
 
+@pytest.mark.parametrize("text", ["(eps a -> {})", "(eps {} -> a)", "(on e {{a {}}} -> b)"])
+def test_typing_a_missing_end_letter_by_letter_moves_nothing(text):
+    text = THREE.format(more="(eps c -> lost) " + text)
+    first = drawing = lay(text.format("r"))
+    for name in ("re", "res", "rest", "res", "resti"):
+        drawing = lay(text.format(name), drawing)
+        moved = {("r" if shown == name else shown): at for shown, at in positions(drawing).items()}
+        assert moved == positions(first)
+    assert set(drawing["places"]) == set(positions(drawing))  # nothing is reserved for half a word
+
+
+def test_a_missing_end_that_another_arrow_has_already_stays():
+    text = THREE.format(more="(eps c -> lost) (eps a -> {})")
+    before = lay(text.format("los"))
+    after = lay(text.format("lost"), before)
+    assert positions(after)["lost"] == positions(before)["lost"]
+
+
 def test_a_state_stays_where_it_was_dragged():
     text = THREE.format(more="(on e a -> b) (on e b -> c)")
     before = lay(text)
