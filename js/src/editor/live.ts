@@ -14,10 +14,11 @@ import {
   WidgetType,
 } from "@codemirror/view";
 import { lastFired } from "../graph/marks";
-import { outlineOf } from "../language/lrp";
+import type { Outline } from "../language/outline";
 import type { LabState } from "../session/state";
 import { h } from "../ui/dom";
 import { testedEvents } from "./tested";
+import { WholeOutline } from "./whole";
 
 /** An effect: something that is drawn here has changed. */
 export const liveChanged = StateEffect.define<null>();
@@ -66,24 +67,26 @@ export function live(state: LabState, values: () => boolean) {
   return ViewPlugin.fromClass(
     class {
       decorations: DecorationSet;
+      private readonly whole = new WholeOutline();
 
       constructor(view: EditorView) {
-        this.decorations = decorate(view.state, state, values());
+        this.decorations = decorate(view.state, this.whole.update(view.state, null), state, values());
       }
 
       update(update: ViewUpdate): void {
         const changed = update.transactions.some((tr) => tr.effects.some((effect) => effect.is(liveChanged)));
         const parsed = syntaxTree(update.startState) !== syntaxTree(update.state);
-        if (changed || parsed || update.docChanged)
-          this.decorations = decorate(update.state, state, values());
+        if (changed || parsed || update.docChanged) {
+          const outline = this.whole.update(update.state, update.docChanged ? update.changes : null);
+          this.decorations = decorate(update.state, outline, state, values());
+        }
       }
     },
     { decorations: (plugin) => plugin.decorations },
   );
 }
 
-function decorate(editor: EditorState, lab: LabState, values: boolean): DecorationSet {
-  const found = outlineOf(editor);
+function decorate(editor: EditorState, found: Outline, lab: LabState, values: boolean): DecorationSet {
   const marks: Range<Decoration>[] = [];
   const lines = new Set<number>();
   for (const path of lab.lit) {
@@ -99,7 +102,7 @@ function decorate(editor: EditorState, lab: LabState, values: boolean): Decorati
     if (item) marks.push(firedMark.range(item.from, item.to));
   }
   if (values) {
-    for (const [line, shown] of lineValues(editor, lab)) {
+    for (const [line, shown] of lineValues(editor, found, lab)) {
       const widget = Decoration.widget({ widget: new ValueWidget(shown), side: 1 });
       marks.push(widget.range(editor.doc.line(line).to));
     }
@@ -115,10 +118,10 @@ interface Value {
 }
 
 /** The values at the end of each line. */
-function lineValues(editor: EditorState, lab: LabState): Map<number, Value[]> {
+function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<number, Value[]> {
   const lines = new Map<number, Value[]>();
   const tested = testedEvents(lab);
-  for (const { kind, path, name, to } of outlineOf(editor).items) {
+  for (const { kind, path, name, to } of outline.items) {
     const text = shownValue(kind, path, lab);
     if (text === null) continue;
     const line = editor.doc.lineAt(to).number;
