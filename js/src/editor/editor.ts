@@ -29,6 +29,7 @@ import { keys } from "./keys";
 import { live, liveChanged, marksOf } from "./live";
 import { goToDefinition, navigation, rename } from "./navigate";
 import { lineSeparator, placeOf } from "./places";
+import { scrubbing } from "./scrub";
 import { adopt, adopted, difference, Tracked } from "./texts";
 import { Typing } from "./typing";
 
@@ -87,6 +88,7 @@ export class Editor {
       completion(lab),
       hover(lab),
       navigation(lab),
+      scrubbing,
       showTyped(lab),
       live(lab.store.state, () => this.values),
       placeholder("(machine follower …) (spawn follower moving)"),

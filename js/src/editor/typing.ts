@@ -5,6 +5,7 @@
 
 import type { EditorState } from "@codemirror/state";
 import type { ViewUpdate } from "@codemirror/view";
+import { scrubbed } from "./scrub";
 
 export const WORD_AFTER = 700; // ms
 export const NUMBER_AFTER = 400;
@@ -26,7 +27,9 @@ export class Typing {
 
   /** Handle a change of the text that was made here. */
   changed({ state, transactions }: ViewUpdate): void {
-    const isTyped = transactions.some((one) => one.isUserEvent("input.type") || one.isUserEvent("delete"));
+    const isTyped = transactions.some(
+      (one) => (one.isUserEvent("input.type") || one.isUserEvent("delete")) && !one.annotation(scrubbed),
+    );
     this.stop();
     const head = state.selection.main.head;
     if (isTyped) {

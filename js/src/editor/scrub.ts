@@ -1,0 +1,120 @@
+/**
+ * Numbers that are changed by hand while the program runs: Alt and a drag, or Alt and the arrow keys, on a
+ * number. Each step is an edit that runs at once; all steps of one gesture are one step of undo.
+ */
+
+import { Annotation, type EditorState, type Extension, Prec } from "@codemirror/state";
+import { EditorView, hoverTooltip, keymap } from "@codemirror/view";
+import { h } from "../ui/dom";
+
+/** Marks a change that scrubbing made: it is meant at once. */
+export const scrubbed = Annotation.define<boolean>();
+
+const STEP = 4; // px of a drag for one step
+const NUMBER = /(?<![\w.])-?(?:\d+\.\d*|\.\d+|\d+)(?![\w.])/g;
+/** After one of these a `-` is not the sign of the number: `a - 1`, `f(x)-1`. */
+const OPERAND = /[\w)\]]\s*$/;
+
+interface Literal {
+  from: number;
+  to: number;
+  text: string;
+}
+
+/** The number that an offset touches. */
+export function numberAt(state: EditorState, offset: number): Literal | null {
+  const line = state.doc.lineAt(offset);
+  for (const match of line.text.matchAll(NUMBER)) {
+    const binary = match[0].startsWith("-") && OPERAND.test(line.text.slice(0, match.index));
+    const text = binary ? match[0].slice(1) : match[0];
+    const to = line.from + match.index + match[0].length;
+    if (to - text.length <= offset && offset <= to) return { from: to - text.length, to, text };
+  }
+  return null;
+}
+
+/** A number after some steps: of its second digit, or of the last one that is written, whichever is finer. */
+export function stepped(text: string, steps: number): string {
+  const value = Number(text);
+  const written = text.includes(".") ? text.length - text.indexOf(".") - 1 : 0;
+  const second = value ? 1 - Math.floor(Math.log10(Math.abs(value))) : 1;
+  const places = text.includes(".") ? Math.max(written, second, 1) : 0;
+  const size = text.includes(".") ? 10 ** -places : 10 ** Math.max(0, -second);
+  return (value + steps * size).toFixed(Math.min(places, 15)).replace(/^-(0(?:\.0*)?)$/, "$1");
+}
+
+function put(view: EditorView, { from, to }: Literal, text: string, isFirst: boolean): Literal {
+  view.dispatch({
+    changes: { from, to, insert: text },
+    selection: { anchor: from, head: from + text.length },
+    // this event joins the last one of the history, however long ago that was
+    userEvent: isFirst ? "input.scrub" : "input.type.compose",
+    annotations: scrubbed.of(true),
+  });
+  return { from, to: from + text.length, text };
+}
+
+/** Changes the number at the cursor; false if there is none. */
+function byKey(steps: number) {
+  return (view: EditorView): boolean => {
+    const { from, to, head } = view.state.selection.main;
+    const literal = numberAt(view.state, head);
+    if (!literal || from < literal.from || to > literal.to) return false;
+    const goesOn = from === literal.from && to === literal.to && from < to;
+    put(view, literal, stepped(literal.text, steps), !goesOn);
+    return true;
+  };
+}
+
+function byDrag(event: MouseEvent, view: EditorView): boolean {
+  if (!event.altKey || event.button !== 0) return false;
+  const offset = view.posAtCoords({ x: event.clientX, y: event.clientY });
+  const begun = offset === null ? null : numberAt(view.state, offset);
+  if (!begun) return false;
+  event.preventDefault();
+  view.focus();
+  let literal = begun;
+  let isFirst = true;
+  const move = (now: MouseEvent) => {
+    const steps = Math.trunc((now.clientX - event.clientX) / STEP) * (now.shiftKey ? 10 : 1);
+    const text = stepped(begun.text, steps);
+    if (text === literal.text) return;
+    if (view.state.sliceDoc(literal.from, literal.to) !== literal.text) return end(); // changed elsewhere
+    literal = put(view, literal, text, isFirst);
+    isFirst = false;
+  };
+  const end = () => {
+    window.removeEventListener("mousemove", move);
+    window.removeEventListener("mouseup", end);
+  };
+  window.addEventListener("mousemove", move);
+  window.addEventListener("mouseup", end);
+  return true;
+}
+
+const card = hoverTooltip(
+  (view, offset) => {
+    const literal = numberAt(view.state, offset);
+    if (!literal) return null;
+    return {
+      pos: literal.from,
+      end: literal.to,
+      above: true,
+      create: () => ({
+        dom: h("div", { class: "lrp-card" }, "Alt and a drag, or Alt+↑ and Alt+↓, change it while it runs."),
+      }),
+    };
+  },
+  { hoverTime: 600 },
+);
+
+export const scrubbing: Extension = [
+  card,
+  EditorView.domEventHandlers({ mousedown: byDrag }),
+  Prec.high(
+    keymap.of([
+      { key: "Alt-ArrowUp", run: byKey(1), shift: byKey(10) },
+      { key: "Alt-ArrowDown", run: byKey(-1), shift: byKey(-10) },
+    ]),
+  ),
+];
