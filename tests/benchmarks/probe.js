@@ -21,11 +21,13 @@ window.probe = {
     });
   },
   wall: time => performance.timeOrigin + time,
-  // From every key until something is painted.
+  // From every key until something is painted; only the last element that was named is watched.
   watchKeys(element) {
+    this.watching?.abort();
+    this.watching = new AbortController();
     element.addEventListener("keydown", async event => {
       this.keys.push(await this.paint() - event.timeStamp);
-    }, true);
+    }, { capture: true, signal: this.watching.signal });
   },
   // From the next event of a kind until a condition holds in the lab, and is painted.
   arm(kind, root, condition) {
