@@ -359,6 +359,16 @@ export interface PinCommand {
   y: number;
 }
 
+/** Choose places for new states so that the graph fits into a panel of this size, in px. */
+export interface FitCommand {
+  view: string;
+  type: "command";
+  id: number;
+  do: "fit";
+  width: number;
+  height: number;
+}
+
 /** Lay out a machine as if for the first time. */
 export interface ArrangeCommand {
   view: string;
@@ -1101,6 +1111,7 @@ export type Command =
   | PauseOnIssueCommand
   | ClearIssuesCommand
   | PinCommand
+  | FitCommand
   | ArrangeCommand
   | DragRobotCommand
   | DragSolidCommand

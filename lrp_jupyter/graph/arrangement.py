@@ -27,6 +27,12 @@ GAP_X, GAP_Y = 76.0, 60.0
 """Least room between two states, so that an arrow and its label fit, in px."""
 LAYER = 108.0
 """From the middle of one layer to the middle of the next, in px."""
+LABEL_GAP = 124.0
+"""Room between two layers beside each other, for an arrow and its label, in px."""
+AROUND = 90.0
+"""Width and height of what is around the states: frame, name and labels, in px."""
+CLEARLY = 1.1
+"""How much larger layers beside each other must be shown than layers below each other."""
 TALL = 9
 """Layers in a column when a tall arrangement is folded."""
 SMALL = 12
@@ -42,7 +48,12 @@ def is_dense(names: Sequence[str], links: Sequence[Link]) -> bool:
     return len(links) > 2.5 * len(names)
 
 
-def arrange(sizes: Mapping[str, Size], links: Sequence[Link], starts: Sequence[str] = ()) -> dict[str, Point]:
+def arrange(
+    sizes: Mapping[str, Size],
+    links: Sequence[Link],
+    starts: Sequence[str] = (),
+    panel: Size | None = None,
+) -> dict[str, Point]:
     """Arrange a machine for the first time.
 
     Layers by longest path, the start state first and ``*`` at the left; an ellipse in the order of
@@ -56,6 +67,9 @@ def arrange(sizes: Mapping[str, Size], links: Sequence[Link], starts: Sequence[s
         One for each edge; both ends are in `sizes`.
     starts : sequence of str
         Start states.
+    panel : (float, float), optional
+        Width and height of the panel that shows it, in px: the layers lie below or beside each other,
+        whichever is shown larger.
 
     Returns
     -------
@@ -66,20 +80,23 @@ def arrange(sizes: Mapping[str, Size], links: Sequence[Link], starts: Sequence[s
     if not states:
         return {ANY: (0.0, 0.0)} if ANY in sizes else {}
     if is_dense(list(sizes), links):
-        places = _ellipse(states, sizes, len(links))
+        places = _ellipse(states, sizes, len(links), panel)
     else:
-        places = _layered(states, sizes, links, starts)
+        places = _layered(states, sizes, links, starts, panel)
     if ANY in sizes:
         places[ANY] = left_of(places, sizes, links)
     return {name: (round(x, 1), round(y, 1)) for name, (x, y) in places.items()}
 
 
-def _ellipse(states: Sequence[str], sizes: Mapping[str, Size], links: int) -> dict[str, Point]:
+def _ellipse(
+    states: Sequence[str], sizes: Mapping[str, Size], links: int, panel: Size | None
+) -> dict[str, Point]:
     count = len(states)
     widest = max(sizes[name][0] for name in states)
     crowd = math.sqrt(max(1.0, links / count / 2.5))
     height = max(90.0, 24.0 * count * crowd + 50.0 * crowd)
-    width = max(height * 1.4, (widest + GAP_X) * count / (2 * math.pi))
+    shape = min(2.2, max(0.8, panel[0] / panel[1])) if panel else 1.4
+    width = max(height * shape, (widest + GAP_X) * count / (2 * math.pi))
     turn = 2 * math.pi / count
     return {
         name: (width * math.sin(turn * index), -height * math.cos(turn * index))
@@ -98,7 +115,11 @@ def left_of(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Itera
 
 
 def _layered(
-    states: Sequence[str], sizes: Mapping[str, Size], links: Sequence[Link], starts: Sequence[str]
+    states: Sequence[str],
+    sizes: Mapping[str, Size],
+    links: Sequence[Link],
+    starts: Sequence[str],
+    panel: Size | None,
 ) -> dict[str, Point]:
     names = [*([ANY] if ANY in sizes else []), *states]
     level = layers(names, links, starts or states[:1])
@@ -109,10 +130,47 @@ def _layered(
     for name in states:
         by_level.setdefault(level[name], []).append(name)
     rows = [sorted(by_level[depth], key=lambda name: across[name]) for depth in sorted(by_level)]
+    down = _down(rows, sizes, links, panel)
+    if panel is None:
+        return down
+    right = _right(rows, sizes, links)
+    return right if _scale(right, sizes, panel) > CLEARLY * _scale(down, sizes, panel) else down
+
+
+def _down(
+    rows: list[list[str]], sizes: Mapping[str, Size], links: Sequence[Link], panel: Size | None
+) -> dict[str, Point]:
+    """Return positions in layers below each other."""
     places = _coordinates(rows, sizes, links)
-    if len(states) <= SMALL:
+    if sum(map(len, rows)) <= SMALL:
         rows, places = _improved(rows, places, sizes, links)
-    return _fold(places, sizes, rows) if len(rows) >= TALL * 1.5 else places
+    return _fold(places, sizes, rows, panel) if len(rows) >= TALL * 1.5 else places
+
+
+def _right(rows: list[list[str]], sizes: Mapping[str, Size], links: Sequence[Link]) -> dict[str, Point]:
+    """Return positions in layers beside each other, with room for labels between them."""
+    lying = {name: (height, width) for name, (width, height) in sizes.items()}
+    places = _coordinates(rows, lying, links)
+    if sum(map(len, rows)) <= SMALL:
+        rows, places = _improved(rows, places, lying, links)
+    found: dict[str, Point] = {}
+    left = 0.0
+    for row in rows:
+        widest = max(sizes[name][0] for name in row)
+        found.update({name: (left + widest / 2, places[name][0]) for name in row})
+        left += widest + LABEL_GAP
+    return found
+
+
+def _scale(places: Mapping[str, Point], sizes: Mapping[str, Size], panel: Size) -> float:
+    """Compute how large an arrangement is shown, if all of it is in view."""
+    width, height = (
+        max(at[i] + sizes[name][i] / 2 for name, at in places.items())
+        - min(at[i] - sizes[name][i] / 2 for name, at in places.items())
+        + AROUND
+        for i in (0, 1)
+    )
+    return min(1.0, panel[0] / width, panel[1] / height)
 
 
 # -- layers ------------------------------------------------------------------------------------------
@@ -366,13 +424,17 @@ def _cross(a: Point, b: Point, c: Point, d: Point) -> bool:
 
 
 def _fold(
-    places: Mapping[str, Point], sizes: Mapping[str, Size], rows: Sequence[Sequence[str]]
+    places: Mapping[str, Point],
+    sizes: Mapping[str, Size],
+    rows: Sequence[Sequence[str]],
+    panel: Size | None,
 ) -> dict[str, Point]:
     """Fold a tall arrangement into columns, up and down in turn, so that neighbours stay near."""
     left = min(x - sizes[name][0] / 2 for name, (x, _) in places.items())
     right = max(x + sizes[name][0] / 2 for name, (x, _) in places.items())
     wide = right - left + 1.5 * GAP_X
-    tall = math.ceil(math.sqrt(len(rows) * wide / LAYER))  # about as wide as high
+    shape = panel[0] / panel[1] if panel else 1.0
+    tall = math.ceil(math.sqrt(len(rows) * wide / LAYER / shape))  # of the panel's shape
     tall = math.ceil(len(rows) / math.ceil(len(rows) / tall))
     folded = {}
     for depth, row in enumerate(rows):

@@ -11,7 +11,7 @@ import unicodedata
 from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
-from itertools import pairwise
+from itertools import accumulate, pairwise, takewhile
 
 from lrp_jupyter.graph.geometry import Cells, Point, Rect
 from lrp_jupyter.graph.routes import SAMPLES, Route
@@ -185,13 +185,20 @@ def _character_width(character: str) -> int:
 
 
 def shorten(text: str, size: float, width: float) -> str:
-    """Return the text in one line; if it is wider than `width` px its end becomes an ellipsis."""
+    """Return the text in one line; of one wider than `width` px an ellipsis replaces the middle.
+
+    Names with a common beginning differ at their ends, and so do conditions.
+    """
     line = " ".join(text.split())
     if len(line) * size <= width or text_width(line, size) <= width:  # no character is wider than high
         return line
     room = width - text_width(ELLIPSIS, size)
-    end = 0
-    while room > 0 and end < len(line):
-        room -= text_width(line[end], size)
-        end += room >= 0
-    return line[:end].rstrip() + ELLIPSIS
+    begin = _fitting(line, size, room / 2)
+    end = _fitting(line[::-1], size, room - text_width(line[:begin], size))
+    return line[:begin].rstrip() + ELLIPSIS + line[len(line) - end :].lstrip()
+
+
+def _fitting(line: str, size: float, width: float) -> int:
+    """Return how many of the first characters have room."""
+    widths = accumulate(text_width(character, size) for character in line)
+    return sum(1 for _ in takewhile(lambda end: end <= width, widths))

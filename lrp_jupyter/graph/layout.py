@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
-from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect
+from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect, Size
 from lrp_jupyter.graph.labels import beside, place_labels, shorten, text_width
 from lrp_jupyter.graph.places import RESERVED, keep_positions
 from lrp_jupyter.graph.routes import (
@@ -46,10 +46,10 @@ from lrp_jupyter.graph.state_graph import (
 )
 from lrp_jupyter.language.program import Machine, Path, Program, State, Transition, path_text
 
-__all__ = ["LABEL_FONT", "RESERVED", "SMALL_FONT", "STATE_FONT", "layout"]
+__all__ = ["LABEL_FONT", "RESERVED", "STATE_FONT", "layout"]
 
-STATE_FONT, LABEL_FONT, SMALL_FONT = 13.0, 11.5, 10.5
-"""Font sizes of states' names, of labels, and of nested machines' names, in px."""
+STATE_FONT, LABEL_FONT = 13.0, 11.5
+"""Font sizes of states' names, and of everything else, in px."""
 HEIGHT, NESTED_HEIGHT = 36.0, 52.0
 WIDEST_NAME, WIDEST_LABEL = 150.0, 150.0
 PLAIN = 1_000
@@ -66,6 +66,7 @@ def layout(
     path: Path | None = None,
     moved: Mapping[str, Sequence[float]] | None = None,
     now: float = 0.0,
+    panel: Size | None = None,
 ) -> Layout:
     """Lay out one machine.
 
@@ -83,6 +84,8 @@ def layout(
         States moved by hand and where to, in px; they stay moved in later layouts.
     now : float
         Time in seconds, on any clock; for the places of removed states.
+    panel : (float, float), optional
+        Width and height of the panel that shows it, in px: new places are chosen so that it fits.
 
     Returns
     -------
@@ -91,7 +94,7 @@ def layout(
         always give the same result.
     """
     where = path or (str(machine.name),)
-    return _Drawing(machine, where, program).draw(previous, moved or {}, now)
+    return _Drawing(machine, where, program).draw(previous, moved or {}, now, panel)
 
 
 class _Edge:
@@ -162,10 +165,13 @@ class _Drawing:
         previous: Layout | None,
         moved: Mapping[str, Sequence[float]],
         now: float,
+        panel: Size | None,
     ) -> Layout:
         inner = [edge for edge in self.edges if not edge.outward]
         links = [(edge.source, edge.target) for edge in inner]
-        places = keep_positions(self.sizes, list(self.states), links, self.starts, previous, moved, now)
+        places = keep_positions(
+            self.sizes, list(self.states), links, self.starts, previous, moved, now, panel
+        )
         boxes = {name: Rect(places[name]["x"], places[name]["y"], *size) for name, size in self.sizes.items()}
         starts = {name: _start(boxes[name]) for name in self.starts if name in boxes}
         solid = [*boxes.values(), *(Rect(start["x"], start["y"], 18.0, 18.0) for start in starts.values())]
@@ -202,7 +208,7 @@ class _Drawing:
     def _title_width(self) -> float:
         outer = path_text(self.path[:-1])
         name = text_width(str(self.machine.name), STATE_FONT) * 1.1  # it is bold
-        return name + (text_width(f" in {outer}", SMALL_FONT) + 8.0 if outer else 0.0)
+        return name + (text_width(f" in {outer}", LABEL_FONT) + 8.0 if outer else 0.0)
 
     # -- arrows ------------------------------------------------------------------------------------
 
@@ -319,14 +325,14 @@ class _Drawing:
 def _nested_text(state: State | None) -> str:
     if state is None or not state.machines:
         return ""
-    return shorten(", ".join(str(inner.name) for inner in state.machines), SMALL_FONT, WIDEST_NAME)
+    return shorten(", ".join(str(inner.name) for inner in state.machines), LABEL_FONT, WIDEST_NAME)
 
 
 def _state_size(name: str, state: State | None) -> tuple[float, float]:
     width = text_width(shorten(name, STATE_FONT, WIDEST_NAME), STATE_FONT) + 26.0
     nested = _nested_text(state)
     if nested:
-        width = max(width, text_width(nested, SMALL_FONT) + 44.0)
+        width = max(width, text_width(nested, LABEL_FONT) + 44.0)
     return round(max(width, 64.0), 1), NESTED_HEIGHT if nested else HEIGHT
 
 

@@ -27,6 +27,9 @@ USUAL: Size = (80.0, 36.0)
 GRID = 20.0
 """Distance between the positions that are tried for a new state, in px."""
 
+STRETCH = 2.0
+"""How much nearer the longer direction of a panel is, at most."""
+
 EFFORT = 200_000
 """How many nodes and edges are compared, at most, to find free positions for new nodes."""
 
@@ -41,6 +44,7 @@ def keep_positions(
     previous: Layout | None,
     moved: Mapping[str, Sequence[float]],
     now: float,
+    panel: Size | None = None,
 ) -> dict[str, Position]:
     """Compute a position for every node: its old one, the one it was dragged to, or a free one.
 
@@ -52,7 +56,7 @@ def keep_positions(
         Those of them that are states of the program.
     links : sequence of (str, str)
         One for each arrow between two of them.
-    starts, previous, moved, now
+    starts, previous, moved, now, panel
         As for :func:`~lrp_jupyter.graph.layout.layout`.
 
     Returns
@@ -72,14 +76,14 @@ def keep_positions(
     for name, position in positions.items():
         taken.add(Rect(position["x"], position["y"], *sizes.get(name, USUAL)))
     if first:
-        for name, (x, y) in arrange(sizes, links, starts).items():
+        for name, (x, y) in arrange(sizes, links, starts, panel).items():
             mine = Rect(x, y, *sizes[name])
             if name not in positions and not any(
                 mine.overlaps(other, 8.0, 8.0) for other in taken.near(mine, 8.0)
             ):
                 positions[name] = Position(x=x, y=y)
                 taken.add(mine)
-    _add_new(positions, sizes, [link for link in links if link[0] != link[1]], taken)
+    _add_new(positions, sizes, [link for link in links if link[0] != link[1]], taken, panel)
     ordered = [*sizes, *(name for name in positions if name not in sizes)]
     return {name: positions[name] for name in ordered}
 
@@ -127,7 +131,11 @@ def _retyped_end(previous: Layout, states: Sequence[str], links: Sequence[Link])
 
 
 def _add_new(
-    positions: dict[str, Position], sizes: Mapping[str, Size], links: Sequence[Link], taken: Cells
+    positions: dict[str, Position],
+    sizes: Mapping[str, Size],
+    links: Sequence[Link],
+    taken: Cells,
+    panel: Size | None,
 ) -> None:
     """Place each node that has no position yet at the free position nearest to its neighbours."""
     names = list(sizes)
@@ -155,7 +163,7 @@ def _add_new(
         elif not near:
             before = (one for one in reversed(names[: number[name]]) if one in standing and one != ANY)
             near = [standing[one] for one in islice(before, 1)]
-        place, effort = free_place(sizes[name], near, taken, list(lines.values()), effort)
+        place, effort = free_place(sizes[name], near, taken, list(lines.values()), effort, panel)
         if place is None:
             _add_below(positions, {name: sizes[name] for name in names if name not in standing}, links)
             return
@@ -183,7 +191,12 @@ def _add_below(positions: dict[str, Position], sizes: Mapping[str, Size], links:
 
 
 def free_place(
-    size: Size, towards: Sequence[Point], taken: Cells, lines: Sequence[Line], effort: int
+    size: Size,
+    towards: Sequence[Point],
+    taken: Cells,
+    lines: Sequence[Line],
+    effort: int,
+    panel: Size | None = None,
 ) -> tuple[Point | None, int]:
     """Return the free position nearest to some points, and the effort that is left.
 
@@ -199,7 +212,11 @@ def free_place(
         Edges that it should not cover.
     effort : int
         How many nodes and edges may be compared. If that is not enough to find a position, there is none.
+    panel : (float, float), optional
+        Width and height of the panel that shows it: in a wide one a position beside is nearer than one below.
     """
+    wide = min(STRETCH, max(1 / STRETCH, panel[0] / panel[1])) if panel else 1.0
+    along, down = max(1.0, 1 / wide), max(1.0, wide)
     if not towards:
         towards = [(0.0, 0.0)]
     x0 = sum(x for x, _ in towards) / len(towards)
@@ -218,7 +235,11 @@ def free_place(
             if effort <= 0:
                 break
             x, y = round(x0 + i * GRID, 1), round(y0 + j * GRID, 1)
-            cost = math.hypot(x - x0, y - y0) + (6.0 if y < y0 else 0.0) + (3.0 if x < x0 else 0.0)
+            cost = (
+                math.hypot((x - x0) * along, (y - y0) * down)
+                + (6.0 if y < y0 else 0.0)
+                + (3.0 if x < x0 else 0.0)
+            )
             if best is not None and cost >= best[0]:
                 continue
             box = Rect(x, y, *size)

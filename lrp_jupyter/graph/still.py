@@ -15,7 +15,7 @@ from typing import Literal
 
 from lrp_jupyter.graph.exports import tree
 from lrp_jupyter.graph.labels import text_width
-from lrp_jupyter.graph.layout import LABEL_FONT, SMALL_FONT, STATE_FONT, layout
+from lrp_jupyter.graph.layout import LABEL_FONT, STATE_FONT, layout
 from lrp_jupyter.graph.routes import number
 from lrp_jupyter.graph.shapes import Label, Layout, Port, StateShape, TransitionShape
 from lrp_jupyter.graph.state_graph import DefinedPaths, find_machine
@@ -199,7 +199,7 @@ def _state(shape: StateShape, active: bool) -> str:
     if shape["nested"]:
         body += f'<rect class="lrp-inner" {_rect(left + 3.5, top + 3.5, width - 7, height - 7)} rx="6"/>'
         body += _text("lrp-name", x, y - 2.5, shape["label"])
-        first = x - text_width(shape["nested"], SMALL_FONT) / 2 - 7.0
+        first = x - text_width(shape["nested"], LABEL_FONT) / 2 - 7.0
         body += f'<path class="lrp-icon" d="{_icon(first + 4.0, y + 10.0)}"/>'
         body += _text("lrp-nested", first + 16.0, y + 14.0, shape["nested"], "start")
     else:
@@ -257,7 +257,7 @@ def _legend(styles: Iterable[str], top: float) -> tuple[str, float]:
             f'<path class="lrp-shaft" d="M{number(x)} {number(y)}h30"/></g>'
             + _text("lrp-key", x + 36.0, y + 4.0, _WORDS[style], "start")
         )
-        x += 36.0 + text_width(_WORDS[style], SMALL_FONT) + 20.0
+        x += 36.0 + text_width(_WORDS[style], LABEL_FONT) + 20.0
     return f'<g class="lrp-legend" aria-hidden="true">{"".join(parts)}</g>', x
 
 
@@ -284,11 +284,11 @@ def _css(theme: Theme) -> str:
     fixed = (
         f".lrp-still text{{font-family:{_FONT};text-anchor:middle}}"
         f".lrp-name{{font-size:{STATE_FONT}px;font-weight:500}}"
-        f".lrp-nested,.lrp-key{{font-size:{SMALL_FONT}px}}"
+        f".lrp-nested,.lrp-key{{font-size:{LABEL_FONT}px}}"
         f".lrp-label,.lrp-halo,.lrp-outside,.lrp-faint{{font-size:{LABEL_FONT}px}}"
         ".lrp-still text[text-anchor=start]{text-anchor:start}"
         f".lrp-machine{{font-size:{STATE_FONT}px;font-weight:600}}"
-        f".lrp-within{{font-size:{SMALL_FONT}px;font-weight:400}}"
+        f".lrp-within{{font-size:{LABEL_FONT}px;font-weight:400}}"
         ".lrp-halo{stroke-width:4;stroke-linejoin:round}"
         ".lrp-shaft{fill:none;stroke-width:1.8;stroke-linecap:butt}"
         ".lrp-glow{fill:none;stroke-width:8;stroke-linecap:round;opacity:.35}"

@@ -412,6 +412,20 @@ class PinCommand(PageCommand, do="pin"):
 
 
 @dataclass(frozen=True)
+class FitCommand(PageCommand, do="fit"):
+    """Choose places for new states so that the graph fits into a panel of this size, in px."""
+
+    width: float
+    height: float
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        if self.width > 0 and self.height > 0:
+            opened.layouts.fit((self.width, self.height))
+            opened.wake()
+        return None
+
+
+@dataclass(frozen=True)
 class ArrangeCommand(PageCommand, do="arrange"):
     """Lay out a machine as if for the first time."""
 

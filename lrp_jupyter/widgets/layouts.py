@@ -6,6 +6,7 @@ from collections.abc import Callable, Hashable, Mapping
 from threading import Lock
 from time import monotonic
 
+from lrp_jupyter.graph.geometry import Size
 from lrp_jupyter.graph.layout import layout
 from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.graph.state_graph import events_in_scope, outer_states, start_states
@@ -31,6 +32,7 @@ class Layouts:
         self._computing = Lock()
         self._lock = Lock()  # of what is to be computed next
         self._arranged: set[str] = set()
+        self._panel: Size | None = None
         self._pinned: dict[str, dict[str, tuple[float, float]]] = {}
         self._appearances: dict[str, Hashable] = {}
         self._gone: dict[str, Layout] = {}  # of machines that are not in the text at the moment
@@ -46,12 +48,20 @@ class Layouts:
             self._arranged.add(machine)
             self._pinned.pop(machine, None)
 
+    def fit(self, panel: Size) -> None:
+        """Choose new places for a panel of this size, in px; for the first one lay out all machines again."""
+        with self._lock:
+            if self._panel is None:
+                self._arranged.update(self.current[1].keys() - self._pinned.keys())
+            self._panel = panel
+
     def update(self, frame: Frame) -> None:
         """Compute the layouts of a frame's program, and those pinned or arranged since the last update."""
         with self._computing:
             with self._lock:
                 arranged, self._arranged = self._arranged, set()
                 pinned, self._pinned = self._pinned, {}
+                panel = self._panel
             shown, last = self.current
             same_program = frame.program is shown.program
             if same_program:
@@ -79,7 +89,9 @@ class Layouts:
                 else:
                     old, now = None if name in arranged else previous.get(name), self._clock()
                     moved = pinned.get(name)
-                    layouts[name] = layout(machine, old, program=program, path=path, moved=moved, now=now)
+                    layouts[name] = layout(
+                        machine, old, program=program, path=path, moved=moved, now=now, panel=panel
+                    )
             self._gone = {name: old for name, old in previous.items() if name not in layouts}
             self._appearances = appearances
             self.current = frame, layouts

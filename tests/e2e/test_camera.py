@@ -40,7 +40,8 @@ def distance(a, b):
 
 
 def rests(lab):
-    """Wait until nothing has moved for half a second."""
+    """Wait until the kernel has had its turn and nothing has moved for half a second."""
+    lab.goes_on()
     lab.page.evaluate(
         """async places => { const svg = document.querySelector('.lrp-graph');
         let before = '', since = performance.now();

@@ -172,6 +172,43 @@ def test_loops_are_on_top_side_by_side_each_with_its_label_outside(programs):
     assert left["label"]["x"] < state["x"] < right["label"]["x"]
 
 
+# -- the panel that shows it -------------------------------------------------------------------------
+
+PANELS = [(420.0, 220.0), (900.0, 300.0), (400.0, 700.0)]
+
+
+def shown_at(drawing, panel):
+    """Return the scale at which all of a drawing is in view."""
+    return min(1.0, panel[0] / drawing["view"][2], panel[1] / drawing["view"][3])
+
+
+@pytest.mark.parametrize("panel", PANELS)
+def test_a_layout_fits_into_the_panel_at_least_as_well_as_without_knowing_it(programs, panel):
+    for program in programs.values():
+        for path, machine in program.walk():
+            plain = layout(machine, program=program, path=path)
+            fitting = layout(machine, program=program, path=path, panel=panel)
+            assert shown_at(fitting, panel) >= 0.9 * shown_at(plain, panel)
+            boxes = [box(shape) for shape in fitting["states"]]
+            assert not [(a, b) for i, a in enumerate(boxes) for b in boxes[:i] if a.overlaps(b, 10.0, 10.0)]
+
+
+def test_a_chain_runs_to_the_right_in_a_wide_panel_and_down_in_a_tall_one():
+    text = THREE.format(more="(on e a -> b) (on e b -> c)")
+    wide, tall = (positions(lay(text, panel=panel)) for panel in ((900, 200), (300, 700)))
+    assert wide["a"][0] < wide["b"][0] < wide["c"][0]
+    assert wide["a"][1] == wide["b"][1] == wide["c"][1]
+    assert tall["a"][1] < tall["b"][1] < tall["c"][1]
+
+
+def test_a_new_state_is_placed_beside_the_others_in_a_wide_panel_and_below_them_in_a_tall_one():
+    before = lay("(machine m (state a)) (spawn m a)")
+    after = "(machine m (state a) (state b) (eps a -> b)) (spawn m a)"
+    wide, tall = (positions(lay(after, before, panel=panel)) for panel in ((900, 200), (200, 900)))
+    assert wide["b"][1] == wide["a"][1]
+    assert tall["b"][0] == tall["a"][0]
+
+
 # -- names and reasons -------------------------------------------------------------------------------
 
 
@@ -201,13 +238,13 @@ def test_a_wildcard_with_exceptions_shows_them(programs):
     assert "panic (not docking)" in texts
 
 
-def test_long_names_end_in_an_ellipsis_and_are_complete_in_the_title(programs):
+def test_long_names_are_cut_in_the_middle_and_complete_in_the_title(programs):
     (drawing,) = drawings(programs["long names"])
     shape = drawing["states"][1]
-    assert shape["label"].endswith("…")
+    assert re.fullmatch(r"approach\w*…\w*the_left", shape["label"])
     assert shape["title"] == "approaching_the_charging_station_from_the_left"
     assert all(shape["width"] < 190 for shape in drawing["states"])
-    assert drawing["transitions"][0]["label"]["text"].endswith("…")
+    assert re.fullmatch(r"\[robot.*….*lim \+ 10\]", drawing["transitions"][0]["label"]["text"])
     assert "robot.light.data > lightlim + 10" in drawing["transitions"][0]["title"]
 
 

@@ -191,6 +191,25 @@ class Toy(Bridge):
         self.stops += 1
 
 
+def test_the_first_panel_has_the_machines_laid_out_again_and_a_later_one_only_on_request(bench):
+    text = "(machine m (state a) (state b) (state c) (eps a -> b) (eps b -> c)) (spawn m a)"
+    page = bench(text).page()
+
+    def width_and_height():
+        return page.latest("layouts")["m"]["view"][2:]
+
+    width, height = width_and_height()
+    assert height > width
+    assert page.do("fit", width=900, height=200) is None
+    width, height = wide = width_and_height()
+    assert width > height
+    page.do("fit", width=200, height=900)
+    assert width_and_height() == wide
+    page.do("arrange", path="m")
+    width, height = width_and_height()
+    assert height > width
+
+
 def test_a_panel_is_sent_and_its_buttons_and_questions_are_answered(bench):
     toy = Toy()
     lab = bench(NEST, bridge=toy)

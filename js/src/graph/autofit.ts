@@ -56,6 +56,15 @@ export class AutoFit {
     this.check();
   }
 
+  /** All states have other places: fit them into the panel. */
+  rearranged(content: Box, focus: Box | null): void {
+    this.content = content;
+    this.wanted = null;
+    this.camera.moved = false;
+    if (this.camera.placed) this.glide(this.target(focus));
+    else this.jump(focus);
+  }
+
   /** The size of the panel has changed: what is in its middle stays there. */
   resized(focus: Box | null): void {
     const before = this.size;

@@ -8,7 +8,7 @@ import { reconcile, s, setAttribute, setText } from "../ui/dom";
 
 const STATE_FONT = 13;
 const LABEL_FONT = 11.5;
-const NESTED_LETTER = 5.8; // px, about
+const NESTED_LETTER = 6.3; // px, about
 const LIFT = 0.35; // of the font size: from the middle of a letter to its base line
 
 export interface Layers {

@@ -17,6 +17,7 @@ import { showMachine } from "./shown";
 
 type Mode = "live" | "static" | "hidden";
 const DRAG_FROM = 4; // px of movement that make a press a drag
+const RESIZED_FOR = 150; // ms without another size before the kernel gets it
 const ACTIVE_FOR = 300; // ms that a state is active before it is brought into view
 
 export function graphView(lab: Lab): HTMLElement {
@@ -64,8 +65,9 @@ export function graphView(lab: Lab): HTMLElement {
       return;
     }
     delete element.dataset.stale;
-    const known = new Set(shown?.states.map(({ id }) => id));
-    const fresh = other ? undefined : layout.states.find(({ id }) => !known.has(id));
+    const known = new Map(shown?.states.map((shape) => [shape.id, shape]));
+    const fresh = layout.states.find(({ id }) => !known.has(id));
+    const isRearranged = known.size > 1 && !layout.states.some((shape) => isAt(shape, known.get(shape.id)));
     shown = layout;
     draw(layers, layout);
     keepOneTabStop(svg);
@@ -73,7 +75,8 @@ export function graphView(lab: Lab): HTMLElement {
     if (other) {
       camera = store.state.cameras[layout.machine] ??= new Camera();
       fitting.show(camera, contents(), focus());
-    } else fitting.update(contents(), fresh ? around(fresh) : null);
+    } else if (isRearranged) fitting.rearranged(contents(), focus());
+    else fitting.update(contents(), fresh ? around(fresh) : null);
     dragging.drawn(layout);
   };
 
@@ -138,7 +141,14 @@ export function graphView(lab: Lab): HTMLElement {
       if (active && store.state.follow) fitting.reveal(active);
     }, ACTIVE_FOR);
   });
-  new ResizeObserver(() => fitting.resized(focus())).observe(svg);
+  let resizing: ReturnType<typeof setTimeout> | undefined;
+  new ResizeObserver(() => {
+    fitting.resized(focus());
+    clearTimeout(resizing);
+    resizing = setTimeout(() => {
+      if (svg.clientWidth) lab.send({ do: "fit", width: svg.clientWidth, height: svg.clientHeight });
+    }, RESIZED_FOR);
+  }).observe(svg);
   lab.root.addEventListener("keydown", () => fitting.typed(), true);
 
   /* ---------------------------------------------------------------- zoom, pan, drag */
@@ -269,6 +279,10 @@ export function graphView(lab: Lab): HTMLElement {
 
 function around({ x, y, width, height }: StateShape): Box {
   return { x: x - width / 2, y: y - height / 2, width, height };
+}
+
+function isAt({ x, y }: StateShape, before: StateShape | undefined): boolean {
+  return before?.x === x && before.y === y;
 }
 
 function parent(path: string): string {
