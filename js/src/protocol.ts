@@ -369,6 +369,15 @@ export interface FitCommand {
   height: number;
 }
 
+/** Draw nested machines inside their states, or each machine by itself. */
+export interface NestCommand {
+  view: string;
+  type: "command";
+  id: number;
+  do: "nest";
+  on: boolean;
+}
+
 /** Lay out a machine as if for the first time. */
 export interface ArrangeCommand {
   view: string;
@@ -617,6 +626,13 @@ export interface ProgramView {
   machines: MachineItem[];
 }
 
+/** A nested machine that is drawn inside its state; `x`, `y` is its origin, from the state's centre. */
+export interface Inside {
+  machine: string;
+  x: number;
+  y: number;
+}
+
 /** The dot and the arrow that mark a start state. */
 export interface Start {
   x: number;
@@ -638,6 +654,7 @@ export interface StateShape {
   label: string;
   nested: string;
   machines: string[];
+  inside: Inside[];
   title: string;
   start: Start | null;
 }
@@ -681,6 +698,7 @@ export interface Position {
   x: number;
   y: number;
   gone?: number;
+  inside?: [number, number];
 }
 
 /** The drawing of one machine. Boxes are ``[left, top, width, height]``, all numbers px. */
@@ -1112,6 +1130,7 @@ export type Command =
   | ClearIssuesCommand
   | PinCommand
   | FitCommand
+  | NestCommand
   | ArrangeCommand
   | DragRobotCommand
   | DragSolidCommand

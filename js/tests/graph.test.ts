@@ -23,6 +23,7 @@ const shape = (name: string, fields: Partial<StateShape> = {}): StateShape => ({
   label: name,
   nested: "",
   machines: [],
+  inside: [],
   title: name,
   start: null,
   ...fields,
@@ -116,6 +117,31 @@ describe("a drawing", () => {
   it("has no path for the placeholder state, which cannot be entered", () => {
     draw(layers, layout([shape("*", { kind: "any" })]));
     expect(layers.root.querySelector("[data-lrp-state]")).toBeNull();
+  });
+});
+
+describe("a nested machine inside its state", () => {
+  const inner = { ...layout([shape("x", { id: "m/a/i/x" })]), machine: "m/a/i" };
+  const around = layout([shape("a", { inside: [{ machine: "m/a/i", x: 3, y: 4 }] })]);
+
+  it("is drawn in it, keeps its elements, and goes with it", () => {
+    draw(layers, around, { m: around, "m/a/i": inner });
+    const before = node("m/a/i/x");
+    expect(before?.closest('[data-lrp-state="m/a"]')).toBe(node("m/a"));
+    draw(layers, layout([{ ...around.states[0]!, x: 90, width: 300 }]), { "m/a/i": inner });
+    expect(node("m/a/i/x")).toBe(before);
+    draw(layers, layout([shape("a")]));
+    expect(node("m/a/i/x")).toBeNull();
+  });
+
+  it("has its own active state and its own last transition", () => {
+    const t = arrow("x", { id: "m/a/i:t" });
+    draw(layers, around, { m: around, "m/a/i": { ...inner, transitions: [t] } });
+    state.lit = ["m/a", "m/a/i/x"];
+    state.fired = { "m:u": { count: 1, tick: 9 }, "m/a/i:t": { count: 1, tick: 3 } };
+    new Marks(layers, state).update();
+    expect(node("m/a/i/x")?.hasAttribute("data-active")).toBe(true);
+    expect(layers.root.querySelector("[data-fired]")?.getAttribute("data-of")).toBe("m/a/i:t");
   });
 });
 
@@ -268,6 +294,9 @@ describe("the camera's own movements", () => {
     vi.advanceTimersByTime(5000);
     expect(at()).toEqual([0, 0, 1]);
     autofit.release();
+    vi.advanceTimersByTime(500);
+    expect(at()).toEqual([0, 0, 1]);
+    autofit.update(box(0, 0, 440, 300), null);
     vi.advanceTimersByTime(500);
     expect(camera.scale).toBeCloseTo(400 / 440);
   });

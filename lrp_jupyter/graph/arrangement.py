@@ -356,7 +356,15 @@ def _coordinates(
             across.update(zip(row, _apart(wanted, row, sizes, weights), strict=True))
         if across == before:
             break
-    return {name: (across[name], depth * LAYER) for depth, row in enumerate(rows) for name in row}
+    down = _depths(rows, sizes)
+    return {name: (across[name], down[depth]) for depth, row in enumerate(rows) for name in row}
+
+
+def _depths(rows: Sequence[Sequence[str]], sizes: Mapping[str, Size]) -> list[float]:
+    """Return the middle of each layer."""
+    heights = [max(sizes[name][1] for name in row) for row in rows]
+    steps = [max(LAYER, (a + b) / 2 + GAP_Y) for a, b in pairwise(heights)]
+    return list(accumulate(steps, initial=0.0))
 
 
 def _apart(
@@ -434,7 +442,8 @@ def _fold(
     right = max(x + sizes[name][0] / 2 for name, (x, _) in places.items())
     wide = right - left + 1.5 * GAP_X
     shape = panel[0] / panel[1] if panel else 1.0
-    tall = math.ceil(math.sqrt(len(rows) * wide / LAYER / shape))  # of the panel's shape
+    layer = max(b - a for a, b in pairwise(_depths(rows, sizes)))
+    tall = math.ceil(math.sqrt(len(rows) * wide / layer / shape))  # of the panel's shape
     tall = math.ceil(len(rows) / math.ceil(len(rows) / tall))
     folded = {}
     for depth, row in enumerate(rows):
@@ -443,5 +452,5 @@ def _fold(
             x = places[name][0]
             if column % 2:
                 x = left + right - x
-            folded[name] = (x + column * wide, (tall - 1 - down if column % 2 else down) * LAYER)
+            folded[name] = (x + column * wide, (tall - 1 - down if column % 2 else down) * layer)
     return folded

@@ -21,6 +21,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 
 from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect, Size
+from lrp_jupyter.graph.inside import Nested, beside_each_other
 from lrp_jupyter.graph.labels import beside, place_labels, shorten, text_width
 from lrp_jupyter.graph.places import RESERVED, keep_positions
 from lrp_jupyter.graph.routes import (
@@ -67,6 +68,7 @@ def layout(
     moved: Mapping[str, Sequence[float]] | None = None,
     now: float = 0.0,
     panel: Size | None = None,
+    inside: Mapping[str, Layout] | None = None,
 ) -> Layout:
     """Lay out one machine.
 
@@ -86,6 +88,8 @@ def layout(
         Time in seconds, on any clock; for the places of removed states.
     panel : (float, float), optional
         Width and height of the panel that shows it, in px: new places are chosen so that it fits.
+    inside : mapping of str to Layout, optional
+        Layouts of nested machines by their paths, to be drawn inside their states.
 
     Returns
     -------
@@ -94,7 +98,7 @@ def layout(
         always give the same result.
     """
     where = path or (str(machine.name),)
-    return _Drawing(machine, where, program).draw(previous, moved or {}, now, panel)
+    return _Drawing(machine, where, program, inside or {}).draw(previous, moved or {}, now, panel)
 
 
 class _Edge:
@@ -115,10 +119,17 @@ class _Edge:
 class _Drawing:
     """Builder of one layout: nodes first, then positions, arrows, labels."""
 
-    def __init__(self, machine: Machine, path: Path, program: Program | None) -> None:
+    def __init__(
+        self, machine: Machine, path: Path, program: Program | None, inside: Mapping[str, Layout]
+    ) -> None:
         self.machine = machine
         self.path = path
         self.states = distinct_states(machine)
+        self.insides = {
+            name: nested
+            for name, state in self.states.items()
+            if (nested := beside_each_other([inside[at] for at in self._nested_in(state) if at in inside]))
+        }
         self.starts: Sequence[str] = start_states(program).get(path, ()) if program else ()
         events = events_in_scope(program, path) if program else None
         outer = outer_states(program, path) if program else None
@@ -129,6 +140,11 @@ class _Drawing:
         ]
         self.sizes = self._sizes()
         self.plain = len(self.edges) > PLAIN
+
+    def _nested_in(self, state: State) -> Iterable[str]:
+        return dict.fromkeys(
+            path_text((*self.path, str(state.name), str(inner.name))) for inner in state.machines
+        )
 
     def _broken(
         self,
@@ -153,11 +169,11 @@ class _Drawing:
         if any(edge.source == ANY for edge in self.edges):
             sizes[ANY] = (HEIGHT, HEIGHT)
         for name, state in self.states.items():
-            sizes[name] = _state_size(name, state)
+            sizes[name] = _state_size(name, state, self.insides.get(name))
         for edge in self.edges:
             for name in (edge.source, edge.target)[: 1 if edge.outward else 2]:
                 if name not in sizes:
-                    sizes[name] = _state_size(name, None)
+                    sizes[name] = _state_size(name, None, None)
         return sizes
 
     def draw(
@@ -169,8 +185,9 @@ class _Drawing:
     ) -> Layout:
         inner = [edge for edge in self.edges if not edge.outward]
         links = [(edge.source, edge.target) for edge in inner]
+        insides = {name: nested.centre for name, nested in self.insides.items()}
         places = keep_positions(
-            self.sizes, list(self.states), links, self.starts, previous, moved, now, panel
+            self.sizes, list(self.states), links, self.starts, previous, moved, now, panel, insides
         )
         boxes = {name: Rect(places[name]["x"], places[name]["y"], *size) for name, size in self.sizes.items()}
         starts = {name: _start(boxes[name]) for name in self.starts if name in boxes}
@@ -296,8 +313,9 @@ class _Drawing:
             width=round(box.width, 1),
             height=round(box.height, 1),
             label=shorten(name, STATE_FONT, WIDEST_NAME),
-            nested=_nested_text(state),
+            nested="" if name in self.insides else _nested_text(state),
             machines=machines,
+            inside=self.insides[name].placed(box) if name in self.insides else [],
             title=title,
             start=start,
         )
@@ -328,8 +346,10 @@ def _nested_text(state: State | None) -> str:
     return shorten(", ".join(str(inner.name) for inner in state.machines), LABEL_FONT, WIDEST_NAME)
 
 
-def _state_size(name: str, state: State | None) -> tuple[float, float]:
+def _state_size(name: str, state: State | None, nested_in: Nested | None) -> tuple[float, float]:
     width = text_width(shorten(name, STATE_FONT, WIDEST_NAME), STATE_FONT) + 26.0
+    if nested_in is not None:
+        return round(max(width, nested_in.width), 1), round(nested_in.height, 1)
     nested = _nested_text(state)
     if nested:
         width = max(width, text_width(nested, LABEL_FONT) + 44.0)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from heapq import heappop, heappush
-from itertools import islice
+from itertools import combinations, islice
 
 from lrp_jupyter.graph.arrangement import GAP_X, GAP_Y, Link, arrange, left_of
 from lrp_jupyter.graph.geometry import CELL, Cells, Point, Rect, Size
@@ -27,6 +27,10 @@ USUAL: Size = (80.0, 36.0)
 GRID = 20.0
 """Distance between the positions that are tried for a new state, in px."""
 
+ROOM = 30.0
+"""Room between a state that grows and its neighbours, in px."""
+ROUNDS = 40
+"""How often states are moved apart, at most."""
 STRETCH = 2.0
 """How much nearer the longer direction of a panel is, at most."""
 
@@ -45,6 +49,7 @@ def keep_positions(
     moved: Mapping[str, Sequence[float]],
     now: float,
     panel: Size | None = None,
+    insides: Mapping[str, Point] | None = None,
 ) -> dict[str, Position]:
     """Compute a position for every node: its old one, the one it was dragged to, or a free one.
 
@@ -58,6 +63,8 @@ def keep_positions(
         One for each arrow between two of them.
     starts, previous, moved, now, panel
         As for :func:`~lrp_jupyter.graph.layout.layout`.
+    insides : mapping of str to (float, float), optional
+        For the states in which machines are drawn, the centre of these, in their own coordinates.
 
     Returns
     -------
@@ -69,6 +76,11 @@ def keep_positions(
         retyped = _retyped(previous, states) or _retyped_end(previous, states, links)
         positions = _kept(previous, sizes, retyped, now)
     first = not any(name in positions for name in sizes)
+    insides = insides or {}
+    for name, (x, y) in insides.items():
+        if name in positions and "inside" in (before := positions[name]):
+            before["x"] = round(before["x"] + x - before["inside"][0], 1)
+            before["y"] = round(before["y"] + y - before["inside"][1], 1)
     for name, (x, y) in moved.items():
         if name in sizes:
             positions[name] = Position(x=round(float(x), 1), y=round(float(y), 1))
@@ -84,8 +96,31 @@ def keep_positions(
                 positions[name] = Position(x=x, y=y)
                 taken.add(mine)
     _add_new(positions, sizes, [link for link in links if link[0] != link[1]], taken, panel)
+    for name, inside in insides.items():
+        positions[name]["inside"] = inside
+    if insides:
+        _make_room(positions, sizes)
     ordered = [*sizes, *(name for name in positions if name not in sizes)]
     return {name: positions[name] for name in ordered}
+
+
+def _make_room(positions: dict[str, Position], sizes: Mapping[str, Size]) -> None:
+    """Move states out of those that have grown over them, the smaller one of two, by the shortest way."""
+    by_size = sorted(sizes, key=lambda name: -sizes[name][0] * sizes[name][1])
+    for _ in range(ROUNDS):
+        boxes = {name: Rect(positions[name]["x"], positions[name]["y"], *sizes[name]) for name in by_size}
+        meeting = [(a, b) for a, b in combinations(by_size, 2) if boxes[a].overlaps(boxes[b], ROOM, ROOM)]
+        if not meeting:
+            return
+        for large, small in meeting:
+            a, b = (Rect(positions[name]["x"], positions[name]["y"], *sizes[name]) for name in (large, small))
+            x = (a.width + b.width) / 2 + ROOM - abs(a.x - b.x)
+            y = (a.height + b.height) / 2 + ROOM - abs(a.y - b.y)
+            moved = positions[small]
+            if 0 < x < y:
+                moved["x"] = round(b.x + math.copysign(x, b.x - a.x), 1)
+            elif 0 < y <= x:
+                moved["y"] = round(b.y + math.copysign(y, b.y - a.y), 1)
 
 
 def _kept(
@@ -95,6 +130,8 @@ def _kept(
     positions: dict[str, Position] = {}
     for name, position in previous["places"].items():
         kept = Position(x=position["x"], y=position["y"])
+        if "inside" in position:
+            kept["inside"] = position["inside"]
         new = renamed.get(name, name)
         if new not in sizes:
             kept["gone"] = position.get("gone", now)

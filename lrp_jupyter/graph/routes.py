@@ -114,7 +114,7 @@ def _part(p: Point, c: Point, q: Point, start: float, end: float) -> tuple[Point
 
 def _leaving(box: Rect, p: Point, c: Point, q: Point) -> float:
     """Compute the parameter at which an arc that starts inside a box leaves it."""
-    leaving = 0.5
+    leaving = 1.0
     for start, control, end, middle, reach in (
         (p[0], c[0], q[0], box.x, box.width / 2),
         (p[1], c[1], q[1], box.y, box.height / 2),

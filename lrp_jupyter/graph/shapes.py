@@ -4,15 +4,20 @@ from __future__ import annotations
 
 from typing import NotRequired, TypedDict
 
-__all__ = ["Label", "Layout", "Port", "Position", "Start", "StateShape", "TransitionShape"]
+__all__ = ["Inside", "Label", "Layout", "Port", "Position", "Start", "StateShape", "TransitionShape"]
 
 
 class Position(TypedDict):
-    """The centre of a node, in px; ``gone``: the time at which its state was removed, in seconds."""
+    """The centre of a node, in px; ``gone``: the time at which its state was removed, in seconds.
+
+    ``inside`` is the centre of what is drawn inside, in the coordinates of that: it stays where it is while
+    the state grows around it.
+    """
 
     x: float
     y: float
     gone: NotRequired[float]
+    inside: NotRequired[tuple[float, float]]
 
 
 class Label(TypedDict):
@@ -35,11 +40,20 @@ class Start(TypedDict):
     head: str
 
 
+class Inside(TypedDict):
+    """A nested machine that is drawn inside its state; `x`, `y` is its origin, from the state's centre."""
+
+    machine: str
+    x: float
+    y: float
+
+
 class StateShape(TypedDict):
     """One state; `x`, `y` is its centre, in px.
 
     `kind` is ``state``, ``any`` (the ``*``) or ``missing``. `id` is the path as text. `machines` holds
-    the names of the nested machines, `nested` the text shown for them below the state's name.
+    the names of the nested machines, `nested` the text shown for them below the state's name, `inside` the
+    layouts of those that are drawn inside instead.
     """
 
     id: str
@@ -52,6 +66,7 @@ class StateShape(TypedDict):
     label: str
     nested: str
     machines: list[str]
+    inside: list[Inside]
     title: str
     start: Start | None
 

@@ -14,6 +14,7 @@ from html import escape
 from typing import Literal
 
 from lrp_jupyter.graph.exports import tree
+from lrp_jupyter.graph.inside import NAME
 from lrp_jupyter.graph.labels import text_width
 from lrp_jupyter.graph.layout import LABEL_FONT, STATE_FONT, layout
 from lrp_jupyter.graph.routes import number
@@ -46,6 +47,7 @@ def svg(
     previous: Layout | None = None,
     theme: Theme = "auto",
     legend: bool = True,
+    nested: bool = False,
 ) -> str:
     """Return a picture of a program or a machine.
 
@@ -65,6 +67,8 @@ def svg(
         ``auto`` follows the reader's preference.
     legend : bool
         Whether to explain the colours and dashes.
+    nested : bool
+        Whether nested machines of a program are drawn inside their states.
 
     Returns
     -------
@@ -82,7 +86,12 @@ def svg(
         path = tuple(machine_path)
         drawings = [layout(find_machine(subject, path), previous, program=subject, path=path)]
     else:
-        drawings = [layout(machine, program=subject, path=path) for path, machine in _machines(subject)]
+        drawn: dict[str, Layout] = {}
+        for path, machine in reversed(_machines(subject)):
+            drawn[path_text(path)] = layout(
+                machine, program=subject, path=path, inside=drawn if nested else None
+            )
+        drawings = list(drawn.values())[::-1]
     if isinstance(subject, Program):  # active paths are as spawned, drawn paths as defined
         active = [
             path.split("/")
@@ -119,12 +128,16 @@ def draw(
     width, bottom = 120.0, SPACE
     across, row = SPACE, SPACE  # where the next panel begins: beside the last one if it fits
     widest = max([WIDE, *(drawing["view"][2] for drawing in drawings)])
+    by_path = {drawing["machine"]: drawing for drawing in drawings}
+    nested = {inner["machine"] for one in drawings for shape in one["states"] for inner in shape["inside"]}
     for drawing in drawings:
+        if drawing["machine"] in nested:
+            continue
         left, top, panel_width, panel_height = drawing["view"]
         if across > SPACE and across + panel_width > widest + SPACE:
             across, row = SPACE, bottom
         shift = f"translate({number(across - left)} {number(row - top)})"
-        panels.append(f'<g transform="{shift}">{_panel(drawing, on, marks)}</g>')
+        panels.append(f'<g transform="{shift}">{_panel(drawing, on, marks, by_path)}</g>')
         across += panel_width + SPACE
         width = max(width, across)
         bottom = max(bottom, row + panel_height + SPACE)
@@ -151,7 +164,7 @@ def draw(
     )
 
 
-def _panel(drawing: Layout, active: set[str], fired: set[str]) -> str:
+def _panel(drawing: Layout, active: set[str], fired: set[str], others: Mapping[str, Layout]) -> str:
     left, top, width, height = drawing["frame"]
     frame = f'<rect class="lrp-frame" {_rect(left, top, width, height)} rx="8"/>'
     outer = drawing["machine"].rpartition("/")[0]
@@ -164,7 +177,10 @@ def _panel(drawing: Layout, active: set[str], fired: set[str]) -> str:
         name += _text("lrp-faint", left + width / 2, top + height / 2 + 12.0, "no states yet")
     arrows = "".join(_transition(shape, shape["id"] in fired) for shape in drawing["transitions"])
     ports = "".join(map(_port, drawing["ports"]))
-    states = "".join(_state(shape, shape["id"] in active) for shape in drawing["states"])
+    states = "".join(
+        _state(shape, shape["id"] in active, _inside(shape, active, fired, others))
+        for shape in drawing["states"]
+    )
     # labels last, and their halos before all of them: no halo covers another label
     halos = "".join(_label("lrp-halo", shape["label"]) for shape in drawing["transitions"])
     labels = "".join(
@@ -175,6 +191,15 @@ def _panel(drawing: Layout, active: set[str], fired: set[str]) -> str:
         f'<g data-lrp-machine="{escape(drawing["machine"])}">'
         f"{frame}{name}{arrows}{ports}{states}{halos}{labels}</g>"
     )
+
+
+def _inside(shape: StateShape, active: set[str], fired: set[str], others: Mapping[str, Layout]) -> str:
+    """Draw the machines inside a state."""
+    drawn = ""
+    for inner in shape["inside"]:
+        at = f"translate({number(shape['x'] + inner['x'])} {number(shape['y'] + inner['y'])})"
+        drawn += f'<g transform="{at}">{_panel(others[inner["machine"]], active, fired, others)}</g>'
+    return drawn
 
 
 def _transition(shape: TransitionShape, fired: bool) -> str:
@@ -191,7 +216,7 @@ def _transition(shape: TransitionShape, fired: bool) -> str:
     )
 
 
-def _state(shape: StateShape, active: bool) -> str:
+def _state(shape: StateShape, active: bool, inside: str) -> str:
     x, y, width, height = shape["x"], shape["y"], shape["width"], shape["height"]
     left, top = x - width / 2, y - height / 2
     radius = height / 2 if shape["kind"] == "any" else 9.0
@@ -202,6 +227,8 @@ def _state(shape: StateShape, active: bool) -> str:
         first = x - text_width(shape["nested"], LABEL_FONT) / 2 - 7.0
         body += f'<path class="lrp-icon" d="{_icon(first + 4.0, y + 10.0)}"/>'
         body += _text("lrp-nested", first + 16.0, y + 14.0, shape["nested"], "start")
+    elif inside:
+        body += _text("lrp-name", x, top + NAME / 2 + STATE_FONT * 0.35, shape["label"]) + inside
     else:
         body += _text("lrp-name", x, y + STATE_FONT * 0.35, shape["label"])
     if (start := shape["start"]) is not None:
@@ -212,7 +239,8 @@ def _state(shape: StateShape, active: bool) -> str:
         )
     mine = f'data-lrp-state="{escape(shape["id"])}"' + (' data-active=""' if active else "")
     title = f"<title>{escape(shape['title'])}</title>"
-    return f'<g class="lrp-state lrp-{shape["kind"]}" {mine}>{title}{body}</g>'
+    kind = f"lrp-{shape['kind']}" + (" lrp-open" if inside else "")
+    return f'<g class="lrp-state {kind}" {mine}>{title}{body}</g>'
 
 
 def _icon(x: float, y: float) -> str:
@@ -294,6 +322,7 @@ def _css(theme: Theme) -> str:
         ".lrp-glow{fill:none;stroke-width:8;stroke-linecap:round;opacity:.35}"
         "[data-fired] .lrp-shaft{stroke-width:3}"
         ".lrp-mark{fill:none;stroke-width:1.8}.lrp-box{stroke-width:1.4}"
+        ".lrp-open[data-active]>.lrp-box{stroke-width:3.5}"
         ".lrp-inner,.lrp-frame,.lrp-icon{fill:none;stroke-width:1}"
         ".lrp-missing .lrp-box,.lrp-any .lrp-box{stroke-dasharray:4 3}"
         ".lrp-start-shaft{fill:none;stroke-width:1.6}.lrp-port{stroke-width:1.6}"
@@ -318,9 +347,10 @@ def _colours(c: Mapping[str, str]) -> str:
         f".lrp-missing .lrp-box{{fill:{c['paper']};stroke:{c['faint']}}}",
         f".lrp-any .lrp-box{{fill:{c['paper']};stroke:{c['wildcard']}}}",
         f".lrp-start{{fill:{c['ink']}}}.lrp-start-shaft,.lrp-port{{stroke:{c['ink']}}}",
-        f"[data-active] .lrp-box{{fill:{c['ink']}}}",
-        f"[data-active] .lrp-name,[data-active] .lrp-nested{{fill:{c['paper']}}}",
-        f"[data-active] .lrp-inner,[data-active] .lrp-icon{{stroke:{c['paper']}}}",
+        f"[data-active]>.lrp-box{{fill:{c['ink']}}}",
+        f"[data-active]>.lrp-name,[data-active]>.lrp-nested{{fill:{c['paper']}}}",
+        f"[data-active]>.lrp-inner,[data-active]>.lrp-icon{{stroke:{c['paper']}}}",
+        f".lrp-open>.lrp-box{{fill:{c['paper']}}}.lrp-open[data-active]>.lrp-name{{fill:{c['ink']}}}",
     ]
     for kind in _WORDS:
         colour = c["on"] if kind == "exit" else c[kind]

@@ -426,6 +426,18 @@ class FitCommand(PageCommand, do="fit"):
 
 
 @dataclass(frozen=True)
+class NestCommand(PageCommand, do="nest"):
+    """Draw nested machines inside their states, or each machine by itself."""
+
+    on: bool
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        opened.layouts.nest(self.on)
+        opened.wake()
+        return None
+
+
+@dataclass(frozen=True)
 class ArrangeCommand(PageCommand, do="arrange"):
     """Lay out a machine as if for the first time."""
 

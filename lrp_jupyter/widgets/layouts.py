@@ -33,8 +33,11 @@ class Layouts:
         self._lock = Lock()  # of what is to be computed next
         self._arranged: set[str] = set()
         self._panel: Size | None = None
+        self._wanted = False  # whether nested machines are to be drawn inside their states
+        self._nested = False  # whether they are
+        self._otherwise: dict[str, Layout] = {}  # of machines around others, as they were drawn before that
         self._pinned: dict[str, dict[str, tuple[float, float]]] = {}
-        self._appearances: dict[str, Hashable] = {}
+        self._appearances: dict[str, tuple[Hashable, Hashable]] = {}
         self._gone: dict[str, Layout] = {}  # of machines that are not in the text at the moment
 
     def pin(self, machine: str, state: str, x: float, y: float) -> None:
@@ -55,46 +58,76 @@ class Layouts:
                 self._arranged.update(self.current[1].keys() - self._pinned.keys())
             self._panel = panel
 
+    def nest(self, on: bool) -> None:
+        """Draw nested machines inside their states or not, with the next update."""
+        with self._lock:
+            self._wanted = on
+
     def update(self, frame: Frame) -> None:
         """Compute the layouts of a frame's program, and those pinned or arranged since the last update."""
         with self._computing:
             with self._lock:
                 arranged, self._arranged = self._arranged, set()
                 pinned, self._pinned = self._pinned, {}
-                panel = self._panel
+                panel, nested = self._panel, self._wanted
             shown, last = self.current
             same_program = frame.program is shown.program
             if same_program:
-                if not (arranged or pinned):
+                if not (arranged or pinned or nested != self._nested):
                     return
                 frame = shown
             program, previous = frame.program, {**self._gone, **last}
+            otherwise = self._otherwise
             for revision, successors in frame.moved:
                 if revision > shown.revision:
                     previous |= _carried(previous, successors)
-            appearances, layouts = {}, {}
-            starts = start_states(program)
+                    otherwise |= _carried(otherwise, successors)
+            if nested != self._nested:  # states of another size: they have places of their own
+                self._nested = nested
+                self._otherwise = {name: old for name, old in previous.items() if _has_nested(old)}
+                previous = {name: old for name, old in previous.items() if not _has_nested(old)} | otherwise
+                last = {name: old for name, old in last.items() if not _has_nested(old)}
+            machines: dict[Path, Machine] = {}
             for path, machine in program.walk():
+                machines.setdefault(path, machine)
+            appearances: dict[str, tuple[Hashable, Hashable]] = {}
+            layouts: dict[str, Layout] = {}
+            starts = start_states(program)
+            for path, machine in reversed(machines.items()):  # inner ones first: others are drawn around them
                 name = path_text(path)
-                if name in layouts:
-                    continue
-                known = self._appearances.get(name)
+                known = self._appearances.get(name, (None, None))
+                inside = {inner: done for inner, done in layouts.items() if nested and _is_in(inner, name)}
                 appearance = (
-                    known if same_program else _appearance(program, path, machine, starts.get(path, ()))
+                    known[0] if same_program else _appearance(program, path, machine, starts.get(path, ())),
+                    tuple((inner, *done["view"]) for inner, done in inside.items()),
                 )
                 appearances[name] = appearance
                 looks_alike = name in last and appearance == known
                 if looks_alike and name not in arranged and name not in pinned:
                     layouts[name] = last[name]
                 else:
-                    old, now = None if name in arranged else previous.get(name), self._clock()
-                    moved = pinned.get(name)
                     layouts[name] = layout(
-                        machine, old, program=program, path=path, moved=moved, now=now, panel=panel
+                        machine,
+                        None if name in arranged else previous.get(name),
+                        program=program,
+                        path=path,
+                        moved=pinned.get(name),
+                        now=self._clock(),
+                        panel=panel,
+                        inside=inside,
                     )
             self._gone = {name: old for name, old in previous.items() if name not in layouts}
             self._appearances = appearances
-            self.current = frame, layouts
+            self.current = frame, dict(reversed(layouts.items()))
+
+
+def _is_in(inner: str, outer: str) -> bool:
+    """Return whether a state of the machine `outer` contains the machine `inner` directly."""
+    return inner.startswith(f"{outer}/") and inner.count("/") == outer.count("/") + 2
+
+
+def _has_nested(drawing: Layout) -> bool:
+    return any(shape["machines"] for shape in drawing["states"])
 
 
 def _carried(layouts: Mapping[str, Layout], successors: Successors) -> dict[str, Layout]:

@@ -1,5 +1,9 @@
 """The camera of the state graph: it stays where it is, unless something is out of view."""
 
+import math
+import struct
+from xml.etree import ElementTree
+
 import pytest
 
 from e2e.programs import COUNTER, FOLLOWER, INNER
@@ -70,24 +74,33 @@ def drag(lab, state, dx, dy):
 def test_states_stay_where_they_are_while_one_types(open_lab):
     lab = open_lab(FOLLOWER, "follower --world line")
     rests(lab)
-    before = places(lab)
+    moved = graph(lab).evaluate_handle(
+        """svg => { const moved = []; let key = -Infinity;
+        window.addEventListener('keydown', () => { key = performance.now(); }, true);
+        new MutationObserver(records => { for (const { target } of records)
+          moved.push([target.dataset.lrpState ?? 'camera', performance.now() - key]); }).observe(svg,
+          { subtree: true, attributes: true, attributeFilter: ['transform'] });
+        return moved; }"""
+    )
+    before = set(places(lab))
     lab.select("(machine follower")
     lab.page.keyboard.press("ArrowRight")
     lab.page.keyboard.press("Enter")
-    for letter in "(state resting)(eps resting -> waiting":
-        lab.page.keyboard.type(letter)
-        now = places(lab)
-        assert all(distance(before[name], now[name]) < 2 for name in before if name in now), letter
+    lab.page.keyboard.type("(state resting)(eps resting -> waiting")
     lab.sees('[data-lrp-state="follower/waiting"]')
     lab.until(IS_VISIBLE, '[data-lrp-state="follower/waiting"] .lrp-box')
+    for what, since_key in moved.json_value():
+        assert what not in before
+        assert what != "camera" or since_key >= 1000
 
 
-def test_what_gets_out_of_view_comes_back_when_one_pauses(open_lab):
+def test_what_is_new_comes_into_view_when_one_pauses(open_lab):
     lab = open_lab(COUNTER)
     rests(lab)
-    lab.type_after("(state rest)", " (state a_state_with_a_long_name) (state s1) (state s2)")
-    lab.sees('[data-lrp-state="m/s2"]')
-    lab.until(f"svg => ({OUT_OF_VIEW})(svg) === 0", ".lrp-graph")
+    for name in ("a_state_with_a_long_name", "another", "third", "fourth", "fifth"):
+        lab.type_after("(state rest)", f" (state {name})")
+        lab.sees(f'[data-lrp-state="m/{name}"]')
+        lab.until(IS_VISIBLE, f'[data-lrp-state="m/{name}"] .lrp-box')
 
 
 def test_a_dragged_state_lands_where_it_is_dropped(open_lab):
@@ -148,3 +161,43 @@ def test_what_does_not_fit_is_scrolled_by_the_wheel_and_reached_by_keys(open_lab
                 lab.until(IS_VISIBLE, f'[data-lrp-state="{focused}"] .lrp-box')
     finally:
         lab.page.set_viewport_size({"width": 1600, "height": 1000})
+
+
+def test_nested_machines_are_drawn_inside_their_states(open_lab):
+    lab = open_lab(INNER)
+    lab.sees('[data-lrp-state="m/b"]')
+    assert not lab.find('[data-lrp-state="m/a/inner/y"]').count()
+    lab.do("graph-menu")
+    lab.choose("nest")
+    lab.sees('[data-lrp-state="m/a"] [data-lrp-state="m/a/inner/x"][data-active]')
+    rests(lab)
+    before = places(lab)
+    dropped = drag(lab, "m/a/inner/y", 60, 30)
+    rests(lab)
+    now = places(lab)
+    assert distance(now["m/a/inner/y"], dropped) < 1.5
+    assert distance(now["m/a/inner/x"], before["m/a/inner/x"]) < 1.5
+    lab.type_after("(state y)", " (state z)")
+    lab.sees('[data-lrp-state="m/a"] [data-lrp-state="m/a/inner/z"]')
+    lab.sees('[data-lrp-state="m/b"]')
+    lab.do("graph-menu")
+    lab.choose("nest")
+    lab.misses('[data-lrp-state="m/a/inner/z"]')
+
+
+def test_the_graph_is_saved_as_a_picture_that_stands_alone(open_lab, tmp_path):
+    lab = open_lab(INNER)
+    rests(lab)
+    for kind in ("svg", "png"):
+        lab.do("graph-menu")
+        with lab.page.expect_download() as download:
+            lab.choose(f"save-{kind}")
+        assert download.value.suggested_filename == f"m.{kind}"
+        download.value.save_as(tmp_path / f"m.{kind}")
+    root = ElementTree.fromstring((tmp_path / "m.svg").read_text())
+    assert {"a", "b", "90000 ms"} <= {text.strip() for text in root.itertext()}
+    boxes = [box for box in root.iter("{http://www.w3.org/2000/svg}rect") if box.get("rx") == "9"]
+    assert len({box.get("fill") for box in boxes}) == 2, "the active state is marked"
+    assert all(box.get("fill").startswith(("rgb", "color")) for box in boxes)
+    width, height = struct.unpack(">II", (tmp_path / "m.png").read_bytes()[16:24])
+    assert (width, height) == tuple(math.ceil(2 * float(root.get(side))) for side in ("width", "height"))

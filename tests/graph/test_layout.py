@@ -209,6 +209,52 @@ def test_a_new_state_is_placed_beside_the_others_in_a_wide_panel_and_below_them_
     assert tall["b"][0] == tall["a"][0]
 
 
+# -- machines inside states --------------------------------------------------------------------------
+
+
+def nested(program):
+    """Return layouts by path, inner ones inside the states of outer ones."""
+    done = {}
+    for path, machine in reversed(list(program.walk())):
+        done["/".join(path)] = layout(machine, program=program, path=path, inside=done)
+    return done
+
+
+@pytest.mark.parametrize("name", ["follower", "kinds"])
+def test_a_nested_machine_has_room_inside_its_state_and_the_states_around_it_keep_apart(programs, name):
+    drawn = nested(programs[name])
+    outer = drawn[name]
+    for shape in outer["states"]:
+        for inside in shape["inside"]:
+            left, top, width, height = drawn[inside["machine"]]["view"]
+            room = Rect(shape["x"], shape["y"], shape["width"] + 0.2, shape["height"] + 0.2)
+            x, y = shape["x"] + inside["x"], shape["y"] + inside["y"]
+            assert room.holds((x + left, y + top))
+            assert room.holds((x + left + width, y + top + height))
+    assert any(shape["inside"] for shape in outer["states"])
+    boxes = [box(shape) for shape in outer["states"]]
+    assert not [(a, b) for a, b in combinations(boxes, 2) if a.overlaps(b, 10.0, 10.0)]
+    shapes = {shape["name"]: shape for shape in outer["states"]}
+    for arrow in outer["transitions"]:
+        if arrow["head"] and arrow["kind"] != "exit":
+            assert _on_border(numbers(arrow["head"])[:2], shapes[arrow["destination"]])
+
+
+def test_a_state_that_grows_moves_its_neighbours_out_of_itself():
+    text = "(machine m (state a (machine i {})) (state b) (eps a -> b)) (spawn m a)"
+    small, large = (
+        parse(text.format(states)) for states in ("(state x)", "(state x) (state y) (eps x -> y)")
+    )
+    before = nested(small)
+    inner = layout(
+        large.machines[0].states[0].machines[0], before["m/a/i"], program=large, path=("m", "a", "i")
+    )
+    after = layout(large.machines[0], before["m"], program=large, inside={"m/a/i": inner})
+    a, b = (box(shape_of(after, name)) for name in "ab")
+    assert a.height > box(shape_of(before["m"], "a")).height
+    assert not a.overlaps(b, 10.0, 10.0)
+
+
 # -- names and reasons -------------------------------------------------------------------------------
 
 

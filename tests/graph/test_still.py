@@ -174,3 +174,18 @@ def test_a_machine_spawned_from_elsewhere_shows_its_active_state():
     picture = svg(program, active=[("m", "a", "helper", "h")])
     lit = re.findall(r'data-lrp-state="([^"]*)" data-active', picture)
     assert sorted(lit) == ["helper/h", "m/a"]
+
+
+def test_nested_machines_are_drawn_inside_their_states_if_wanted(follower):
+    def owners(picture):
+        root = ET.fromstring(picture)
+        parents = {child: parent for parent in root.iter() for child in parent}
+        (inner,) = (
+            node for node in root.iter() if node.get("data-lrp-machine") == "follower/looking/lookalgo"
+        )
+        while inner in parents:
+            inner = parents[inner]
+            yield inner.get("data-lrp-state")
+
+    assert "follower/looking" in owners(svg(follower, nested=True))
+    assert "follower/looking" not in owners(svg(follower))

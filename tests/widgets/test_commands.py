@@ -191,6 +191,38 @@ class Toy(Bridge):
         self.stops += 1
 
 
+def test_nested_machines_are_drawn_inside_their_states_and_everything_returns_to_its_place(lab, page):
+    def states():
+        return {shape["id"]: shape for shape in page.merged("layouts")["m"]["states"]}
+
+    page.do("pin", path="m", name="b", x=300, y=40)
+    plain = states()
+    assert page.do("nest", on=True) is None
+    nested = states()
+    (inside,) = nested["m/a"]["inside"]
+    assert inside["machine"] == "m/a/inner"
+    inner = page.merged("layouts")["m/a/inner"]
+    left, top, width, height = inner["view"]
+    assert nested["m/a"]["width"] >= width
+    assert inside["x"] + left >= -nested["m/a"]["width"] / 2
+    assert inside["y"] + top + height <= nested["m/a"]["height"] / 2
+
+    # what is inside grows to the right: everything else in it stays where it is, and the state grows with it
+    def at(name):
+        (inside,) = states()["m/a"]["inside"]
+        place = page.merged("layouts")["m/a/inner"]["places"][name]
+        return [states()["m/a"][way] + inside[way] + place[way] for way in "xy"]
+
+    before, wide = at("x"), nested["m/a"]["width"]
+    place = inner["places"]["y"]
+    page.do("pin", path="m/a/inner", name="y", x=place["x"] + 200, y=place["y"])
+    assert states()["m/a"]["width"] > wide
+    assert at("x") == pytest.approx(before, abs=0.11)
+
+    page.do("nest", on=False)
+    assert states() == plain
+
+
 def test_the_first_panel_has_the_machines_laid_out_again_and_a_later_one_only_on_request(bench):
     text = "(machine m (state a) (state b) (state c) (eps a -> b) (eps b -> c)) (spawn m a)"
     page = bench(text).page()

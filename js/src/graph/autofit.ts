@@ -102,9 +102,9 @@ export class AutoFit {
     this.held = true;
   }
 
+  /** What was dragged out of view stays there until the drawing changes. */
   release(): void {
     this.held = false;
-    this.check();
   }
 
   /** Stop gliding where the camera is. */

@@ -54,10 +54,10 @@ export class Dragging {
   }
 
   /** End the dragging if a layout has the dropped state in its place. */
-  drawn({ states }: Layout): void {
+  drawn(layouts: readonly Layout[]): void {
     const { dragged } = this;
     if (!dragged || !this.dropped) return;
-    const shape = states.find(({ id }) => id === dragged.path);
+    const shape = layouts.flatMap(({ states }) => states).find(({ id }) => id === dragged.path);
     if (shape && Math.hypot(shape.x - dragged.x, shape.y - dragged.y) > NEAR) return;
     this.end();
   }

@@ -8,6 +8,7 @@ import { reconcile, s, setAttribute, setText } from "../ui/dom";
 
 const STATE_FONT = 13;
 const LABEL_FONT = 11.5;
+const NAME_ABOVE = 26; // px: a name above the machines inside the state
 const NESTED_LETTER = 6.3; // px, about
 const LIFT = 0.35; // of the font size: from the middle of a letter to its base line
 
@@ -30,14 +31,21 @@ export function makeLayers(): Layers {
   return { root, frame, arrows, ports, states, halos, labels };
 }
 
-export function draw(layers: Layers, layout: Layout): void {
+/** Draw one machine; `layouts` holds those of the machines drawn inside its states. */
+export function draw(layers: Layers, layout: Layout, layouts: Record<string, Layout> = {}): void {
   const { transitions } = layout;
   const keys = arrowKeys(transitions);
   const key = (shape: TransitionShape) => keys.get(shape) ?? "";
   drawFrame(layers.frame, layout);
   reconcile(layers.arrows, transitions, key, makeArrow, (element, shape) => updateArrow(element, shape));
   reconcile(layers.ports, layout.ports, (port) => `${port.name} ${port.x} ${port.y}`, makePort, updatePort);
-  reconcile(layers.states, layout.states, (shape) => shape.id, makeState, updateState);
+  reconcile(
+    layers.states,
+    layout.states,
+    (shape) => shape.id,
+    makeState,
+    (element, shape) => updateState(element, shape, layouts),
+  );
   reconcile(layers.halos, transitions, key, makeText, (element, shape) =>
     updateLabel(element, shape.label, "lrp-halo"),
   );
@@ -110,8 +118,9 @@ function makeState(shape: StateShape): SVGGElement {
   return s("g", { ...own, ...focus });
 }
 
-function updateState(element: Element, shape: StateShape): void {
-  setAttribute(element, "class", `lrp-state lrp-${shape.kind}`);
+function updateState(element: Element, shape: StateShape, layouts: Record<string, Layout>): void {
+  const open = shape.inside.length ? " lrp-open" : "";
+  setAttribute(element, "class", `lrp-state lrp-${shape.kind}${open}`);
   if (shape.kind === "state") {
     const shown = [shape.label, shape.nested].filter(Boolean).join(" "); // a name begins with what is seen
     setAttribute(element, "aria-label", `${shown}: state ${shape.title}`);
@@ -125,9 +134,30 @@ function updateState(element: Element, shape: StateShape): void {
     start: null,
     from: shape.start && shape.start.x - shape.x,
   });
-  if (element.getAttribute("data-body") === body) return;
-  element.setAttribute("data-body", body);
-  element.replaceChildren(...stateBody(shape));
+  if (element.getAttribute("data-body") !== body) {
+    element.setAttribute("data-body", body);
+    element.replaceChildren(...stateBody(shape));
+  }
+  drawInside(element, shape, layouts);
+}
+
+const insides = new WeakMap<Element, Map<string, Layers>>();
+
+/** Draw nested machines inside their state; their elements are reused, too. */
+function drawInside(element: Element, shape: StateShape, layouts: Record<string, Layout>): void {
+  const before = insides.get(element);
+  const now = new Map<string, Layers>();
+  for (const { machine, x, y } of shape.inside) {
+    const layout = layouts[machine];
+    if (!layout) continue;
+    const layers = before?.get(machine) ?? makeLayers();
+    now.set(machine, layers);
+    setAttribute(layers.root, "transform", `translate(${x} ${y})`);
+    if (layers.root.parentNode !== element) element.append(layers.root);
+    draw(layers, layout, layouts);
+  }
+  for (const [machine, { root }] of before ?? []) if (!now.has(machine)) root.remove();
+  insides.set(element, now);
 }
 
 /** The body is drawn around its centre, so that moving a state changes one attribute. */
@@ -150,7 +180,10 @@ function stateBody(shape: StateShape): SVGElement[] {
     const symbol = nestedIcon();
     symbol.setAttribute("transform", `translate(${-half - 4} 10)`);
     parts.push(s("g", { class: "lrp-nested" }, " ", symbol, text("", 7, 14, shape.nested)));
-  } else parts.push(text("lrp-name", 0, STATE_FONT * LIFT, shape.label));
+  } else {
+    const middle = shape.inside.length ? top + NAME_ABOVE / 2 : 0;
+    parts.push(text("lrp-name", 0, middle + STATE_FONT * LIFT, shape.label));
+  }
   if (shape.start) {
     const { x, y, radius, d, head } = shape.start;
     parts.push(

@@ -35,14 +35,10 @@ export function nearest(from: Point, points: readonly Point[], key: string): num
 /** Let the arrow keys move the focus between elements; `reveal` brings the focused one into view. */
 export function walkWithArrows(svg: SVGSVGElement, reveal: (element: SVGGElement) => void): void {
   const elements = () => [...svg.querySelectorAll<SVGGElement>("[role=button]")];
-  const centre = (element: Element): Point => {
-    const shaft = element.querySelector<SVGPathElement>(".lrp-shaft");
-    if (shaft?.getTotalLength) {
-      const point = shaft.getPointAtLength(shaft.getTotalLength() / 2);
-      return { x: point.x, y: point.y };
-    }
-    const [x = 0, y = 0] = (element.getAttribute("transform")?.match(/-?[\d.]+/g) ?? []).map(Number);
-    return { x, y };
+  const centre = (element: SVGGElement): Point => {
+    const shaft = element.querySelector<SVGPathElement>(":scope > .lrp-shaft");
+    const point = shaft ? shaft.getPointAtLength(shaft.getTotalLength() / 2) : svg.createSVGPoint();
+    return point.matrixTransform(element.getCTM() ?? svg.createSVGMatrix());
   };
   const focus = (element: SVGGElement) => {
     for (const other of elements()) other.setAttribute("tabindex", other === element ? "0" : "-1");

@@ -25,23 +25,24 @@ export class Marks {
     const { layers, state } = this;
     const fresh = state.machine !== this.machine; // another drawing: nothing that was before glows
     this.machine = state.machine;
-    for (const node of layers.states.children) {
-      const path = node.getAttribute("data-lrp-state");
-      if (!path) continue;
+    for (const node of layers.root.querySelectorAll("[data-lrp-state]")) {
+      const path = node.getAttribute("data-lrp-state") ?? "";
       const active = state.lit.includes(path);
       setAttribute(node, "data-active", active);
       setAttribute(node, "aria-current", active ? "true" : null);
       if (!fresh && !active && this.grown(state.entered[path], this.entered[path])) this.glow(node);
       setAttribute(node, "data-chosen", path === state.chosen);
     }
-    const last = lastFired(state.fired, state.machine);
-    for (const arrow of layers.arrows.children) {
+    const last = new Map<string, string>(); // by machine
+    for (const arrow of layers.root.querySelectorAll(".lrp-transition")) {
       const id = arrow.getAttribute("data-of") ?? "";
-      setAttribute(arrow, "data-fired", id === last);
+      const machine = id.slice(0, id.indexOf(":"));
+      if (!last.has(machine)) last.set(machine, lastFired(state.fired, machine));
+      setAttribute(arrow, "data-fired", id === last.get(machine));
       if (!fresh && this.grown(state.fired[id], this.fired[id])) this.glow(arrow);
       setAttribute(arrow, "data-chosen", id === state.chosen);
     }
-    for (const label of layers.labels.children) {
+    for (const label of layers.root.querySelectorAll(".lrp-label")) {
       setAttribute(label, "data-chosen", label.getAttribute("data-of") === state.chosen);
     }
     this.entered = state.entered;

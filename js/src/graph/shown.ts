@@ -5,6 +5,7 @@ import { ViewPlugin, type ViewUpdate } from "@codemirror/view";
 import { adopted } from "../editor/texts";
 import { outlineOf } from "../language/lrp";
 import type { Lab, Store } from "../session/store";
+import { isDrawnIn } from "./inside";
 
 /** Show a machine. One that is not the active one would not be shown for long while the graph follows. */
 export function showMachine(store: Store, path: string): void {
@@ -17,8 +18,9 @@ export function showMachine(store: Store, path: string): void {
 export function showTyped({ store }: Lab): Extension {
   let typed = "";
   const show = () => {
-    if (!store.state.program.machines.some(({ path }) => path === typed)) return;
-    showMachine(store, typed);
+    const { program, machine, layouts } = store.state;
+    if (!program.machines.some(({ path }) => path === typed)) return;
+    if (!isDrawnIn(typed, machine, layouts)) showMachine(store, typed);
     typed = "";
   };
   return ViewPlugin.define(() => ({

@@ -6,11 +6,13 @@ import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, s, setAttribute } from "../ui/dom";
 import { type MenuItem, openMenu } from "../ui/menu";
+import { pngOfSvg, saveFile, svgDocument } from "../ui/picture";
 import { AutoFit, LEGIBLE } from "./autofit";
 import { type Box, Camera } from "./camera";
 import { Dragging } from "./drag";
 import { draw, makeLayers } from "./draw";
 import { keepOneTabStop, walkWithArrows } from "./focus";
+import { layoutsIn } from "./inside";
 import { Marks } from "./marks";
 import { ScrollBars, scroll, scrollByWheel } from "./scroll";
 import { showMachine } from "./shown";
@@ -27,6 +29,7 @@ export function graphView(lab: Lab): HTMLElement {
   const marks = new Marks(layers, store.state);
   let camera = new Camera();
   let shown: Layout | null = null;
+  let drawn: Layout[] = []; // that of the machine shown, then those inside its states
   let mode: Mode = "live";
 
   const place = () => {
@@ -59,7 +62,9 @@ export function graphView(lab: Lab): HTMLElement {
     }
     layers.root.removeAttribute("visibility");
     const other = shown?.machine !== layout.machine;
-    if (shown === layout && !force) return;
+    const parts = layoutsIn(layout.machine, store.state.layouts);
+    const isSame = parts.length === drawn.length && parts.every((part, index) => part === drawn[index]);
+    if (isSame && !force) return;
     if (mode === "static" && !other && !force) {
       element.dataset.stale = "";
       return;
@@ -69,7 +74,8 @@ export function graphView(lab: Lab): HTMLElement {
     const fresh = layout.states.find(({ id }) => !known.has(id));
     const isRearranged = known.size > 1 && !layout.states.some((shape) => isAt(shape, known.get(shape.id)));
     shown = layout;
-    draw(layers, layout);
+    drawn = parts;
+    draw(layers, layout, store.state.layouts);
     keepOneTabStop(svg);
     svg.setAttribute("aria-label", `State graph of ${layout.name}`);
     if (other) {
@@ -77,7 +83,7 @@ export function graphView(lab: Lab): HTMLElement {
       fitting.show(camera, contents(), focus());
     } else if (isRearranged) fitting.rearranged(contents(), focus());
     else fitting.update(contents(), fresh ? around(fresh) : null);
-    dragging.drawn(layout);
+    dragging.drawn(parts);
   };
 
   const modes = h(
@@ -105,6 +111,41 @@ export function graphView(lab: Lab): HTMLElement {
     camera.moved = camera.scale < LEGIBLE; // the user prefers all of it to legible names
     place();
   };
+  const isNested = () =>
+    Object.values(store.state.layouts).some(({ states }) => states.some(({ inside }) => inside.length));
+  const save = async (kind: "svg" | "png") => {
+    const picture = svgDocument(svg, layers.root, contents());
+    const file =
+      kind === "svg" ? new Blob([picture], { type: "image/svg+xml" }) : await pngOfSvg(picture, contents());
+    saveFile(`${store.state.machine.replaceAll("/", "-")}.${kind}`, file);
+  };
+  const more = button({
+    icon: "more",
+    title: "More for the graph",
+    action: "graph-menu",
+    "aria-haspopup": "menu",
+    onclick: () => {
+      const { left, bottom } = more.getBoundingClientRect();
+      const disabled = !shown;
+      openMenu(
+        lab.root,
+        { x: left, y: bottom + 4 },
+        [
+          {
+            label: "Nested machines inside their states",
+            action: "nest",
+            checked: isNested(),
+            disabled: !store.state.program.machines.some(({ parent }) => parent),
+            run: () => void lab.act({ do: "nest", on: !isNested() }),
+          },
+          null,
+          { label: "Save as SVG", action: "save-svg", disabled, run: () => void save("svg") },
+          { label: "Save as PNG", action: "save-png", disabled, run: () => void save("png") },
+        ],
+        "State graph",
+      );
+    },
+  });
   const { element } = panel(
     "graph",
     "State graph",
@@ -125,6 +166,7 @@ export function graphView(lab: Lab): HTMLElement {
       button({ icon: "minus", title: "Zoom out", action: "zoom-out", onclick: () => zoom(1 / 1.25) }),
       button({ icon: "plus", title: "Zoom in", action: "zoom-in", onclick: () => zoom(1.25) }),
       button({ icon: "fit", title: "Show all", action: "zoom-fit", onclick: whole }),
+      more,
     ],
     h("div", { class: "lrp-graph-body" }, svg, ...scrollBars.elements, emptyNote(lab), restartNotice(lab)),
   );
@@ -223,7 +265,8 @@ export function graphView(lab: Lab): HTMLElement {
     return { arrow: arrow ?? null, state: state ?? null };
   };
   const open = (path: string) => {
-    const inner = shown?.states.find((shape) => shape.id === path)?.machines[0];
+    const shapes = drawn.flatMap(({ states }) => states);
+    const inner = shapes.find((shape) => shape.id === path)?.machines[0];
     if (inner) showMachine(store, `${path}/${inner}`);
   };
   const choose = (target: EventTarget | null) => {

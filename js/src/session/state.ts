@@ -1,6 +1,7 @@
 /** The state of a view: one value, changed only by `apply`, which returns the changed fields. */
 
 import type { Camera } from "../graph/camera";
+import { isDrawnIn } from "../graph/inside";
 import {
   type Changes,
   type ChoicesView,
@@ -144,7 +145,7 @@ function followActive(state: LabState): boolean {
   let deepest = "";
   for (const path of state.lit) if (path.split("/").length > deepest.split("/").length) deepest = path;
   const machine = deepest.slice(0, Math.max(0, deepest.lastIndexOf("/")));
-  if (!machine || machine === state.machine) return false;
+  if (!machine || machine === state.machine || isDrawnIn(machine, state.machine, state.layouts)) return false;
   state.machine = machine;
   return true;
 }
