@@ -257,7 +257,9 @@ describe("the camera's own movements", () => {
   const box = (x: number, y: number, width: number, height: number) => ({ x, y, width, height });
   const at = () => [camera.x, camera.y, camera.scale];
   beforeEach(() => {
-    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "requestAnimationFrame", "performance"] });
+    vi.useFakeTimers({
+      toFake: ["setTimeout", "clearTimeout", "requestAnimationFrame", "cancelAnimationFrame", "performance"],
+    });
     vi.stubGlobal("matchMedia", () => ({ matches: false }));
     svg = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     resize(400, 300);
@@ -286,6 +288,25 @@ describe("the camera's own movements", () => {
     expect(at()).toEqual([0, 0, 1]);
     vi.advanceTimersByTime(500);
     expect(camera.scale).toBeCloseTo(400 / 440);
+  });
+
+  it("stop at a key, and go on when the user pauses", () => {
+    autofit.update(box(0, 0, 400, 3000), box(100, 2000, 60, 36));
+    vi.advanceTimersByTime(60);
+    autofit.typed();
+    const stopped = at();
+    expect(stopped).not.toEqual([0, 0, 1]);
+    vi.advanceTimersByTime(990);
+    expect(at()).toEqual(stopped);
+    vi.advanceTimersByTime(500);
+    expect(camera.inside(200, 150)[1]).toBeCloseTo(2018);
+  });
+
+  it("do not happen because the panel changes its size while one types", () => {
+    autofit.typed();
+    resize(400, 320);
+    autofit.resized(null);
+    expect(at()).toEqual([0, 0, 1]);
   });
 
   it("do not happen during a drag", () => {

@@ -21,7 +21,7 @@ interface View {
 export class AutoFit {
   private camera: Camera;
   private content: Box = { x: 0, y: 0, width: 0, height: 0 };
-  /** What is to be brought into view when the user pauses. */
+  /** What is to be brought into view when the user pauses; until it is. */
   private wanted: Box | null = null;
   private size = { width: 0, height: 0 };
   private lastKey = Number.NEGATIVE_INFINITY;
@@ -76,10 +76,14 @@ export class AutoFit {
     }
     if (!before.width || !this.size.width) return;
     this.stop();
+    if (!this.isQuiet()) {
+      this.check();
+      return;
+    }
     camera.x += (this.size.width - before.width) / 2;
     camera.y += (this.size.height - before.height) / 2;
     const isShrunk = camera.scale < 1 && this.target().scale > camera.scale;
-    if (!camera.moved && this.isQuiet() && (isShrunk || this.isCutOff())) this.jump(null);
+    if (!camera.moved && (isShrunk || this.isCutOff())) this.jump(null);
     else this.place();
     this.check();
   }
@@ -91,9 +95,11 @@ export class AutoFit {
     else this.check();
   }
 
-  /** A key was pressed. */
+  /** A key was pressed: what moves stops, and goes on when the user pauses. */
   typed(): void {
     this.lastKey = performance.now();
+    this.stop();
+    this.check();
   }
 
   /** Nothing moves while the pointer drags. */
@@ -132,16 +138,15 @@ export class AutoFit {
     }
     if (!camera.moved && this.isCutOff()) this.glide(this.target(this.wanted));
     else this.bringWantedIntoView();
-    this.wanted = null;
   };
 
   private bringWantedIntoView(): void {
     const { wanted, camera, size } = this;
-    this.wanted = null;
     if (!wanted || !size.width) return;
     const x = shift(wanted.x * camera.scale + camera.x, wanted.width * camera.scale, size.width);
     const y = shift(wanted.y * camera.scale + camera.y, wanted.height * camera.scale, size.height);
     if (x || y) this.glide({ x: camera.x + x, y: camera.y + y, scale: camera.scale });
+    else this.wanted = null;
   }
 
   /** Whether part of the drawing is out of view that need not be. */
@@ -197,6 +202,7 @@ export class AutoFit {
       camera.set({ x: at("x"), y: at("y"), scale: at("scale") });
       this.place();
       if (time < 1) this.gliding = requestAnimationFrame(step);
+      else this.wanted = null;
     };
     step();
   }
