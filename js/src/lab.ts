@@ -6,10 +6,11 @@ import type { HostedModel } from "./host/notebook";
 import { cellSource } from "./host/source";
 import { controls } from "./parts/controls";
 import { editorPanel } from "./parts/editor";
+import { foot } from "./parts/foot";
 import { type Inspector, inspector } from "./parts/inspector";
 import { issuesView } from "./parts/issues";
 import type { Choices } from "./parts/menu";
-import { announcer, notes } from "./parts/notes";
+import { announcer } from "./parts/notes";
 import { saveForm } from "./parts/save";
 import { together } from "./parts/together";
 import { treeView } from "./parts/tree";
@@ -19,6 +20,7 @@ import type { AnswerMessage, FromKernel, PartName, ReplyMessage } from "./protoc
 import { Connection, type Model } from "./session/connection";
 import { forgetLost, keepLost, lostTexts } from "./session/lost";
 import { apply } from "./session/state";
+import { steady } from "./session/steady";
 import { type Lab, Store } from "./session/store";
 import { h, prose, setAttribute } from "./ui/dom";
 import { enlarging } from "./ui/enlarge";
@@ -83,10 +85,10 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
 
   const connection = new Connection(model, part, {
     message: receive,
-    link: (link) => {
+    link: steady((link) => {
       store.set("link", link);
       rescue();
-    },
+    }),
     sending: () => editor?.markSent(),
     unanswered: () => rescue(true),
   });
@@ -164,10 +166,9 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     versions: versions.open,
     cell: () => cell?.items() ?? [],
   };
-  root.append(notes(lab, () => editor?.text ?? ""));
-  if (part === "lab" || part === "controls")
-    root.prepend(controls(lab, choices), save.element, versions.element);
+  if (part === "lab" || part === "controls") root.append(controls(lab, choices));
   root.append(layout?.element ?? Object.values(panels).find(Boolean) ?? h("div"));
+  root.append(foot(lab, () => editor?.text ?? "", save.element, versions.element));
   root.append(inspecting.element, toast, announcer(lab));
 
   store.watch(["tick", "revision", "status", "link"], () => {

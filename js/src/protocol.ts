@@ -760,9 +760,8 @@ export interface IssueView {
   resolved: boolean;
 }
 
-/** Restarts by an edit since the session began, tick and reason of the last one. */
+/** A restart by an edit. The view state lists the last ones by their number, from 1. */
 export interface RestartView {
-  count: number;
   tick: number;
   reason: string;
 }
@@ -875,7 +874,7 @@ export interface ViewState {
   members: Record<string, string>;
   issues: Record<string, IssueView>;
   printed: Record<string, string>;
-  restart: RestartView;
+  restarts: Record<string, RestartView>;
   hung: HungView | null;
   bridge: BridgeView;
   panel: PanelView | null;
@@ -1173,7 +1172,7 @@ export const EMPTY_VIEW_STATE: ViewState = {
   members: {},
   issues: {},
   printed: {},
-  restart: { count: 0, tick: 0, reason: "" },
+  restarts: {},
   hung: null,
   bridge: { name: "", status: "", sentence: "", hardware: false, armed: false, members: [] },
   panel: null,

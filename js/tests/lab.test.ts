@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 
 import { EditorView } from "@codemirror/view";
-import { afterEach, beforeEach, describe, expect, it } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { openLab } from "../src/lab";
 import type { AnswerMessage, Command, FromPage, PartName } from "../src/protocol";
 import { lostTexts } from "../src/session/lost";
@@ -225,17 +225,40 @@ describe("the page", () => {
     expect(page.editor.state.doc.lineAt(page.editor.state.selection.main.from).number).toBe(2);
   });
 
-  it("shows a restart with its reason and the switch to keep running, but no earlier restart", async () => {
+  it("shows a restart with its reason and the switch to keep running, then counts it in a list", async () => {
     const notice = page.find(".lrp-notice");
+    const counter = page.find(".lrp-restarts");
+    expect(counter.hidden).toBe(true);
     const snapshot = structuredClone(recording.snapshot);
-    Object.assign(snapshot.frame, { restart: { count: 3, tick: 2, reason: "long ago" } });
+    Object.assign(snapshot.frame, { restarts: { 3: { tick: 2, reason: "long ago" } } });
     page.deliver(snapshot);
     await page.drawn();
     expect(notice.hidden).toBe(true);
-    page.deliver({ type: "frame", frame: 10, restart: { count: 4, tick: 5, reason: "`moving` changed" } });
+    expect(counter.querySelector("summary")?.textContent).toBe("3 restarts");
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout"] });
+    page.deliver({ type: "frame", frame: 10, restarts: { 4: { tick: 5, reason: "`moving` changed" } } });
     await page.drawn();
     expect(notice.hidden).toBe(false);
     expect(notice.textContent).toContain("Restarted at tick 5: moving changed");
+    vi.advanceTimersByTime(10_000);
+    vi.useRealTimers();
+    expect(notice.hidden).toBe(true);
+    expect(counter.querySelector("summary")?.textContent).toBe("4 restarts");
+    expect([...counter.querySelectorAll("li")].map((item) => item.textContent)).toEqual([
+      "Tick 5: moving changed",
+      "Tick 2: long ago",
+    ]);
+  });
+
+  it("shows the bridge in use after another one was refused", async () => {
+    const select = page.find('[data-lrp-action="bridge"]') as HTMLSelectElement;
+    const other = document.createElement("option");
+    select.append(Object.assign(other, { value: "ros" }));
+    select.value = "ros";
+    select.dispatchEvent(new Event("change"));
+    page.deliver({ type: "reply", id: page.commands("bridge")[0]!.id, error: "No robot answers." });
+    await page.drawn();
+    expect(select.value).toBe(recording.snapshot.frame.bridge.name);
   });
 
   it("keeps what is selected and shown when a state is renamed", async () => {

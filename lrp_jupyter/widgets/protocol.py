@@ -191,9 +191,8 @@ class MovedElement(TypedDict):
 
 
 class RestartView(TypedDict):
-    """Restarts by an edit since the session began, tick and reason of the last one."""
+    """A restart by an edit. The view state lists the last ones by their number, from 1."""
 
-    count: int
     tick: int
     reason: str
 
@@ -434,7 +433,7 @@ class ViewState(TypedDict):
     members: dict[str, str]
     issues: dict[str, IssueView]
     printed: dict[str, str]
-    restart: RestartView
+    restarts: dict[str, RestartView]
     hung: HungView | None
     bridge: BridgeView
     panel: PanelView | None

@@ -46,6 +46,8 @@ __all__ = ["ViewStates", "difference", "is_urgent", "listed_members"]
 
 PRINTED = 500
 """Lines of output that a view is sent at most."""
+RESTARTS = 20
+"""The last restarts, which a view lists."""
 _CALM = {"tick", "time", "rate", "speed", "members", "variables", "printed"}
 _DEEPEST = 2  # levels of fields of a reading that are listed
 _MILD: Mapping[str, Severity] = {"no data yet": "hint", "defined twice": "warning"}
@@ -78,8 +80,8 @@ class ViewStates:
         self._shown = Frame()
         self._program_view = program_view(self._shown.program)
         self._moved: dict[str, list[MovedElement]] = {}
-        self._restarts = 0
-        self._restart: RestartView = {"count": 0, "tick": 0, "reason": ""}
+        self._restarted = 0
+        self._restarts: dict[str, RestartView] = {}
         self._numbers: dict[tuple[int, str, object, int], int] = {}  # of issues, from 1
         self._issue_views: dict[int, tuple[object, IssueView]] = {}
         self._printed: tuple[int, dict[str, str]] = 0, {}
@@ -131,7 +133,7 @@ class ViewStates:
             "members": _member_values(members),
             "issues": self._issues(frame, revision),
             "printed": self._lines(),
-            "restart": self._last_restart(frame),
+            "restarts": self._last_restarts(frame),
             "hung": _hung_view(frame),
             "bridge": _bridge_view(session.bridge, members),
             "panel": _panel_view(session.bridge),
@@ -144,13 +146,13 @@ class ViewStates:
             "unkept": texts.problem,
         }
 
-    def _last_restart(self, frame: Frame) -> RestartView:
-        if frame.restarts != self._restarts:
-            if frame.restart_reason != "reset":  # the user requested that one
-                count = self._restart["count"] + frame.restarts - self._restarts
-                self._restart = {"count": count, "tick": frame.tick, "reason": frame.restart_reason}
-            self._restarts = frame.restarts
-        return self._restart
+    def _last_restarts(self, frame: Frame) -> dict[str, RestartView]:
+        more, self._restarted = frame.restarts - self._restarted, frame.restarts
+        if more > 0 and frame.restart_reason != "reset":  # the user requested that one
+            number = int(next(reversed(self._restarts), "0")) + more
+            last: RestartView = {"tick": frame.tick, "reason": frame.restart_reason}
+            self._restarts = dict([*self._restarts.items(), (str(number), last)][-RESTARTS:])
+        return self._restarts
 
     def _issues(self, frame: Frame, revision: int) -> dict[str, IssueView]:
         texts = self._texts

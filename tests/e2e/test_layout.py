@@ -1,5 +1,7 @@
 """The places of the panels: in one screen, the world first, kept as their user left them. Keys of the lab."""
 
+from itertools import combinations
+
 import pytest
 
 from e2e import axe
@@ -49,6 +51,17 @@ def cells(lab):
     return lab.page.evaluate(f"{APP}.content.widgets.length")
 
 
+def nothing_overlaps(lab):
+    for one, other in combinations(PANELS, 2):
+        a, b = box(lab, one), box(lab, other)
+        assert (
+            a["x"] + a["width"] <= b["x"] + 1
+            or b["x"] + b["width"] <= a["x"] + 1
+            or a["y"] + a["height"] <= b["y"] + 1
+            or b["y"] + b["height"] <= a["y"] + 1
+        ), (one, other)
+
+
 # -- places ----------------------------------------------------------------------------------------
 
 
@@ -57,16 +70,7 @@ def test_everything_is_in_one_screen_beside_the_file_browser(open_follower):
     lab.root.evaluate("root => root.scrollIntoView()")
     for part in PANELS:
         in_sight(lab, f'[data-lrp="{part}"]')
-    for one in PANELS:
-        for other in PANELS:
-            a, b = box(lab, one), box(lab, other)
-            apart = (
-                a["x"] + a["width"] <= b["x"] + 1
-                or b["x"] + b["width"] <= a["x"] + 1
-                or a["y"] + a["height"] <= b["y"] + 1
-                or b["y"] + b["height"] <= a["y"] + 1
-            )
-            assert one == other or apart, (one, other)
+    nothing_overlaps(lab)
 
 
 @pytest.mark.parametrize(("width", "height"), [size for size in SCREENS if size[0] >= 1280])
@@ -86,6 +90,10 @@ def test_where_there_is_little_room_the_world_is_above_the_other_panels(open_fol
     assert min(places, key=lambda part: places[part]["y"]) == "world"
     assert len({place["x"] for place in places.values()}) == 1
     assert lab.root.evaluate("root => root.scrollWidth <= root.clientWidth")
+    nothing_overlaps(lab)
+    lab.root.evaluate("root => root.scrollIntoView()")
+    in_sight(lab, '[data-lrp-action="stop"]')
+    in_sight(lab, ".lrp-status")
 
 
 def test_the_robot_is_in_sight_after_shift_enter(open_notebook, screen):
@@ -193,6 +201,34 @@ def test_arrow_keys_move_the_rate_after_a_click_on_it(open_follower):
     lab.page.keyboard.press("ArrowRight")
     lab.page.keyboard.press("ArrowRight")
     assert int(slider.input_value()) == before + 2
+
+
+# -- notes -----------------------------------------------------------------------------------------
+
+
+def test_notes_push_nothing(open_follower):
+    lab = open_follower()
+    before = {part: box(lab, part) for part in PANELS}
+    lab.replace("robot.move(linear=forward)", "robot.stop()")
+    lab.sees(".lrp-notice:not([hidden])")
+    lab.do("hold")
+    lab.type_after("robot.stop()", "; robot.beep()")
+    lab.sees('.lrp-note:not([hidden]) [data-lrp-action="apply"]')
+    lab.do("menu")
+    lab.choose("versions")
+    lab.sees('form[aria-label="Versions"]:not([hidden])')
+    assert {part: box(lab, part) for part in PANELS} == before
+
+
+def test_a_restart_is_counted_and_its_reason_can_be_read_later(open_follower):
+    lab = open_follower()
+    lab.replace("robot.move(linear=forward)", "robot.stop()")
+    lab.sees(".lrp-notice:not([hidden])")
+    lab.sees(".lrp-notice[hidden]")
+    summary = lab.sees(".lrp-restarts summary")
+    summary.focus()
+    summary.press("Enter")
+    lab.reads(".lrp-restart-list", "is active and its running changed")
 
 
 # -- axe -------------------------------------------------------------------------------------------

@@ -1,6 +1,5 @@
 /** The state graph of the machine shown: drawing, marks, zoom and pan, menus. */
 
-import { restartNotice } from "../parts/notes";
 import type { Layout, StateShape } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
@@ -168,7 +167,7 @@ export function graphView(lab: Lab): HTMLElement {
       button({ icon: "fit", title: "Show all", action: "zoom-fit", onclick: whole }),
       more,
     ],
-    h("div", { class: "lrp-graph-body" }, svg, ...scrollBars.elements, emptyNote(lab), restartNotice(lab)),
+    h("div", { class: "lrp-graph-body" }, svg, ...scrollBars.elements, emptyNote(lab)),
   );
 
   store.watch(["layouts", "machine", "snapshot"], () => redraw());

@@ -1,4 +1,4 @@
-/** The controls: run, pause, step, reset, stop; rate and speed; the bridge; the status. */
+/** The controls: run, pause, step, reset, stop; rate and speed; the bridge. */
 
 import type { Topic } from "../session/state";
 import type { Lab } from "../session/store";
@@ -83,7 +83,6 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
     rateSlider(lab),
     speedSelect(lab),
     h("div", { class: "lrp-grow" }),
-    statusLine(lab),
     bridgeChip(lab),
     hold,
     more,
@@ -110,7 +109,8 @@ function nameplate(lab: Lab): HTMLElement {
 
 function rateSlider(lab: Lab): HTMLElement {
   const { store } = lab;
-  const shown = h("output", { class: "lrp-number" });
+  const shown = h("span", {});
+  const real = h("span", { class: "lrp-achieved" });
   const slider = h("input", {
     type: "range",
     class: "lrp-slider",
@@ -126,14 +126,16 @@ function rateSlider(lab: Lab): HTMLElement {
       slider.value = String(positionOf(wanted));
     slider.setAttribute("aria-valuetext", rateText(wanted));
     const off = achieved > 0 && (wanted === 0 || Math.abs(achieved - wanted) > 0.05 * wanted);
-    setText(
-      shown,
-      off
-        ? `${rateText(wanted)} (${achieved < 10 ? achieved.toFixed(1) : Math.round(achieved)})`
-        : rateText(wanted),
-    );
+    setText(shown, rateText(wanted));
+    setText(real, off ? ` (${achieved < 10 ? achieved.toFixed(1) : Math.round(achieved)})` : "");
   });
-  return h("label", { class: "lrp-control" }, h("span", {}, "Rate"), slider, shown);
+  return h(
+    "label",
+    { class: "lrp-control" },
+    h("span", {}, "Rate"),
+    slider,
+    h("output", { class: "lrp-number" }, shown, real),
+  );
 }
 
 function speedSelect(lab: Lab): HTMLElement {
@@ -156,28 +158,6 @@ function speedSelect(lab: Lab): HTMLElement {
   return label;
 }
 
-function statusLine(lab: Lab): HTMLElement {
-  const { store } = lab;
-  const dot = h("span", { class: "lrp-dot", "aria-hidden": "true" });
-  const words = h("span", {});
-  const line = h("span", { class: "lrp-status" }, dot, words);
-  store.watch(["status", "tick", "time", "link", "reason"], () => {
-    const { status, tick, time, link, reason } = store.state;
-    const word =
-      link === "busy"
-        ? "kernel busy"
-        : link === "lost"
-          ? "no answer"
-          : link === "dead"
-            ? "no kernel"
-            : status;
-    setAttribute(dot, "data-status", link === "live" || link === "connecting" ? status : link);
-    setText(words, `${word} · tick ${tick.toLocaleString("en")} · ${time.toFixed(1)} s`);
-    setAttribute(line, "title", reason);
-  });
-  return line;
-}
-
 function bridgeChip(lab: Lab): HTMLElement {
   const { store } = lab;
   const dot = h("span", { class: "lrp-dot", "aria-hidden": "true" });
@@ -185,7 +165,10 @@ function bridgeChip(lab: Lab): HTMLElement {
     class: "lrp-select",
     "aria-label": "Bridge to the robot",
     "data-lrp-action": "bridge",
-    onchange: () => void lab.act({ do: "bridge", name: select.value }),
+    onchange: async () => {
+      await lab.act({ do: "bridge", name: select.value });
+      select.value = store.state.bridge.name; // the one in use, if this one was refused
+    },
   });
   const armed = toggle(
     "Armed",

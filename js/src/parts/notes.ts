@@ -1,14 +1,14 @@
-/** The lab's notes (lost kernel, held edits, conflicting texts, hung block, restart), and announcements for screen readers. */
+/** The lab's notes (lost kernel, held edits, conflicting texts, hung block), and announcements for screen readers. */
 
 import type { Difference } from "../protocol";
 import type { Lab } from "../session/store";
-import { button, setSwitch, toggle } from "../ui/button";
-import { h, prose, setHidden, setText, visible } from "../ui/dom";
+import { button } from "../ui/button";
+import { h, prose, setHidden, visible } from "../ui/dom";
 
 export function notes(lab: Lab, text: () => string): HTMLElement {
   const ofSession = h("div", {}, hungNote(lab), unstartedNote(lab), heldNote(lab), conflictNote(lab));
   lab.store.watch(["link"], () => setHidden(ofSession, lab.store.state.link === "dead"));
-  return h("div", { class: "lrp-notes" }, linkNote(lab, text), ofSession);
+  return h("div", {}, linkNote(lab, text), ofSession);
 }
 
 function linkNote(lab: Lab, text: () => string): HTMLElement {
@@ -156,38 +156,6 @@ function conflictNote(lab: Lab): HTMLElement {
     text.textContent = visible(conflict.text);
   });
   return note;
-}
-
-export function restartNotice(lab: Lab): HTMLElement {
-  const { store } = lab;
-  const reason = h("p", {});
-  const keep = toggle(
-    "Keep running next time",
-    "Do not restart when the active state is edited",
-    "keep",
-    (on) => void lab.act({ do: "on_active_edit", name: on ? "keep" : "restart" }),
-  );
-  const notice = h(
-    "div",
-    { class: "lrp-notice", role: "status" },
-    reason,
-    h("div", { class: "lrp-row" }, keep, button({ icon: "close", title: "Dismiss", onclick: () => hide() })),
-  );
-  let seen = 0;
-  const hide = () => setHidden(notice, true);
-  notice.hidden = true;
-  store.watch(["restart", "settings", "snapshot"], (changed) => {
-    const { restart, settings } = store.state;
-    setSwitch(keep, settings.on_active_edit === "keep");
-    const count = restart?.count ?? 0;
-    if (count > seen && restart && !changed.has("snapshot")) {
-      setText(reason, "");
-      reason.append(`Restarted at tick ${restart.tick}: `, ...prose(restart.reason));
-      notice.hidden = false;
-    }
-    seen = count;
-  });
-  return notice;
 }
 
 const PAUSE = 1000; // ms

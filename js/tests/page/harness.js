@@ -64,7 +64,7 @@ const cases = {
         resolved: true,
       },
     },
-    restart: { count: 1, tick: 118, reason: "`moving` is active and its `running` changed." },
+    restarts: { 1: { tick: 118, reason: "`moving` is active and its `running` changed." } },
     printed: { 0: "light 212", 1: "light 180", 2: "on the line" },
   },
   busy: {},
@@ -200,14 +200,14 @@ const model = {
       const snapshot = structuredClone(recording.snapshot);
       snapshot.frame.view = view;
       Object.assign(snapshot.frame, cases[options.get("case")] ?? {});
-      if (snapshot.frame.restart) snapshot.frame.restart = { count: 0, tick: 0, reason: "" };
+      snapshot.frame.restarts = {};
       if (options.get("case") === "empty") Object.assign(snapshot, { text: "", running: "" });
       if (options.get("case") === "empty")
         Object.assign(snapshot.frame, { program: { variables: [], events: [], machines: [] }, layouts: {} });
       setTimeout(() => {
         deliver(snapshot);
         const more = cases[options.get("case")];
-        if (more?.restart) setTimeout(() => frame({ restart: more.restart }), 200);
+        if (more?.restarts) setTimeout(() => frame({ restarts: more.restarts }), 200);
       }, 10);
     } else if (message.type === "credit") credit++;
     else if (options.get("case") === "busy") return;
