@@ -219,12 +219,12 @@ class RevertCommand(PageCommand, do="revert"):
 
 @dataclass(frozen=True)
 class LoadCommand(PageCommand, do="load"):
-    """Replace the text by a bundled program."""
+    """Replace the text and the name by those of a bundled program."""
 
     name: str
 
     def apply(self, opened: OpenProgram) -> Applied:
-        opened.texts.write(programs.load(self.name))
+        opened.load(self.name, programs.load(self.name))
         return None
 
 

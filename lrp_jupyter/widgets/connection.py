@@ -59,6 +59,8 @@ class PageConnection:
         The options of the bridge.
     clock : callable
         Returns the wall time in seconds.
+    free_name : callable
+        Returns a name that no other open program has, given a wanted one.
     """
 
     def __init__(
@@ -68,11 +70,14 @@ class PageConnection:
         reopen: Callable[..., Session] | None = None,
         options: Mapping[str, Any] | None = None,
         clock: Callable[[], float] = monotonic,
+        free_name: Callable[[str], str] = lambda name: name,
     ) -> None:
+        self.name = session.name
         self.texts = texts
         self.layouts = Layouts()
         self.options = dict(options or {})
         self._reopen = reopen
+        self._free_name = free_name
         self.fault = ""
         """The last traceback of the lab itself, or an empty text."""
         self.closed = False
@@ -86,11 +91,6 @@ class PageConnection:
     def session(self) -> Session:
         """The session that is shown."""
         return self._publisher.session
-
-    @property
-    def name(self) -> str:
-        """The name of the session."""
-        return self.session.name
 
     # -- in: any thread ----------------------------------------------------------------------------
 
@@ -174,6 +174,15 @@ class PageConnection:
             old.close()
             if text != self.texts.text:  # it was held, not a valid program, or typed meanwhile
                 self.texts.write(text)
+
+    def load(self, name: str, text: str) -> None:
+        """Continue with another program under its name; what is kept under the old name stays there."""
+        if name != self.name:
+            self.name = self._free_name(name)
+            self.texts.move(self.name)
+            self.session.name = self.name
+            self._publisher.renamed()
+        self.texts.write(text)
 
     def use(self, session: Session) -> None:
         """Show another session from now on; views get a snapshot of it.

@@ -61,6 +61,9 @@ class OpenProgram(Protocol):
     def change_bridge(self, bridge: str, **options: Any) -> None:
         """Continue with another bridge."""
 
+    def load(self, name: str, text: str) -> None:
+        """Continue with another program under its name."""
+
     def wake(self) -> None:
         """Update the views at once."""
 

@@ -214,6 +214,12 @@ class Publisher:
             for view in self._views.values():
                 self._snapshot(view)
 
+    def renamed(self) -> None:
+        """Send each view a snapshot, because it has remembered things by the session's name."""
+        with self._lock:
+            for view in self._views.values():
+                self._snapshot(view)
+
     # -- the views -----------------------------------------------------------------------------------
 
     def welcome(self, name: str, part: str, send: Send) -> None:

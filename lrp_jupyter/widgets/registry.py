@@ -30,18 +30,17 @@ _HAS_HUNG = (
     "Correct the block, then run the program."
 )
 
-_connections: dict[str, PageConnection] = {}
+_connections: list[PageConnection] = []
 
 
 def names() -> list[str]:
     """Return the names of the open programs, the oldest first."""
-    return [name for name, connection in _connections.items() if not connection.closed]
+    return [connection.name for connection in running()]
 
 
 def find(name: str) -> PageConnection | None:
     """Return the open program of this name."""
-    connection = _connections.get(name)
-    return None if connection is None or connection.closed else connection
+    return next((connection for connection in running() if connection.name == name), None)
 
 
 def named(name: str) -> PageConnection:
@@ -65,7 +64,7 @@ def named(name: str) -> PageConnection:
 
 def running() -> Iterator[PageConnection]:
     """Yield the connections of the open programs."""
-    yield from (connection for connection in _connections.values() if not connection.closed)
+    yield from (connection for connection in list(_connections) if not connection.closed)
 
 
 def connection_of(session: Session) -> PageConnection:
@@ -73,20 +72,30 @@ def connection_of(session: Session) -> PageConnection:
     for connection in running():
         if connection.session is session:
             return connection
-    connection = PageConnection(session, Texts())
-    name, count = session.name, 1
-    while find(name) is not None:
-        count += 1
-        name = f"{session.name} ({count})"
-    _connections[name] = connection
+    connection = PageConnection(session, Texts(), free_name=_free_name)
+    connection.name = _free_name(session.name)
+    return _add(connection)
+
+
+def _add(connection: PageConnection) -> PageConnection:
+    _connections[:] = [*running(), connection]
     return connection
+
+
+def _free_name(name: str) -> str:
+    """Return a name that no open program has: this one, or this one with a number."""
+    taken, free, count = names(), name, 1
+    while free in taken:
+        count += 1
+        free = f"{name} ({count})"
+    return free
 
 
 def forget(connection: PageConnection) -> None:
     """Close a program and forget it."""
     connection.close()
-    for name in [name for name, known in _connections.items() if known is connection]:
-        del _connections[name]
+    if connection in _connections:
+        _connections.remove(connection)
 
 
 def open_program(
@@ -134,8 +143,7 @@ def open_program(
         session = _open_session(
             name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options, has_hung
         )
-        connection = PageConnection(session, texts, _reopen, options)
-        _connections[name] = connection
+        connection = _add(PageConnection(session, texts, _reopen, options, free_name=_free_name))
         for each in (first, *later):
             if each != texts.text:
                 texts.write(each)

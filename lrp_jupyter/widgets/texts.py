@@ -455,6 +455,22 @@ class Texts:
         self._saved_as[os.path.realpath(file)] = _fingerprint(text)
         return True
 
+    def move(self, name: str) -> None:
+        """Keep the texts under another name from now on; what was kept there joins the versions."""
+        self.save(at_once=True)
+        with self._saving, self._lock:
+            for conflict in self.conflicts:  # it was about the other name
+                self.add_version(conflict.text)
+            self.conflicts = []
+            self.cell = self._accepted = None
+            if self.kept is None:
+                return
+            self.kept = Kept(self.kept.folder, name)
+            self._hung, self._stored = self.kept.read(".hung"), ()
+            for text in (self.kept.read(".lrp"), self.kept.read(".draft")):
+                if text is not None:
+                    self.add_version(text)
+
     @property
     def versions(self) -> list[Version]:
         """The earlier texts, the newest first."""

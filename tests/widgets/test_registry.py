@@ -55,6 +55,39 @@ def test_a_cell_that_is_run_again_changes_the_program_that_runs(cell):
     assert second.session.wait_for(lambda frame: frame.program.text == B, 60).restarts == 0
 
 
+def test_a_program_that_is_opened_in_a_lab_gives_it_its_name_and_leaves_the_old_ones_text(cell, tmp_path):
+    connection = cell(A)
+    connection.texts.save(at_once=True)
+    connection.load("square", B)
+    connection.texts.save(at_once=True)
+    assert registry.names() == ["square"]
+    assert connection.session.name == "square"
+    assert (tmp_path / ".lrp" / "mine.lrp").read_text() == A
+    assert (tmp_path / ".lrp" / "square.lrp").read_text() == B
+    assert [version.text for version in connection.texts.versions] == [A]
+    assert cell(A) is not connection, "the cell has a program of its own again"
+    assert connection.texts.text == B
+
+
+def test_what_was_kept_under_the_name_of_an_opened_program_is_among_the_versions(cell, restart_kernel):
+    cell(C, "square").texts.save(at_once=True)
+    restart_kernel()
+    connection = cell(A)
+    connection.load("square", B)
+    connection.texts.save(at_once=True)
+    assert connection.texts.conflicts == []
+    assert {version.text for version in connection.texts.versions} == {A, C}
+
+
+def test_an_opened_program_has_a_number_if_another_lab_has_its_name(cell):
+    other = cell(B, "square")
+    connection = cell(A)
+    connection.load("square", C)
+    assert registry.names() == ["square", "square (2)"]
+    assert registry.named("square") is other
+    assert other.texts.text == B
+
+
 def test_an_unchanged_cell_keeps_the_labs_text(cell):
     connection = cell(A)
     connection.texts.write(B)
