@@ -11,6 +11,7 @@ import { type Inspector, inspector } from "./parts/inspector";
 import { issuesView } from "./parts/issues";
 import type { Choices } from "./parts/menu";
 import { announcer } from "./parts/notes";
+import { openForm } from "./parts/open";
 import { saveForm } from "./parts/save";
 import { together } from "./parts/together";
 import { treeView } from "./parts/tree";
@@ -22,6 +23,7 @@ import { forgetLost, keepLost, lostTexts } from "./session/lost";
 import { apply } from "./session/state";
 import { steady } from "./session/steady";
 import { type Lab, Store } from "./session/store";
+import { copyText } from "./ui/clipboard";
 import { h, prose, setAttribute } from "./ui/dom";
 import { enlarging } from "./ui/enlarge";
 import { Layout, type Panels } from "./ui/layout";
@@ -73,7 +75,13 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
       else elsewhere.send({ range, ofRunning });
     },
     rename: (kind, path) => editor?.rename(kind, path),
-    insert: (text) => editor?.insert(text),
+    async insert(text) {
+      if (editor?.insert(text)) return;
+      const copied = await copyText(text);
+      lab.notify(
+        `${copied ? `\`${text}\` is copied. ` : ""}To insert it with a click, put the cursor into a block \`[ ]\`.`,
+      );
+    },
     inspect: (kind, path) => inspecting?.open(kind, path),
     notify(sentence) {
       toast.replaceChildren(...prose(sentence));
@@ -157,6 +165,8 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   const { isFilling, fill } = enlarging(host, root, layout);
   const save = saveForm(lab);
   const versions = versionsForm(lab);
+  const text = () => editor?.text ?? "";
+  const opening = openForm(lab, text);
   const cell = editor && cellSource(model, lab, editor);
   const choices: Choices = {
     layout,
@@ -164,11 +174,12 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     values: values(editor),
     save: save.open,
     versions: versions.open,
+    open: opening.open,
     cell: () => cell?.items() ?? [],
   };
   if (part === "lab" || part === "controls") root.append(controls(lab, choices));
   root.append(layout?.element ?? Object.values(panels).find(Boolean) ?? h("div"));
-  root.append(foot(lab, () => editor?.text ?? "", save.element, versions.element));
+  root.append(foot(lab, text, save.element, versions.element, opening.element));
   root.append(inspecting.element, toast, announcer(lab));
 
   store.watch(["tick", "revision", "status", "link"], () => {

@@ -328,6 +328,21 @@ describe("the page", () => {
     expect(page.find(".lrp-toast").textContent).toBe("Saved as follower.lrp.");
   });
 
+  it("asks before another program is opened", async () => {
+    const { programs } = recording.snapshot.choices;
+    page.find('[data-lrp-action="menu"]').click();
+    page.find(`[role="menu"] [data-lrp-action="load-${programs[0]}"]`).click();
+    const form = page.find('form[aria-label="Open a program"]');
+    expect(form.hidden).toBe(false);
+    expect(form.textContent).toContain(`Replace follower by ${programs[0]}?`);
+    expect(page.commands("load")).toEqual([]);
+    page.find('[data-lrp-action="open"]').click();
+    page.deliver({ type: "reply", id: page.commands("load")[0]!.id, error: null });
+    await page.drawn();
+    expect(page.commands("load")).toMatchObject([{ name: programs[0] }]);
+    expect(form.hidden).toBe(true);
+  });
+
   it("shows the versions and returns to one", async () => {
     page.find('[data-lrp-action="menu"]').click();
     page.find('[role="menu"] [data-lrp-action="versions"]').click();
@@ -425,6 +440,23 @@ describe("the page", () => {
     }
     expect(copied).toEqual([page.editor.state.sliceDoc()]);
     expect(said).toEqual(["The text is copied.", expect.stringContaining("press Ctrl+C")]);
+  });
+
+  it("inserts a member of the robot into a block, and copies it where there is none", async () => {
+    const copied: string[] = [];
+    const clipboard = { writeText: async (text: string) => void copied.push(text) };
+    Object.defineProperty(navigator, "clipboard", { value: clipboard, configurable: true });
+    const text = page.editor.state.doc.toString();
+    page.editor.dispatch({ selection: { anchor: 0 } });
+    page.find(".lrp-member").click();
+    await page.drawn();
+    expect(page.editor.state.doc.toString()).toBe(text);
+    expect(copied).toHaveLength(1);
+    expect(page.find(".lrp-toast").textContent).toContain(`${copied[0]} is copied.`);
+    const block = text.indexOf("[") + 1;
+    page.editor.dispatch({ selection: { anchor: block } });
+    page.find(".lrp-member").click();
+    expect(page.editor.state.doc.toString()).toBe(text.slice(0, block) + copied[0] + text.slice(block));
   });
 
   it("leaves Ctrl+S to the notebook", () => {

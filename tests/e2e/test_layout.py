@@ -107,6 +107,15 @@ def test_the_robot_is_in_sight_after_shift_enter(open_notebook, screen):
     in_sight(lab, '[data-lrp-action="stop"]')
 
 
+def test_the_inspector_opens_in_sight_however_far_the_notebook_is_scrolled(open_follower):
+    lab = open_follower(1280, 800)
+    lab.root.evaluate("root => { root.style.height = '1500px'; root.scrollIntoView({ block: 'end' }); }")
+    lab.find('[data-lrp="variables"] .lrp-variable').last.hover()
+    lab.find('[data-lrp="variables"] [data-lrp-action="inspect"]').last.click()
+    in_sight(lab, ".lrp-inspector")
+    in_sight(lab, '[data-lrp-action="close-inspector"]')
+
+
 # -- sizes, hidden panels ------------------------------------------------------------------------
 
 
@@ -206,13 +215,13 @@ def test_arrow_keys_move_the_rate_after_a_click_on_it(open_follower):
 # -- notes -----------------------------------------------------------------------------------------
 
 
-def test_notes_push_nothing(open_follower):
-    lab = open_follower()
+def test_notes_push_nothing(open_lab):
+    lab = open_lab(COUNTER)
     before = {part: box(lab, part) for part in PANELS}
-    lab.replace("robot.move(linear=forward)", "robot.stop()")
+    lab.replace("n = n + 1", "n = n + 2")  # in the active state
     lab.sees(".lrp-notice:not([hidden])")
     lab.do("hold")
-    lab.type_after("robot.stop()", "; robot.beep()")
+    lab.replace("(state rest)", "(state rest) (state more)")
     lab.sees('.lrp-note:not([hidden]) [data-lrp-action="apply"]')
     lab.do("menu")
     lab.choose("versions")
@@ -220,9 +229,9 @@ def test_notes_push_nothing(open_follower):
     assert {part: box(lab, part) for part in PANELS} == before
 
 
-def test_a_restart_is_counted_and_its_reason_can_be_read_later(open_follower):
-    lab = open_follower()
-    lab.replace("robot.move(linear=forward)", "robot.stop()")
+def test_a_restart_is_counted_and_its_reason_can_be_read_later(open_lab):
+    lab = open_lab(COUNTER)
+    lab.replace("n = n + 1", "n = n + 2")
     lab.sees(".lrp-notice:not([hidden])")
     lab.sees(".lrp-notice[hidden]")
     summary = lab.sees(".lrp-restarts summary")

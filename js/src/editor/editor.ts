@@ -21,6 +21,7 @@ import type { AnswerMessage, ElementKind, TextRange } from "../protocol";
 import type { Connection } from "../session/connection";
 import type { Lab } from "../session/store";
 import { completion } from "./complete";
+import { contextAt } from "./context";
 import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
 import { showDiagnostics } from "./diagnostics";
 import { hangingIndent } from "./hanging";
@@ -242,8 +243,11 @@ export class Editor {
     if (changes) this.view.dispatch({ changes });
   }
 
-  insert(text: string): void {
+  /** Insert a piece of Python at the cursor; returns false if no block is there. */
+  insert(text: string): boolean {
+    if (contextAt(this.view.state, this.view.state.selection.main.head).wanted !== "python") return false;
     this.view.dispatch(this.view.state.replaceSelection(text), { scrollIntoView: true });
     this.view.focus();
+    return true;
   }
 }

@@ -4,8 +4,12 @@ import type { ElementKind, Facet, InspectView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { h, setText } from "../ui/dom";
+import { partInSight } from "../ui/sight";
 
 const INTERVAL = 500; // ms between two requests while the program runs
+const AROUND = 8; // px between the inspector and the edge of what is in sight
+const CONTROLS = 48; // px that are left free at the upper edge of the lab
+const LEAST = 120; // px of height
 
 export interface Inspector {
   element: HTMLElement;
@@ -81,6 +85,10 @@ export function inspector(lab: Lab): Inspector {
       before = document.activeElement as HTMLElement | null;
       into = [];
       store.set("inspected", { kind, path });
+      const { top, bottom } = partInSight(lab.root);
+      const below = Math.max(top + AROUND, CONTROLS);
+      element.style.top = `${below}px`;
+      element.style.maxHeight = `${Math.max(LEAST, bottom - below - AROUND)}px`;
       element.hidden = false;
       element.focus({ preventScroll: true });
     },

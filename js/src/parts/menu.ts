@@ -16,6 +16,7 @@ export interface Choices {
   values: Choice;
   save: () => void;
   versions: () => void;
+  open: (program: string) => void;
   /** What concerns the cell above the lab. */
   cell: () => MenuItem[];
 }
@@ -33,9 +34,9 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
       }))
     : [];
   const programs = known.programs.map((name) => ({
-    label: `Open ${name}`,
+    label: `Open ${name}…`,
     action: `load-${name}`,
-    run: () => void lab.act({ do: "load", name }),
+    run: () => choices.open(name),
   }));
   return [
     { label: "Save…", action: "save", run: choices.save },

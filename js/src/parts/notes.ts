@@ -3,6 +3,7 @@
 import type { Difference } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
+import { copyText } from "../ui/clipboard";
 import { h, prose, setHidden, visible } from "../ui/dom";
 
 export function notes(lab: Lab, text: () => string): HTMLElement {
@@ -19,12 +20,8 @@ function linkNote(lab: Lab, text: () => string): HTMLElement {
     title: "Copy the program's text",
     action: "copy",
     onclick: async () => {
-      try {
-        await navigator.clipboard.writeText(text());
-        lab.notify("The text is copied.");
-      } catch {
-        lab.notify("The browser does not allow copying here. Select the text and press Ctrl+C.");
-      }
+      const failed = "The browser does not allow copying here. Select the text and press Ctrl+C.";
+      lab.notify((await copyText(text())) ? "The text is copied." : failed);
     },
   });
   const again = button({

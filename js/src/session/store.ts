@@ -59,6 +59,7 @@ export interface Lab {
   goToRange(range: TextRange, ofRunning: boolean): void;
   inspect(kind: ElementKind, path: string): void;
   rename(kind: ElementKind, path: string): void;
+  /** Insert Python into the block at the cursor; copy it if there is none. */
   insert(text: string): void;
   /** Show a sentence for some seconds. */
   notify(sentence: string): void;

@@ -30,6 +30,14 @@ function scrollerOf(element: Element): Element | null {
   return found;
 }
 
+/** The part of an element that is in sight, from its upper edge, in px. */
+export function partInSight(element: HTMLElement): { top: number; bottom: number } {
+  const frame = element.getBoundingClientRect();
+  const around = scrollerOf(element)?.getBoundingClientRect() ?? { top: 0, bottom: window.innerHeight };
+  const top = Math.max(0, around.top - frame.top);
+  return { top, bottom: Math.max(top, Math.min(frame.height, around.bottom - frame.top)) };
+}
+
 /**
  * Scroll a lab into view that its user has just opened: its cell, or the one before that to which
  * Shift+Enter went on. A notebook that is opened or reloaded stays where it is.

@@ -1,4 +1,4 @@
-/** The members of `robot`, with units and current values; a click inserts one into the program. */
+/** The members of `robot`, with units and current values; a click inserts one into the block at the cursor, or copies it. */
 
 import type { MemberView } from "../protocol";
 import type { Lab } from "../session/store";
@@ -10,7 +10,7 @@ export function membersCard(lab: Lab): HTMLElement {
   const card = h(
     "details",
     { class: "lrp-details", open: true },
-    h("summary", {}, h("code", {}, "robot"), " — click to insert"),
+    h("summary", {}, h("code", {}, "robot"), " — click to insert or copy"),
     list,
   );
   const make = (member: MemberView) =>
