@@ -28,7 +28,14 @@ const three: Plan = {
       share: 55,
       parts: ["editor", "machines"],
     },
-    { name: "three-world", label: "Height of the world", axis: "rows", share: 50, parts: ["world", lists] },
+    {
+      name: "three-world",
+      label: "Height of the world",
+      axis: "rows",
+      share: 50,
+      robotShare: 68,
+      parts: ["world", lists],
+    },
   ],
 };
 /** The two pictures above the texts: a robot can be seen where a third column would leave no room for it. */
@@ -39,7 +46,14 @@ const two: Plan = {
   share: 39,
   parts: [
     { name: "two-graph", label: "Height of the graph", axis: "rows", share: 55, parts: ["machines", lists] },
-    { name: "two-world", label: "Height of the world", axis: "rows", share: 44, parts: ["world", "editor"] },
+    {
+      name: "two-world",
+      label: "Height of the world",
+      axis: "rows",
+      share: 44,
+      robotShare: 58,
+      parts: ["world", "editor"],
+    },
   ],
 };
 
@@ -50,6 +64,7 @@ function planFor(width: number): Plan | null {
 
 const HIDDEN = "hidden-";
 const SHARE = "share-";
+const WORLDLESS = "data-worldless"; // set by the world's panel while it shows a real robot
 
 export type Panels = Record<"editor" | "tree" | "graph" | "world" | "variables" | "issues", HTMLElement>;
 
@@ -60,6 +75,7 @@ export class Layout {
   private readonly bars = new Map<Division, ReturnType<typeof splitter>>();
   private alone: HTMLElement | null = null;
   private readonly observer = new ResizeObserver(() => this.update());
+  private readonly robots = new MutationObserver(() => this.update());
 
   constructor(readonly panels: Readonly<Panels>) {
     const { editor, tree, graph, ...others } = panels;
@@ -68,6 +84,7 @@ export class Layout {
     this.element = h("div", { class: "lrp-panels" }, ...this.places.values());
     for (const [name, panel] of Object.entries(panels)) panel.hidden = kept(HIDDEN + name) !== null;
     this.observer.observe(this.element);
+    this.robots.observe(panels.world, { attributes: true, attributeFilter: [WORLDLESS] });
     this.update();
   }
 
@@ -92,16 +109,18 @@ export class Layout {
 
   close(): void {
     this.observer.disconnect();
+    this.robots.disconnect();
   }
 
   private update(): void {
     const alone = [...this.places.keys()].find((name) => this.places.get(name)!.contains(this.alone));
     const plan = alone ?? planFor(this.element.clientWidth);
     this.element.toggleAttribute("data-stacked", !plan);
+    const isRobot = this.panels.world.hasAttribute(WORLDLESS);
     const { boxes, bars } = arrange(
       plan,
       (name) => isVisible(this.places.get(name)!),
-      ({ name, share }) => Number(kept(SHARE + name)) || share,
+      ({ name, share, robotShare }) => Number(kept(SHARE + name)) || (isRobot && robotShare) || share,
     );
     for (const [name, place] of this.places) {
       const box = boxes.get(name);
