@@ -1,8 +1,25 @@
+import { readFileSync } from "node:fs";
 import { describe, expect, it } from "vitest";
-import type { WorldView } from "../src/protocol";
+import type { Point, Pose, WorldView } from "../src/protocol";
 import { complete } from "../src/world/complete";
+import { trailStyles } from "../src/world/legend";
+import { barLength, gripAt } from "../src/world/overlay";
 import { between, firstPoses, poseBytes, readPoses } from "../src/world/poses";
-import { nudged, targetAt } from "../src/world/tools";
+import {
+  dragged,
+  drawn,
+  handlesOf,
+  keyed,
+  poseOf,
+  type Shape,
+  shaped,
+  shapeOf,
+  type Thing,
+  thingAt,
+  thingsOf,
+} from "../src/world/things";
+import { Trail, trailState } from "../src/world/trail";
+import { SMALLEST_ROBOT, Viewport } from "../src/world/viewport";
 import recording from "./page/recording.json";
 
 const view: WorldView = {
@@ -109,23 +126,257 @@ describe("the pointer", () => {
   const now = firstPoses(world);
 
   it("finds the robot before what is below it", () => {
-    expect(targetAt(world, now, [0.52, 1.02])).toMatchObject({ do: "drag_robot", index: 0 });
+    expect(thingAt(world, now, [0.52, 1.02], 0.02)).toEqual({ kind: "robot", index: 0 });
   });
 
-  it("finds walls and round things", () => {
-    expect(targetAt(world, now, [2.03, 1.15])).toMatchObject({ do: "drag_solid", index: 0 });
-    expect(targetAt(world, now, [1.05, 0.5])).toMatchObject({ do: "drag_solid", index: 1 });
+  it("finds walls and round things, thin ones within the grip", () => {
+    expect(thingAt(world, now, [2.03, 1.15], 0)).toEqual({ kind: "solid", index: 0 });
+    expect(thingAt(world, now, [2.06, 1.15], 0)).toBeNull();
+    expect(thingAt(world, now, [2.06, 1.15], 0.02)).toEqual({ kind: "solid", index: 0 });
+    expect(thingAt(world, now, [1.05, 0.5], 0)).toEqual({ kind: "solid", index: 1 });
   });
 
   it("finds a turned wall at its present place", () => {
     const turned = { ...now, solids: [[2, 1, Math.PI / 2], now.solids[1]] } as typeof now;
-    expect(targetAt(world, turned, [2.15, 1])).toMatchObject({ index: 0 });
-    expect(targetAt(world, turned, [2, 1.15])).toBeNull();
+    expect(thingAt(world, turned, [2.15, 1], 0)).toEqual({ kind: "solid", index: 0 });
+    expect(thingAt(world, turned, [2, 1.15], 0)).toBeNull();
+  });
+
+  it("finds the start once the robot has left it", () => {
+    const away = { ...now, robots: [{ ...now.robots[0]!, pose: [1.5, 1.5, 0] as Pose }] };
+    expect(thingAt(world, away, [0.5, 1], 0)).toEqual({ kind: "start", index: 0 });
+  });
+
+  it("catches a zone at its rim, so that what is inside of it stays within reach", () => {
+    const zoned = { ...world, zones: { goal: { circle: [1, 1.5, 0.3] as Pose } } };
+    expect(thingAt(zoned, now, [1.3, 1.5], 0.02)).toEqual({ kind: "zone", name: "goal" });
+    expect(thingAt(zoned, now, [1, 1.5], 0.02)).toBeNull();
+  });
+
+  it("catches the handles of what is selected", () => {
+    const wall: Thing = { kind: "solid", index: 0 };
+    const shape = shapeOf(world, now, wall)!;
+    expect(gripAt(wall, shape, [2.05, 1.2], 200)?.grip).toBe("size");
+    expect(gripAt(wall, shape, [2.05 + 22 / 200, 1], 200)?.grip).toBe("turn");
+    expect(gripAt(wall, shape, [2, 1], 200)).toBeNull();
   });
 });
 
-it("keys move and turn the robot", () => {
-  expect(nudged([1, 1, 0], "ArrowLeft")).toEqual([0.98, 1, 0]);
-  expect(nudged([1, 1, 0], "[")?.[2]).toBeGreaterThan(0);
-  expect(nudged([1, 1, 0], "x")).toBeNull();
+describe("a drag", () => {
+  const box: Shape = { x: 1, y: 1, angle: Math.PI / 2, box: [0.4, 0.2] };
+
+  it("moves by the way of the pointer", () => {
+    expect(dragged(box, "move", [1, 1], [1.5, 0.75])).toEqual({ ...box, x: 1.5, y: 0.75 });
+  });
+
+  it("at a corner keeps the corner across, in a turned box too", () => {
+    const corner = handlesOf({ kind: "solid", index: 0 }, box, 100).find(({ at: [x, y] }) => x < 1 && y > 1)!;
+    const next = dragged(box, "size", corner.at, [corner.at[0] - 0.1, corner.at[1] + 0.2]);
+    expect(next.box![0]).toBeCloseTo(0.6);
+    expect(next.box![1]).toBeCloseTo(0.3);
+    const across = (shape: Shape) =>
+      handlesOf({ kind: "solid", index: 0 }, shape, 100).find(
+        ({ grip, at: [x, y] }) => grip === "size" && x > 1 && y < 1,
+      )!.at;
+    expect(across(next)[0]).toBeCloseTo(across(box)[0]);
+    expect(across(next)[1]).toBeCloseTo(across(box)[1]);
+  });
+
+  it("never makes a thing so small that it cannot be caught", () => {
+    expect(dragged(box, "size", [0.9, 1.2], [3, -3]).box!.every((length) => length >= 0.03)).toBe(true);
+    expect(dragged({ x: 0, y: 0, angle: 0, radius: 1 }, "size", [1, 0], [0, 0]).radius).toBeGreaterThan(0);
+  });
+
+  it("turns towards the pointer, exactly where that is near a round angle", () => {
+    expect(dragged(box, "turn", [1, 1.3], [1.02, 2]).angle).toBe(Math.PI / 2);
+    expect(dragged(box, "turn", [1, 1.3], [1 + Math.cos(0.4), 1 + Math.sin(0.4)]).angle).toBeCloseTo(0.4);
+  });
+
+  it("draws walls along it, boxes across it, zones around its start", () => {
+    const wall = drawn("wall", [1, 1], [1, 2]);
+    expect([wall.x, wall.y, wall.angle]).toEqual([1, 1.5, Math.PI / 2]);
+    expect(wall.box![0]).toBeCloseTo(1.04);
+    expect(drawn("box", [1, 1], [1.4, 0.8])).toMatchObject({ x: 1.2, y: 0.9 });
+    expect(drawn("zone", [1, 1], [1.3, 1.4]).radius).toBeCloseTo(0.5);
+  });
+
+  it("that is a click draws something of a usual size", () => {
+    for (const tool of ["wall", "box", "zone"] as const) {
+      const { box: size, radius } = drawn(tool, [1, 1], [1, 1]);
+      expect(Math.max(...(size ?? [radius!]))).toBeGreaterThan(0.1);
+    }
+  });
+});
+
+describe("keys", () => {
+  const robot: Shape = { x: 1, y: 1, angle: 0, radius: 0.08 };
+
+  it("move and turn", () => {
+    expect(keyed(robot, "ArrowLeft", false)).toMatchObject({ x: 0.98, y: 1 });
+    expect(keyed(robot, "[", false)!.angle).toBeGreaterThan(0);
+    expect(keyed(robot, "]", false)!.angle).toBeLessThan(0);
+    expect(keyed(robot, "x", false)).toBeNull();
+  });
+
+  it("resize with Shift", () => {
+    expect(keyed({ ...robot, box: [0.2, 0.2] }, "ArrowRight", true)!.box![0]).toBeCloseTo(0.22);
+    expect(keyed(robot, "ArrowDown", true)!.radius).toBeLessThan(0.08);
+  });
+
+  it("reach everything, one after the other", () => {
+    expect(thingsOf({ ...world, zones: { goal: { circle: [1, 1, 0.2] } } })).toEqual([
+      { kind: "robot", index: 0 },
+      { kind: "start", index: 0 },
+      { kind: "solid", index: 1 },
+      { kind: "solid", index: 0 },
+      { kind: "zone", name: "goal" },
+    ]);
+  });
+});
+
+it("what is placed is written in thousandths", () => {
+  const shape: Shape = { x: 1.00049, y: 2.12345, angle: 0.33333, box: [0.1 + 0.2, 0.5] };
+  expect(poseOf(shape)).toEqual([1, 2.123, 0.333]);
+  expect(shaped(shape)).toEqual({ box: [1, 2.123, 0.3, 0.5] });
+  expect(shaped({ x: 1, y: 1, angle: 0, radius: 0.25 })).toEqual({ circle: [1, 1, 0.25] });
+});
+
+describe("the trail", () => {
+  function driven(...states: string[]): Trail {
+    const trail = new Trail();
+    states.forEach((state, i) => trail.add(i, [i * 0.1, 0, 0], state));
+    return trail;
+  }
+
+  it("fades over ten seconds, and what is older is forgotten", () => {
+    const trail = driven(...Array.from({ length: 30 }, () => "m/a"));
+    const pieces = trail.pieces(29);
+    expect(pieces).toHaveLength(10);
+    expect(pieces[0]!.share).toBeCloseTo(0.1);
+    expect(pieces.at(-1)!.share).toBe(1);
+    expect(trail.points).toHaveLength(11);
+  });
+
+  it("shows the states in it, each piece in the state of its end", () => {
+    const trail = driven("m/a", "m/a", "m/b");
+    expect(trail.pieces(2).map(({ to }) => to.state)).toEqual(["m/a", "m/b"]);
+    expect(trail.states(2)).toEqual(["m/a", "m/b"]);
+    expect(trail.near(0.15, 0.01, 0.02, 2)?.state).toBe("m/b");
+    expect(trail.near(0.15, 0.5, 0.02, 2)).toBeNull();
+  });
+
+  it("is shortened by stepping back, and interrupted where the robot was put elsewhere", () => {
+    const trail = driven("m/a", "m/a", "m/a");
+    trail.add(0.5, [0.05, 0, 0], "m/a");
+    expect(trail.points.map(({ time }) => time)).toEqual([0, 0.5]);
+    trail.add(1, [2, 1, 0], "m/a");
+    expect(trail.pieces(1)).toHaveLength(1);
+  });
+
+  it("is in the state that is active inside of all others", () => {
+    expect(trailState(["m/a", "m/a/inner/x", "n/b"])).toBe("m/a/inner/x");
+    expect(trailState([])).toBe("");
+  });
+
+  it("has a colour for every state in which no machine runs, then the colours come again with a dash", () => {
+    const states = ["a", "b", "c"].map((name) => ({ path: `m/${name}`, machines: [] as string[] }));
+    states.unshift({ path: "m/outer", machines: ["m/outer/n"] });
+    const machine = { path: "m", parent: null, states, transitions: [], variables: [], events: [] };
+    const style = trailStyles({ variables: [], events: [], machines: [machine] }, ["red", "blue"]);
+    expect(style("m/a")).toEqual({ color: "red", dash: [] });
+    expect(style("m/b")).toEqual({ color: "blue", dash: [] });
+    expect(style("m/c").color).toBe("red");
+    expect(style("m/c").dash.length).toBeGreaterThan(0);
+  });
+});
+
+/** Linear RGB, as seen without one kind of cones. Machado, Oliveira and Fernandes 2009, severity 1. */
+const VISIONS = {
+  usual: [1, 0, 0, 0, 1, 0, 0, 0, 1],
+  "without red": [
+    0.152286, 1.052583, -0.204868, 0.114503, 0.786281, 0.099216, -0.003882, -0.048116, 1.051998,
+  ],
+  "without green": [0.367322, 0.860646, -0.227968, 0.280085, 0.672501, 0.047413, -0.01182, 0.04294, 0.968881],
+  "without blue": [1.255528, -0.076749, -0.178779, -0.078411, 0.930809, 0.147602, 0.004733, 0.691367, 0.3039],
+};
+
+/** CIE L*a*b* of a colour, seen through a matrix. */
+function lab(hex: string, matrix: number[]): number[] {
+  const linear = [1, 3, 5].map((at) => {
+    const share = Number.parseInt(hex.slice(at, at + 2), 16) / 255;
+    return share <= 0.04045 ? share / 12.92 : ((share + 0.055) / 1.055) ** 2.4;
+  });
+  const times = (rows: number[], v: number[]) =>
+    [0, 3, 6].map((row) => rows[row]! * v[0]! + rows[row + 1]! * v[1]! + rows[row + 2]! * v[2]!);
+  const seen = times(matrix, linear).map((value) => Math.min(1, Math.max(0, value)));
+  const toXyz = [0.4339, 0.3762, 0.1899, 0.2126, 0.7152, 0.0722, 0.0178, 0.1098, 0.8725]; // of white: 1 1 1
+  const [x = 0, y = 0, z = 0] = times(toXyz, seen).map((t) =>
+    t > 0.00886 ? Math.cbrt(t) : 7.787 * t + 16 / 116,
+  );
+  return [116 * y - 16, 500 * (x - y), 200 * (y - z)];
+}
+
+it.each(Object.entries(VISIONS))("the colours of the trail are told apart with %s vision", (_, matrix) => {
+  const css = readFileSync(new URL("../src/style/tokens.css", import.meta.url), "utf-8");
+  const colors = [...css.matchAll(/--lrp-world-trail-\d: (#\w{6})/g)].map(([, hex]) => lab(hex!, matrix));
+  const floor = lab("#ffffff", matrix);
+  expect(colors).toHaveLength(8);
+  const away = (a: number[], b: number[]) => Math.hypot(...a.map((value, i) => value - b[i]!));
+  for (const [i, color] of colors.entries()) {
+    expect(away(color, floor)).toBeGreaterThan(25);
+    for (const other of colors.slice(0, i)) expect(away(color, other)).toBeGreaterThan(10);
+  }
+});
+
+describe("what is shown", () => {
+  const size: Point = [3, 2];
+  const room = (width: number, height: number, at: Point = [0.5, 1]) => {
+    const viewport = new Viewport(() => 0.08);
+    viewport.resize(width, height, size, at);
+    return viewport;
+  };
+
+  it("is all of the world where the robot is large enough in it", () => {
+    const viewport = room(1000, 800);
+    expect(viewport.follow).toBe(false);
+    expect(viewport.outside([0, 0])[0]).toBeGreaterThan(0);
+    expect(viewport.outside([3, 2])[0]).toBeLessThan(1000);
+    expect(viewport.outside([3, 2])[1]).toBeGreaterThan(0);
+  });
+
+  it("is the surroundings of the robot where it would be too small to be seen", () => {
+    const viewport = room(300, 300);
+    expect(0.16 * viewport.scale).toBeCloseTo(SMALLEST_ROBOT);
+    expect(viewport.follow).toBe(true);
+    const [x] = viewport.outside([0.5, 1]);
+    expect(x).toBeGreaterThan(0);
+    expect(viewport.keepInSight([2.9, 1], size)).toBe(true);
+    expect(viewport.outside([2.9, 1])[0]).toBeLessThan(300);
+    expect(viewport.keepInSight([2.9, 1], size)).toBe(false);
+  });
+
+  it("keeps the point under the pointer when it is magnified", () => {
+    const viewport = room(1000, 800);
+    const point = viewport.inside(700, 200);
+    viewport.zoom(2, size, 700, 200);
+    expect(viewport.outside(point)[0]).toBeCloseTo(700);
+    expect(viewport.outside(point)[1]).toBeCloseTo(200);
+  });
+
+  it("is magnified when the robot is followed, and all again when that is wanted", () => {
+    const viewport = room(1000, 800);
+    const { scale } = viewport;
+    viewport.begin([0.5, 1], size);
+    expect(viewport.scale).toBeCloseTo(2 * scale);
+    viewport.showAll(size);
+    expect(viewport.scale).toBeCloseTo(scale);
+    expect(viewport.follow).toBe(false);
+  });
+
+  it.each([20, 57, 150, 333, 1200])("has a bar of a round length at %i px per metre", (pixels) => {
+    const length = barLength(pixels);
+    expect(length * pixels).toBeGreaterThanOrEqual(50);
+    expect(length * pixels).toBeLessThanOrEqual(150);
+    expect(["1", "2", "5"]).toContain(length.toExponential()[0]);
+  });
 });

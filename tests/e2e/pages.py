@@ -1,7 +1,5 @@
 """A notebook and a lab in a page, as a person works with them: by pointer and keyboard, by what is shown."""
 
-LINE = (3.297056274847714, 1.3)  # metres: the size of the world `line`
-MARGIN = 0.06  # metres around it
 APP = "window.jupyterapp?.shell?.currentWidget"
 
 
@@ -211,18 +209,18 @@ class LabPage:
         """Choose an entry of the open menu."""
         self.find(f'[role="menu"] [data-lrp-action="{action}"]').click()
 
-    def drag_robot(self, start, end, world=LINE):
-        """Drag what is at a place of the world (metres) to another; all of the world is shown."""
-        frame = self.sees(".lrp-canvas").bounding_box()
-        width, height = (length + 2 * MARGIN for length in world)
-        scale = min(frame["width"] / width, frame["height"] / height)
+    def place(self, x, y):
+        """Return where a place of the world (metres) is on the screen."""
+        canvas = self.sees(".lrp-canvas[data-view]")
+        left, base, scale = map(float, canvas.get_attribute("data-view").split())
+        frame = canvas.bounding_box()
+        return frame["x"] + left + x * scale, frame["y"] + base - y * scale
 
-        def at(x, y):
-            right = frame["x"] + frame["width"] / 2 + (x - world[0] / 2) * scale
-            return right, frame["y"] + frame["height"] / 2 - (y - world[1] / 2) * scale
-
+    def drag_robot(self, start, end):
+        """Drag what is at a place of the world (metres) to another."""
         mouse = self.page.mouse
-        mouse.move(*at(*start))
+        start, end = self.place(*start), self.place(*end)
+        mouse.move(*start)
         mouse.down()
-        mouse.move(*at(*end), steps=5)
+        mouse.move(*end, steps=5)
         mouse.up()

@@ -1,9 +1,13 @@
-/** Save the program under a chosen name; ask before another file is replaced. */
+/** Save the program, or its world, under a chosen name; ask before another file is replaced. */
 
 import type { Lab } from "../session/store";
 import { h, prose, setHidden } from "../ui/dom";
 
-export function saveForm(lab: Lab): { element: HTMLElement; open: () => void } {
+export function saveForm(
+  lab: Lab,
+  type: "save" | "save_world" = "save",
+  suggested = () => `${lab.store.state.name || "program"}.lrp`,
+): { element: HTMLElement; open: () => void } {
   const input = h("input", {
     class: "lrp-input",
     "aria-label": "File",
@@ -29,7 +33,7 @@ export function saveForm(lab: Lab): { element: HTMLElement; open: () => void } {
   };
   const save = async (replacing: boolean) => {
     const name = input.value.trim();
-    const reply = await lab.ask({ type: "save", name, replace: replacing });
+    const reply = await lab.ask({ type, name, replace: replacing });
     ask(reply.exists ?? false);
     if (reply.error) error.replaceChildren(...prose(reply.error));
     else if (!reply.exists) {
@@ -61,7 +65,7 @@ export function saveForm(lab: Lab): { element: HTMLElement; open: () => void } {
   return {
     element,
     open() {
-      input.value ||= `${lab.store.state.name || "program"}.lrp`;
+      input.value ||= suggested();
       ask(false);
       element.hidden = false;
       input.focus();

@@ -3,20 +3,7 @@
  * replies, credit for frames, and whether the kernel answers. No DOM, no clock of its own.
  */
 
-import type {
-  AnswerMessage,
-  Command,
-  CompleteRequest,
-  FromKernel,
-  FromPage,
-  HoverRequest,
-  InspectRequest,
-  PartName,
-  ReferencesRequest,
-  ReplyMessage,
-  SaveRequest,
-  VersionsRequest,
-} from "../protocol";
+import type { AnswerMessage, Command, FromKernel, FromPage, PartName, ReplyMessage } from "../protocol";
 import type { Link } from "./state";
 
 /** The part of anywidget's interface that is used here. */
@@ -54,8 +41,9 @@ const NO_KERNEL = "The kernel was restarted or shut down. Run the cell again.";
 type Without<T, K extends PropertyKey> = T extends unknown ? Omit<T, K> : never;
 /** The commands of the page: the act and its own fields. */
 export type Act = Without<Command, "type" | "view" | "id">;
+/** The requests of the page: what has an id and is not a command. */
 export type Question = Without<
-  CompleteRequest | HoverRequest | ReferencesRequest | InspectRequest | VersionsRequest | SaveRequest,
+  Exclude<Extract<FromPage, { id: number }>, { type: "command" }>,
   "view" | "id"
 >;
 

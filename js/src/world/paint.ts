@@ -4,12 +4,21 @@ import type { Point, Pose, SolidView } from "../protocol";
 import type { FullRobot, FullStroke, FullWorld } from "./complete";
 import type { RobotPose, Snapshot } from "./poses";
 
-const SMALLEST_TEXT = 11; // px
+/** Seen from two metres, on a projector: px at least. */
+const TEXT = 13;
+const FINE = 1.5;
+const RAY = 2;
+const SPOT = 4;
 
 type Canvas = CanvasRenderingContext2D;
 
 /** Colours, from the stylesheet; greys of the floor are real, only dimmed in the dark. */
 export interface Palette {
+  accent: string;
+  ink: string;
+  paper: string;
+  grid: string;
+  trail: string[];
   outside: string;
   edge: string;
   solid: string;
@@ -33,7 +42,13 @@ export function shade(grey: number, palette: Palette): string {
 }
 
 /** The floor with everything drawn on it. The context is in metres, y up. */
-export function paintFloor(c: Canvas, world: FullWorld, ink: readonly FullStroke[], palette: Palette): void {
+export function paintFloor(
+  c: Canvas,
+  world: FullWorld,
+  ink: readonly FullStroke[],
+  palette: Palette,
+  pixels: number,
+): void {
   const [width, height] = world.size;
   c.fillStyle = shade(world.floor.grey, palette);
   c.fillRect(0, 0, width, height);
@@ -45,9 +60,9 @@ export function paintFloor(c: Canvas, world: FullWorld, ink: readonly FullStroke
   for (const stroke of ink) paintStroke(c, stroke, palette);
   c.restore();
   c.strokeStyle = palette.edge;
-  c.lineWidth = 0.008;
+  c.lineWidth = Math.max(0.008, FINE / pixels);
   c.strokeRect(0, 0, width, height);
-  for (const [name, zone] of Object.entries(world.zones)) paintZone(c, name, zone, palette);
+  for (const [name, zone] of Object.entries(world.zones)) paintZone(c, world, name, zone, palette, pixels);
 }
 
 export function paintStroke(c: Canvas, stroke: FullStroke, palette: Palette): void {
@@ -71,24 +86,39 @@ export function paintStroke(c: Canvas, stroke: FullStroke, palette: Palette): vo
   c.globalCompositeOperation = "source-over";
 }
 
-function paintZone(c: Canvas, name: string, zone: FullWorld["zones"][string], palette: Palette): void {
-  c.strokeStyle = palette.zone;
-  c.lineWidth = 0.008;
-  c.setLineDash([0.03, 0.02]);
+function paintZone(
+  c: Canvas,
+  world: FullWorld,
+  name: string,
+  zone: FullWorld["zones"][string],
+  palette: Palette,
+  pixels: number,
+): void {
   c.beginPath();
   if (zone.circle) c.arc(...zone.circle, 0, 2 * Math.PI);
   else if (zone.box) {
     const [x = 0, y = 0, width = 0, height = 0] = zone.box;
     c.rect(x - width / 2, y - height / 2, width, height);
   }
+  c.fillStyle = palette.zone;
+  c.globalAlpha = 0.08;
+  c.fill();
+  c.globalAlpha = 1;
+  c.strokeStyle = palette.zone;
+  c.lineWidth = Math.max(0.008, FINE / pixels);
+  c.setLineDash([6 / pixels, 4 / pixels]);
   c.stroke();
   c.setLineDash([]);
   const [x = 0, y = 0, width = 0, height = 2 * width] = zone.circle ?? zone.box ?? [];
-  write(c, name, x, y + height / 2 + 0.05, 0.06, palette.zone, "center", palette.font);
+  const size = Math.max(0.06, TEXT / pixels);
+  const above = y + height / 2 + 0.7 * size;
+  const inside = above + 0.6 * size > world.size[1]; // of the world, whose edge would cut it off
+  const at = inside ? y + height / 2 - 0.8 * size : above;
+  write(c, name, x, at, size, palette.zone, "center", palette.font, palette.halo);
 }
 
 /** Text stands upright although y points up. */
-function write(
+export function write(
   c: Canvas,
   text: string,
   x: number,
@@ -102,7 +132,7 @@ function write(
   c.save();
   c.translate(x, y);
   c.scale(size / 12, -size / 12);
-  c.font = `500 12px ${font}`;
+  c.font = `600 12px ${font}`;
   c.textAlign = align;
   c.textBaseline = "middle";
   if (halo) {
@@ -116,7 +146,7 @@ function write(
   c.restore();
 }
 
-export function paintSolid(c: Canvas, solid: SolidView, pose: Pose, palette: Palette): void {
+function paintSolid(c: Canvas, solid: SolidView, pose: Pose, palette: Palette): void {
   c.save();
   c.translate(pose[0], pose[1]);
   c.rotate(pose[2]);
@@ -149,7 +179,7 @@ export function paintMovers(
   c.clip();
   world.robots.forEach((shape, i) => {
     const robot = now.robots[i];
-    if (robot) paintRays(c, shape, robot, palette);
+    if (robot) paintRays(c, shape, robot, palette, pixels);
   });
   c.restore();
   world.solids.forEach((solid, i) => {
@@ -160,6 +190,31 @@ export function paintMovers(
     const robot = now.robots[i];
     if (robot) paintRobot(c, shape, robot, palette, pixels);
   });
+}
+
+/** The outline of a robot where it starts. */
+export function paintStart(
+  c: Canvas,
+  [x, y, theta]: Pose,
+  r: number,
+  palette: Palette,
+  pixels: number,
+): void {
+  c.save();
+  c.translate(x, y);
+  c.rotate(theta);
+  c.beginPath();
+  c.arc(0, 0, r, 0, 2 * Math.PI);
+  c.moveTo(0.7 * r, 0);
+  c.lineTo(0.1 * r, 0.4 * r);
+  c.lineTo(0.1 * r, -0.4 * r);
+  c.closePath();
+  c.strokeStyle = palette.robotEdge;
+  c.globalAlpha = 0.6;
+  c.lineWidth = Math.max(0.006, FINE / pixels);
+  c.setLineDash([3 / pixels, 3 / pixels]);
+  c.stroke();
+  c.restore();
 }
 
 function paintRobot(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Palette, pixels: number): void {
@@ -193,26 +248,26 @@ function paintRobot(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Pale
     c.strokeStyle = robot.bumper ? palette.bump : palette.robotEdge;
     c.stroke();
   }
-  shape.light.forEach((place, i) => paintLight(c, r, place, robot.lights[i], palette));
+  shape.light.forEach((place, i) => paintLight(c, r, place, robot.lights[i], palette, pixels));
   c.restore();
   shape.light.forEach((place, i) => {
     const value = robot.lights[i];
     if (value === undefined || !Number.isFinite(value)) return;
     const [lx, ly] = turned(place, theta);
-    const size = Math.max(0.6 * r, SMALLEST_TEXT / pixels);
+    const size = Math.max(0.6 * r, TEXT / pixels);
     const [ox, oy] = turned([r + 0.8 * size, 0], theta);
     const text = String(Math.round(value));
     write(c, text, x + lx + ox, y + ly + oy, size, palette.text, "center", palette.font, palette.halo);
   });
 }
 
-function paintRays(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Palette): void {
+function paintRays(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Palette, pixels: number): void {
   const [x, y, theta] = robot.pose;
   c.save();
   c.translate(x, y);
   c.rotate(theta);
   shape.distance.forEach(([angle, reach], i) =>
-    paintRay(c, shape.radius, angle, reach, robot.distances[i], palette),
+    paintRay(c, shape.radius, angle, reach, robot.distances[i], palette, pixels),
   );
   c.restore();
 }
@@ -228,14 +283,15 @@ function paintRay(
   reach: number,
   distance: number | undefined,
   palette: Palette,
+  pixels: number,
 ): void {
   const seen = distance !== undefined && Number.isFinite(distance);
   const length = seen ? distance : reach;
   const [x, y] = [Math.cos(angle), Math.sin(angle)];
   c.strokeStyle = palette.ray;
-  c.globalAlpha = seen ? 0.9 : 0.35;
-  c.lineWidth = 0.005;
-  c.setLineDash([0.02, 0.02]);
+  c.globalAlpha = seen ? 0.95 : 0.45;
+  c.lineWidth = Math.max(0.005, RAY / pixels);
+  c.setLineDash([6 / pixels, 4 / pixels]);
   c.beginPath();
   c.moveTo(x * r, y * r);
   c.lineTo(x * (r + length), y * (r + length));
@@ -243,19 +299,26 @@ function paintRay(
   c.setLineDash([]);
   if (seen) {
     c.beginPath();
-    c.arc(x * (r + length), y * (r + length), 0.012, 0, 2 * Math.PI);
+    c.arc(x * (r + length), y * (r + length), Math.max(0.012, (2 * RAY) / pixels), 0, 2 * Math.PI);
     c.fillStyle = palette.ray;
     c.fill();
   }
   c.globalAlpha = 1;
 }
 
-function paintLight(c: Canvas, r: number, [x, y]: Point, value: number | undefined, palette: Palette): void {
+function paintLight(
+  c: Canvas,
+  r: number,
+  [x, y]: Point,
+  value: number | undefined,
+  palette: Palette,
+  pixels: number,
+): void {
   c.beginPath();
-  c.arc(x, y, 0.16 * r, 0, 2 * Math.PI);
+  c.arc(x, y, Math.max(0.2 * r, SPOT / pixels), 0, 2 * Math.PI);
   c.fillStyle = value === undefined || !Number.isFinite(value) ? "transparent" : shade(value, palette);
   c.strokeStyle = palette.bump;
-  c.lineWidth = 0.06 * r;
+  c.lineWidth = Math.max(0.08 * r, FINE / pixels);
   c.fill();
   c.stroke();
 }

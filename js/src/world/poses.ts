@@ -57,8 +57,9 @@ function standingPoses(world: FullWorld): Pose[] {
   });
 }
 
-/** A world as it is described, before the first poses come. */
-export function firstPoses(world: FullWorld): Snapshot {
+/** A world as it is described, before the first poses come; robots stay where they were seen `last`. */
+export function firstPoses(world: FullWorld, last: Snapshot | null = null): Snapshot {
+  const known = last?.robots.length === world.robots.length ? last : null;
   const robots = world.robots.map(({ pose, light, distance }) => ({
     pose,
     bumper: false,
@@ -67,7 +68,7 @@ export function firstPoses(world: FullWorld): Snapshot {
     lights: light.map(() => Number.NaN),
     distances: distance.map(() => Number.POSITIVE_INFINITY),
   }));
-  return { time: 0, robots, solids: standingPoses(world) };
+  return { time: known?.time ?? 0, robots: known?.robots ?? robots, solids: standingPoses(world) };
 }
 
 const JUMP = 0.25; // metres between two frames: put there, not driven

@@ -1,21 +1,37 @@
 /** The canvas of a world: a cached layer for what stands still, and frames interpolated between poses. */
 
-import { Camera } from "../graph/camera";
 import type { Point, StrokeView, WorldView } from "../protocol";
 import { complete, completeStroke, type FullStroke, type FullWorld } from "./complete";
-import { type Palette, paintFloor, paintMovers, paintStroke } from "./paint";
+import { paintBar, paintGrid, paintOutline, paintSelection, paintTrail } from "./overlay";
+import { type Palette, paintFloor, paintMovers, paintStart, paintStroke } from "./paint";
 import { between, firstPoses, type Snapshot } from "./poses";
+import { type Shape, same, shapeOf, type Thing } from "./things";
+import { Trail } from "./trail";
+import { Viewport } from "./viewport";
 
 const SPAN = 110; // ms over which a new pose is approached at most: they come ten times a second
 const CALM = 30; // ms between two pictures at least: more cannot be seen, and typing needs the time
+const NEARBY = 0.01; // metres between a robot and its start: the outline would only blur it
 
 export class Stage {
   readonly canvas = document.createElement("canvas");
-  readonly camera = new Camera();
+  readonly viewport = new Viewport(() => this.world?.robots[0]?.radius ?? 0.08);
+  readonly trail = new Trail();
   world: FullWorld | null = null;
   palette: Palette;
   /** The stroke that is being drawn and not yet part of the world. */
   sketch: FullStroke | null = null;
+  selected: Thing | null = null;
+  /** The shape that the selected thing, or a new one (null), will have. */
+  preview: { thing: Thing | null; shape: Shape } | null = null;
+  /** Whether the user is about to change something: nothing that comes from the kernel ends that. */
+  busy = false;
+  /** The number of edits that the kernel has not answered yet. */
+  awaited = 0;
+  grid = false;
+  showsTrail = true;
+  /** The colour and dash of a state's trail. */
+  styleOf: (state: string) => { color: string; dash: number[] } = () => ({ color: "gray", dash: [] });
   private ink: FullStroke[] = [];
   private readonly floor = document.createElement("canvas");
   private floorStale = true;
@@ -33,15 +49,28 @@ export class Stage {
   show(view: WorldView | null): void {
     const world = view && complete(view);
     const other = !this.world || !world || String(this.world.size) !== String(world.size);
+    if (other || this.world?.name !== world?.name) this.trail.clear();
     this.world = world;
     this.ink = [];
+    this.settle();
     const fits =
       world &&
       this.after?.robots.length === world.robots.length &&
       this.after.solids.length === world.solids.length;
-    if (world && !fits) this.before = this.after = firstPoses(world);
-    if (other && !this.camera.moved) this.fit();
+    if (world && !fits) this.before = this.after = firstPoses(world, this.after);
+    if (other) this.arrange();
     this.repaint();
+  }
+
+  get isHeld(): boolean {
+    return this.busy || this.awaited > 0;
+  }
+
+  /** Forget what was drawn or placed, unless more is coming: by now it is part of the world. */
+  settle(): void {
+    if (this.isHeld) return;
+    this.sketch = this.preview = null;
+    this.wake();
   }
 
   /** Keep the first strokes of ink, then append these. */
@@ -54,21 +83,28 @@ export class Stage {
       this.repaint();
       return;
     }
-    this.transform(c);
+    this.viewport.transform(c, this.ratio);
     for (const stroke of fresh) paintStroke(c, stroke, this.palette);
     this.wake();
   }
 
-  move(next: Snapshot, now: number): void {
+  move(next: Snapshot, now: number, state: string): void {
     this.before = this.current(now) ?? next;
     this.span = Math.max(1, Math.min(SPAN, now - this.arrived));
     this.after = next;
     this.arrived = now;
+    if (next.robots[0]) this.trail.add(next.time, next.robots[0].pose, state);
     this.wake();
   }
 
   get latest(): Snapshot | null {
     return this.after;
+  }
+
+  /** The shape of a thing as it is shown. */
+  shape(thing: Thing): Shape | null {
+    if (this.preview?.thing && same(this.preview.thing, thing)) return this.preview.shape;
+    return this.world && this.after && shapeOf(this.world, this.after, thing);
   }
 
   private current(now: number): Snapshot | null {
@@ -77,45 +113,59 @@ export class Stage {
     return share >= 1 ? this.after : between(this.before, this.after, share);
   }
 
+  private get ratio(): number {
+    return window.devicePixelRatio || 1;
+  }
+
+  private get robotAt(): Point | undefined {
+    const [x, y] = this.after?.robots[0]?.pose ?? [];
+    return x === undefined || y === undefined ? undefined : [x, y];
+  }
+
   resize(): void {
-    const ratio = window.devicePixelRatio || 1;
-    this.canvas.width = this.floor.width = Math.round(this.canvas.clientWidth * ratio);
-    this.canvas.height = this.floor.height = Math.round(this.canvas.clientHeight * ratio);
-    if (!this.camera.moved) this.fit();
+    const { canvas, ratio } = this;
+    canvas.width = this.floor.width = Math.round(canvas.clientWidth * ratio);
+    canvas.height = this.floor.height = Math.round(canvas.clientHeight * ratio);
+    if (!this.world) return;
+    this.viewport.resize(canvas.clientWidth, canvas.clientHeight, this.world.size, this.robotAt);
     this.repaint();
   }
 
-  /** Show all of the world, y up. */
-  fit(): void {
-    this.camera.moved = false;
+  /** Show the world as at first. */
+  arrange(): void {
     if (!this.world) return;
-    const [width, height] = this.world.size;
-    const margin = 0.06;
-    const box = { x: -margin, y: -margin, width: width + 2 * margin, height: height + 2 * margin };
-    this.fitted = Math.min(this.canvas.clientWidth / box.width, this.canvas.clientHeight / box.height) || 1;
-    this.camera.fit(box, this.canvas.clientWidth / this.fitted, this.canvas.clientHeight / this.fitted, 1);
+    const { clientWidth, clientHeight } = this.canvas;
+    this.viewport.arrange(this.world.size, this.robotAt);
+    this.viewport.resize(clientWidth, clientHeight, this.world.size, this.robotAt);
+    this.repaint();
   }
 
-  /** Pixels per metre when all is shown: the camera zooms relative to that. */
-  private fitted = 1;
-
-  get pixelsPerMetre(): number {
-    return this.fitted * this.camera.scale;
+  showAll(): void {
+    if (this.world) this.viewport.showAll(this.world.size);
+    this.repaint();
   }
 
-  /** The point of the world at a point of the canvas. */
+  get follows(): boolean {
+    return this.viewport.follow;
+  }
+
+  set follows(on: boolean) {
+    if (on && this.world && this.robotAt) this.viewport.begin(this.robotAt, this.world.size);
+    else this.viewport.follow = false;
+    this.repaint();
+  }
+
   inside(x: number, y: number): Point {
-    const [wx, wy] = this.camera.inside(x / this.fitted, y / this.fitted);
-    return [wx, (this.world?.size[1] ?? 0) - wy];
+    return this.viewport.inside(x, y);
   }
 
   pan(dx: number, dy: number): void {
-    this.camera.pan(dx / this.fitted, dy / this.fitted);
+    this.viewport.pan(dx, dy);
     this.repaint();
   }
 
-  zoom(factor: number, x = this.canvas.clientWidth / 2, y = this.canvas.clientHeight / 2): void {
-    this.camera.zoom(factor, x / this.fitted, y / this.fitted);
+  zoom(factor: number, x?: number, y?: number): void {
+    if (this.world) this.viewport.zoom(factor, this.world.size, x, y);
     this.repaint();
   }
 
@@ -139,11 +189,17 @@ export class Stage {
     else soon();
   }
 
-  private transform(c: CanvasRenderingContext2D): void {
-    const ratio = (window.devicePixelRatio || 1) * this.fitted;
-    const { x, y, scale } = this.camera;
-    const height = this.world?.size[1] ?? 0;
-    c.setTransform(ratio * scale, 0, 0, -ratio * scale, ratio * x, ratio * (y + height * scale));
+  /** What is shown, as a picture on paper. */
+  image(): Promise<Blob | null> {
+    const copy = document.createElement("canvas");
+    copy.width = this.canvas.width;
+    copy.height = this.canvas.height;
+    const c = copy.getContext("2d");
+    if (!c) return Promise.resolve(null);
+    c.fillStyle = this.palette.paper;
+    c.fillRect(0, 0, copy.width, copy.height);
+    c.drawImage(this.canvas, 0, 0);
+    return new Promise((resolve) => copy.toBlob(resolve));
   }
 
   private picture(now: number): void {
@@ -151,26 +207,47 @@ export class Stage {
     const c = this.canvas.getContext("2d");
     if (!c || !this.canvas.width) return;
     this.painted = now;
+    const current = this.current(now);
+    const [x, y] = current?.robots[0]?.pose ?? [];
+    if (this.viewport.follow && this.world && x !== undefined && y !== undefined)
+      this.floorStale = this.viewport.keepInSight([x, y], this.world.size) || this.floorStale;
     if (this.floorStale) this.paintLayer();
     c.setTransform(1, 0, 0, 1, 0, 0);
     c.clearRect(0, 0, this.canvas.width, this.canvas.height);
     c.drawImage(this.floor, 0, 0);
-    const current = this.current(now);
     if (!this.world || !current) return;
-    this.transform(c);
-    if (this.sketch) paintStroke(c, this.sketch, this.palette);
-    paintMovers(c, this.world, current, this.palette, this.pixelsPerMetre);
+    this.paintOver(c, this.world, current);
     if (now - this.arrived < this.span) this.wake();
+  }
+
+  private paintOver(c: CanvasRenderingContext2D, world: FullWorld, current: Snapshot): void {
+    const { viewport, palette, selected, preview } = this;
+    const pixels = viewport.scale;
+    viewport.transform(c, this.ratio);
+    if (this.showsTrail) paintTrail(c, this.trail, current.time, this.styleOf, pixels);
+    if (this.sketch) paintStroke(c, this.sketch, palette);
+    world.robots.forEach(({ pose, radius }, i) => {
+      const [x, y] = current.robots[i]?.pose ?? pose;
+      if (Math.hypot(x - pose[0], y - pose[1]) > NEARBY) paintStart(c, pose, radius, palette, pixels);
+    });
+    paintMovers(c, world, current, palette, pixels);
+    const shape = selected && this.shape(selected);
+    if (selected && shape) paintSelection(c, selected, shape, palette, pixels);
+    if (preview && !preview.thing) paintOutline(c, preview.shape, palette, pixels, true);
+    c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
+    paintBar(c, this.canvas.clientHeight, palette, pixels);
   }
 
   private paintLayer(): void {
     const c = this.floor.getContext("2d");
     if (!c) return;
     this.floorStale = false;
+    this.canvas.dataset.view = this.viewport.place;
     c.setTransform(1, 0, 0, 1, 0, 0);
     c.clearRect(0, 0, this.floor.width, this.floor.height);
     if (!this.world) return;
-    this.transform(c);
-    paintFloor(c, this.world, this.ink, this.palette);
+    this.viewport.transform(c, this.ratio);
+    paintFloor(c, this.world, this.ink, this.palette, this.viewport.scale);
+    if (this.grid) paintGrid(c, this.world.size, this.palette, this.viewport.scale);
   }
 }

@@ -1,126 +1,186 @@
-/** Pointer and keyboard tools for the world: dragging, turning, drawing, erasing. */
+/** Pointer and keyboard in the world: select, move, turn, resize, place, draw, erase, look around. */
 
-import type { Point, Pose } from "../protocol";
-import type { Lab } from "../session/store";
-import type { FullWorld } from "./complete";
-import type { Snapshot } from "./poses";
+import type { Point } from "../protocol";
+import type { Placed, WorldEdits } from "./edits";
+import { gripAt } from "./overlay";
 import type { Stage } from "./stage";
+import { dragged, drawn, type Grip, type Shape, type Thing, thingAt } from "./things";
 
-export type Tool = "move" | "draw" | "erase";
+export type Tool = "move" | "draw" | "erase" | Placed;
 
 const SEND_EVERY = 40; // ms
-const WIDTH: Record<Exclude<Tool, "move">, number> = { draw: 0.03, erase: 0.08 };
-const STEP = 0.02; // metres by an arrow key
-const TURN = Math.PI / 18;
+const WIDTH = { draw: 0.03, erase: 0.08 };
+const CATCH = 6; // px around a thin thing
+const CLICK = 3; // px that a pointer may move in a click
 
-export interface Target {
-  do: "drag_robot" | "drag_solid";
-  index: number;
-  pose: Pose;
+interface Drag {
+  move(at: Point, due: boolean, steps: boolean): void;
+  end(moved: boolean): void;
+  cancel?(): void;
 }
 
-/** The thing at a point: robots before solids, the last drawn first. */
-export function targetAt(world: FullWorld, now: Snapshot, [x, y]: Point): Target | null {
-  for (let index = now.robots.length - 1; index >= 0; index--) {
-    const pose = now.robots[index]!.pose;
-    const radius = world.robots[index]?.radius ?? 0;
-    if (Math.hypot(x - pose[0], y - pose[1]) <= radius * 1.25) return { do: "drag_robot", index, pose };
-  }
-  for (let index = now.solids.length - 1; index >= 0; index--) {
-    const pose = now.solids[index]!;
-    const { box, circle } = world.solids[index] ?? {};
-    const [dx, dy] = [x - pose[0], y - pose[1]];
-    const along = Math.abs(dx * Math.cos(pose[2]) + dy * Math.sin(pose[2]));
-    const aside = Math.abs(dy * Math.cos(pose[2]) - dx * Math.sin(pose[2]));
-    const grip = 0.015; // thin walls can be caught too
-    const hit = circle
-      ? Math.hypot(dx, dy) <= circle[2]
-      : box !== undefined && along <= (box[2] ?? 0) / 2 + grip && aside <= (box[3] ?? 0) / 2 + grip;
-    if (hit) return { do: "drag_solid", index, pose };
-  }
-  return null;
+export interface ToolBox {
+  readonly tool: Tool;
+  choose(tool: Tool): void;
+  grid(): void;
+  follow(): void;
 }
 
-export function useTools(stage: Stage, lab: Lab, tool: () => Tool): void {
+export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   const { canvas } = stage;
+  let current: Drag | null = null;
   const local = (event: MouseEvent): Point => {
     const frame = canvas.getBoundingClientRect();
     return [event.clientX - frame.left, event.clientY - frame.top];
   };
 
   canvas.addEventListener("pointerdown", (event) => {
-    if (event.button !== 0 || !stage.world || !stage.latest) return;
+    if (event.button !== 0 || !stage.world || !stage.latest || current) return;
     canvas.setPointerCapture(event.pointerId);
     canvas.focus({ preventScroll: true });
+    edits.flush();
     const begin = local(event);
-    const drag = tool() === "move" ? dragging(begin) : drawing(begin, tool() as Exclude<Tool, "move">);
-    let sent = 0;
+    const drag = beginning(begin, event.shiftKey);
+    current = drag;
+    let [sent, moved] = [0, false];
     const move = (now: PointerEvent) => {
+      const at = local(now);
+      moved ||= Math.hypot(at[0] - begin[0], at[1] - begin[1]) > CLICK;
+      if (!moved || current !== drag) return;
       const due = now.timeStamp - sent > SEND_EVERY;
       if (due) sent = now.timeStamp;
-      drag.move(local(now), due, now.shiftKey);
+      stage.busy = true;
+      drag.move(at, due, now.shiftKey);
     };
-    const end = () => {
+    const end = (last: PointerEvent) => {
       canvas.removeEventListener("pointermove", move);
-      drag.end();
+      canvas.removeEventListener("pointerup", end);
+      canvas.removeEventListener("pointercancel", end);
+      if (current !== drag) return;
+      current = null;
+      stage.busy = false;
+      if (last.type === "pointercancel") drag.cancel?.();
+      else drag.end(moved);
     };
     canvas.addEventListener("pointermove", move);
-    canvas.addEventListener("pointerup", end, { once: true });
-    canvas.addEventListener("pointercancel", end, { once: true });
+    canvas.addEventListener("pointerup", end);
+    canvas.addEventListener("pointercancel", end);
   });
 
-  function dragging(begin: Point) {
-    const from = stage.inside(...begin);
-    const target = targetAt(stage.world!, stage.latest!, from);
+  /** What a pointer that goes down at a place begins. */
+  function beginning(at: Point, turn: boolean): Drag {
+    const point = stage.inside(...at);
+    const held = heldAt(point);
+    if (held) return dragging(held.thing, held.shape, held.grip, held.from);
+    const { tool } = box;
+    if (tool === "draw" || tool === "erase") return drawing(point, tool);
+    const thing = thingUnder(point);
+    const shape = thing && stage.shape(thing);
+    if (tool !== "move" && thing?.kind !== "robot") return placing(point, tool);
+    if (!thing || !shape) return panning(at, point);
+    return dragging(thing, shape, turn && thing.kind !== "zone" ? "turn" : "move", point);
+  }
+
+  function heldAt(point: Point): { thing: Thing; shape: Shape; grip: Grip; from: Point } | null {
+    const thing = edits.selected;
+    const shape = thing && stage.shape(thing);
+    const held = thing && shape && gripAt(thing, shape, point, stage.viewport.scale);
+    return held ? { thing, shape, grip: held.grip, from: held.at } : null;
+  }
+
+  function thingUnder(point: Point): Thing | null {
+    return (
+      stage.world && stage.latest && thingAt(stage.world, stage.latest, point, CATCH / stage.viewport.scale)
+    );
+  }
+
+  function panning(begin: Point, from: Point): Drag {
     let last = begin;
-    let pose = target?.pose ?? ([0, 0, 0] as Pose);
-    if (!target) {
-      return {
-        move(at: Point) {
-          stage.pan(at[0] - last[0], at[1] - last[1]);
-          last = at;
-        },
-        end() {},
-      };
-    }
-    const { pose: first } = target;
     return {
-      move(at: Point, due: boolean, turn: boolean) {
-        const [x, y] = stage.inside(...at);
-        if (turn) pose = [pose[0], pose[1], Math.atan2(y - pose[1], x - pose[0])];
-        else pose = [first[0] + x - from[0], first[1] + y - from[1], pose[2]];
+      move(at) {
+        stage.pan(at[0] - last[0], at[1] - last[1]);
         last = at;
-        if (due) lab.send({ ...target, pose });
       },
-      end() {
-        if (last !== begin) lab.send({ ...target, pose });
+      end(moved) {
+        if (!moved) edits.select(zoneAround(from));
       },
     };
   }
 
-  function drawing(begin: Point, kind: Exclude<Tool, "move">) {
-    const width = WIDTH[kind];
-    const grey = kind === "draw" ? 0 : (stage.world?.floor.grey ?? 255);
-    const points: Point[] = [stage.inside(...begin)];
-    stage.sketch = { path: points, width, grey };
-    stage.wake();
+  /** The smallest zone around a point: a click into it selects it. */
+  function zoneAround([x, y]: Point): Thing | null {
+    const around = Object.keys(stage.world?.zones ?? {})
+      .map((name): Thing => ({ kind: "zone", name }))
+      .map((thing) => ({ thing, shape: stage.shape(thing) }))
+      .filter(({ shape }) => shape && reaches(shape, x, y));
+    const size = ({ shape }: (typeof around)[number]) => shape!.radius ?? Math.max(...shape!.box!) / 2;
+    return around.sort((one, other) => size(one) - size(other))[0]?.thing ?? null;
+  }
+
+  function dragging(thing: Thing, shape: Shape, grip: Grip, from: Point): Drag {
+    let next = shape;
     return {
-      move(at: Point) {
-        const point = stage.inside(...at);
-        const [x, y] = points.at(-1)!;
-        if (Math.hypot(point[0] - x, point[1] - y) > width / 4) points.push(point);
+      move(at, due, turn) {
+        const to = stage.inside(...at);
+        const really = turn && grip === "move" && thing.kind !== "zone" ? "turn" : grip;
+        next = dragged(shape, really, from, to);
+        if (due && grip !== "size") edits.drag(thing, next);
+        else stage.preview = { thing, shape: next };
+        stage.wake();
+      },
+      end(moved) {
+        if (moved) edits.put(thing, next);
+        edits.select(thing);
+      },
+      cancel() {
+        edits.drag(thing, shape);
+        stage.preview = null;
+      },
+    };
+  }
+
+  function placing(begin: Point, kind: Placed): Drag {
+    let [end, straight] = [begin, false];
+    return {
+      move(at, _, steps) {
+        [end, straight] = [stage.inside(...at), steps];
+        stage.preview = { thing: null, shape: drawn(kind, begin, end, straight) };
         stage.wake();
       },
       end() {
-        const done = stage.sketch;
-        const act =
-          kind === "draw"
-            ? ({ do: "stroke", points, width, grey } as const)
-            : ({ do: "erase", points, width } as const);
-        void lab.act(act).then(() => {
-          if (stage.sketch === done) stage.sketch = null; // by now it is part of the world
-          stage.wake();
-        });
+        edits.add(kind, drawn(kind, begin, end, straight));
+      },
+      cancel() {
+        stage.preview = null;
+        stage.wake();
+      },
+    };
+  }
+
+  function drawing(begin: Point, kind: "draw" | "erase"): Drag {
+    const width = WIDTH[kind];
+    const grey = kind === "draw" ? 0 : (stage.world?.floor.grey ?? 255);
+    const points: Point[] = [begin];
+    const straight: Point[] = [begin, begin];
+    let path = points;
+    stage.sketch = { path, width, grey };
+    stage.wake();
+    return {
+      move(at, _, steps) {
+        const point = stage.inside(...at);
+        const [x, y] = points.at(-1)!;
+        if (Math.hypot(point[0] - x, point[1] - y) > width / 4) points.push(point);
+        straight[1] = point;
+        path = steps ? straight : points;
+        stage.sketch = { path, width, grey };
+        stage.wake();
+      },
+      end() {
+        edits.stroke(kind === "draw" ? "stroke" : "erase", path, width);
+      },
+      cancel() {
+        stage.sketch = null;
+        stage.wake();
       },
     };
   }
@@ -136,35 +196,47 @@ export function useTools(stage: Stage, lab: Lab, tool: () => Tool): void {
   );
   canvas.addEventListener("pointermove", (event) => {
     if (!stage.world || !stage.latest || event.buttons) return;
-    const target = tool() === "move" && targetAt(stage.world, stage.latest, stage.inside(...local(event)));
-    canvas.style.cursor = target ? "grab" : tool() === "move" ? "default" : "crosshair";
+    const point = stage.inside(...local(event));
+    const held = heldAt(point);
+    const free = box.tool === "move" ? "default" : "crosshair";
+    const over = box.tool === "move" || thingUnder(point)?.kind === "robot";
+    canvas.style.cursor = held ? "pointer" : over && thingUnder(point) ? "grab" : free;
   });
+  canvas.addEventListener("blur", () => edits.flush());
   canvas.addEventListener("keydown", (event) => {
-    const pose = stage.latest?.robots[0]?.pose;
-    const next = pose && nudged(pose, event.key);
-    if (!next || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || !stage.world) return;
+    if (!pressed(event.key, event.shiftKey)) return;
     event.preventDefault();
     event.stopPropagation();
-    lab.send({ do: "drag_robot", index: 0, pose: next });
   });
+
+  /** What a key does; false for keys that are not the world's. */
+  function pressed(key: string, shift: boolean): boolean {
+    const { tool } = box;
+    const places = tool === "wall" || tool === "box" || tool === "zone";
+    if (edits.nudge(key, shift)) return true;
+    if (key === "Delete" || key === "Backspace") edits.remove();
+    else if (key === "Enter" && places)
+      edits.add(tool, drawn(tool, stage.viewport.middle, stage.viewport.middle));
+    else if (key === "n" || key === "N") edits.selectNext(shift ? -1 : 1);
+    else if (key === "g") box.grid();
+    else if (key === "f") box.follow();
+    else if (key === "+" || key === "=") stage.zoom(1.25);
+    else if (key === "-") stage.zoom(1 / 1.25);
+    else if (key === "0") stage.showAll();
+    else if (key === "Escape" && current) {
+      current.cancel?.();
+      current = null;
+      stage.busy = false;
+    } else if (key === "Escape" && (edits.selected || tool !== "move")) {
+      edits.select(null);
+      box.choose("move");
+    } else return false;
+    return true;
+  }
 }
 
-/** The pose after a key press: arrows move the robot, `[` and `]` turn it. */
-export function nudged([x, y, theta]: Pose, key: string): Pose | null {
-  switch (key) {
-    case "ArrowLeft":
-      return [x - STEP, y, theta];
-    case "ArrowRight":
-      return [x + STEP, y, theta];
-    case "ArrowUp":
-      return [x, y + STEP, theta];
-    case "ArrowDown":
-      return [x, y - STEP, theta];
-    case "[":
-      return [x, y, theta + TURN];
-    case "]":
-      return [x, y, theta - TURN];
-    default:
-      return null;
-  }
+function reaches(shape: Shape, x: number, y: number): boolean {
+  if (!shape.box) return Math.hypot(x - shape.x, y - shape.y) <= (shape.radius ?? 0);
+  return Math.abs(x - shape.x) <= shape.box[0] / 2 && Math.abs(y - shape.y) <= shape.box[1] / 2;
 }

@@ -1,14 +1,21 @@
 /** The world of the simulated robot, or the panel of a real one. */
 
+import { saveForm } from "../parts/save";
 import type { FromKernel } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, setText } from "../ui/dom";
+import { type MenuItem, openMenu } from "../ui/menu";
+import { WorldEdits } from "./edits";
+import { openWorld, savePng, saveSvg } from "./files";
+import { legend, trailStyles } from "./legend";
 import type { Palette } from "./paint";
 import { bridgePanel } from "./panel";
 import { readPoses } from "./poses";
+import { properties } from "./properties";
 import { Stage } from "./stage";
-import { type Tool, useTools } from "./tools";
+import { type Tool, type ToolBox, useTools } from "./tools";
+import { trailState } from "./trail";
 
 export interface WorldPart {
   element: HTMLElement;
@@ -16,69 +23,177 @@ export interface WorldPart {
   message(message: FromKernel, buffers: DataView[]): void;
 }
 
+const TOOLS = [
+  ["move", "hand", "Select and move: robot, start, walls, boxes, zones; hold Shift to turn"],
+  ["wall", "wall", "Wall: drag along it; or press Enter in the world"],
+  ["box", "box", "Box that can be pushed: drag from corner to corner; or press Enter in the world"],
+  ["zone", "zone", "Zone: drag from its middle; or press Enter in the world"],
+  ["draw", "draw", "Draw line; hold Shift for a straight one"],
+  ["erase", "erase", "Erase line"],
+] as const;
+
+const LABEL =
+  "World. N selects the next thing. Arrow keys move it, or the robot; with Shift they resize it. " +
+  "[ and ] turn it, Delete removes it. F follows the robot, G shows a grid, plus and minus zoom, 0 shows all.";
+
 export function worldView(lab: Lab): WorldPart {
   const { store } = lab;
   const stage = new Stage(() => palette(lab.root));
   const { canvas } = stage;
-  let tool: Tool = "move";
   for (const [name, value] of Object.entries({
     class: "lrp-canvas",
     tabindex: "0",
     role: "application",
-    "aria-label": "World. Arrow keys move the robot, [ and ] turn it.",
+    "aria-label": LABEL,
   })) {
     canvas.setAttribute(name, value);
   }
-  const tools = (
-    [
-      ["move", "hand", "Move the robot and objects; hold Shift to turn"],
-      ["draw", "draw", "Draw line"],
-      ["erase", "erase", "Erase line"],
-    ] as const
-  ).map(([name, icon, title]) =>
+
+  const strip = properties(lab, stage, () => edits);
+  const edits = new WorldEdits(stage, lab, strip.refresh);
+  let tool: Tool = "move";
+  const box: ToolBox = {
+    get tool() {
+      return tool;
+    },
+    choose(name) {
+      tool = name;
+      for (const other of tools)
+        other.setAttribute("aria-pressed", String(other.dataset.lrpAction === `tool-${name}`));
+    },
+    grid() {
+      stage.grid = !stage.grid;
+      stage.repaint();
+    },
+    follow() {
+      stage.follows = !stage.follows;
+      showFollow();
+    },
+  };
+  const tools = TOOLS.map(([name, icon, title]) =>
     button({
       icon,
       title,
       action: `tool-${name}`,
       "aria-pressed": String(name === tool),
       onclick: () => {
-        tool = name;
-        for (const other of tools)
-          other.setAttribute("aria-pressed", String(other.dataset.lrpAction === `tool-${name}`));
+        box.choose(name);
+        canvas.focus({ preventScroll: true });
       },
     }),
   );
+  useTools(stage, edits, box);
+
   const worlds = h("select", {
     class: "lrp-select",
     "aria-label": "World",
     title: "Choose a world",
     "data-lrp-action": "world",
-    onchange: () => void lab.act({ do: "world", name: worlds.value }),
+    onchange: () => void lab.act({ do: "world", name: worlds.value }).then(listWorlds),
   });
+  const undo = button({
+    icon: "undo",
+    title: "Undo in the world (Ctrl+Z)",
+    action: "world-undo",
+    onclick: () => edits.undo(),
+  });
+  const redo = button({
+    icon: "redo",
+    title: "Redo in the world (Ctrl+Shift+Z)",
+    action: "world-redo",
+    onclick: () => edits.redo(),
+  });
+  const follow = button({
+    icon: "follow",
+    title: "Follow the robot (F)",
+    action: "world-follow",
+    "aria-pressed": "false",
+    onclick: () => box.follow(),
+  });
+  const showFollow = () => follow.setAttribute("aria-pressed", String(stage.follows));
+  const looking = (act: () => void) => () => {
+    act();
+    showFollow();
+  };
+  const more = button({
+    icon: "more",
+    title: "More about the world",
+    action: "world-menu",
+    "aria-haspopup": "menu",
+    onclick: () => {
+      const { left, bottom } = more.getBoundingClientRect();
+      openMenu(lab.root, { x: left, y: bottom + 2 }, menu(), "World");
+    },
+  });
+  const save = saveForm(lab, "save_world", () => `${store.state.world?.name || "my"}-edited.world.json`);
+
+  function menu(): (MenuItem | null)[] {
+    return [
+      { label: "Grid", action: "grid", checked: stage.grid, hint: "G", run: box.grid },
+      {
+        label: "Trail",
+        action: "trail",
+        checked: stage.showsTrail,
+        run: () => {
+          stage.showsTrail = !stage.showsTrail;
+          colours.refresh();
+          stage.wake();
+        },
+      },
+      null,
+      { label: "Start here", action: "start-at-robot", run: () => edits.startHere() },
+      {
+        label: "Undo all edits of this world",
+        action: "world-original",
+        disabled: !store.state.world?.edited,
+        run: () => void lab.act({ do: "reset_world", drawings: true }),
+      },
+      null,
+      { label: "Save world…", action: "save-world", run: save.open },
+      { label: "Open world…", action: "open-world", run: () => openWorld(lab) },
+      { label: "Save picture (PNG)", action: "world-png", run: () => void savePng(lab, stage) },
+      { label: "Save drawing (SVG)", action: "world-svg", run: () => void saveSvg(lab) },
+    ];
+  }
+
   const time = h("span", { class: "lrp-world-time", "aria-hidden": "true" });
-  const view = h("div", { class: "lrp-world-body" }, canvas, time);
+  const colours = legend(stage);
+  const toolbar = h(
+    "div",
+    { class: "lrp-world-tools" },
+    h("span", { class: "lrp-group", role: "group", "aria-label": "Tool" }, ...tools),
+    h("span", { class: "lrp-group", role: "group", "aria-label": "History of the world" }, undo, redo),
+    h(
+      "span",
+      { class: "lrp-group", role: "group", "aria-label": "What is shown" },
+      button({
+        icon: "minus",
+        title: "Zoom out (-)",
+        action: "world-zoom-out",
+        onclick: () => stage.zoom(1 / 1.25),
+      }),
+      button({
+        icon: "plus",
+        title: "Zoom in (+)",
+        action: "world-zoom-in",
+        onclick: () => stage.zoom(1.25),
+      }),
+      button({
+        icon: "fit",
+        title: "Show all (0)",
+        action: "world-zoom-fit",
+        onclick: looking(() => stage.showAll()),
+      }),
+      follow,
+    ),
+  );
+  const view = h("div", { class: "lrp-world-body" }, canvas, colours.tip, time);
+  const foot = h("div", { class: "lrp-world-foot" }, strip.element, colours.element);
   const { element, heading } = panel(
     "world",
     "World",
     [
       worlds,
-      h("span", { class: "lrp-group", role: "group", "aria-label": "Tool" }, ...tools),
-      button({
-        icon: "minus",
-        title: "Zoom out",
-        action: "world-zoom-out",
-        onclick: () => stage.zoom(1 / 1.25),
-      }),
-      button({ icon: "plus", title: "Zoom in", action: "world-zoom-in", onclick: () => stage.zoom(1.25) }),
-      button({
-        icon: "fit",
-        title: "Show all",
-        action: "world-zoom-fit",
-        onclick: () => {
-          stage.fit();
-          stage.repaint();
-        },
-      }),
       button({
         icon: "reset",
         title: "Reset pose: return the robot to its start",
@@ -89,37 +204,79 @@ export function worldView(lab: Lab): WorldPart {
         icon: "world",
         title: "Reset world: robot and objects to their start, without trails",
         action: "reset-world",
-        onclick: () => void lab.act({ do: "reset_world" }),
+        onclick: () => {
+          stage.trail.clear();
+          void lab.act({ do: "reset_world" });
+        },
       }),
+      more,
     ],
+    save.element,
+    toolbar,
     view,
+    foot,
     bridgePanel(lab),
   );
-  useTools(stage, lab, () => tool);
+  element.addEventListener("keydown", (event) => {
+    const { key, shiftKey, target } = event;
+    if (!(event.ctrlKey || event.metaKey) || event.altKey || !store.state.world) return;
+    if (target instanceof HTMLInputElement || target instanceof HTMLTextAreaElement) return;
+    if (key.toLowerCase() === "z") (shiftKey ? redo : undo).click();
+    else if (key.toLowerCase() === "y") redo.click();
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+
   store.watch(["world", "panel", "snapshot"], () => {
     const { world } = store.state;
     stage.show(world);
-    view.hidden = !world;
+    edits.check();
+    strip.refresh();
+    undo.disabled = !world?.undo;
+    redo.disabled = !world?.redo;
+    view.hidden = toolbar.hidden = foot.hidden = !world;
     element.toggleAttribute("data-worldless", !world);
     setText(heading, world ? "World" : "Robot");
+    showFollow();
   });
-  store.watch(["choices", "world"], () => {
-    const current = store.state.world?.name ?? "";
-    const names = store.state.choices.worlds;
-    const all = !current || names.includes(current) ? names : [current, ...names];
+  store.watch(["program", "snapshot"], () => {
+    stage.styleOf = trailStyles(store.state.program, stage.palette.trail);
+    stage.wake();
+  });
+  const listWorlds = () => {
+    const { name: current = "", edited = false } = store.state.world ?? {};
+    const names = store.state.choices.worlds.map(
+      (file) => [file, file.replace(/\.world\.json$/, "")] as const,
+    );
+    const all =
+      names.some(([, name]) => name === current) || !current ? names : [[current, current], ...names];
     worlds.replaceChildren(
-      ...all.map((name) => h("option", { value: name, selected: name === current }, name)),
+      ...all.map(([value = "", name = ""]) =>
+        h(
+          "option",
+          { value, selected: name === current },
+          name === current && edited ? `${name} (edited)` : name,
+        ),
+      ),
     );
     worlds.hidden = !store.state.world || all.length < 2;
-  });
+  };
+  store.watch(["choices", "world"], listWorlds);
   const showTime = () => {
     const { achieved } = store.state.speed;
     const now = stage.latest?.time ?? 0;
     setText(time, `${now.toFixed(1)} s${achieved ? `  ×${achieved.toPrecision(2)}` : ""}`);
   };
   store.watch(["speed"], showTime);
-  new ResizeObserver(() => stage.resize()).observe(canvas);
-  new MutationObserver(() => stage.retheme()).observe(lab.root, {
+  new ResizeObserver(() => {
+    stage.resize();
+    showFollow();
+  }).observe(canvas);
+  new MutationObserver(() => {
+    stage.retheme();
+    stage.styleOf = trailStyles(store.state.program, stage.palette.trail);
+  }).observe(lab.root, {
     attributes: true,
     attributeFilter: ["data-theme"],
   });
@@ -133,7 +290,8 @@ export function worldView(lab: Lab): WorldPart {
       if (message.ink) stage.draw(message.ink.first, message.ink.strokes);
       const poses = buffers[0] && readPoses(stage.world, buffers[0]);
       if (!poses) return;
-      stage.move(poses, performance.now());
+      stage.move(poses, performance.now(), trailState(store.state.lit));
+      colours.refresh();
       showTime();
     },
   };
@@ -143,6 +301,11 @@ function palette(root: HTMLElement): Palette {
   const style = getComputedStyle(root);
   const color = (name: string) => style.getPropertyValue(`--lrp-world-${name}`).trim() || "gray";
   return {
+    accent: color("accent"),
+    ink: color("ink"),
+    paper: color("paper"),
+    grid: color("grid"),
+    trail: [1, 2, 3, 4, 5, 6, 7, 8].map((number) => color(`trail-${number}`)),
     outside: color("outside"),
     edge: color("edge"),
     solid: color("solid"),

@@ -1,0 +1,186 @@
+/** Edits of the world: what is selected, placed, changed, removed. The kernel holds the history of them. */
+
+import type { Point } from "../protocol";
+import type { Act } from "../session/connection";
+import type { Lab } from "../session/store";
+import type { Stage } from "./stage";
+import { keyed, poseOf, type Shape, same, shaped, type Thing, thingsOf } from "./things";
+
+export type Placed = "wall" | "box" | "zone";
+
+const PUSH = 0.3; // coefficient of friction of a new box
+const QUIET = 600; // ms after which moves by key are one edit
+const DESCRIBED = 400; // ms after an edit in which the kernel has described the world
+
+export class WorldEdits {
+  /** Of the newest solid, until the kernel describes it. */
+  private push: number | null = null;
+  private pending: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(
+    private readonly stage: Stage,
+    private readonly lab: Lab,
+    private readonly selectionChanged: () => void,
+  ) {}
+
+  get selected(): Thing | null {
+    return this.stage.selected;
+  }
+
+  select(thing: Thing | null): void {
+    if (!same(this.stage.selected, thing)) this.flush();
+    this.stage.selected = thing;
+    this.stage.wake();
+    this.selectionChanged();
+  }
+
+  /** Drop the selection if its thing is gone. */
+  check(): void {
+    const { selected, world } = this.stage;
+    if (this.stage.isHeld || !selected || !world) return;
+    const { kind } = selected;
+    const gone =
+      kind === "solid" ? !world.solids[selected.index] : kind === "zone" && !world.zones[selected.name];
+    if (gone) this.select(null);
+  }
+
+  /** Select the next thing, or the one before. */
+  selectNext(by: 1 | -1): void {
+    const { world } = this.stage;
+    if (!world) return;
+    const things = thingsOf(world);
+    const index = things.findIndex((thing) => same(thing, this.selected));
+    const next = index < 0 && by < 0 ? things.length - 1 : index + by;
+    this.select(things[next] ?? null);
+  }
+
+  /** Put a new thing into the world, and select it. */
+  add(kind: Placed, shape: Shape): void {
+    const { world } = this.stage;
+    if (!world) return;
+    if (kind === "zone") {
+      const names = ["goal", ...Array.from({ length: 99 }, (_, i) => `zone ${i + 2}`)];
+      const name = names.find((free) => !(free in world.zones)) ?? "zone";
+      this.hold({ kind: "zone", name }, shape);
+      this.act({ do: "put_zone", name, ...shaped(shape) });
+    } else {
+      this.push = kind === "box" ? PUSH : null;
+      this.hold({ kind: "solid", index: world.solids.length }, shape);
+      this.act({ do: "put_solid", ...shaped(shape), angle: poseOf(shape)[2], push: this.push });
+    }
+  }
+
+  /** Select a thing that the kernel does not know yet. */
+  private hold(thing: Thing, shape: Shape): void {
+    this.flush();
+    this.stage.preview = { thing, shape };
+    this.select(thing);
+  }
+
+  /** Move a thing while it is dragged; zones and starts move when they are dropped. */
+  drag(thing: Thing, shape: Shape): void {
+    this.stage.preview = { thing, shape };
+    this.stage.wake();
+    if (thing.kind === "robot" || thing.kind === "solid") {
+      const act = thing.kind === "robot" ? "drag_robot" : "drag_solid";
+      this.lab.send({ do: act, index: thing.index, pose: poseOf(shape) });
+    }
+  }
+
+  /** Give a thing another shape, for good. */
+  put(thing: Thing, shape: Shape): void {
+    this.stage.preview = { thing, shape };
+    this.stage.wake();
+    const pose = poseOf(shape);
+    if (thing.kind === "robot") {
+      this.stage.preview = null;
+      this.lab.send({ do: "drag_robot", index: thing.index, pose });
+    } else if (thing.kind === "start") this.act({ do: "set_start", index: thing.index, pose });
+    else if (thing.kind === "zone") this.act({ do: "put_zone", name: thing.name, ...shaped(shape) });
+    else this.putSolid(thing.index, shape, {});
+  }
+
+  /** Change a solid's other properties. */
+  putSolid(index: number, shape: Shape, properties: { push?: number | null; name?: string }): void {
+    const { push = null, name = "" } = this.stage.world?.solids[index] ?? { push: this.push };
+    const angle = poseOf(shape)[2];
+    this.act({ do: "put_solid", index, ...shaped(shape), angle, push, name, ...properties });
+  }
+
+  /** Give a zone another name. */
+  rename(zone: string, name: string): void {
+    const shape = this.stage.shape({ kind: "zone", name: zone });
+    if (!shape || !name || name === zone) return;
+    void this.act({ do: "put_zone", name, former: zone, ...shaped(shape) }).then((error) => {
+      if (!error) this.select({ kind: "zone", name });
+    });
+  }
+
+  /** Remove the selected thing. */
+  remove(): void {
+    const { selected } = this;
+    if (selected?.kind === "solid") this.act({ do: "remove_solid", index: selected.index });
+    else if (selected?.kind === "zone") this.act({ do: "remove_zone", name: selected.name });
+    else return;
+    this.select(null);
+  }
+
+  /** Move, resize or turn the selected thing, or the robot, by a key; return whether the key does that. */
+  nudge(key: string, resize: boolean): boolean {
+    const thing: Thing = this.selected ?? { kind: "robot", index: 0 };
+    const shape = this.stage.shape(thing);
+    const next = shape && keyed(shape, key, resize && thing.kind !== "robot" && thing.kind !== "start");
+    if (!next) return false;
+    if (thing.kind === "robot") {
+      this.put(thing, next);
+      return true;
+    }
+    this.stage.busy = true;
+    this.drag(thing, next);
+    clearTimeout(this.pending);
+    this.pending = setTimeout(() => this.flush(), QUIET);
+    return true;
+  }
+
+  /** Make one edit of the moves by key since the last one. */
+  flush(): void {
+    if (this.pending === undefined) return;
+    clearTimeout(this.pending);
+    this.pending = undefined;
+    this.stage.busy = false;
+    const { preview } = this.stage;
+    if (preview?.thing) this.put(preview.thing, preview.shape);
+  }
+
+  /** Draw a line, or erase with the floor's own grey. */
+  stroke(kind: "stroke" | "erase", points: Point[], width: number): void {
+    this.act({ do: kind, points, width });
+  }
+
+  /** Set the start to where the robot is. */
+  startHere(): void {
+    const pose = this.stage.latest?.robots[0]?.pose;
+    if (pose) this.act({ do: "set_start", index: 0, pose });
+  }
+
+  undo(): void {
+    this.flush();
+    void this.act({ do: "undo_world" });
+  }
+
+  redo(): void {
+    this.flush();
+    void this.act({ do: "redo_world" });
+  }
+
+  /** Send an edit; what it will look like is shown until the kernel describes the world with it. */
+  private async act(act: Act): Promise<string | null> {
+    const { stage } = this;
+    stage.awaited += 1;
+    const error = await this.lab.act(act);
+    stage.awaited -= 1;
+    if (error) stage.settle();
+    else setTimeout(() => stage.settle(), DESCRIBED);
+    return error;
+  }
+}

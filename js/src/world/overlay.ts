@@ -1,0 +1,158 @@
+/** What lies over a world for the person who watches or edits it: grid, trail, scale bar, what is selected. */
+
+import type { Palette } from "./paint";
+import { write } from "./paint";
+import type { Grip, Shape, Thing } from "./things";
+import { handlesOf } from "./things";
+import type { Trail } from "./trail";
+
+type Canvas = CanvasRenderingContext2D;
+
+/** Lines every so many metres, the wider the less is magnified; fine ones are at least this far apart. */
+const GRID = [0.1, 0.25, 0.5, 1, 2, 5, 10, 50, 100];
+const APART = 18; // px
+const BAR = [50, 150]; // px that the scale bar is long
+const HANDLE = 5; // px
+
+/** A grid; the context is in metres, `pixels` make one. Returns the distance of its lines. */
+export function paintGrid(
+  c: Canvas,
+  [width, height]: [number, number],
+  palette: Palette,
+  pixels: number,
+): number {
+  const step = GRID.find((metres) => metres * pixels >= APART) ?? GRID.at(-1)!;
+  c.strokeStyle = palette.grid;
+  c.lineWidth = 1 / pixels;
+  c.beginPath();
+  for (let x = step; x < width - 1e-9; x += step) {
+    c.moveTo(x, 0);
+    c.lineTo(x, height);
+  }
+  for (let y = step; y < height - 1e-9; y += step) {
+    c.moveTo(0, y);
+    c.lineTo(width, y);
+  }
+  c.stroke();
+  return step;
+}
+
+/** A round length that is easily compared with the picture. */
+export function barLength(pixels: number): number {
+  const lengths = [-2, -1, 0, 1, 2, 3].flatMap((power) => [1, 2, 5].map((digit) => digit * 10 ** power));
+  return lengths.findLast((length) => length * pixels <= BAR[1]!) ?? lengths[0]!;
+}
+
+/** A scale bar at the lower left; the context is in pixels, y down. */
+export function paintBar(c: Canvas, height: number, palette: Palette, pixels: number): void {
+  const length = barLength(pixels);
+  const [left, base, long] = [10.5, height - 10.5, length * pixels];
+  const path = () => {
+    c.beginPath();
+    c.moveTo(left, base - 5);
+    c.lineTo(left, base);
+    c.lineTo(left + long, base);
+    c.lineTo(left + long, base - 5);
+    c.stroke();
+  };
+  c.lineCap = "square";
+  c.strokeStyle = palette.paper;
+  c.lineWidth = 4;
+  path();
+  c.strokeStyle = palette.ink;
+  c.lineWidth = 1.5;
+  path();
+  c.save();
+  c.scale(1, -1); // `write` turns y up
+  const text = length < 1 ? `${Math.round(length * 100)} cm` : `${length} m`;
+  write(c, text, left + long / 2, 10 - base, 12, palette.ink, "center", palette.font, palette.paper);
+  c.restore();
+}
+
+/** The trail: newer pieces are opaque, each state has a colour, and a dash once the colours are used up. */
+export function paintTrail(
+  c: Canvas,
+  trail: Trail,
+  now: number,
+  style: (state: string) => { color: string; dash: number[] },
+  pixels: number,
+): void {
+  c.save();
+  c.lineWidth = Math.max(0.012, 3 / pixels);
+  c.lineCap = "butt";
+  let along = 0; // the pattern of dashes runs on from piece to piece
+  for (const { from, to, share } of trail.pieces(now)) {
+    const { color, dash } = style(to.state);
+    c.strokeStyle = color;
+    c.globalAlpha = Math.min(1, 0.1 + share);
+    c.setLineDash(dash.map((length) => length / pixels));
+    c.lineDashOffset = along;
+    along += Math.hypot(to.x - from.x, to.y - from.y);
+    c.beginPath();
+    c.moveTo(from.x, from.y);
+    c.lineTo(to.x, to.y);
+    c.stroke();
+  }
+  c.restore();
+}
+
+/** The outline of a shape. */
+export function paintOutline(
+  c: Canvas,
+  shape: Shape,
+  palette: Palette,
+  pixels: number,
+  dashed = false,
+): void {
+  c.save();
+  c.translate(shape.x, shape.y);
+  c.rotate(shape.angle);
+  c.beginPath();
+  if (shape.box) c.rect(-shape.box[0] / 2, -shape.box[1] / 2, ...shape.box);
+  else c.arc(0, 0, shape.radius ?? 0, 0, 2 * Math.PI);
+  c.strokeStyle = palette.accent;
+  c.lineWidth = 2 / pixels;
+  if (dashed) c.setLineDash([5 / pixels, 4 / pixels]);
+  c.stroke();
+  c.restore();
+}
+
+/** A selected thing: its outline and its handles, squares to resize and a disc to turn. */
+export function paintSelection(
+  c: Canvas,
+  thing: Thing,
+  shape: Shape,
+  palette: Palette,
+  pixels: number,
+): void {
+  paintOutline(c, shape, palette, pixels);
+  const half = HANDLE / pixels;
+  for (const { grip, at } of handlesOf(thing, shape, pixels)) {
+    c.beginPath();
+    if (grip === "turn") {
+      c.moveTo(shape.x, shape.y);
+      c.lineTo(...at);
+      c.strokeStyle = palette.accent;
+      c.lineWidth = 1.5 / pixels;
+      c.stroke();
+      c.beginPath();
+      c.arc(...at, half, 0, 2 * Math.PI);
+    } else c.rect(at[0] - half, at[1] - half, 2 * half, 2 * half);
+    c.fillStyle = palette.paper;
+    c.fill();
+    c.strokeStyle = palette.accent;
+    c.lineWidth = 2 / pixels;
+    c.stroke();
+  }
+}
+
+/** What a pointer would hold of a selected thing. */
+export function gripAt(
+  thing: Thing,
+  shape: Shape,
+  [x, y]: [number, number],
+  pixels: number,
+): { grip: Grip; at: [number, number] } | null {
+  const reach = (HANDLE + 5) / pixels;
+  return handlesOf(thing, shape, pixels).find(({ at }) => Math.hypot(at[0] - x, at[1] - y) <= reach) ?? null;
+}

@@ -1,0 +1,103 @@
+/** A strip about what is selected in the world: its name, whether it can be pushed, and how to remove it. */
+
+import type { Lab } from "../session/store";
+import { button } from "../ui/button";
+import { h, setHidden, setText } from "../ui/dom";
+import type { WorldEdits } from "./edits";
+import type { Stage } from "./stage";
+import type { Shape, Thing } from "./things";
+
+const PUSH = 0.3;
+
+export interface Properties {
+  element: HTMLElement;
+  refresh(): void;
+}
+
+export function properties(lab: Lab, stage: Stage, edits: () => WorldEdits): Properties {
+  const kind = h("span", { class: "lrp-thing-kind", "aria-live": "polite" });
+  const name = h("input", {
+    class: "lrp-input",
+    "aria-label": "Name",
+    placeholder: "Name",
+    spellcheck: "false",
+    "data-lrp-action": "thing-name",
+    onchange: () => rename(),
+  });
+  const push = h("input", { type: "checkbox", "data-lrp-action": "thing-push", onchange: () => change() });
+  const round = h("input", { type: "checkbox", "data-lrp-action": "thing-round", onchange: () => reshape() });
+  const solid = h(
+    "span",
+    { class: "lrp-thing-solid" },
+    h("label", {}, push, "Pushable"),
+    h("label", {}, round, "Round"),
+  );
+  const start = button({
+    label: "Start here",
+    title: "Let the robot start where it is now",
+    action: "start-here",
+    onclick: () => edits().startHere(),
+  });
+  const remove = button({
+    icon: "close",
+    title: "Remove (Delete)",
+    action: "thing-remove",
+    onclick: () => {
+      edits().remove();
+      stage.canvas.focus({ preventScroll: true });
+    },
+  });
+  const element = h("div", { class: "lrp-thing", hidden: true }, kind, name, solid, start, remove);
+  let shown: Thing | null = null;
+
+  function shapeNow(): Shape | null {
+    return shown && stage.shape(shown);
+  }
+  function rename(): void {
+    if (shown?.kind === "zone") edits().rename(shown.name, name.value.trim());
+    else change();
+  }
+  function change(): void {
+    const shape = shapeNow();
+    if (shown?.kind === "solid" && shape)
+      edits().putSolid(shown.index, shape, { push: push.checked ? PUSH : null, name: name.value.trim() });
+  }
+  function reshape(): void {
+    const shape = shapeNow();
+    if (shown?.kind !== "solid" || !shape) return;
+    const { box, radius = 0, ...place } = shape;
+    const other: Shape = box
+      ? { ...place, radius: Math.max(...box) / 2 }
+      : { ...place, box: [2 * radius, 2 * radius] };
+    edits().putSolid(shown.index, other, {});
+  }
+
+  return {
+    element,
+    refresh() {
+      const { selected, world } = stage;
+      shown = selected;
+      const isSolid = selected?.kind === "solid";
+      const it = isSolid ? world?.solids[selected.index] : undefined;
+      setHidden(element, !selected || (isSolid && !it));
+      if (!selected) return;
+      setText(kind, title(selected, it !== undefined && (it.push ?? null) !== null, Boolean(it?.circle)));
+      setHidden(name, selected.kind === "robot" || selected.kind === "start");
+      setHidden(solid, !isSolid);
+      setHidden(start, selected.kind !== "robot");
+      setHidden(remove, selected.kind === "robot" || selected.kind === "start");
+      const named = selected.kind === "zone" ? selected.name : (it?.name ?? "");
+      if (lab.root.ownerDocument.activeElement !== name) name.value = named;
+      push.checked = (it?.push ?? null) !== null;
+      round.checked = Boolean(it?.circle);
+    },
+  };
+}
+
+function title(thing: Thing, pushable: boolean, round: boolean): string {
+  if (thing.kind === "robot") return "Robot";
+  if (thing.kind === "start") return "Start";
+  if (thing.kind === "zone") return "Zone";
+  if (pushable) return round ? "Can" : "Box";
+  return round ? "Pillar" : "Wall";
+}
