@@ -27,6 +27,7 @@ def open_world(open_lab):
         lab = open_lab(program, f"m --world {world}")
         lab.sees(".lrp-canvas[data-view]").scroll_into_view_if_needed()
         lab.do("world-zoom-fit")
+        lab.do("edit-world")
         return lab
 
     return open_world

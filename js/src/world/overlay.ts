@@ -4,14 +4,14 @@ import type { Palette } from "./paint";
 import { write } from "./paint";
 import type { Grip, Shape, Thing } from "./things";
 import { handlesOf } from "./things";
-import type { Trail } from "./trail";
+import type { Trail, TrailPoint } from "./trail";
 
 type Canvas = CanvasRenderingContext2D;
 
 /** Lines every so many metres, the wider the less is magnified; fine ones are at least this far apart. */
 const GRID = [0.1, 0.25, 0.5, 1, 2, 5, 10, 50, 100];
 const APART = 18; // px
-const BAR = [50, 150]; // px that the scale bar is long
+const BAR = 100; // px that the scale bar is long at most
 const HANDLE = 5; // px
 
 /** A grid; the context is in metres, `pixels` make one. Returns the distance of its lines. */
@@ -40,32 +40,32 @@ export function paintGrid(
 /** A round length that is easily compared with the picture. */
 export function barLength(pixels: number): number {
   const lengths = [-2, -1, 0, 1, 2, 3].flatMap((power) => [1, 2, 5].map((digit) => digit * 10 ** power));
-  return lengths.findLast((length) => length * pixels <= BAR[1]!) ?? lengths[0]!;
+  return lengths.findLast((length) => length * pixels <= BAR) ?? lengths[0]!;
 }
 
 /** A scale bar at the lower left; the context is in pixels, y down. */
 export function paintBar(c: Canvas, height: number, palette: Palette, pixels: number): void {
   const length = barLength(pixels);
   const [left, base, long] = [10.5, height - 10.5, length * pixels];
-  const path = () => {
-    c.beginPath();
-    c.moveTo(left, base - 5);
-    c.lineTo(left, base);
-    c.lineTo(left + long, base);
-    c.lineTo(left + long, base - 5);
-    c.stroke();
-  };
+  c.fillStyle = palette.paper;
+  c.globalAlpha = 0.8;
+  c.beginPath();
+  c.roundRect(left - 6, base - 22, long + 12, 28, 4);
+  c.fill();
+  c.globalAlpha = 1;
   c.lineCap = "square";
-  c.strokeStyle = palette.paper;
-  c.lineWidth = 4;
-  path();
   c.strokeStyle = palette.ink;
   c.lineWidth = 1.5;
-  path();
+  c.beginPath();
+  c.moveTo(left, base - 5);
+  c.lineTo(left, base);
+  c.lineTo(left + long, base);
+  c.lineTo(left + long, base - 5);
+  c.stroke();
   c.save();
   c.scale(1, -1); // `write` turns y up
   const text = length < 1 ? `${Math.round(length * 100)} cm` : `${length} m`;
-  write(c, text, left + long / 2, 10 - base, 12, palette.ink, "center", palette.font, palette.paper);
+  write(c, text, left + long / 2, 10 - base, 12, palette.ink, "center", palette.font);
   c.restore();
 }
 
@@ -75,23 +75,33 @@ export function paintTrail(
   trail: Trail,
   now: number,
   style: (state: string) => { color: string; dash: number[] },
+  palette: Palette,
   pixels: number,
 ): void {
   c.save();
-  c.lineWidth = Math.max(0.012, 3 / pixels);
   c.lineCap = "butt";
+  const pieces = trail.pieces(now);
+  const stroke = (width: number, from: TrailPoint, to: TrailPoint) => {
+    c.lineWidth = width;
+    c.beginPath();
+    c.moveTo(from.x, from.y);
+    c.lineTo(to.x, to.y);
+    c.stroke();
+  };
+  c.strokeStyle = palette.halo; // around the colours, which would be lost on a black line
+  for (const { from, to, share } of pieces) {
+    c.globalAlpha = share;
+    stroke(Math.max(0.024, 7 / pixels), from, to);
+  }
   let along = 0; // the pattern of dashes runs on from piece to piece
-  for (const { from, to, share } of trail.pieces(now)) {
+  for (const { from, to, share } of pieces) {
     const { color, dash } = style(to.state);
     c.strokeStyle = color;
     c.globalAlpha = Math.min(1, 0.1 + share);
     c.setLineDash(dash.map((length) => length / pixels));
     c.lineDashOffset = along;
     along += Math.hypot(to.x - from.x, to.y - from.y);
-    c.beginPath();
-    c.moveTo(from.x, from.y);
-    c.lineTo(to.x, to.y);
-    c.stroke();
+    stroke(Math.max(0.014, 4 / pixels), from, to);
   }
   c.restore();
 }

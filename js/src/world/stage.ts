@@ -224,7 +224,7 @@ export class Stage {
     const { viewport, palette, selected, preview } = this;
     const pixels = viewport.scale;
     viewport.transform(c, this.ratio);
-    if (this.showsTrail) paintTrail(c, this.trail, current.time, this.styleOf, pixels);
+    if (this.showsTrail) paintTrail(c, this.trail, current.time, this.styleOf, palette, pixels);
     if (this.sketch) paintStroke(c, this.sketch, palette);
     world.robots.forEach(({ pose, radius }, i) => {
       const [x, y] = current.robots[i]?.pose ?? pose;

@@ -28,7 +28,7 @@ const TOOLS = [
   ["wall", "wall", "Wall: drag along it; or press Enter in the world"],
   ["box", "box", "Box that can be pushed: drag from corner to corner; or press Enter in the world"],
   ["zone", "zone", "Zone: drag from its middle; or press Enter in the world"],
-  ["draw", "draw", "Draw line; hold Shift for a straight one"],
+  ["draw", "line", "Draw line; hold Shift for a straight one"],
   ["erase", "erase", "Erase line"],
 ] as const;
 
@@ -160,40 +160,52 @@ export function worldView(lab: Lab): WorldPart {
   const colours = legend(stage);
   const toolbar = h(
     "div",
-    { class: "lrp-world-tools" },
+    { class: "lrp-world-tools", hidden: true },
     h("span", { class: "lrp-group", role: "group", "aria-label": "Tool" }, ...tools),
     h("span", { class: "lrp-group", role: "group", "aria-label": "History of the world" }, undo, redo),
-    h(
-      "span",
-      { class: "lrp-group", role: "group", "aria-label": "What is shown" },
-      button({
-        icon: "minus",
-        title: "Zoom out (-)",
-        action: "world-zoom-out",
-        onclick: () => stage.zoom(1 / 1.25),
-      }),
-      button({
-        icon: "plus",
-        title: "Zoom in (+)",
-        action: "world-zoom-in",
-        onclick: () => stage.zoom(1.25),
-      }),
-      button({
-        icon: "fit",
-        title: "Show all (0)",
-        action: "world-zoom-fit",
-        onclick: looking(() => stage.showAll()),
-      }),
-      follow,
-    ),
   );
-  const view = h("div", { class: "lrp-world-body" }, canvas, colours.tip, time);
+  const edit = button({
+    icon: "draw",
+    title: "Edit the world: walls, boxes, zones, lines",
+    action: "edit-world",
+    "aria-pressed": "false",
+    onclick: () => {
+      toolbar.hidden = !toolbar.hidden;
+      edit.setAttribute("aria-pressed", String(!toolbar.hidden));
+      if (toolbar.hidden) box.choose("move");
+    },
+  });
+  const zoom = h(
+    "span",
+    { class: "lrp-group lrp-world-zoom", role: "group", "aria-label": "What is shown" },
+    button({
+      icon: "minus",
+      title: "Zoom out (-)",
+      action: "world-zoom-out",
+      onclick: () => stage.zoom(1 / 1.25),
+    }),
+    button({
+      icon: "plus",
+      title: "Zoom in (+)",
+      action: "world-zoom-in",
+      onclick: () => stage.zoom(1.25),
+    }),
+    button({
+      icon: "fit",
+      title: "Show all (0)",
+      action: "world-zoom-fit",
+      onclick: looking(() => stage.showAll()),
+    }),
+    follow,
+  );
+  const view = h("div", { class: "lrp-world-body" }, canvas, zoom, colours.tip, time);
   const foot = h("div", { class: "lrp-world-foot" }, strip.element, colours.element);
   const { element, heading } = panel(
     "world",
     "World",
     [
       worlds,
+      edit,
       button({
         icon: "reset",
         title: "Reset pose: return the robot to its start",
@@ -235,7 +247,8 @@ export function worldView(lab: Lab): WorldPart {
     strip.refresh();
     undo.disabled = !world?.undo;
     redo.disabled = !world?.redo;
-    view.hidden = toolbar.hidden = foot.hidden = !world;
+    view.hidden = foot.hidden = !world;
+    if (!world) toolbar.hidden = true;
     element.toggleAttribute("data-worldless", !world);
     setText(heading, world ? "World" : "Robot");
     showFollow();
