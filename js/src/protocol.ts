@@ -64,6 +64,14 @@ export interface ReferencesRequest {
   column: number;
 }
 
+/** Lay out a program's text; only white space changes. Answered by `edits` of this text. */
+export interface FormatRequest {
+  view: string;
+  id: number;
+  type: "format";
+  text: string;
+}
+
 /** List the earlier texts, the newest first. Answered by `versions`. */
 export interface VersionsRequest {
   view: string;
@@ -1079,6 +1087,7 @@ export interface ReplyMessage {
   versions?: VersionView[];
   svg?: string;
   exists?: boolean;
+  edits?: TextEdit[];
 }
 
 export type FromKernel = FrameMessage | AnswerMessage | SnapshotMessage | WorldMessage | ReplyMessage;
@@ -1091,6 +1100,7 @@ export type FromPage =
   | CompleteRequest
   | HoverRequest
   | ReferencesRequest
+  | FormatRequest
   | VersionsRequest
   | SaveRequest
   | InspectRequest

@@ -92,7 +92,7 @@ def lrp(
     **Exit codes**: 0 when all went well; 1 when a text has errors, or what was demanded of a program did not
     happen; 2 when an argument is wrong, or a file or robot cannot be used; 3 for a fault of this package; 130
     after Ctrl-C; 154 when a call of C that cannot be interrupted has exceeded a limit. The help of `run`,
-    `check`, `graph` and `grade` has the details.
+    `check`, `format`, `graph` and `grade` has the details.
     """
 
 
@@ -245,6 +245,30 @@ def check(
     from lrp_jupyter.cli.offline import check_files
 
     raise typer.Exit(check_files(files, form is Findings.json, fix, bridge))
+
+
+@app.command("format")
+def format_(
+    files: Annotated[
+        list[str],
+        typer.Argument(
+            metavar="FILE…",
+            help="Files, or `-` to format stdin and print the result.",
+            autocompletion=complete.sources,
+        ),
+    ],
+    check: Annotated[
+        bool, typer.Option("--check", help="Write nothing; only list the files that would change.")
+    ] = False,
+) -> None:
+    """Format the texts of programs: only white space changes.
+
+    **Exit code**: 0, 1 when a text is not a valid program or, with `--check`, would change, 2 when a file
+    cannot be read or written.
+    """
+    from lrp_jupyter.cli.offline import format_files
+
+    raise typer.Exit(format_files(files, check))
 
 
 @app.command()

@@ -1,4 +1,4 @@
-"""``lrp check | graph | grade``: commands that read a program, print a result and end."""
+"""``lrp check | format | graph | grade``: commands that read a program, print a result and end."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
 from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.source import Source, read_source
-from lrp_jupyter.errors import FileError, LRPError, UnknownElementError, did_you_mean
+from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError, UnknownElementError, did_you_mean
 from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.format import formatted
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.live.checking import members_of, members_of_world
 
-__all__ = ["Format", "check_files", "draw_graph", "grade_file"]
+__all__ = ["Format", "check_files", "draw_graph", "format_files", "grade_file"]
 
 Format = Literal["svg", "dot", "mermaid", "json"]
 _SUFFIXES: dict[str, Format] = {
@@ -79,12 +80,7 @@ def _check(source: Source, robot: RobotMembers | None) -> tuple[Finding, ...]:
 
 def _fixed(source: Source, robot: RobotMembers | None) -> tuple[Source, Text]:
     """Apply the certain fixes of a file, one after the other; return it, and what was done."""
-    if source.path is None:
-        if source.name in programs.names():
-            remedy = f"`lrp programs --show {source.name} > mine.lrp` makes a file of it."
-            raise FileError(f"`{source.name}` is a bundled program, which cannot be corrected. {remedy}")
-        raise FileError("Standard input cannot be corrected. Name a file.")
-    fixed, done = source, Text()
+    path, fixed, done = _writable(source), source, Text()
     tried = set()  # a fix that leaves the finding is not applied again
     while True:
         findings = _check(fixed, robot)
@@ -97,8 +93,18 @@ def _fixed(source: Source, robot: RobotMembers | None) -> tuple[Source, Text]:
         done.append(f" {finding.code}: {finding.message} ({finding.fix.title})\n")
         fixed = fixed._replace(text=finding.fix.apply(fixed.text))
     if fixed.text != source.text:
-        write_file(source.path.resolve(), fixed.text)
+        write_file(path, fixed.text)
     return fixed, done
+
+
+def _writable(source: Source) -> Path:
+    """Return the file of a source, or raise: a bundled program and standard input have none."""
+    if source.path is not None:
+        return source.path.resolve()
+    if source.name in programs.names():
+        remedy = f"`lrp programs --show {source.name} > mine.lrp` makes a file of it."
+        raise FileError(f"`{source.name}` is a bundled program, which cannot be changed. {remedy}")
+    raise FileError("Standard input cannot be changed. Name a file.")
 
 
 def _id(finding: Finding) -> tuple[str, str, int, int]:
@@ -118,6 +124,35 @@ def _as_dict(name: str, finding: Finding) -> dict[str, Any]:
         "end_column": finding.end_column,
         "fix": fix and {"title": fix.title, "edits": [edit._asdict() for edit in fix.edits]},
     }
+
+
+def format_files(files: Sequence[str], only_check: bool = False) -> int:
+    """Format files, or list those that would change; return the exit code.
+
+    It is 1 if a text is not a valid program or, with `only_check`, would change, 2 if a file cannot be used.
+    """
+    console, complaints = plain_console(), plain_console(stderr=True)
+    code = 0
+    for file in files:
+        try:
+            source = read_source(file)
+            text = formatted(source.text)
+            changes = text != source.text
+            if file == "-" and not only_check:
+                sys.stdout.write(text)
+            elif changes:
+                if not only_check:
+                    write_file(_writable(source), text)
+                code = max(code, int(only_check))
+                console.print(f"{source.name}: {'would be formatted' if only_check else 'formatted'}")
+        except LRPSyntaxError as error:
+            for finding in error.findings:
+                complaints.print(finding_text(source.name, source.text, finding))
+            code = max(code, 1)
+        except FileError as error:
+            complaints.print(f"lrp: {error}")
+            code = 2
+    return code
 
 
 def draw_graph(file: str, machine: str | None, kind: Format | None, output: Path | None) -> int:

@@ -575,6 +575,7 @@ class ReplyMessage(TypedDict):
     versions: NotRequired[list[VersionView]]
     svg: NotRequired[str]
     exists: NotRequired[bool]
+    edits: NotRequired[list[TextEdit]]
 
 
 FromKernel = FrameMessage | AnswerMessage | SnapshotMessage | WorldMessage | ReplyMessage

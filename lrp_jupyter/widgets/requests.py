@@ -1,4 +1,4 @@
-"""Requests of an editor: completion, hover, references, versions, files.
+"""Requests of an editor: completion, hover, references, format, versions, files.
 
 They are answered on the worker's thread. Live values are read between two ticks, on the interpreter's
 thread, which passes on only texts of bounded length.
@@ -17,8 +17,9 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
-from lrp_jupyter.errors import LRPError, UnknownElementError
+from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.interpreter.rendering import of_type, render
+from lrp_jupyter.language.format import formatting
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.rename import references as find_references
@@ -29,6 +30,7 @@ from lrp_jupyter.widgets.protocol import HoverView, Option, ReferencesView, id_o
 
 __all__ = [
     "CompleteRequest",
+    "FormatRequest",
     "HoverRequest",
     "ReferencesRequest",
     "SaveRequest",
@@ -82,6 +84,23 @@ class ReferencesRequest(PageRequest, type="references"):
     def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
         """Return the element and all places of its name."""
         return {"references": _references(opened.texts.text, self.line, self.column)}
+
+
+@dataclass(frozen=True)
+class FormatRequest(PageRequest, type="format"):
+    """Lay out a program's text; only white space changes. Answered by `edits` of this text."""
+
+    text: str
+
+    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
+        """Return the edits."""
+        try:
+            edits = formatting(self.text)
+        except LRPSyntaxError:
+            raise LRPError("The text has errors, so it cannot be formatted. Correct them first.") from None
+        return {
+            "edits": [{"range": range_of(self.text, start, end), "text": new} for start, end, new in edits]
+        }
 
 
 @dataclass(frozen=True)

@@ -90,3 +90,19 @@ def test_the_value_of_an_event_that_is_not_tested_is_faded(open_lab):
     lab.replace("short := [1]", "short := [2]")
     lab.sees(stale.replace("idle", "waits"))
     lab.sees(fresh.replace("waits", "idle"))
+
+
+def test_the_text_is_formatted_by_a_key_and_undone_by_another(open_lab):
+    rough = COUNTER.replace("\n  ", " ")
+    lab = open_lab(rough)
+    lab.goes_on()
+    lab.select("(state rest)")
+    lab.page.keyboard.press("Shift+Alt+F")
+    lab.until("editor => editor.querySelectorAll('.cm-line').length > 8", ".cm-editor")
+    assert lab.text == COUNTER
+    assert lab.page.evaluate("getSelection().toString()") == "(state rest)"
+    assert lab.find(".lrp-notice:visible").count() == 0
+    lab.page.keyboard.press("Control+z")
+    lab.until("editor => editor.querySelectorAll('.cm-line').length < 6", ".cm-editor")
+    assert lab.text == rough
+    lab.sees(".lrp-bracket-2")

@@ -90,6 +90,17 @@ def test_references_are_those_of_the_text_in_the_editor(page):
     assert "not a valid program" in page.ask("references", line=1, column=3)["error"]
 
 
+def test_the_edits_that_format_a_text_are_those_of_white_space(page):
+    text = "(machine m(state a))\r\n(spawn m   a)"
+    edits = page.ask("format", text=text)["edits"]
+    assert [(edit["range"]["line"], edit["range"]["column"], edit["text"]) for edit in edits] == [
+        (1, 11, "\r\n  "),
+        (2, 9, " "),
+        (2, 14, "\r\n"),
+    ]
+    assert "Correct them first." in page.ask("format", text="(machine m")["error"]
+
+
 def inspect(page, kind, path="", *into):
     return page.ask("inspect", kind=kind, path=path, into=list(into))
 

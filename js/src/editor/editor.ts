@@ -5,7 +5,7 @@ import { history } from "@codemirror/commands";
 import { bracketMatching, foldGutter, forceParsing, indentOnInput, indentUnit } from "@codemirror/language";
 import { lintGutter } from "@codemirror/lint";
 import { search } from "@codemirror/search";
-import { EditorState, type Extension, Prec, Text } from "@codemirror/state";
+import { Compartment, EditorState, type Extension, Prec, Text } from "@codemirror/state";
 import {
   EditorView,
   highlightActiveLine,
@@ -24,12 +24,14 @@ import { completion } from "./complete";
 import { contextAt } from "./context";
 import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
 import { showDiagnostics } from "./diagnostics";
+import { format } from "./format";
 import { hangingIndent } from "./hanging";
 import { hover } from "./hover";
 import { keys } from "./keys";
 import { live, liveChanged, marksOf } from "./live";
 import { goToDefinition, navigation, rename } from "./navigate";
 import { lineSeparator, placeOf } from "./places";
+import { rainbow } from "./rainbow";
 import { scrubbing } from "./scrub";
 import { adopt, adopted, difference, Tracked } from "./texts";
 import { Typing } from "./typing";
@@ -52,6 +54,8 @@ export class Editor {
   private readonly typing = new Typing((cursor, meant) => this.send(cursor, meant));
   private began = false;
   private values = true;
+  private readonly brackets = new Compartment();
+  private colours = true;
   private marks = "";
   private redrawing = 0;
 
@@ -85,6 +89,7 @@ export class Editor {
       EditorView.lineWrapping,
       hangingIndent,
       lrp(),
+      this.brackets.of(this.colours ? rainbow : []),
       tooltips({ parent: lab.root, tooltipSpace: () => visiblePart(lab.root) }),
       completion(lab),
       hover(lab),
@@ -96,6 +101,7 @@ export class Editor {
       Prec.high(
         keymap.of([
           { key: "Mod-Enter", run: () => this.applyHeld() },
+          { key: "Shift-Alt-f", run: () => this.format() },
           { key: "Shift-Enter", run: nothing },
           { key: "Mod-Shift-Enter", run: nothing },
         ]),
@@ -203,6 +209,17 @@ export class Editor {
   showValues(on: boolean): void {
     this.values = on;
     this.redraw();
+  }
+
+  /** Whether brackets have colours by their depth. */
+  showBrackets(on: boolean): void {
+    this.colours = on;
+    this.view.dispatch({ effects: this.brackets.reconfigure(on ? rainbow : []) });
+  }
+
+  format(): boolean {
+    void format(this.view, this.lab);
+    return true;
   }
 
   /** Draw the program's run: its marks at once, values alone now and then. */

@@ -1,0 +1,17 @@
+/** Format the text: the kernel says where white space changes, and the cursor stays at its word. */
+
+import type { EditorView } from "@codemirror/view";
+import type { Lab } from "../session/store";
+import { spanOf } from "./places";
+
+export async function format(view: EditorView, lab: Lab): Promise<void> {
+  const { doc } = view.state;
+  const reply = await lab.ask({ type: "format", text: view.state.sliceDoc() });
+  if (reply.error) lab.notify(reply.error);
+  else if (view.state.doc !== doc) lab.notify("The text has changed meanwhile. Format it again.");
+  else {
+    const changes = (reply.edits ?? []).map(({ range, text }) => ({ ...spanOf(doc, range), insert: text }));
+    if (changes.length) view.dispatch({ changes, userEvent: "input.format", scrollIntoView: true });
+    else lab.notify("The text is formatted already.");
+  }
+}
