@@ -80,6 +80,8 @@ class Finding:
         None unless the remedy is certain.
     prefix : bool
         Whether the name at this range only begins a known one: perhaps it is half typed.
+    creates : Fix or None
+        The creation of what is missing, for the user to choose: what it is for is not known.
     """
 
     code: str
@@ -91,6 +93,7 @@ class Finding:
     end_column: int
     fix: Fix | None = None
     prefix: bool = False
+    creates: Fix | None = None
 
     def __str__(self) -> str:
         return f"{self.line}:{self.column}: {self.code} {self.severity}: {self.message}"

@@ -919,6 +919,7 @@ export interface FindingView {
   message: string;
   range: TextRange;
   fix: QuickFix | null;
+  creates: QuickFix | null;
 }
 
 /** The changes in a held text, each element as text (``str(element)``). */

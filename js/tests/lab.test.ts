@@ -122,7 +122,9 @@ describe("the editor", () => {
     const range = { line: 1, column: 1, end_line: 1, end_column: 2 };
     page.deliver(
       answer({
-        findings: [{ id: "1", code: "LRP101", severity: "error", message: "`a`", range, fix: null }],
+        findings: [
+          { id: "1", code: "LRP101", severity: "error", message: "`a`", range, fix: null, creates: null },
+        ],
       }),
     );
     await page.drawn();
@@ -404,7 +406,15 @@ describe("the page", () => {
     const verdict = page.find(".lrp-verdict");
     const { text } = recording.snapshot;
     const range = { line: 1, column: 1, end_line: 1, end_column: 2 };
-    const open = { id: "1", code: "LRP101", severity: "error" as const, message: "", range, fix: null };
+    const open = {
+      id: "1",
+      code: "LRP101",
+      severity: "error" as const,
+      message: "",
+      range,
+      fix: null,
+      creates: null,
+    };
     const broken = { text: `(${text}`, accepted: false, findings: [open] };
     page.deliver({ ...structuredClone(recording.snapshot), ...broken });
     await page.drawn();

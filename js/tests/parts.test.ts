@@ -43,6 +43,7 @@ describe("the list of issues", () => {
     message: "m",
     range,
     fix: null,
+    creates: null,
   } as FindingView;
   const issue = (named: string) =>
     ({

@@ -115,11 +115,7 @@ class DrawnProgram:
 
     def spawn_by(self, state: State, form: str) -> Edit:
         """Return the edit that adds a spawn to what a state does on entry."""
-        whole = self.sheet.at[state.span.start]
-        entries = [each for each in whole.forms if each.keyword == "onentry"]
-        if entries:
-            return self.sheet.appended(entries[-1], form)
-        return self.sheet.added(whole, f"(onentry {form})")
+        return self.sheet.spawned_by(self.sheet.at[state.span.start], form)
 
     def edits(self, edits: Iterable[Edit]) -> list[Edit]:
         """Return edits in the order of the text, insertions at one place as one, if they make a program.

@@ -136,6 +136,11 @@ class Sheet:
         end = self._after_comment(end) if gap != " " else end
         return Edit(end, end, gap + item)
 
+    def spawned_by(self, state: WrittenForm, spawn: str) -> Edit:
+        """Return the edit that adds a spawn to what a state does on entry."""
+        entries = [form for form in state.forms if form.keyword == "onentry"]
+        return self.appended(entries[-1], spawn) if entries else self.added(state, f"(onentry {spawn})")
+
     def _predecessor(self, parent: WrittenForm, keyword: str) -> WrittenForm | None:
         rank = _RANKS[keyword]
         alike = [form for form in parent.forms if _RANKS[form.keyword] == rank]

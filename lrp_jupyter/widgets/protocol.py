@@ -76,7 +76,10 @@ class QuickFix(TypedDict):
 
 
 class FindingView(TypedDict):
-    """A static finding of `check`; `id` identifies it among the others of its text."""
+    """A static finding of `check`; `id` identifies it among the others of its text.
+
+    `fix` is certain; `creates` is offered, because only the user knows what is meant.
+    """
 
     id: str
     code: str
@@ -84,6 +87,7 @@ class FindingView(TypedDict):
     message: str
     range: TextRange
     fix: QuickFix | None
+    creates: QuickFix | None
 
 
 class IssueView(TypedDict):

@@ -16,14 +16,21 @@ from threading import Lock, RLock
 from time import monotonic, time
 from typing import Any
 
-from lrp_jupyter.errors import FileError, SessionClosedError
+from lrp_jupyter.errors import FileError, Fix, SessionClosedError
 from lrp_jupyter.files import read_file, write_file
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.language.unmeant import Cursor
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.kept import FOLDER, Kept, Version, newest
-from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, range_of
+from lrp_jupyter.widgets.protocol import (
+    ConflictView,
+    Difference,
+    FindingView,
+    QuickFix,
+    TextEdit,
+    range_of,
+)
 
 __all__ = ["Conflict", "Texts", "Written", "finding_id"]
 
@@ -564,7 +571,6 @@ def finding_id(finding: Finding) -> str:
 
 def _finding_view(finding: Finding, text: str) -> FindingView:
     """Return a finding of the checks about a text."""
-    fix = finding.fix
     return {
         "id": finding_id(finding),
         "code": finding.code,
@@ -576,13 +582,17 @@ def _finding_view(finding: Finding, text: str) -> FindingView:
             "end_line": finding.end_line,
             "end_column": finding.end_column,
         },
-        "fix": None
-        if fix is None
-        else {
-            "title": fix.title,
-            "edits": [{"range": range_of(text, e.start, e.end), "text": e.text} for e in fix.edits],
-        },
+        "fix": _fix_view(finding.fix, text),
+        "creates": _fix_view(finding.creates, text),
     }
+
+
+def _fix_view(fix: Fix | None, text: str) -> QuickFix | None:
+    """Return a fix of a text."""
+    if fix is None:
+        return None
+    edits: list[TextEdit] = [{"range": range_of(text, *span), "text": new} for *span, new in fix.edits]
+    return {"title": fix.title, "edits": edits}
 
 
 def _difference_view(old: Program, new: Program) -> Difference:

@@ -106,3 +106,29 @@ def test_the_text_is_formatted_by_a_key_and_undone_by_another(open_lab):
     lab.until("editor => editor.querySelectorAll('.cm-line').length < 6", ".cm-editor")
     assert lab.text == rough
     lab.sees(".lrp-bracket-2")
+
+
+def test_what_is_missing_is_created_by_keys_and_its_value_is_typed_at_once(open_lab):
+    lab = open_lab(COUNTER)
+    lab.goes_on()
+    lab.type_after("(on full count -> rest tfull)", " (on begin rest -> count)")
+    lab.sees('[data-lrp-issue="LRP301"]')
+    lab.page.keyboard.press("ArrowLeft")
+    lab.page.keyboard.press("Control+.")
+    assert lab.sees('[role="menu"] [data-lrp-action="fix"]').inner_text() == "Create the event begin"
+    lab.page.keyboard.press("Enter")
+    lab.misses('[data-lrp-issue="LRP301"]')
+    lab.page.keyboard.type("n < 0")
+    assert "  (event full [n > limit])\n  (event begin [n < 0])\n" in lab.text
+
+
+def test_a_missing_state_is_created_from_its_card(open_lab):
+    lab = open_lab(COUNTER)
+    lab.replace("-> rest tfull", "-> finished tfull")
+    lab.sees('[data-lrp-issue="LRP303"]')
+    lab.find(".cm-content").focus()
+    lab.page.keyboard.press("F8")
+    lab.sees(".cm-diagnosticAction:has-text('Create the state finished')").click()
+    lab.misses('[data-lrp-issue="LRP303"]')
+    lab.sees('[data-lrp-state="m/finished"]')
+    assert "  (state rest)\n  (state finished)\n" in lab.text

@@ -150,8 +150,8 @@ def test_a_program_without_machines_needs_no_spawn() -> None:
 def test_a_missing_spawn_is_reported_at_the_first_line_and_added_where_it_is_certain(newline: str) -> None:
     text = f"; a robot{newline}(machine m (state a))"
     assert found(text) == [("LRP206", "; a robot")]
-    assert fixed(text) == f"{text}{newline}(spawn m a){newline}"
-    assert fixed(text + newline) == f"{text}{newline}(spawn m a){newline}"
+    assert fixed(text) == f"{text}{newline}{newline}(spawn m a){newline}"
+    assert fixed(text + newline) == f"{text}{newline}{newline}(spawn m a){newline}"
 
 
 def test_which_of_two_states_to_spawn_is_not_certain() -> None:
@@ -573,7 +573,7 @@ def test_a_finding_says_whether_its_name_only_begins_a_known_one(text: str, pref
 
 def test_the_only_state_from_which_all_are_reached_is_where_a_machine_starts() -> None:
     text = "(machine m (state b) (state a) (ontime 5 a -> b))\n"
-    assert fixed(text) == text + "(spawn m a)\n"
+    assert fixed(text) == text + "\n(spawn m a)\n"
     (finding,) = check("(machine m (state b) (state a) (ontime 5 a -> b) (ontime 5 b -> a))")
     assert finding.fix is None
 

@@ -1,10 +1,11 @@
 /** Findings of the checks and issues of the run, underlined at their places: one truth, the kernel's. */
 
-import { type Diagnostic, diagnosticCount, setDiagnostics } from "@codemirror/lint";
+import { type Action, type Diagnostic, diagnosticCount, setDiagnostics } from "@codemirror/lint";
 import type { EditorView } from "@codemirror/view";
-import type { FindingView, IssueView, Severity, TextRange } from "../protocol";
+import type { FindingView, IssueView, QuickFix, Severity, TextRange } from "../protocol";
 import type { LabState } from "../session/state";
 import { h, prose } from "../ui/dom";
+import { select } from "./cursor";
 import type { Tracked } from "./texts";
 
 const SEVERITY: Record<Severity, Diagnostic["severity"]> = {
@@ -31,21 +32,33 @@ export function showDiagnostics(view: EditorView, lab: LabState, sent: Tracked, 
 function ofFinding(view: EditorView, finding: FindingView, sent: Tracked): Diagnostic | null {
   const span = visible(view, finding.range, sent);
   if (!span) return null;
-  const { fix } = finding;
-  const apply = (editor: EditorView) => {
-    const changes = fix!.edits.flatMap(({ range, text }) => {
-      const place = sent.span(range);
-      return place ? [{ ...place, insert: text }] : [];
-    });
-    editor.dispatch({ changes, userEvent: "input.fix" });
-  };
+  const fixes = [finding.fix, finding.creates].filter((fix) => fix !== null);
   return {
     ...span,
     severity: SEVERITY[finding.severity],
     message: finding.message,
     renderMessage: () => message(finding.code, finding.message),
-    actions: fix ? [{ name: fix.title.replaceAll("`", ""), apply }] : [],
+    actions: fixes.map((fix) => action(fix, sent)),
   };
+}
+
+/** A fix as a button; the value that it leaves to be written is selected. */
+function action({ title, edits }: QuickFix, sent: Tracked): Action {
+  const apply = (view: EditorView) => {
+    const changes = edits.flatMap(({ range, text }) => {
+      const place = sent.span(range);
+      return place ? [{ ...place, insert: text }] : [];
+    });
+    view.dispatch({ changes, userEvent: "input.fix" });
+    const [only] = changes;
+    const value = changes.length === 1 && only!.from === only!.to && /\[(.+)\]/.exec(only!.insert);
+    if (value) {
+      const from = only!.from + value.index + 1;
+      select(view, from, from + value[1]!.length);
+      view.focus();
+    }
+  };
+  return { name: title.replaceAll("`", ""), apply };
 }
 
 function ofIssue(view: EditorView, issue: IssueView, running: Tracked): Diagnostic | null {

@@ -24,6 +24,7 @@ import { completion } from "./complete";
 import { contextAt } from "./context";
 import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
 import { showDiagnostics } from "./diagnostics";
+import { openFixes } from "./fixes";
 import { format } from "./format";
 import { hangingIndent } from "./hanging";
 import { hover } from "./hover";
@@ -102,6 +103,7 @@ export class Editor {
         keymap.of([
           { key: "Mod-Enter", run: () => this.applyHeld() },
           { key: "Shift-Alt-f", run: () => this.format() },
+          { key: "Mod-.", run: (view) => openFixes(view, lab) },
           { key: "Shift-Enter", run: nothing },
           { key: "Mod-Shift-Enter", run: nothing },
         ]),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 
+from lrp_jupyter.language.checks.creations import new_spawn
 from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.forms import article
 from lrp_jupyter.language.program import Edit, Fix, Machine, Name, Span, Transition, Variable, path_text
@@ -77,14 +78,13 @@ def _no_spawn(report: Reporter) -> None:
     start = begun[0] if begun else machine.states[0].name if machine.states else Name("state")
     text = f"(spawn {machine.name} {start})"
     certain = len(program.machines) == len(begun) == 1
-    newline = next(iter(LINE_END.findall(program.text)), "\n")
-    begin = "" if program.text.endswith(("\n", "\r")) else newline
-    edit = Edit(len(program.text), len(program.text), f"{begin}{text}{newline}")
+    fix = new_spawn(report, None, machine.name, start)
     report.add(
         "LRP206",
         Span(0, len(LINE_END.split(program.text, maxsplit=1)[0])),
         f"Nothing is spawned, so nothing runs. End the program with `{text}`.",
-        Fix(f"Add `{text}`", (edit,)) if certain else None,
+        fix if certain else None,
+        creates=None if certain else fix,
     )
 
 

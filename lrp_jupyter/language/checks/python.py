@@ -10,6 +10,7 @@ from collections.abc import Iterable
 from functools import cached_property
 from itertools import chain
 
+from lrp_jupyter.language.checks.creations import new_variable
 from lrp_jupyter.language.checks.facts import Facts, facts_of
 from lrp_jupyter.language.checks.names import BUILTINS
 from lrp_jupyter.language.checks.report import Reporter, replace
@@ -158,6 +159,7 @@ class _Python:
         if meant in BUILTINS and meant[:1].lower() != name[:1].lower():
             meant = None  # of that many names, one is always a little similar
         remedy = f"{problem}. Declare `(var {name} := [value])`."
+        creatable = name not in self._variables and not place.scope.event(name)
         if elsewhere:
             remedy, meant = f"{problem}. {elsewhere}.", None
         elif self.robot is not None and name in self.robot.inside("") and meant not in place.visible:
@@ -165,9 +167,11 @@ class _Python:
             remedy = f"{problem}. Write `{meant}`."
         elif name in sys.stdlib_module_names and meant not in place.visible:
             remedy, meant = f"`{name}` is not imported. Write `import {name}` before it.", None
+            creatable = False
         elif meant:
             remedy = f"{problem}. Did you mean `{meant}`?"
-        self._add(code, place, span, remedy, meant, prefix=prefix)
+        creates = new_variable(self.report, name) if creatable else None
+        self._add(code, place, span, remedy, meant, prefix=prefix, creates=creates)
 
     def _elsewhere(self, place: PlacedBlock, name: str) -> str | None:
         """Return what the name is that is out of scope in this block, and what to do; else None."""
@@ -276,10 +280,11 @@ class _Python:
         text: str | None = None,
         edit: Span | None = None,
         prefix: bool = False,
+        creates: Fix | None = None,
     ) -> None:
         """Report a finding at a range of a block; `text` is what a fix puts there, or at `edit`."""
         fix = None if text is None else replace(_shifted(place.block, edit or span), text)
-        self.report.add(code, _shifted(place.block, span), message, fix, prefix)
+        self.report.add(code, _shifted(place.block, span), message, fix, prefix, creates)
 
 
 _WANTED = {"condition": "a truth value", "delay": "a number"}

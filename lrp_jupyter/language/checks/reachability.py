@@ -12,11 +12,12 @@ from collections import defaultdict
 from collections.abc import Hashable, Iterator
 from itertools import chain
 
+from lrp_jupyter.language.checks.creations import new_spawn
 from lrp_jupyter.language.checks.facts import facts_of
 from lrp_jupyter.language.checks.names import starts
 from lrp_jupyter.language.checks.references import Links, MeantArrow, MeantSpawn
 from lrp_jupyter.language.checks.report import Reporter
-from lrp_jupyter.language.program import Edit, Fix, Transition
+from lrp_jupyter.language.program import Transition
 from lrp_jupyter.language.resolution import Resolution, Scope
 from lrp_jupyter.language.triggers import Occurrence
 
@@ -52,20 +53,13 @@ def _unspawned(report: Reporter, names: Resolution, links: Links) -> list[Scope]
         start = begun[0] if begun else next(iter(scope.states), "state")
         place = f"the `onentry` of `{scope.state}`" if scope.state else "the top level"
         message = f"`{scope.name}` is never spawned. Put `(spawn {scope.name} {start})` into {place}."
-        report.add("LRP402", scope.name.span, message, _spawning(scope, start) if len(begun) == 1 else None)
+        around = scope.outer.states[scope.state] if scope.outer and scope.state else None
+        fix = new_spawn(report, around, scope.name, start)
+        certain = around is not None and len(begun) == 1
+        creates = None if certain else fix
+        report.add("LRP402", scope.name.span, message, fix if certain else None, creates=creates)
         found.append(scope)
     return found
-
-
-def _spawning(scope: Scope, start: str) -> Fix | None:
-    """Return the fix that spawns a nested machine when its state is entered."""
-    if not scope.outer or not scope.state:
-        return None
-    state = scope.outer.states[scope.state]
-    text = f"(spawn {scope.name} {start})"
-    before = [item.span.end for item in state.onentry]
-    at = max(before, default=state.name.span.end)
-    return Fix(f"Add `{text}`", (Edit(at, at, f" {text}" if before else f" (onentry {text})"),))
 
 
 def _spawned_again(report: Reporter, names: Resolution, links: Links) -> None:

@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
+from lrp_jupyter.language.checks.creations import new_delay, new_event, new_machine, new_state
 from lrp_jupyter.language.checks.report import Reporter, replace
 from lrp_jupyter.language.program import Edit, Event, Fix, Name, Span, Spawn, Transition, path_text
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, Spawning
@@ -112,11 +113,15 @@ class _References:
             return
         if machine is None:
             problem = f"There is no machine `{name}` that could be spawned here"
+            creates = None
             if name in scope.path[::2]:
                 remedy = "A machine can spawn neither itself nor a machine that contains it"
             else:
+                around = scope.states.get(state)
+                creates = new_machine(self.report, around, name, noun.state)
                 remedy = self._elsewhere(lambda other: other.name == name) or f"Define `(machine {name} …)`"
-            meant = self.report.unknown("LRP304", name, problem, scope.spawnable(state), remedy)
+            spawnable = scope.spawnable(state)
+            meant = self.report.unknown("LRP304", name, problem, spawnable, remedy, creates)
             self.links.guess |= meant is None
             machine = scope.machine(state, meant) if meant else None
         if machine is not None:
@@ -167,7 +172,8 @@ class _References:
             self.report.add(code, name.span, f"{problem}. Write `*` for any state.", replace(name.span, "*"))
             return name
         remedy = f"Define `(state {name})` in it"
-        return self.report.unknown(code, name, problem, machine.states, remedy) or name
+        creates = new_state(self.report, machine.noun, name)
+        return self.report.unknown(code, name, problem, machine.states, remedy, creates) or name
 
     def _event(self, arrow: Arrow, name: Name) -> Event | None:
         scope = arrow.scope
@@ -179,7 +185,8 @@ class _References:
             return None
         remedy = self._elsewhere(lambda other: name in other.events) or f"Define `(event {name} […])`"
         problem = f"There is no event `{name}` here"
-        meant = self.report.unknown("LRP301", name, problem, scope.visible_events, remedy)
+        creates = new_event(self.report, scope.noun, name)
+        meant = self.report.unknown("LRP301", name, problem, scope.visible_events, remedy, creates)
         return scope.event(meant) if meant else None
 
     def _delay(self, scope: Scope, name: Name) -> None:
@@ -193,7 +200,8 @@ class _References:
             self._elsewhere(lambda other: name in other.variables)
             or f"Define `(var {name} := [1000])`, in milliseconds"
         )
-        self.report.unknown("LRP308", name, f"There is no variable `{name}` here", scope.visible, remedy)
+        problem = f"There is no variable `{name}` here"
+        self.report.unknown("LRP308", name, problem, scope.visible, remedy, new_delay(self.report, name))
 
     def _destination(
         self, scope: Scope, around: list[Scope], transition: Transition
@@ -230,7 +238,8 @@ class _References:
             return targets
         problem = f"`exit` leads to a state of {machines}, where there is no `{name}`"
         known = [state for outer in around for state in outer.states]
-        meant = self.report.unknown("LRP306", name, problem, known, f"Define `(state {name})` there")
+        remedy, creates = f"Define `(state {name})` there", new_state(self.report, around[0].noun, name)
+        meant = self.report.unknown("LRP306", name, problem, known, remedy, creates)
         return [(outer, meant or name) for outer in around]
 
     def _keyword(self, transition: Transition, keyword: str) -> Fix | None:

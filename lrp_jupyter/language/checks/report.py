@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from difflib import get_close_matches
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 from lrp_jupyter.language.checks.findings import CODES
 from lrp_jupyter.language.program import Edit, Finding, Fix, Name, Program, Span
+from lrp_jupyter.language.sheet import Sheet
 
 __all__ = ["COMPARED", "Reporter", "nearest", "replace"]
 
@@ -31,12 +32,34 @@ class Reporter:
         self.findings: list[Finding] = []
         self._compared = 0  # names compared so far, of which the most similar was wanted
 
-    def add(self, code: str, span: Span, message: str, fix: Fix | None = None, prefix: bool = False) -> None:
+    @cached_property
+    def sheet(self) -> Sheet:
+        """The text with its forms, for edits."""
+        return Sheet(self.program.text)
+
+    def add(
+        self,
+        code: str,
+        span: Span,
+        message: str,
+        fix: Fix | None = None,
+        prefix: bool = False,
+        creates: Fix | None = None,
+    ) -> None:
         """Report a finding of the given code at a range of the text."""
         start, end = self.program.place(span.start), self.program.place(span.end)
-        self.findings.append(Finding(code, CODES[code].severity, message, *start, *end, fix, prefix))
+        finding = Finding(code, CODES[code].severity, message, *start, *end, fix, prefix, creates)
+        self.findings.append(finding)
 
-    def unknown(self, code: str, name: Name, problem: str, known: Iterable[str], remedy: str) -> str | None:
+    def unknown(
+        self,
+        code: str,
+        name: Name,
+        problem: str,
+        known: Iterable[str],
+        remedy: str,
+        creates: Fix | None = None,
+    ) -> str | None:
         """Report an unknown name, with the most similar known name, if there is one.
 
         Returns that name, so that dependent elements are checked as if it were repaired.
@@ -45,7 +68,7 @@ class Reporter:
         meant = self.nearest(name, names)
         message = f"{problem}. Did you mean `{meant}`?" if meant else f"{problem}. {remedy}."
         fix = replace(name.span, meant) if meant else None
-        self.add(code, name.span, message, fix, any(each.startswith(name) for each in names))
+        self.add(code, name.span, message, fix, any(each.startswith(name) for each in names), creates)
         return meant
 
     def nearest(self, name: str, known: Iterable[str]) -> str | None:

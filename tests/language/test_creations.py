@@ -1,0 +1,115 @@
+"""What is missing can be created: by an edit that is offered, and that makes the finding go away."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from programs import programs
+
+from lrp_jupyter import check, parse
+from lrp_jupyter.language.printer import to_source
+from lrp_jupyter.language.program import Program
+
+MACHINE = """\
+(var limit := [5])   ; of all
+
+(machine m
+  (var n := [0])
+  (event full [n > limit])   ; at last
+
+  (state count (running [n += 1]))
+  (state rest)
+  (on full count -> rest)
+  {})
+
+(spawn m count)
+"""
+
+
+@pytest.mark.parametrize(
+    ("wrong", "title", "line", "after"),
+    [
+        ("(on full rest -> finished)", "Create the state `finished`", "  (state finished)", "  (state rest)"),
+        ("(on full asleep -> rest)", "Create the state `asleep`", "  (state asleep)", "  (state rest)"),
+        (
+            "(on begin rest -> count)",
+            "Create the event `begin`",
+            "  (event begin [False])",
+            "  (event full [n > limit])   ; at last",
+        ),
+        (
+            "(ontime pause rest -> count)",
+            "Create the variable `pause`",
+            "(var pause := [1000])",
+            "(var limit := [5])   ; of all",
+        ),
+        (
+            "(on [found] rest -> count)",
+            "Create the variable `found`",
+            "(var found := [0])",
+            "(var limit := [5])   ; of all",
+        ),
+    ],
+)
+def test_what_a_transition_names_is_created_after_the_last_one_of_its_kind(
+    wrong: str, title: str, line: str, after: str
+) -> None:
+    text = MACHINE.format(wrong)
+    (finding,) = (each for each in check(text) if each.severity == "error")
+    assert finding.creates is not None
+    assert finding.creates.title == title
+    created = finding.creates.apply(text)
+    assert created == text.replace(f"{after}\n", f"{after}\n{line}\n")
+    assert [each for each in check(created) if each.severity == "error"] == []
+
+
+def test_a_similar_name_is_offered_beside_the_creation() -> None:
+    (finding,) = check(MACHINE.format("(on full rest -> cuont)"))
+    assert finding.fix is not None
+    assert finding.creates is not None
+    assert (finding.fix.title, finding.creates.title) == ("Change to `count`", "Create the state `cuont`")
+
+
+def test_a_machine_that_a_state_spawns_is_created_in_it() -> None:
+    text = "(machine m\n  (state a\n    (onentry (spawn search left))))\n(spawn m a)\n"
+    (finding,) = check(text)
+    assert finding.creates is not None
+    assert finding.creates.apply(text) == (
+        "(machine m\n  (state a\n    (onentry (spawn search left))\n    (machine search (state left))))\n"
+        "(spawn m a)\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "spawned"),
+    [
+        (
+            "(machine m (state a (machine n (state x) (state y))))\n(spawn m a)",
+            "(machine m (state a (onentry (spawn n x)) (machine n (state x) (state y))))\n(spawn m a)",
+        ),
+        ("(machine m (state a) (state b))", "(machine m (state a) (state b))\n\n(spawn m a)\n"),
+    ],
+)
+def test_a_spawn_is_written_even_where_the_start_is_not_certain(text: str, spawned: str) -> None:
+    finding = next(each for each in check(text) if each.code in ("LRP402", "LRP206"))
+    assert finding.fix is None
+    assert finding.creates is not None
+    assert finding.creates.apply(text) == spawned
+
+
+def test_nothing_is_created_for_a_name_that_something_else_explains() -> None:
+    for block in ("sqrt(math.pi)", "full"):
+        text = MACHINE.format("(state last (running [found = BLOCK]))".replace("BLOCK", block))
+        offered = {each.creates.title for each in check(text) if each.creates}
+        assert offered <= {"Create the variable `sqrt`"}
+
+
+@given(programs)
+def test_a_creation_leaves_a_program_without_the_finding(program: Program) -> None:
+    text = to_source(program)
+    findings = check(text)
+    for finding in findings[:10]:
+        if finding.creates:
+            after = finding.creates.apply(text)
+            parse(after)
+            assert (finding.code, finding.message) not in {(each.code, each.message) for each in check(after)}
