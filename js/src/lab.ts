@@ -13,6 +13,7 @@ import type { Choices } from "./parts/menu";
 import { announcer } from "./parts/notes";
 import { openForm } from "./parts/open";
 import { saveForm } from "./parts/save";
+import { textItems } from "./parts/text";
 import { together } from "./parts/together";
 import { treeView } from "./parts/tree";
 import { variablesView } from "./parts/variables";
@@ -171,7 +172,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   const choices: Choices = {
     layout,
     fills: { shown: isFilling, show: fill },
-    values: values(editor),
+    text: () => (editor ? textItems(editor) : []),
     save: save.open,
     versions: versions.open,
     open: opening.open,
@@ -211,16 +212,5 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     store.close();
     editor?.close();
     root.remove();
-  };
-}
-
-function values(editor: Editor | null): Choices["values"] {
-  let on = true;
-  return {
-    shown: () => on,
-    show: (wanted) => {
-      on = wanted;
-      editor?.showValues(on);
-    },
   };
 }

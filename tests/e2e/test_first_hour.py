@@ -132,3 +132,19 @@ def test_a_missing_state_is_created_from_its_card(open_lab):
     lab.misses('[data-lrp-issue="LRP303"]')
     lab.sees('[data-lrp-state="m/finished"]')
     assert "  (state rest)\n  (state finished)\n" in lab.text
+
+
+def test_what_the_text_shows_is_chosen_in_the_menu_and_kept(open_lab):
+    lab = open_lab(COUNTER)
+    for action, shown in (("values", ".lrp-inline-value"), ("brackets", ".lrp-bracket-2")):
+        lab.sees(shown)
+        lab.do("menu")
+        lab.choose(action)
+        lab.misses(shown)
+    lab.notebook.run_cell(1)
+    again = lab.notebook.lab().ready()
+    again.sees(".tok-keyword")
+    assert again.find(".lrp-inline-value, .lrp-bracket-2").count() == 0
+    again.do("menu")
+    again.choose("brackets")
+    again.sees(".lrp-bracket-2")

@@ -20,6 +20,7 @@ import { lrp, outlineOf } from "../language/lrp";
 import type { AnswerMessage, ElementKind, TextRange } from "../protocol";
 import type { Connection } from "../session/connection";
 import type { Lab } from "../session/store";
+import { keep, kept } from "../ui/kept";
 import { completion } from "./complete";
 import { contextAt } from "./context";
 import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
@@ -54,9 +55,9 @@ export class Editor {
   private readonly running = new Tracked();
   private readonly typing = new Typing((cursor, meant) => this.send(cursor, meant));
   private began = false;
-  private values = true;
+  private values = kept("values") !== "off";
   private readonly brackets = new Compartment();
-  private colours = true;
+  private colours = kept("brackets") !== "off";
   private marks = "";
   private redrawing = 0;
 
@@ -208,13 +209,23 @@ export class Editor {
     this.onItsWay.begin(this.view.state.doc);
   }
 
+  get showsValues(): boolean {
+    return this.values;
+  }
+
   showValues(on: boolean): void {
+    keep("values", on ? "on" : "off");
     this.values = on;
     this.redraw();
   }
 
   /** Whether brackets have colours by their depth. */
+  get showsBrackets(): boolean {
+    return this.colours;
+  }
+
   showBrackets(on: boolean): void {
+    keep("brackets", on ? "on" : "off");
     this.colours = on;
     this.view.dispatch({ effects: this.brackets.reconfigure(on ? rainbow : []) });
   }

@@ -13,7 +13,8 @@ interface Choice {
 export interface Choices {
   layout: Layout | null;
   fills: Choice;
-  values: Choice;
+  /** What concerns the text in the editor. */
+  text: () => MenuItem[];
   save: () => void;
   versions: () => void;
   open: (program: string) => void;
@@ -24,7 +25,7 @@ export interface Choices {
 export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
   const { settings, choices: known } = lab.store.state;
   const keep = settings.on_active_edit === "keep";
-  const { layout, fills, values } = choices;
+  const { layout, fills } = choices;
   const panels = layout
     ? Object.entries(layout.panels).map(([name, { hidden }]) => ({
         label: `Show ${name}`,
@@ -50,12 +51,7 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
       checked: keep,
       run: () => void lab.act({ do: "on_active_edit", name: keep ? "restart" : "keep" }),
     },
-    {
-      label: "Values in the text",
-      action: "values",
-      checked: values.shown(),
-      run: () => values.show(!values.shown()),
-    },
+    ...choices.text(),
     null,
     {
       label: "Fill the window",
