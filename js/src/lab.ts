@@ -3,6 +3,7 @@
 import { Editor } from "./editor/editor";
 import { graphView } from "./graph/view";
 import type { HostedModel } from "./host/notebook";
+import { storePictures } from "./host/pictures";
 import { cellSource } from "./host/source";
 import { controls } from "./parts/controls";
 import { editorPanel } from "./parts/editor";
@@ -92,6 +93,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     },
   };
 
+  if (model.widget_manager?.context) storePictures(model.widget_manager.context);
   const connection = new Connection(model, part, {
     message: receive,
     link: steady((link) => {

@@ -8,7 +8,7 @@ import pytest
 from e2e.conftest import WAIT
 from e2e.jupyter import jupyter
 from e2e.pages import APP
-from e2e.programs import COUNTER
+from e2e.programs import COUNTER, FOLLOWER
 from lrp_jupyter import programs
 from lrp_jupyter.cli.lab import FIRST
 
@@ -145,3 +145,46 @@ def test_a_lab_without_a_cell_of_its_own_writes_its_text_into_a_new_one(open_not
     lab.choose("write-cell")
     page.wait_for_function(f"{APP}.content.widgets.length === 4")
     assert source_of(notebook, 2) == f"%%lrp stopwatch\n{programs.load('stopwatch')}".rstrip("\n")
+
+
+# -- without a kernel ------------------------------------------------------------------------------
+
+STORED = 'img[alt^="State graph"]'
+LARGEST = 100_000  # bytes of a notebook with one lab
+
+
+def has_a_picture(page):
+    """Wait until the stored picture is drawn, and nothing in its place."""
+    page.locator(STORED).wait_for(state="attached")
+    page.wait_for_function(f"document.querySelector('{STORED}').naturalWidth > 100")
+    assert "model not found" not in page.locator(".jp-Notebook").inner_text()
+
+
+@pytest.mark.parametrize("app", ["lab/tree", "notebooks"])
+def test_a_saved_notebook_shows_the_picture_where_its_kernel_has_ended(open_lab, server, app):
+    lab = open_lab(FOLLOWER)
+    notebook = lab.notebook
+    notebook.save()
+    assert notebook.path.stat().st_size < LARGEST
+    notebook.close()
+    server.end_kernels()
+    notebook.show(app)
+    has_a_picture(lab.page)
+    for _ in range(2):  # as often as it runs, one picture is stored
+        notebook.run_cell(0)
+        notebook.run_cell(1)
+        notebook.lab().ready()
+        assert lab.page.locator(STORED).count() == 0
+        notebook.save()
+        stored = json.loads(notebook.path.read_text())["metadata"]["widgets"]
+        assert len(stored["application/vnd.jupyter.widget-state+json"]["state"]) == 1
+        notebook.restart_kernel()
+
+
+def test_a_page_that_is_loaded_again_shows_the_lab_while_its_kernel_runs(open_lab):
+    lab = open_lab(COUNTER)
+    lab.notebook.save()
+    lab.page.reload()
+    lab.notebook.ready()
+    lab.ready().goes_on()
+    assert lab.page.locator(STORED).count() == 0

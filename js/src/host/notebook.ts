@@ -11,11 +11,16 @@ interface Signal<T> {
 export interface NotebookCell {
   readonly contentChanged: Signal<void>;
   readonly sharedModel: { getSource(): string; setSource(source: string): void };
+  /** Of a code cell: by MIME type. */
+  readonly outputs?: { length: number; get(index: number): { data: Record<string, unknown> } };
 }
 
 export interface Notebook {
+  readonly saveState: Signal<"started" | "completed" | "failed" | "completed manually">;
   readonly model: {
-    readonly cells: { get(index: number): NotebookCell | undefined };
+    readonly cells: { length: number; get(index: number): NotebookCell | undefined };
+    getMetadata(key: string): unknown;
+    setMetadata(key: string, value: unknown): void;
     readonly sharedModel: { insertCell(index: number, cell: { cell_type: "code"; source: string }): unknown };
   };
 }

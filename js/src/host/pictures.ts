@@ -1,0 +1,59 @@
+/**
+ * What a saved notebook shows where no kernel runs. Jupyter prefers an output's widget to its picture and
+ * reports "model not found" where the widget is gone. So the notebook is saved with a widget of Jupyter's own
+ * under the same name, which shows the picture; while the lab lives, it precedes it.
+ */
+
+import type { Notebook } from "./notebook";
+
+const VIEW = "application/vnd.jupyter.widget-view+json";
+const STATE = "application/vnd.jupyter.widget-state+json";
+const PICTURE = "image/svg+xml";
+const OURS = "lrp-still";
+
+type Widgets = Record<string, { state?: { _dom_classes?: string[] } }>;
+
+const known = new WeakSet<Notebook>();
+
+/** Store the pictures with every saving of a notebook. */
+export function storePictures(notebook: Notebook): void {
+  if (known.has(notebook)) return;
+  known.add(notebook);
+  notebook.saveState.connect((_, state) => {
+    if (state === "started") store(notebook);
+  });
+}
+
+function store({ model }: Notebook): void {
+  const widgets = model.getMetadata("widgets") as Record<string, { state: Widgets }> | undefined;
+  const others = Object.entries(widgets?.[STATE]?.state ?? {}).filter(
+    ([, widget]) => !widget.state?._dom_classes?.includes(OURS),
+  );
+  const pictures: [string, object][] = [];
+  for (let index = 0; index < model.cells.length; index++) {
+    const { outputs } = model.cells.get(index) ?? {};
+    for (let number = 0; number < (outputs?.length ?? 0); number++) {
+      const data = outputs?.get(number).data ?? {};
+      const [view, picture] = [data[VIEW] as { model_id?: string } | undefined, data[PICTURE]];
+      if (view?.model_id && typeof picture === "string" && picture.includes(OURS))
+        pictures.push([view.model_id, widgetOf(picture)]);
+    }
+  }
+  if (!pictures.length && others.length === Object.keys(widgets?.[STATE]?.state ?? {}).length) return;
+  const state = Object.fromEntries([...others, ...pictures]);
+  model.setMetadata("widgets", { ...widgets, [STATE]: { version_major: 2, version_minor: 0, state } });
+}
+
+/** A widget of Jupyter's that shows a picture; as an image, whose styles concern nothing else. */
+function widgetOf(picture: string): object {
+  const image = document.createElement("img");
+  image.src = `data:${PICTURE},${picture.replace(/[%#"]/g, encodeURIComponent)}`;
+  image.style.maxWidth = "100%";
+  image.alt = "State graph and world when the cell was run";
+  return {
+    model_name: "HTMLModel",
+    model_module: "@jupyter-widgets/controls",
+    model_module_version: "2.0.0",
+    state: { value: image.outerHTML, _dom_classes: [OURS] },
+  };
+}
