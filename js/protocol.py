@@ -112,7 +112,7 @@ class Writer:
         """Return type and empty value of each field, inherited ones first."""
         found: dict[str, tuple[str, str]] = {}
         for base in node.bases:
-            if isinstance(base, ast.Name) and base.id.startswith("Page"):
+            if isinstance(base, ast.Name) and base.id in definitions(module) and base.id != "ViewState":
                 found |= self.fields(*self.class_of(module, base.id))
         for tag in node.keywords:
             if isinstance(tag.value, ast.Constant) and isinstance(tag.value.value, str) and tag.arg:

@@ -7,6 +7,7 @@ does at once what any thread may do, or hands to the worker what has to wait.
 from __future__ import annotations
 
 import math
+from abc import ABC
 from concurrent.futures import Future
 from dataclasses import dataclass, field
 from functools import partial
@@ -24,16 +25,25 @@ Applied = Future[Any] | None
 Ticks = Annotated[int, Between(1, 10_000)]
 Positive = Annotated[float, Between(0, 1e6)]
 
-_INTERRUPTING = 5.0  # wall seconds, longer than it takes to interrupt a block that does not return
+
+class InterruptingCommand(PageCommand, ABC):
+    """Base class of commands that are applied between two ticks, if need be by interrupting a block."""
+
+    patience: ClassVar[float] = 5.0  # longer than it takes to interrupt a block that does not return
+
+
+class ConnectingCommand(PageCommand, ABC):
+    """Base class of commands that may have to connect to a robot."""
+
+    patience: ClassVar[float] = 20.0
+
 
 # -- control -----------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
-class RunCommand(PageCommand, do="run"):
+class RunCommand(ConnectingCommand, do="run"):
     """Start or resume the program; after a stop, or if the session itself failed, from the beginning."""
-
-    patience: ClassVar[float] = 20.0  # it may have to connect to a robot
 
     def apply(self, opened: OpenProgram) -> Applied:
         session = opened.session
@@ -43,22 +53,18 @@ class RunCommand(PageCommand, do="run"):
 
 
 @dataclass(frozen=True)
-class PauseCommand(PageCommand, do="pause"):
+class PauseCommand(InterruptingCommand, do="pause"):
     """Pause the program."""
-
-    patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.session.ask(do.Pause())
 
 
 @dataclass(frozen=True)
-class StepCommand(PageCommand, do="step"):
+class StepCommand(InterruptingCommand, do="step"):
     """Run this number of ticks."""
 
     value: Ticks = 1
-
-    patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
         if not opened.session.bridge.is_open:
@@ -68,22 +74,18 @@ class StepCommand(PageCommand, do="step"):
 
 
 @dataclass(frozen=True)
-class StepBackCommand(PageCommand, do="step_back"):
+class StepBackCommand(InterruptingCommand, do="step_back"):
     """Step back by this number of ticks."""
 
     value: Ticks = 1
-
-    patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.work(partial(opened.session.rewind, self.value))
 
 
 @dataclass(frozen=True)
-class ResetCommand(PageCommand, do="reset"):
+class ResetCommand(InterruptingCommand, do="reset"):
     """Start the program from scratch."""
-
-    patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
         session = opened.session
@@ -144,19 +146,17 @@ class ArmedCommand(PageCommand, do="armed"):
 
 
 @dataclass(frozen=True)
-class BridgeCommand(PageCommand, do="bridge"):
+class BridgeCommand(ConnectingCommand, do="bridge"):
     """Continue with another bridge: a new session of the same program."""
 
     name: str
-
-    patience: ClassVar[float] = 20.0
 
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.work(partial(opened.change_bridge, self.name))
 
 
 @dataclass(frozen=True)
-class PanelCommand(PageCommand, do="panel"):
+class PanelCommand(ConnectingCommand, do="panel"):
     """Press a button of the bridge's panel, or answer its question.
 
     `row` is the key of the row of a table that holds the button, `values` are those of all fields.
@@ -165,8 +165,6 @@ class PanelCommand(PageCommand, do="panel"):
     key: str
     row: str = ""
     values: dict[str, str] = field(default_factory=dict)
-
-    patience: ClassVar[float] = 20.0
 
     def apply(self, opened: OpenProgram) -> Applied:
         key, values, session = self.key, self.values, opened.session
@@ -282,14 +280,12 @@ def _return_to(opened: OpenProgram, key: str) -> None:
 
 
 @dataclass(frozen=True)
-class RenameCommand(PageCommand, do="rename"):
+class RenameCommand(InterruptingCommand, do="rename"):
     """Rename an element and everything that refers to it; all views get the new text."""
 
     kind: ElementKind
     path: str
     name: str
-
-    patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
         path = path_of(self.kind, self.path)
@@ -300,36 +296,30 @@ class RenameCommand(PageCommand, do="rename"):
 
 
 @dataclass(frozen=True)
-class TransitionCommand(PageCommand, do="transition"):
+class TransitionCommand(InterruptingCommand, do="transition"):
     """Go to a state as if a transition led there."""
 
     path: str
-
-    patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.session.ask(do.Force(path_of("state", self.path)))
 
 
 @dataclass(frozen=True)
-class TeleportCommand(PageCommand, do="teleport"):
+class TeleportCommand(InterruptingCommand, do="teleport"):
     """Make a state active without running any action."""
 
     path: str
-
-    patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.session.ask(do.Force(path_of("state", self.path), teleport=True))
 
 
 @dataclass(frozen=True)
-class FireCommand(PageCommand, do="fire"):
+class FireCommand(InterruptingCommand, do="fire"):
     """Fire a transition now: its source must be active."""
 
     path: str
-
-    patience: ClassVar[float] = _INTERRUPTING
 
     def apply(self, opened: OpenProgram) -> Applied:
         session = opened.session
