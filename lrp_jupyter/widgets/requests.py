@@ -16,7 +16,7 @@ from itertools import islice
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.members import Member
+from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.language.format import formatting
@@ -204,31 +204,38 @@ def _hover(session: Session, chain: str, scope: str) -> HoverView | None:
     """Return a description of a dotted name, with its present value."""
     if keyword.iskeyword(chain):
         return None
-    robot = chain.removeprefix("robot.")
-    if robot != chain:
-        try:
-            member = session.bridge.describe(robot)
-        except LRPError:
+    path, frame = _variable_in_scope(session, chain, scope), session.frame
+    if path is not None:
+        if path not in frame.variables:
             return None
-        value = "" if member.kind == "method" else "waiting" if member.value is None else render(member.value)
-        return {"title": chain + member.signature, "type": member.type, "value": value, "doc": member.doc}
+        return _hover_view(chain, type(frame.values[path]).__name__, frame.variables[path])
+
+    def card() -> HoverView:
+        if chain.startswith("robot."):
+            return _member_card(chain, session.bridge.describe(chain.removeprefix("robot.")))
+        return _card(chain, _value_of(session, chain, scope))
+
     try:
-        card: HoverView = session.call(lambda: _card(chain, _value_of(session, chain, scope)))
-        return card
-    except _NothingError:
+        found: HoverView = session.call(card)
+        return found
+    except (_NothingError, MemberError):
         return None
 
 
+def _member_card(title: str, member: Member) -> HoverView:
+    value = "" if member.kind == "method" else "waiting" if member.value is None else render(member.value)
+    return _hover_view(title + member.signature, member.type, value, member.doc)
+
+
 def _card(title: str, value: object) -> HoverView:
+    kind = type(value).__name__
     if callable(value):
-        return {
-            "title": title + _signature(value),
-            "type": type(value).__name__,
-            "value": "",
-            "doc": _doc(value),
-        }
-    doc = _doc(value) if inspect.ismodule(value) else ""
-    return {"title": title, "type": type(value).__name__, "value": render(value), "doc": doc}
+        return _hover_view(title + _signature(value), kind, "", _doc(value))
+    return _hover_view(title, kind, render(value), _doc(value) if inspect.ismodule(value) else "")
+
+
+def _hover_view(title: str, kind: str, value: str, doc: str = "") -> HoverView:
+    return {"title": title, "type": kind, "value": value, "doc": doc}
 
 
 def _signature(value: Callable[..., object]) -> str:
@@ -307,7 +314,7 @@ def fields_of(bridge: Bridge, chain: str) -> list[Option] | None:
 
 
 def _field(member: Member) -> Option:
-    value = "" if member.value is None or member.fields else render(member.value)[:40]
+    value = "" if member.value is None or member.fields else render(member.value, of_type)[:40]
     kind = "method" if member.kind == "method" else "property"
     detail = value or member.signature or member.type
     return {"label": member.name.rpartition(".")[2], "kind": kind, "detail": detail, "info": member.doc}

@@ -1,8 +1,12 @@
 """Completion, hover, references, inspection: what an editor asks while the program runs."""
 
 import math
+import threading
 
 import pytest
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.widgets.requests import CompleteRequest, HoverRequest, fields_of
 
 PROGRAM = """\
 (var table := [{"near": [1, 2], "far": math.pi}])
@@ -72,6 +76,58 @@ def test_hover_shows_kind_value_and_documentation(page):
     assert card("while") is None
     assert card("robot.wings") is None
     assert card("unknown") is None
+
+
+class Marked:
+    """A value that records the threads on which its text was made."""
+
+    def __init__(self):
+        self.threads = []
+
+    def __repr__(self):
+        self.threads.append(threading.current_thread())
+        return "marked"
+
+
+class Holder(Bridge):
+    """A robot with a reading of a type of its own."""
+
+    name = "holder"
+
+    def __init__(self, reading):
+        self.reading = reading
+
+    def open_interface(self):
+        self.add_variable("thing", lambda: [self.reading], "a thing")
+
+
+def hovered(lab, chain):
+    """Return the card of a name, asked for on a thread of its own, and publish nothing."""
+    return HoverRequest("page", 1, chain, "").answer(lab.connection)["hover"]
+
+
+def test_hover_calls_the_code_of_a_value_only_on_the_loops_thread(bench):
+    marked = Marked()
+    lab = bench("(machine m (state a (running [robot.thing]))) (spawn m a)", bridge=Holder(marked))
+    lab.session.start(paused=True)
+    lab.session.call(lab.session.bridge.refresh)
+    assert hovered(lab, "robot.thing")["value"] == "[marked]"
+    assert marked.threads
+    assert threading.current_thread() not in marked.threads
+    marked.threads.clear()
+    assert fields_of(lab.session.bridge, "robot.thing") is None
+    assert CompleteRequest("page", 1, "robot.thi", "").answer(lab.connection)
+    assert threading.current_thread() not in marked.threads
+
+
+def test_hover_over_a_variable_shows_the_text_of_its_last_frame(bench):
+    marked = Marked()
+    lab = bench("(var thing := [marked])", namespace={"marked": marked})
+    lab.session.step()
+    made = len(marked.threads)
+    assert made
+    assert hovered(lab, "thing")["value"] == "marked"
+    assert len(marked.threads) == made
 
 
 def test_references_lead_from_any_use_to_the_definition(page):
