@@ -167,8 +167,8 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   const layout = part === "lab" ? new Layout(panels as Panels) : null; // a whole lab has all of them
   const { isFilling, fill } = enlarging(host, root, layout);
   const save = saveForm(lab);
-  const versions = versionsForm(lab);
   const text = () => editor?.text ?? "";
+  const versions = versionsForm(lab, text);
   const opening = openForm(lab, text);
   const cell = editor && cellSource(model, lab, editor);
   const choices: Choices = {

@@ -144,6 +144,11 @@ def test_a_file_that_was_changed_outside_is_asked_about_and_not_overwritten(open
     lab.type_after("(state third)", " (state fourth)")
     lab.sees('[data-lrp-state="m/fourth"]')
     lab.reads('[role="alertdialog"]', "was changed outside this lab")
+    lab.find('[role="alertdialog"] summary').press("Enter")
+    lab.reads('[role="alertdialog"] ins', "(state outside)")
+    lab.reads('[role="alertdialog"] del', "(state fourth)")
+    assert lab.find('[role="alertdialog"] ins').count() == 1
+    axe.finds_nothing_serious(lab)
     lab.goes_on()
     assert file.read_text() == outside
     lab.do("take")

@@ -5,6 +5,7 @@
 
 import type { Editor } from "../editor/editor";
 import type { Lab } from "../session/store";
+import { plain } from "../ui/difference";
 import type { MenuItem } from "../ui/menu";
 import { type CellPlace, cellAround, type HostedModel } from "./notebook";
 
@@ -80,11 +81,6 @@ export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source
       place?.element.classList.remove(FOLDED);
     },
   };
-}
-
-/** A text as a cell holds it: its own line ends, and none at its end. */
-function plain(text: string): string {
-  return text.replace(/\r\n?/g, "\n").replace(/\n$/, "");
 }
 
 function scroller(element: HTMLElement): HTMLElement | null {

@@ -4,10 +4,11 @@ import type { Difference } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { copyText } from "../ui/clipboard";
-import { h, prose, setHidden, visible } from "../ui/dom";
+import { differentLines, drawDifference, summaryOf } from "../ui/difference";
+import { h, prose, setHidden } from "../ui/dom";
 
 export function notes(lab: Lab, text: () => string): HTMLElement {
-  const ofSession = h("div", {}, hungNote(lab), unstartedNote(lab), heldNote(lab), conflictNote(lab));
+  const ofSession = h("div", {}, hungNote(lab), unstartedNote(lab), heldNote(lab), conflictNote(lab, text));
   lab.store.watch(["link"], () => setHidden(ofSession, lab.store.state.link === "dead"));
   return h("div", {}, linkNote(lab, text), ofSession);
 }
@@ -119,9 +120,10 @@ function lines(difference: Difference): HTMLElement[] {
   return items.length ? items : [h("li", {}, "no change to the program")];
 }
 
-function conflictNote(lab: Lab): HTMLElement {
+function conflictNote(lab: Lab, present: () => string): HTMLElement {
   const words = h("p", {});
-  const text = h("pre", { class: "lrp-source", tabindex: "0", "aria-label": "The other text" });
+  const text = h("pre", { class: "lrp-source", tabindex: "0", "aria-label": "Both texts" });
+  const heading = h("summary", {});
   const number = () => lab.store.state.conflict?.number ?? null;
   const use = button({
     label: "Use it",
@@ -141,16 +143,18 @@ function conflictNote(lab: Lab): HTMLElement {
     words,
     use,
     keep,
-    h("details", { class: "lrp-details" }, h("summary", {}, "The other text"), text),
+    h("details", { class: "lrp-details" }, heading, text),
   );
-  lab.store.watch(["conflict", "snapshot"], () => {
+  lab.store.watch(["conflict", "findings", "snapshot"], () => {
     const { conflict } = lab.store.state;
     setHidden(note, !conflict);
     if (!conflict) return;
     words.replaceChildren(...prose(conflict.sentence));
     use.replaceChildren(conflict.use);
     keep.replaceChildren(conflict.keep);
-    text.textContent = visible(conflict.text);
+    const lines = differentLines(present(), conflict.text);
+    heading.textContent = summaryOf(lines);
+    text.replaceChildren(...drawDifference(lines));
   });
   return note;
 }

@@ -2,9 +2,10 @@
 
 import type { VersionView } from "../protocol";
 import type { Lab } from "../session/store";
-import { h, setHidden, visible } from "../ui/dom";
+import { differentLines, drawDifference } from "../ui/difference";
+import { h, setHidden } from "../ui/dom";
 
-export function versionsForm(lab: Lab): { element: HTMLElement; open: () => void } {
+export function versionsForm(lab: Lab, present: () => string): { element: HTMLElement; open: () => void } {
   let known: VersionView[] = [];
   const list = h("select", {
     class: "lrp-select",
@@ -16,7 +17,8 @@ export function versionsForm(lab: Lab): { element: HTMLElement; open: () => void
   const use = h("button", { class: "lrp-button lrp-primary", "data-lrp-action": "use-version" }, "Use");
   const close = () => setHidden(element, true);
   const show = () => {
-    text.textContent = visible(known[list.selectedIndex]?.text ?? "");
+    const version = known[list.selectedIndex];
+    text.replaceChildren(...(version ? drawDifference(differentLines(present(), version.text)) : []));
   };
   const element = h(
     "form",
