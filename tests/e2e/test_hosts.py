@@ -79,6 +79,7 @@ def test_one_text_is_shown_once_and_two_texts_are_both_shown(open_notebook, page
     is_one_line(page)
     lab.type_after("(state rest)", " (state third)")
     lab.sees('[data-lrp-state="m/third"]')
+    page.locator(".lrp-lab-differs").wait_for(state="attached")
     is_one_line(page)  # nothing moves while the user types
     before = lab.root.bounding_box()
     page.evaluate("document.activeElement.blur()")

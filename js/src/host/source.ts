@@ -10,6 +10,7 @@ import type { MenuItem } from "../ui/menu";
 import { type CellPlace, cellAround, type HostedModel } from "./notebook";
 
 const FOLDED = "lrp-lab-folded";
+const OTHER = "lrp-lab-differs";
 
 export interface Source {
   /** What the lab's menu offers: write the text into the cell, or use the cell's. */
@@ -27,9 +28,10 @@ export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source
       /^(%%lrp\b.*)\n?([\s\S]*)/.exec(place?.cell.sharedModel.getSource() ?? "") ?? [];
     return line === undefined ? null : { line, program };
   };
-  const differs = (): boolean => {
+  /** Whether the cell shows another program, or the lab's; null if it shows none. */
+  const differs = (): boolean | null => {
     const program = own()?.program ?? "";
-    return program.trim() !== "" && plain(program) !== plain(editor.text);
+    return program.trim() ? plain(program) !== plain(editor.text) : null;
   };
   const update = () => {
     if (!place) {
@@ -37,7 +39,9 @@ export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source
       place?.cell.contentChanged.connect(update);
     }
     if (!place) return;
-    const fold = (own()?.program ?? "").trim() !== "" && !differs();
+    const other = differs();
+    const fold = other === false;
+    place.element.classList.toggle(OTHER, other === true);
     const isFolded = place.element.classList.contains(FOLDED);
     if (fold === isFolded || (isFolded && root.contains(document.activeElement))) return; // nothing moves meanwhile
     const { element } = place;
@@ -78,7 +82,7 @@ export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source
     close() {
       root.removeEventListener("focusout", later);
       place?.cell.contentChanged.disconnect(update);
-      place?.element.classList.remove(FOLDED);
+      place?.element.classList.remove(FOLDED, OTHER);
     },
   };
 }

@@ -4,7 +4,7 @@ import type { Difference } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { copyText } from "../ui/clipboard";
-import { differentLines, drawDifference, summaryOf } from "../ui/difference";
+import { differentLines, drawDifference, scrollToDifference, summaryOf } from "../ui/difference";
 import { h, prose, setHidden } from "../ui/dom";
 
 export function notes(lab: Lab, text: () => string): HTMLElement {
@@ -143,7 +143,7 @@ function conflictNote(lab: Lab, present: () => string): HTMLElement {
     words,
     use,
     keep,
-    h("details", { class: "lrp-details" }, heading, text),
+    h("details", { class: "lrp-details", ontoggle: () => scrollToDifference(text) }, heading, text),
   );
   lab.store.watch(["conflict", "findings", "snapshot"], () => {
     const { conflict } = lab.store.state;

@@ -2,7 +2,7 @@
 
 import type { VersionView } from "../protocol";
 import type { Lab } from "../session/store";
-import { differentLines, drawDifference } from "../ui/difference";
+import { differentLines, drawDifference, scrollToDifference } from "../ui/difference";
 import { h, setHidden } from "../ui/dom";
 
 export function versionsForm(lab: Lab, present: () => string): { element: HTMLElement; open: () => void } {
@@ -19,6 +19,7 @@ export function versionsForm(lab: Lab, present: () => string): { element: HTMLEl
   const show = () => {
     const version = known[list.selectedIndex];
     text.replaceChildren(...(version ? drawDifference(differentLines(present(), version.text)) : []));
+    scrollToDifference(text);
   };
   const element = h(
     "form",
@@ -52,8 +53,8 @@ export function versionsForm(lab: Lab, present: () => string): { element: HTMLEl
       list.replaceChildren(...known.map((version) => h("option", { value: version.key }, title(version))));
       nothing.textContent = known.length ? "" : "No text has been replaced yet.";
       list.hidden = use.hidden = text.hidden = !known.length;
-      show();
       element.hidden = false;
+      show();
       (known.length ? list : element.querySelector<HTMLElement>("[type=button]"))?.focus();
     },
   };

@@ -56,6 +56,14 @@ function between(a: string[], b: string[]): Line[] {
   return lines;
 }
 
+/** Scroll to the first line that differs, once the lines are drawn. */
+export function scrollToDifference(inside: HTMLElement): void {
+  const first = inside.querySelector("ins, del");
+  if (!first) return;
+  const above = first.getBoundingClientRect().top - inside.getBoundingClientRect().top;
+  inside.scrollTop += above - inside.clientHeight / 4;
+}
+
 /** The lines as elements: inserted those of the other text alone, deleted those of the present one alone. */
 export function drawDifference(lines: Line[]): HTMLElement[] {
   return lines.map(({ text, where }) => {
