@@ -84,6 +84,9 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
         `${copied ? `\`${text}\` is copied. ` : ""}To insert it with a click, put the cursor into a block \`[ ]\`.`,
       );
     },
+    get pen() {
+      return editor?.pen ?? null;
+    },
     inspect: (kind, path) => inspecting?.open(kind, path),
     notify(sentence) {
       toast.replaceChildren(...prose(sentence));

@@ -14,6 +14,7 @@ import {
   lineNumbers,
   placeholder,
   tooltips,
+  type ViewUpdate,
 } from "@codemirror/view";
 import { showTyped } from "../graph/shown";
 import { lrp, outlineOf } from "../language/lrp";
@@ -32,6 +33,7 @@ import { hover } from "./hover";
 import { keys } from "./keys";
 import { live, liveChanged, marksOf } from "./live";
 import { goToDefinition, navigation, rename } from "./navigate";
+import { Pen, renameOf, renames } from "./pen";
 import { lineSeparator, placeOf } from "./places";
 import { rainbow } from "./rainbow";
 import { scrubbing } from "./scrub";
@@ -49,6 +51,7 @@ function visiblePart(root: HTMLElement): { left: number; top: number; right: num
 
 export class Editor {
   readonly view: EditorView;
+  readonly pen: Pen;
   /** The text in flight, the last one answered, and the running one. */
   private readonly onItsWay = new Tracked();
   private readonly answered = new Tracked();
@@ -66,6 +69,7 @@ export class Editor {
     private readonly connection: Connection,
   ) {
     this.view = new EditorView({ state: EditorState.create({ extensions: this.extensions() }) });
+    this.pen = new Pen(this.view, lab);
     const { store } = lab;
     store.watch(["findings", "issues", "revision"], () => {
       if (this.began) showDiagnostics(this.view, store.state, this.answered, this.running);
@@ -81,6 +85,7 @@ export class Editor {
       lintGutter(),
       foldGutter(),
       history(),
+      renames,
       indentUnit.of("  "),
       indentOnInput(),
       bracketMatching(),
@@ -126,9 +131,15 @@ export class Editor {
         }
         for (const text of [this.onItsWay, this.answered, this.running]) text.add(update.changes);
         if (!update.transactions.some((transaction) => transaction.annotation(adopted)))
-          this.typing.changed(update);
+          void this.sendChange(update);
       }),
     ];
+  }
+
+  private async sendChange(update: ViewUpdate): Promise<void> {
+    const rename = renameOf(update);
+    if (rename && !(await this.lab.act({ do: "rename", ...rename }, true))) return;
+    this.typing.changed(update);
   }
 
   private openLink(event: MouseEvent, view: EditorView): boolean {

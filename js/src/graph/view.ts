@@ -13,6 +13,7 @@ import { draw, makeLayers } from "./draw";
 import { keepOneTabStop, walkWithArrows } from "./focus";
 import { layoutsIn } from "./inside";
 import { Marks } from "./marks";
+import { attachPencil } from "./pencil";
 import { ScrollBars, scroll, scrollByWheel } from "./scroll";
 import { showMachine } from "./shown";
 
@@ -277,12 +278,15 @@ export function graphView(lab: Lab): HTMLElement {
   };
   const menu = (target: EventTarget | null, at: { x: number; y: number }) => {
     const { arrow, state } = hit(target);
-    if (arrow) openMenu(lab.root, at, transitionMenu(lab, arrow), `Transition ${arrow}`);
-    else if (state)
+    const acts = pencil?.acts;
+    if (arrow) {
+      const items = [...transitionMenu(lab, arrow), null, ...(acts?.ofTransition(arrow, at) ?? [])];
+      openMenu(lab.root, at, items, `Transition ${arrow}`);
+    } else if (state)
       openMenu(
         lab.root,
         at,
-        stateMenu(lab, state, () => open(state)),
+        [...stateMenu(lab, state, () => open(state)), null, ...(acts?.ofState(state, at) ?? [])],
         `State ${state}`,
       );
     return Boolean(arrow ?? state);
@@ -316,6 +320,7 @@ export function graphView(lab: Lab): HTMLElement {
     const [x, y] = camera.inside(corner.x, corner.y);
     fitting.reveal({ x, y, width: width / camera.scale, height: height / camera.scale }, true);
   });
+  const pencil = lab.pen && attachPencil(lab, svg, layers.root, lab.pen);
   return element;
 }
 
@@ -339,7 +344,7 @@ function emptyNote(lab: Lab): HTMLElement {
   const note = h(
     "p",
     { class: "lrp-empty" },
-    "No machine yet. Write ",
+    "No machine yet. Double-click here to draw a state, or write ",
     h("code", {}, "(machine m (state s)) (spawn m s)"),
   );
   lab.store.watch(["program", "snapshot"], () => {

@@ -1,5 +1,6 @@
 /** The state of one view, and its watchers, which are called at most once per animation frame. */
 
+import type { Pen } from "../editor/pen";
 import type { ElementKind, ReplyMessage, TextRange } from "../protocol";
 import type { Act, Question } from "./connection";
 import { initialState, type LabState, type Topic } from "./state";
@@ -61,6 +62,8 @@ export interface Lab {
   rename(kind: ElementKind, path: string): void;
   /** Insert Python into the block at the cursor; copy it if there is none. */
   insert(text: string): void;
+  /** Writes what is drawn on the graph into the text; null in a view without an editor. */
+  readonly pen: Pen | null;
   /** Show a sentence for some seconds. */
   notify(sentence: string): void;
   readonly root: HTMLElement;

@@ -1,0 +1,91 @@
+/**
+ * What is drawn on the state graph becomes edits of the text: the kernel computes them for the text as it is
+ * here, and they are one step of the editor's history. A rename, and its undo, are sent as such: a state that
+ * is renamed stays active.
+ */
+
+import { invertedEffects, isolateHistory } from "@codemirror/commands";
+import { type Extension, StateEffect } from "@codemirror/state";
+import type { EditorView, ViewUpdate } from "@codemirror/view";
+import { outlineOf } from "../language/lrp";
+import type { DrawRequest, ElementKind } from "../protocol";
+import type { Lab } from "../session/store";
+import { spanOf } from "./places";
+
+/** One act on the graph, without what the message adds. */
+export type Act = Omit<DrawRequest, "view" | "id" | "type" | "text">;
+
+interface Rename {
+  kind: ElementKind;
+  path: string;
+  name: string;
+}
+
+const renaming = StateEffect.define<Rename>();
+const MOST_TRIES = 3; // the text changed meanwhile
+
+/** Where a path's last name begins: after a slash or, of a transition, after a colon. */
+function cut(path: string): number {
+  return Math.max(path.lastIndexOf("/"), path.lastIndexOf(":")) + 1;
+}
+
+const inverse = ({ kind, path, name }: Rename): Rename => ({
+  kind,
+  path: path.slice(0, cut(path)) + name,
+  name: path.slice(cut(path)),
+});
+
+/** Undo of a rename is the opposite rename. */
+export const renames: Extension = invertedEffects.of(({ effects }) =>
+  effects.filter((effect) => effect.is(renaming)).map((effect) => renaming.of(inverse(effect.value))),
+);
+
+/** The rename that an update consists of, by drawing, undo or redo; else null. */
+export function renameOf(update: ViewUpdate): Rename | null {
+  const changes = update.transactions.filter((transaction) => transaction.docChanged);
+  const found = changes.flatMap(({ effects }) => effects.filter((effect) => effect.is(renaming)));
+  return changes.length === 1 && found.length === 1 ? found[0]!.value : null;
+}
+
+export class Pen {
+  constructor(
+    private readonly view: EditorView,
+    private readonly lab: Lab,
+  ) {}
+
+  /** Apply an act to the text; resolves to the sentence that refuses it, or null. */
+  async draw(act: Act): Promise<string | null> {
+    const { view } = this;
+    for (let tries = 0; tries < MOST_TRIES; tries++) {
+      const { doc } = view.state;
+      const reply = await this.lab.ask({ type: "draw", text: view.state.sliceDoc(), ...act });
+      if (reply.error) return reply.error;
+      if (view.state.doc !== doc) continue;
+      const changes = (reply.edits ?? []).map(({ range, text }) => ({ ...spanOf(doc, range), insert: text }));
+      if (!changes.length) return null;
+      const { kind, path } = act;
+      view.dispatch({
+        changes,
+        userEvent: "input.draw",
+        annotations: isolateHistory.of("full"),
+        effects: act.act === "rename" ? renaming.of({ kind, path, name: act.to ?? "" }) : [],
+      });
+      return null;
+    }
+    return "The text changed while this was drawn. Try again.";
+  }
+
+  /** The text of an element's form, without its brackets. */
+  source(kind: ElementKind, path: string): string {
+    const item = outlineOf(this.view.state).find(kind, path);
+    return item ? this.view.state.sliceDoc(item.from + 1, item.to - 1).trim() : "";
+  }
+
+  /** The names that a trigger in a machine can be. */
+  triggers(machine: string): string[] {
+    const found = outlineOf(this.view.state);
+    return (["event", "variable"] as const).flatMap((kind) =>
+      found.inScope(kind, machine).map(({ name }) => name),
+    );
+  }
+}

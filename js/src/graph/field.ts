@@ -1,0 +1,109 @@
+/** A small form in the graph: a name or a trigger is written where it is drawn. */
+
+import { h } from "../ui/dom";
+
+export interface Entry {
+  label: string;
+  value?: string;
+  placeholder?: string;
+  /** Where the cursor begins; all is selected without it. */
+  cursor?: number;
+  options?: readonly string[];
+  optional?: boolean;
+}
+
+export interface Field {
+  title: string;
+  entries: Entry[];
+  /** A switch below the entries. */
+  check?: string;
+  /** Apply what was written; resolves to the sentence that refuses it, or null. */
+  submit(values: string[], checked: boolean): Promise<string | null>;
+}
+
+let lists = 0;
+
+/** Open a form at a point of the window, inside `host`; Enter applies it, Escape and a press elsewhere close it. */
+export function openField(host: HTMLElement, at: { x: number; y: number }, field: Field): void {
+  host.querySelector(".lrp-field")?.remove();
+  const before = document.activeElement as HTMLElement | null;
+  const close = (focus: boolean) => {
+    document.removeEventListener("pointerdown", outside, true);
+    form.remove();
+    if (focus && before?.isConnected) before.focus({ preventScroll: true });
+  };
+  const outside = (event: Event) => {
+    if (!form.contains(event.target as Node)) close(false);
+  };
+  const error = h("p", { class: "lrp-error", role: "alert" });
+  const inputs = field.entries.map((entry) => input(entry));
+  const check = field.check ? h("input", { type: "checkbox" }) : null;
+  let isSent = false;
+  const form = h(
+    "form",
+    {
+      class: "lrp-field",
+      "aria-label": field.title,
+      onkeydown: (event: KeyboardEvent) => {
+        event.stopPropagation();
+        if (event.key === "Escape") close(true);
+      },
+      onsubmit: async (event: Event) => {
+        event.preventDefault();
+        const empty = inputs.find(
+          ({ control }, index) => !control.value.trim() && !field.entries[index]!.optional,
+        );
+        if (empty) {
+          empty.control.focus();
+          return;
+        }
+        if (isSent) return;
+        isSent = true;
+        const values = inputs.map(({ control }) => control.value.trim());
+        const refusal = await field.submit(values, check?.checked ?? false);
+        isSent = false;
+        if (refusal) error.textContent = refusal;
+        else close(true);
+      },
+    },
+    ...inputs.map(({ row }) => row),
+    check && h("label", { class: "lrp-field-check" }, check, field.check),
+    error,
+    h("button", { type: "submit", class: "lrp-field-apply" }, "OK"),
+  );
+  host.append(form);
+  const frame = host.getBoundingClientRect();
+  const left = Math.min(at.x - frame.left, frame.width - form.offsetWidth - 6);
+  const top = Math.min(at.y - frame.top, frame.height - form.offsetHeight - 6);
+  form.style.left = `${Math.max(4, left)}px`;
+  form.style.top = `${Math.max(4, top)}px`;
+  document.addEventListener("pointerdown", outside, true);
+  const first = inputs[0]!.control;
+  first.focus({ preventScroll: true });
+  const { cursor } = field.entries[0]!;
+  if (cursor === undefined) first.select();
+  else first.setSelectionRange(cursor, cursor);
+}
+
+function input(entry: Entry): { row: HTMLElement; control: HTMLInputElement } {
+  const list = entry.options?.length ? `lrp-options-${++lists}` : null;
+  const control = h("input", {
+    class: "lrp-input",
+    type: "text",
+    value: entry.value ?? "",
+    placeholder: entry.placeholder ?? "",
+    spellcheck: "false",
+    autocomplete: "off",
+    "aria-label": entry.label,
+    list,
+  });
+  const options = entry.options?.map((value) => h("option", { value })) ?? [];
+  const row = h(
+    "label",
+    {},
+    h("span", {}, entry.label),
+    control,
+    list && h("datalist", { id: list }, ...options),
+  );
+  return { row, control };
+}

@@ -1,0 +1,285 @@
+/**
+ * Drawing with the mouse: a double click on free space makes a state, a drag from the border of a state a
+ * transition, a drag of an end of the selected transition leads it elsewhere, and a state that is dropped on
+ * another one goes inside. It reads what is drawn from the SVG alone, so it works at every zoom.
+ */
+
+import type { Pen } from "../editor/pen";
+import type { Lab } from "../session/store";
+import { s, setAttribute } from "../ui/dom";
+import { openMenu } from "../ui/menu";
+import { Acts, nameOf, type Point, parentOf } from "./acts";
+
+const NEAR = 7; // px from the border of a state that count as the border
+const DRAG_FROM = 4; // px of movement that make a press a drag
+const HANDLE = 6; // px, radius of the end of a selected transition
+
+type End = "source" | "destination";
+
+export interface Pencil {
+  acts: Acts;
+}
+
+export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pen: Pen): Pencil {
+  const host = svg.parentElement!;
+  const acts = new Acts(lab, pen, host);
+  const layer = s("g", { class: "lrp-layer-pencil" });
+  const line = s("path", { class: "lrp-rubber", hidden: "" });
+  root.append(layer);
+  layer.append(line);
+
+  /* ---------------------------------------------------------------- what is at a point */
+
+  const inside = ({ x, y }: Point): [number, number] => {
+    const matrix = root.getScreenCTM();
+    if (!matrix) return [0, 0];
+    const point = new DOMPoint(x, y).matrixTransform(matrix.inverse());
+    return [point.x, point.y];
+  };
+  const client = (x: number, y: number): Point => {
+    const matrix = root.getScreenCTM();
+    return matrix ? new DOMPoint(x, y).matrixTransform(matrix) : { x, y };
+  };
+  const at = (event: MouseEvent): Point => ({ x: event.clientX, y: event.clientY });
+  const boxes = () => [...root.querySelectorAll<SVGGElement>(".lrp-state")];
+  const frameOf = (node: Element) => (node.querySelector(".lrp-box") ?? node).getBoundingClientRect();
+  /** The path of a state, `m/*` for the fictional one of the wildcards. */
+  const pathOf = (node: Element) => node.getAttribute("data-lrp-state") ?? `${lab.store.state.machine}/*`;
+  const isReal = (node: Element) =>
+    node.classList.contains("lrp-state") && node.hasAttribute("data-lrp-state");
+  const within = ({ x, y }: Point, { left, right, top, bottom }: DOMRect, margin: number) =>
+    x > left - margin && x < right + margin && y > top - margin && y < bottom + margin;
+  /** The innermost state around a point: of nested pictures the smallest. */
+  const stateAt = (point: Point, except: Element | null = null): SVGGElement | null => {
+    const found = boxes().filter((node) => node !== except && within(point, frameOf(node), 0));
+    return found.sort((a, b) => frameOf(a).width - frameOf(b).width)[0] ?? null;
+  };
+  const borderAt = (point: Point): SVGGElement | null => {
+    const margin = Math.min(NEAR, 12);
+    return (
+      boxes().find((node) => {
+        const frame = frameOf(node);
+        const depth = Math.min(NEAR - 2, frame.height / 5);
+        return within(point, frame, margin) && !within(point, frame, -depth);
+      }) ?? null
+    );
+  };
+  const isFree = (event: MouseEvent) => {
+    const target = event.target as Element;
+    return (
+      !target.closest?.("[data-of], .lrp-state, .lrp-handle, .lrp-field, button, select") &&
+      !stateAt(at(event))
+    );
+  };
+
+  /* ---------------------------------------------------------------- a selected transition's ends */
+
+  const handles = () => {
+    for (const old of [...layer.querySelectorAll(".lrp-handle")]) old.remove();
+    const { chosen } = lab.store.state;
+    if (!chosen.includes(":")) return;
+    for (const arrow of root.querySelectorAll<SVGGElement>(".lrp-transition")) {
+      if (arrow.getAttribute("data-of") !== chosen) continue;
+      const shaft = arrow.querySelector<SVGPathElement>(".lrp-shaft");
+      if (!shaft?.getTotalLength) continue;
+      const source = arrow.getAttribute("data-key")?.split(" ").at(-2) ?? "";
+      for (const end of ["source", "destination"] as const) {
+        const point = shaft.getPointAtLength(end === "source" ? 0 : shaft.getTotalLength());
+        layer.append(
+          s(
+            "circle",
+            {
+              class: "lrp-handle",
+              r: HANDLE,
+              cx: point.x,
+              cy: point.y,
+              "data-end": end,
+              "data-source": source,
+            },
+            s("title", {}, end === "source" ? "Drag to another source" : "Drag to another destination"),
+          ),
+        );
+      }
+    }
+  };
+  lab.store.watch(["layouts", "machine", "chosen", "snapshot"], handles);
+
+  /* ---------------------------------------------------------------- dragging */
+
+  const rubber = (from: Point, to: Point | null) => {
+    setAttribute(line, "hidden", to ? null : "");
+    if (!to) return;
+    const [x, y] = inside(from);
+    const [u, v] = inside(to);
+    setAttribute(line, "d", `M${x} ${y}L${u} ${v}`);
+  };
+  const mark = (node: Element | null, kind = "") => {
+    for (const other of root.querySelectorAll("[data-drop]")) other.removeAttribute("data-drop");
+    node?.setAttribute("data-drop", kind);
+  };
+  /** Follow the pointer until it is released; Escape gives up. */
+  const follow = (event: PointerEvent, move: (now: Point) => void, end: (now: Point | null) => void) => {
+    const begin = at(event);
+    let last: Point | null = null;
+    const moved = (now: PointerEvent) => {
+      if (!last && Math.hypot(now.clientX - begin.x, now.clientY - begin.y) < DRAG_FROM) return;
+      last = at(now);
+      move(last);
+    };
+    const stop = (how: Event) => {
+      window.removeEventListener("pointermove", moved, true);
+      window.removeEventListener("pointerup", stop, true);
+      window.removeEventListener("pointercancel", stop, true);
+      window.removeEventListener("keydown", giveUp, true);
+      mark(null);
+      if (last) {
+        const swallow = (click: Event) => click.stopImmediatePropagation();
+        svg.addEventListener("click", swallow, { capture: true, once: true });
+        setTimeout(() => svg.removeEventListener("click", swallow, true));
+      }
+      end(how.type === "pointerup" ? last : null);
+    };
+    const giveUp = (key: KeyboardEvent) => {
+      if (key.key !== "Escape") return;
+      key.stopPropagation();
+      stop(key);
+    };
+    window.addEventListener("pointermove", moved, true);
+    window.addEventListener("pointerup", stop, true);
+    window.addEventListener("pointercancel", stop, true);
+    window.addEventListener("keydown", giveUp, true);
+  };
+
+  const drawTransition = (event: PointerEvent, node: SVGGElement) => {
+    const source = pathOf(node);
+    const from = at(event);
+    follow(
+      event,
+      (now) => {
+        rubber(from, now);
+        const target = stateAt(now);
+        mark(target && isReal(target) ? target : null, "transition");
+      },
+      (now) => {
+        rubber(from, null);
+        if (!now) return;
+        const target = stateAt(now);
+        if (!target) acts.newTransition(now, source, "", inside(now));
+        else if (isReal(target) && parentOf(pathOf(target)) === parentOf(source))
+          acts.newTransition(now, source, nameOf(pathOf(target)));
+        else
+          lab.notify("A transition leads to a state of its own machine. Release it there, or on free space.");
+      },
+    );
+  };
+  const dragEnd = (event: PointerEvent, handle: Element) => {
+    const end = handle.getAttribute("data-end") as End;
+    const path = lab.store.state.chosen;
+    const other = layer.querySelectorAll(`.lrp-handle:not([data-end="${end}"])`)[0] ?? handle;
+    const fixed = client(Number(other.getAttribute("cx")), Number(other.getAttribute("cy")));
+    follow(
+      event,
+      (now) => {
+        rubber(fixed, now);
+        mark(stateAt(now), "transition");
+      },
+      (now) => {
+        rubber(fixed, null);
+        const target = now && stateAt(now);
+        if (!target) return;
+        const to = nameOf(pathOf(target));
+        const old = handle.getAttribute("data-source") ?? "";
+        void acts.draw({ act: end, kind: "transition", path, to, old });
+      },
+    );
+  };
+  /** Watch a state that the graph moves: dropped on another one, it goes inside. */
+  const watchNesting = (event: PointerEvent, node: SVGGElement) => {
+    const path = pathOf(node);
+    const home =
+      node
+        .getAttribute("transform")
+        ?.match(/-?[\d.]+/g)
+        ?.map(Number) ?? [];
+    const targetAt = (now: Point) => {
+      const target = stateAt(now, node);
+      return target && isReal(target) && parentOf(pathOf(target)) === parentOf(path) ? target : null;
+    };
+    follow(
+      event,
+      (now) => mark(targetAt(now), "nest"),
+      async (now) => {
+        const target = now && targetAt(now);
+        if (!target) return;
+        const refusal = await acts.draw({ act: "nest", kind: "state", path, to: nameOf(pathOf(target)) });
+        const [x = 0, y = 0] = home;
+        if (refusal) lab.send({ do: "pin", path: parentOf(path), name: nameOf(path), x, y });
+      },
+    );
+  };
+
+  svg.addEventListener(
+    "pointerdown",
+    (event) => {
+      if (event.button !== 0) return;
+      const handle = (event.target as Element).closest(".lrp-handle");
+      const border = handle ? null : borderAt(at(event));
+      if (handle) dragEnd(event, handle);
+      else if (border) drawTransition(event, border);
+      else {
+        const node = stateAt(at(event));
+        if (node && isReal(node)) watchNesting(event, node);
+        return;
+      }
+      event.stopImmediatePropagation(); // the graph would move the state
+      event.preventDefault();
+    },
+    true,
+  );
+  svg.addEventListener("pointermove", (event) => {
+    if (!event.buttons) svg.toggleAttribute("data-border", Boolean(borderAt(at(event))));
+  });
+
+  /* ---------------------------------------------------------------- double clicks, menu, keys */
+
+  host.addEventListener(
+    "dblclick",
+    (event) => {
+      const target = event.target as Element;
+      const arrow = target.closest?.("[data-of]")?.getAttribute("data-of");
+      const node = stateAt(at(event));
+      if (arrow) acts.change(at(event), arrow);
+      else if (node && isReal(node) && !node.querySelector(".lrp-nested")) {
+        acts.rename(at(event), "state", pathOf(node));
+      } else if (isFree(event)) acts.newState(at(event), inside(at(event)));
+      else return;
+      event.stopImmediatePropagation();
+      event.preventDefault();
+    },
+    true,
+  );
+  host.addEventListener("contextmenu", (event) => {
+    if (event.button !== 2 || !isFree(event)) return;
+    event.preventDefault();
+    event.stopPropagation();
+    openMenu(lab.root, at(event), acts.ofSpace(at(event), inside(at(event))), "State graph");
+  });
+  svg.addEventListener("keydown", (event) => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const node = (event.target as Element).closest("[role=button]");
+    const state = node?.getAttribute("data-lrp-state");
+    const arrow = node?.getAttribute("data-of");
+    const frame = (node ?? svg).getBoundingClientRect();
+    const point = { x: frame.left + frame.width / 2, y: frame.top + frame.height / 2 };
+    if (event.key === "n") acts.newState(point);
+    else if (event.key === "t" && state) acts.newTransition(point, state, "");
+    else if (event.key === "F2" && state) acts.rename(point, "state", state);
+    else if (event.key === "F2" && arrow) acts.change(point, arrow);
+    else if (/^(Delete|Backspace)$/.test(event.key) && state) acts.delete("state", state);
+    else if (/^(Delete|Backspace)$/.test(event.key) && arrow) acts.delete("transition", arrow);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  return { acts };
+}

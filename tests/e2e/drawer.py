@@ -1,0 +1,80 @@
+"""A person who draws in the state graph by mouse, and types only into the small fields that open there."""
+
+
+class Drawer:
+    """The state graph of a lab, drawn on by mouse."""
+
+    def __init__(self, lab):
+        self.lab, self.page = lab, lab.page
+        self.mouse = lab.page.mouse
+
+    def at(self, x, y):
+        """A point of the graph, in parts of its width and height."""
+        frame = self.lab.sees(".lrp-graph-body").bounding_box()
+        return frame["x"] + x * frame["width"], frame["y"] + y * frame["height"]
+
+    def box(self, state):
+        """The frame of a state that has come to rest."""
+        self.lab.state(state)
+        return self.page.evaluate(
+            "async ([root, id]) => { let last = ''; for (;;) {"
+            " const box = root.querySelector(`[data-lrp-state='${id}'] .lrp-box`);"
+            " const {x, y, width, height} = box.getBoundingClientRect();"
+            " const now = JSON.stringify({x, y, width, height});"
+            " if (now === last) return {x, y, width, height};"
+            " last = now; await new Promise(done => setTimeout(done, 120)); } }",
+            [self.lab.root.element_handle(), state],
+        )
+
+    def middle(self, state):
+        box = self.box(state)
+        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+    def fill(self, *values, check=False):
+        """Fill in the field that is open, and apply it."""
+        inputs = self.lab.sees(".lrp-field").locator("input[type=text]")
+        for index, value in enumerate(values):
+            inputs.nth(index).fill(value)
+        if check:
+            self.lab.find(".lrp-field input[type=checkbox]").check()
+        inputs.nth(0).press("Enter")
+        self.lab.misses(".lrp-field")
+
+    def drag(self, start, end):
+        self.mouse.move(*start)
+        self.mouse.down()
+        self.mouse.move(start[0] + 6, start[1] + 6)
+        self.mouse.move(*end, steps=6)
+        self.mouse.up()
+
+    # -- acts ------------------------------------------------------------------------------------
+
+    def state(self, name, x, y):
+        """A double click on free space makes a state."""
+        self.mouse.dblclick(*self.at(x, y))
+        self.fill(name)
+
+    def transition(self, source, target, trigger, check=False):
+        """Drag from the border of a state to another one, or to itself."""
+        box = self.box(source)
+        self.drag((box["x"] + box["width"] * 0.3, box["y"] + 1), self.middle(target))
+        self.fill(trigger, check=check)
+
+    def choose(self, state, action, *values):
+        """Choose an entry of a state's menu."""
+        self.mouse.click(*self.middle(state), button="right")
+        self.lab.choose(action)
+        if values:
+            self.fill(*values)
+
+    def choose_free(self, x, y, action, *values, check=False):
+        """Choose an entry of the menu of the free space."""
+        self.mouse.click(*self.at(x, y), button="right")
+        self.lab.choose(action)
+        if values:
+            self.fill(*values, check=check)
+
+    def edit(self, transition, text):
+        """Write a transition in another way, in the field that a double click on its arrow opens."""
+        self.lab.sees(f'.lrp-layer-labels [data-of="{transition}"]').dblclick()
+        self.fill(text)
