@@ -37,7 +37,7 @@ class Drawer:
             inputs.nth(index).fill(value)
         if check:
             self.lab.find(".lrp-field input[type=checkbox]").check()
-        inputs.nth(0).press("Enter")
+        self.lab.find(".lrp-field-apply").click()
         self.lab.misses(".lrp-field")
 
     def drag(self, start, end):
@@ -66,6 +66,10 @@ class Drawer:
         self.lab.choose(action)
         if values:
             self.fill(*values)
+
+    def show(self, machine):
+        """Show another machine."""
+        self.lab.sees(f'[data-lrp-machine="{machine}"]').click()
 
     def choose_free(self, x, y, action, *values, check=False):
         """Choose an entry of the menu of the free space."""

@@ -21,6 +21,9 @@ interface Rename {
   name: string;
 }
 
+/** The user event of what is drawn: it is not typed, so the graph keeps showing the machine drawn on. */
+export const DRAWN = "input.draw";
+
 const renaming = StateEffect.define<Rename>();
 const MOST_TRIES = 3; // the text changed meanwhile
 
@@ -66,7 +69,7 @@ export class Pen {
       const { kind, path } = act;
       view.dispatch({
         changes,
-        userEvent: "input.draw",
+        userEvent: DRAWN,
         annotations: isolateHistory.of("full"),
         effects: act.act === "rename" ? renaming.of({ kind, path, name: act.to ?? "" }) : [],
       });

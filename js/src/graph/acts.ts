@@ -4,6 +4,7 @@ import type { Act, Pen } from "../editor/pen";
 import type { Lab } from "../session/store";
 import type { MenuItem } from "../ui/menu";
 import { type Entry, openField } from "./field";
+import { showMachine } from "./shown";
 
 export interface Point {
   x: number;
@@ -265,7 +266,7 @@ export class Acts {
       submit: async ([name = ""]) => {
         const kind = path ? "state" : "machine";
         const refusal = await this.pen.draw({ act: "form", kind, path, form: `machine ${name}` });
-        if (!refusal) this.lab.store.set("machine", path ? `${path}/${name}` : name);
+        if (!refusal) showMachine(this.lab.store, path ? `${path}/${name}` : name);
         return refusal;
       },
     });

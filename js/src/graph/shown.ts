@@ -2,6 +2,7 @@
 
 import type { Extension } from "@codemirror/state";
 import { ViewPlugin, type ViewUpdate } from "@codemirror/view";
+import { DRAWN } from "../editor/pen";
 import { adopted } from "../editor/texts";
 import { outlineOf } from "../language/lrp";
 import type { Lab, Store } from "../session/store";
@@ -25,7 +26,8 @@ export function showTyped({ store }: Lab): Extension {
   };
   return ViewPlugin.define(() => ({
     update({ docChanged, transactions, state }: ViewUpdate) {
-      if (!docChanged || transactions.some((transaction) => transaction.annotation(adopted))) return;
+      if (!docChanged) return;
+      if (transactions.some((each) => each.annotation(adopted) || each.isUserEvent(DRAWN))) return;
       typed = outlineOf(state).around(state.selection.main.head, "machine")?.path ?? "";
       show();
     },
