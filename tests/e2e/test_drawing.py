@@ -5,6 +5,7 @@ from itertools import pairwise
 
 import pytest
 
+from e2e.axe import finds_nothing_serious
 from e2e.drawer import Drawer
 from e2e.programs import FOLLOWER
 from lrp_jupyter import parse, programs
@@ -161,6 +162,7 @@ def test_everything_is_drawn_by_keyboard_too(open_lab):
     lab.sees('[data-lrp-state="m/c"]').focus()
     keyboard.press("n")
     lab.sees(".lrp-field input")
+    finds_nothing_serious(lab)
     keyboard.type("d")
     keyboard.press("Enter")
     lab.sees('[data-lrp-state="m/d"]')

@@ -56,12 +56,8 @@ export async function rename(view: EditorView, lab: Lab, offset: number): Promis
         if (event.key === "Escape") close();
         if (event.key !== "Enter") return;
         event.preventDefault();
-        const refusal = await lab.act({
-          do: "rename",
-          kind: found.kind,
-          path: found.path,
-          name: input.value.trim(),
-        });
+        const { kind, path } = found;
+        const refusal = await lab.pen?.draw({ act: "rename", kind, path, to: input.value.trim() });
         if (refusal) error.textContent = refusal;
         else close();
       },

@@ -11,7 +11,7 @@ export interface Point {
   y: number;
 }
 
-const TRIGGER = "event, condition, 300 ms, or nothing";
+const TRIGGER = "event, n > 3, 2 s, or eps";
 
 export const parentOf = (path: string) => path.slice(0, path.lastIndexOf("/"));
 export const nameOf = (path: string) => path.slice(path.lastIndexOf("/") + 1);
@@ -74,6 +74,7 @@ export class Acts {
     source: string,
     destination: string,
     place: readonly [number, number] | null = null,
+    closed?: () => void,
   ): void {
     const machine = parentOf(source);
     const entries: Entry[] = [
@@ -89,6 +90,7 @@ export class Acts {
     openField(this.host, at, {
       title: `Transition from ${nameOf(source)}`,
       entries,
+      ...(closed ? { closed } : {}),
       ...(nameOf(source) === "*" ? {} : { check: "from any state" }),
       submit: async (values, every) => {
         const form = values.at(-1)!;
@@ -193,12 +195,15 @@ export class Acts {
         disabled: !others.length,
         run: () => this.other(at, "Move into", { act: "nest", kind: "state", path }, others),
       },
-      {
-        label: inside ? `Move out of ${nameOf(parentOf(machine))}` : "Move out",
-        action: "draw-unnest",
-        disabled: !inside,
-        run: () => void this.draw({ act: "unnest", kind: "state", path }),
-      },
+      ...(inside
+        ? [
+            {
+              label: `Move out of ${nameOf(parentOf(machine))}`,
+              action: "draw-unnest",
+              run: () => void this.draw({ act: "unnest", kind: "state", path }),
+            },
+          ]
+        : []),
       { label: "Delete", action: "draw-delete", hint: "Del", run: () => this.delete("state", path) },
     ];
   }

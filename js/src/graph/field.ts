@@ -19,17 +19,21 @@ export interface Field {
   check?: string;
   /** Apply what was written; resolves to the sentence that refuses it, or null. */
   submit(values: string[], checked: boolean): Promise<string | null>;
+  closed?(): void;
 }
 
 let lists = 0;
 
+let closeLast = () => {};
+
 /** Open a form at a point of the window, inside `host`; Enter applies it, Escape and a press elsewhere close it. */
 export function openField(host: HTMLElement, at: { x: number; y: number }, field: Field): void {
-  host.querySelector(".lrp-field")?.remove();
+  closeLast();
   const before = document.activeElement as HTMLElement | null;
   const close = (focus: boolean) => {
     document.removeEventListener("pointerdown", outside, true);
     form.remove();
+    field.closed?.();
     if (focus && before?.isConnected) before.focus({ preventScroll: true });
   };
   const outside = (event: Event) => {
@@ -78,6 +82,7 @@ export function openField(host: HTMLElement, at: { x: number; y: number }, field
   form.style.left = `${Math.max(4, left)}px`;
   form.style.top = `${Math.max(4, top)}px`;
   document.addEventListener("pointerdown", outside, true);
+  closeLast = () => form.isConnected && close(false);
   const first = inputs[0]!.control;
   first.focus({ preventScroll: true });
   const { cursor } = field.entries[0]!;

@@ -161,14 +161,16 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
         mark(target && isReal(target) ? target : null, "transition");
       },
       (now) => {
-        rubber(from, null);
-        if (!now) return;
-        const target = stateAt(now);
-        if (!target) acts.newTransition(now, source, "", inside(now));
+        const end = () => rubber(from, null);
+        const target = now && stateAt(now);
+        if (!now) end();
+        else if (!target) acts.newTransition(now, source, "", inside(now), end);
         else if (isReal(target) && parentOf(pathOf(target)) === parentOf(source))
-          acts.newTransition(now, source, nameOf(pathOf(target)));
-        else
+          acts.newTransition(now, source, nameOf(pathOf(target)), null, end);
+        else {
+          end();
           lab.notify("A transition leads to a state of its own machine. Release it there, or on free space.");
+        }
       },
     );
   };

@@ -2,6 +2,8 @@
 
 import { h } from "./dom";
 
+const BELOW = 28; // px at the bottom of the window, where the notebook's status bar may be
+
 export interface MenuItem {
   label: string;
   action: string;
@@ -79,6 +81,7 @@ export function openMenu(
   const left = Math.min(at.x - frame.left, frame.width - menu.offsetWidth - 4);
   const top = Math.min(
     at.y - frame.top,
+    window.innerHeight - BELOW - menu.offsetHeight - frame.top,
     Math.max(frame.height, menu.offsetHeight + 8) - menu.offsetHeight - 4,
   );
   menu.style.left = `${Math.max(4, left)}px`;
