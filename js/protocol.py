@@ -16,7 +16,8 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 WIDGETS = "lrp_jupyter.widgets"
 MESSAGES = [
-    f"{WIDGETS}.{name}" for name in ("messages", "requests", "inspection", "commands", "world_commands", "drawing")
+    f"{WIDGETS}.{name}"
+    for name in ("messages", "requests", "inspection", "commands", "world_commands", "drawing")
 ]
 TARGET = ROOT / "js" / "src" / "protocol.ts"
 HEAD = """\

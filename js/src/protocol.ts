@@ -234,7 +234,7 @@ export interface RevertCommand {
   do: "revert";
 }
 
-/** Replace the text by a bundled program. */
+/** Replace the text and the name by those of a bundled program. */
 export interface LoadCommand {
   view: string;
   type: "command";
