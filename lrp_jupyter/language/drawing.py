@@ -1,6 +1,6 @@
 """Drawing: what is done to a state graph, as edits of the program's text.
 
-Every function returns the edits of one act (a new state, a transition led elsewhere, …) and changes no
+Every function returns the edits of one act (a new state, a retargeted transition, …) and changes no
 character beyond what the act means: comments, line ends and the layout of other forms stay, and new forms
 are indented like those around them. An act that would not make a valid program is refused in a sentence.
 A new form goes after the last one of its kind: a new transition has the lowest priority.
@@ -168,7 +168,7 @@ class WrittenTransition(NamedTuple):
         return [index for index, span in spans.items() if self.sheet.name(span) == name]
 
     def without(self, name: str) -> list[Edit]:
-        """Return the edits that take a state out of several sources or exceptions."""
+        """Return the edits that remove a state from several sources or exceptions."""
         gone, all_ = self.sources(name), self.shape.sources
         if len(gone) == len(all_):  # `*-{a}` becomes `*`
             return [Edit(self.form.span(all_[0] - 2)[0], self.form.span(all_[-1] + 1)[1], "")]

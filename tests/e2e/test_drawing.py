@@ -135,6 +135,7 @@ def test_a_state_renamed_in_place_stays_active_also_when_that_is_undone_and_redo
     drawer.mouse.dblclick(*drawer.middle("m/a"))
     drawer.fill("counting")
     lab.is_active("m/counting")
+    assert lab.root.evaluate("root => root.contains(document.activeElement)")
     assert "(on [n < 0] counting -> b)" in lab.text
     for key, name in {"Control+z": "a", "Control+y": "counting"}.items():
         lab.find(".cm-content").focus()
@@ -187,6 +188,7 @@ def test_everything_is_drawn_by_keyboard_too(open_lab):
     lab.misses('[data-lrp-state="m/d"]')
     assert lab.text.strip() == PLAIN.strip()
     lab.is_active("m/a")
+    assert lab.root.evaluate("root => root.contains(document.activeElement)")  # or keys would edit cells
 
 
 def test_what_cannot_be_drawn_is_refused_in_a_sentence_and_leaves_no_trace(open_lab):

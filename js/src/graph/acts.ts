@@ -204,7 +204,7 @@ export class Acts {
             },
           ]
         : []),
-      { label: "Delete", action: "draw-delete", hint: "Del", run: () => this.delete("state", path) },
+      { label: "Delete", action: "draw-delete", hint: "Del", run: () => void this.delete("state", path) },
     ];
   }
 
@@ -224,7 +224,12 @@ export class Acts {
         action: "draw-reverse",
         run: () => void this.draw({ act: "reverse", kind: "transition", path }),
       },
-      { label: "Delete", action: "draw-delete", hint: "Del", run: () => this.delete("transition", path) },
+      {
+        label: "Delete",
+        action: "draw-delete",
+        hint: "Del",
+        run: () => void this.delete("transition", path),
+      },
     ];
   }
 
@@ -277,7 +282,7 @@ export class Acts {
     });
   }
 
-  delete(kind: "state" | "transition", path: string): void {
-    void this.draw({ act: "delete", kind, path });
+  delete(kind: "state" | "transition", path: string): Promise<string | null> {
+    return this.draw({ act: "delete", kind, path });
   }
 }

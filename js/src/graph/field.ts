@@ -1,6 +1,6 @@
 /** A small form in the graph: a name or a trigger is written where it is drawn. */
 
-import { h } from "../ui/dom";
+import { h, setHidden } from "../ui/dom";
 
 export interface Entry {
   label: string;
@@ -32,9 +32,10 @@ export function openField(host: HTMLElement, at: { x: number; y: number }, field
   const before = document.activeElement as HTMLElement | null;
   const close = (focus: boolean) => {
     document.removeEventListener("pointerdown", outside, true);
+    setHidden(form, true); // keeps the keyboard's focus in the lab
     form.remove();
     field.closed?.();
-    if (focus && before?.isConnected) before.focus({ preventScroll: true });
+    if (focus && before?.closest(".lrp-lab")) before.focus({ preventScroll: true });
   };
   const outside = (event: Event) => {
     if (!form.contains(event.target as Node)) close(false);

@@ -6,7 +6,7 @@
 
 import type { Pen } from "../editor/pen";
 import type { Lab } from "../session/store";
-import { s, setAttribute } from "../ui/dom";
+import { focusLab, s, setAttribute } from "../ui/dom";
 import { openMenu } from "../ui/menu";
 import { Acts, nameOf, type Point, parentOf } from "./acts";
 
@@ -103,6 +103,21 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
     }
   };
   lab.store.watch(["layouts", "machine", "chosen", "snapshot"], handles);
+
+  /* ---------------------------------------------------------------- the keyboard's focus */
+
+  let focused: Element | null = null;
+  svg.addEventListener("focusin", ({ target }) => {
+    focused = target as Element;
+  });
+  /** Where what had the focus is gone or renamed, the focus stays in the graph: keys would edit cells. */
+  lab.store.watch(["layouts", "machine", "snapshot"], () => {
+    if (!focused || focused.isConnected || document.activeElement !== document.body) return;
+    const next = svg.querySelector<SVGGElement>('[role=button][tabindex="0"]');
+    focused = null;
+    if (next) next.focus({ preventScroll: true });
+    else focusLab(svg);
+  });
 
   /* ---------------------------------------------------------------- dragging */
 
@@ -269,6 +284,7 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
   svg.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const node = (event.target as Element).closest("[role=button]");
+    const isDelete = event.key === "Delete" || event.key === "Backspace";
     const state = node?.getAttribute("data-lrp-state");
     const arrow = node?.getAttribute("data-of");
     const frame = (node ?? svg).getBoundingClientRect();
@@ -277,8 +293,8 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
     else if (event.key === "t" && state) acts.newTransition(point, state, "");
     else if (event.key === "F2" && state) acts.rename(point, "state", state);
     else if (event.key === "F2" && arrow) acts.change(point, arrow);
-    else if (/^(Delete|Backspace)$/.test(event.key) && state) acts.delete("state", state);
-    else if (/^(Delete|Backspace)$/.test(event.key) && arrow) acts.delete("transition", arrow);
+    else if (isDelete && state) void acts.delete("state", state);
+    else if (isDelete && arrow) void acts.delete("transition", arrow);
     else return;
     event.preventDefault();
     event.stopPropagation();

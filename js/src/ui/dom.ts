@@ -55,8 +55,14 @@ export function setText(element: Element, text: string): void {
 
 /** Hide an element or show it; the keyboard focus in a hidden one moves to the lab, not out of it. */
 export function setHidden(element: HTMLElement, hidden: boolean): void {
-  const lab = hidden && element.contains(document.activeElement) && element.closest<HTMLElement>(".lrp-lab");
+  const isLeft = hidden && element.contains(document.activeElement);
   element.hidden = hidden;
+  if (isLeft) focusLab(element);
+}
+
+/** Give the keyboard's focus to the lab around an element. */
+export function focusLab(element: Element): void {
+  const lab = element.closest<HTMLElement>(".lrp-lab");
   if (!lab) return;
   lab.tabIndex = -1; // for this moment only: a click on it goes to the notebook
   lab.addEventListener("blur", () => lab.removeAttribute("tabindex"), { once: true });
