@@ -76,16 +76,37 @@ def test_values_keep_to_the_right_of_their_lines_and_need_none_of_their_own(open
         " const [outer, inner] = [line, value].map(node => node.getBoundingClientRect());"
         " value.remove(); const { height } = line.getBoundingClientRect();"
         " return { taller: outer.height - height, right: outer.right - inner.right,"
-        " left: inner.left - outer.left }; })"
+        " left: inner.left - outer.left, below: inner.bottom - outer.bottom }; })"
     )
     assert [box["taller"] for box in boxes] == [0] * 4
-    assert all(0 <= box["right"] < 1 and box["left"] > 0 for box in boxes)
+    assert all(0 <= box["right"] < 1 and box["left"] > 0 and box["below"] < 3 for box in boxes)
+
+
+def test_a_value_is_left_out_where_less_than_a_word_of_it_could_be_read(open_lab):
+    lab = open_lab("(var a := [10])")
+    lab.sees(".lrp-values")
+    lab.select("(var a := [10])")
+    lab.page.keyboard.press("End")
+    lab.page.keyboard.type("   ;")
+    for _ in range(200):
+        lab.page.keyboard.type("x")
+        line, value, hidden = lab.find(".cm-line:has(.lrp-values)").evaluate(
+            "line => { const box = node => node.getBoundingClientRect();"
+            " const [around, value] = ['.lrp-inline-value', '.lrp-values']"
+            ".map(name => box(line.querySelector(name)));"
+            " return [box(line).height, value.width, value.top > around.bottom - 1]; }"
+        )
+        if hidden:
+            break
+        assert value > 30
+    assert hidden
+    assert line < 30
 
 
 def test_the_value_of_an_event_that_is_not_tested_is_faded(open_lab):
     lab = open_lab(VALUES.replace("(state a)", "(state a (onexit [short = 0]))"))
     stale = "css=.cm-line:has-text('(event idle') [data-stale]"
-    fresh = "css=.cm-line:has-text('(event waits') .lrp-inline-value span:not([data-stale])"
+    fresh = "css=.cm-line:has-text('(event waits') .lrp-values span:not([data-stale])"
     lab.sees(fresh)
     lab.replace("short := [1]", "short := [2]")
     lab.sees(stale.replace("idle", "waits"))
@@ -105,7 +126,10 @@ def test_the_text_is_formatted_by_a_key_and_undone_by_another(open_lab):
     lab.page.keyboard.press("Control+z")
     lab.until("editor => editor.querySelectorAll('.cm-line').length < 6", ".cm-editor")
     assert lab.text == rough
-    lab.sees(".lrp-bracket-2")
+    colours = lab.find("[class^=lrp-bracket-]").evaluate_all(
+        "all => all.map(span => getComputedStyle(span.firstElementChild ?? span).color)"
+    )
+    assert len(set(colours)) == 4
 
 
 def test_what_is_missing_is_created_by_keys_and_its_value_is_typed_at_once(open_lab):

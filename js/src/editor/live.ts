@@ -35,7 +35,11 @@ class ValueWidget extends WidgetType {
   }
 
   override toDOM(): HTMLElement {
-    const dom = h("span", { class: "lrp-inline-value", "aria-hidden": "true" });
+    const dom = h(
+      "span",
+      { class: "lrp-inline-value", "aria-hidden": "true" },
+      h("span", { class: "lrp-values" }),
+    );
     this.updateDOM(dom);
     return dom;
   }
@@ -45,7 +49,7 @@ class ValueWidget extends WidgetType {
     const parts = this.values.map(({ name, text, stale }) =>
       h("span", { "data-stale": stale ? "" : null }, named ? `${name} = ${text}` : text),
     );
-    dom.replaceChildren(...parts);
+    dom.firstElementChild!.replaceChildren(...parts);
     return true;
   }
 
