@@ -211,8 +211,11 @@ class LabPage:
 
     def place(self, x, y):
         """Return where a place of the world (metres) is on the screen."""
-        canvas = self.sees(".lrp-canvas[data-view]")
-        left, base, scale = map(float, canvas.get_attribute("data-view").split())
+        self.until(  # what was painted is of the present size
+            "canvas => Math.abs(canvas.dataset.view?.split(' ')[3] - canvas.clientHeight) < 1", ".lrp-canvas"
+        )
+        canvas = self.find(".lrp-canvas")
+        left, base, scale, _ = map(float, canvas.get_attribute("data-view").split())
         frame = canvas.bounding_box()
         return frame["x"] + left + x * scale, frame["y"] + base - y * scale
 

@@ -8,7 +8,7 @@ import { keyed, poseOf, type Shape, same, shaped, type Thing, thingsOf } from ".
 
 export type Placed = "wall" | "box" | "zone";
 
-const PUSH = 0.3; // coefficient of friction of a new box
+export const PUSH = 0.3; // coefficient of friction of a new box
 const QUIET = 600; // ms after which moves by key are one edit
 const DESCRIBED = 400; // ms after an edit in which the kernel has described the world
 
@@ -87,7 +87,7 @@ export class WorldEdits {
     }
   }
 
-  /** Give a thing another shape, for good. */
+  /** Edit the place and size of a thing. */
   put(thing: Thing, shape: Shape): void {
     this.stage.preview = { thing, shape };
     this.stage.wake();
@@ -107,7 +107,7 @@ export class WorldEdits {
     this.act({ do: "put_solid", index, ...shaped(shape), angle, push, name, ...properties });
   }
 
-  /** Give a zone another name. */
+  /** Rename a zone. */
   rename(zone: string, name: string): void {
     const shape = this.stage.shape({ kind: "zone", name: zone });
     if (!shape || !name || name === zone) return;
@@ -179,8 +179,8 @@ export class WorldEdits {
     stage.awaited += 1;
     const error = await this.lab.act(act);
     stage.awaited -= 1;
-    if (error) stage.settle();
-    else setTimeout(() => stage.settle(), DESCRIBED);
+    if (error) stage.clearDraft();
+    else setTimeout(() => stage.clearDraft(), DESCRIBED);
     return error;
   }
 }

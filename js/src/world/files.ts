@@ -3,7 +3,7 @@
 import type { Lab } from "../session/store";
 import type { Stage } from "./stage";
 
-/** Let the user keep a file. */
+/** Save a file on the user's computer. */
 export function download(name: string, content: Blob): void {
   const link = document.createElement("a");
   link.href = URL.createObjectURL(content);

@@ -3,11 +3,9 @@
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { h, setHidden, setText } from "../ui/dom";
-import type { WorldEdits } from "./edits";
+import { PUSH, type WorldEdits } from "./edits";
 import type { Stage } from "./stage";
 import type { Shape, Thing } from "./things";
-
-const PUSH = 0.3;
 
 export interface Properties {
   element: HTMLElement;
@@ -34,7 +32,7 @@ export function properties(lab: Lab, stage: Stage, edits: () => WorldEdits): Pro
   );
   const start = button({
     label: "Start here",
-    title: "Let the robot start where it is now",
+    title: "Set the start to where the robot is now",
     action: "start-here",
     onclick: () => edits().startHere(),
   });

@@ -52,7 +52,7 @@ export class Stage {
     if (other || this.world?.name !== world?.name) this.trail.clear();
     this.world = world;
     this.ink = [];
-    this.settle();
+    this.clearDraft();
     const fits =
       world &&
       this.after?.robots.length === world.robots.length &&
@@ -67,7 +67,7 @@ export class Stage {
   }
 
   /** Forget what was drawn or placed, unless more is coming: by now it is part of the world. */
-  settle(): void {
+  clearDraft(): void {
     if (this.isHeld) return;
     this.sketch = this.preview = null;
     this.wake();

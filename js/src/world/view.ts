@@ -111,7 +111,7 @@ export function worldView(lab: Lab): WorldPart {
     onclick: () => box.follow(),
   });
   const showFollow = () => follow.setAttribute("aria-pressed", String(stage.follows));
-  const looking = (act: () => void) => () => {
+  const viewing = (act: () => void) => () => {
     act();
     showFollow();
   };
@@ -194,7 +194,7 @@ export function worldView(lab: Lab): WorldPart {
       icon: "fit",
       title: "Show all (0)",
       action: "world-zoom-fit",
-      onclick: looking(() => stage.showAll()),
+      onclick: viewing(() => stage.showAll()),
     }),
     follow,
   );

@@ -123,9 +123,9 @@ export class Viewport {
     c.setTransform(scale, 0, 0, -scale, ratio * this.x, ratio * this.y);
   }
 
-  /** Where the origin of the world is, and how many pixels make a metre: for tests. */
+  /** Where the origin of the world is, how many pixels make a metre, and the canvas's height: for tests. */
   get place(): string {
-    return [this.x, this.y, this.scale].map((number) => number.toFixed(2)).join(" ");
+    return [this.x, this.y, this.scale, this.height].map((number) => number.toFixed(2)).join(" ");
   }
 
   /** The middle of what is shown. */
