@@ -210,8 +210,7 @@ def test_the_world_is_magnified_where_the_pointer_is_and_the_robot_can_be_follow
     lab.do("world-zoom-fit")
     lab.do("world-follow")
     lab.sees('[data-lrp-action="world-follow"][aria-pressed="true"]')
-    lab.find(".lrp-canvas").focus()
-    changing(lab, lambda: press(lab, *["ArrowUp"] * 30))
+    changing(lab, lambda: lab.drag_robot((1.5, 1.0), (1.5, 1.4)))
 
 
 def changing(lab, act, *held):

@@ -209,7 +209,8 @@ export class Stage {
     this.painted = now;
     const current = this.current(now);
     const [x, y] = current?.robots[0]?.pose ?? [];
-    if (this.viewport.follow && this.world && x !== undefined && y !== undefined)
+    // what is dragged would run away from the pointer
+    if (this.viewport.follow && !this.busy && this.world && x !== undefined && y !== undefined)
       this.floorStale = this.viewport.keepInSight([x, y], this.world.size) || this.floorStale;
     if (this.floorStale) this.paintLayer();
     c.setTransform(1, 0, 0, 1, 0, 0);
