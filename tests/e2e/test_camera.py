@@ -6,6 +6,7 @@ from xml.etree import ElementTree
 
 import pytest
 
+from e2e import axe
 from e2e.programs import COUNTER, FOLLOWER, INNER
 
 RING = "(machine m {})\n(spawn m s0)\n".format(
@@ -170,6 +171,7 @@ def test_nested_machines_are_drawn_inside_their_states(open_lab):
     lab.do("graph-menu")
     lab.choose("nest")
     lab.sees('[data-lrp-state="m/a"] [data-lrp-state="m/a/inner/x"][data-active]')
+    axe.finds_nothing_serious(lab)
     rests(lab)
     before = places(lab)
     dropped = drag(lab, "m/a/inner/y", 60, 30)

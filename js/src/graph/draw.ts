@@ -114,7 +114,7 @@ function updateArrow(element: Element, shape: TransitionShape): void {
 
 function makeState(shape: StateShape): SVGGElement {
   const own = shape.kind === "any" ? {} : { "data-lrp-state": shape.id };
-  const focus = shape.kind === "state" ? { role: "button", tabindex: "-1" } : {};
+  const focus = shape.kind === "state" ? { tabindex: "-1" } : {};
   return s("g", { ...own, ...focus });
 }
 
@@ -124,6 +124,7 @@ function updateState(element: Element, shape: StateShape, layouts: Record<string
   if (shape.kind === "state") {
     const shown = [shape.label, shape.nested].filter(Boolean).join(" "); // a name begins with what is seen
     setAttribute(element, "aria-label", `${shown}: state ${shape.title}`);
+    setAttribute(element, "role", shape.inside.length ? "group" : "button");
   }
   const dragged = element.hasAttribute("data-dragged");
   if (!dragged) moveState(element, shape.x, shape.y);

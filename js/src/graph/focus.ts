@@ -12,6 +12,9 @@ const WAYS: Record<string, Point> = {
   ArrowUp: { x: 0, y: -1 },
 };
 
+/** States and transitions; a state with machines inside is a group, because a button contains no buttons. */
+const ELEMENTS = ".lrp-graph [tabindex]";
+
 /** The index of the nearest point in a direction; points off to the side count as farther. */
 export function nearest(from: Point, points: readonly Point[], key: string): number {
   const way = WAYS[key];
@@ -34,7 +37,7 @@ export function nearest(from: Point, points: readonly Point[], key: string): num
 
 /** Let the arrow keys move the focus between elements; `reveal` brings the focused one into view. */
 export function walkWithArrows(svg: SVGSVGElement, reveal: (element: SVGGElement) => void): void {
-  const elements = () => [...svg.querySelectorAll<SVGGElement>("[role=button]")];
+  const elements = () => [...svg.querySelectorAll<SVGGElement>(ELEMENTS)];
   const centre = (element: SVGGElement): Point => {
     const shaft = element.querySelector<SVGPathElement>(":scope > .lrp-shaft");
     const point = shaft ? shaft.getPointAtLength(shaft.getTotalLength() / 2) : svg.createSVGPoint();
@@ -46,12 +49,12 @@ export function walkWithArrows(svg: SVGSVGElement, reveal: (element: SVGGElement
     reveal(element);
   };
   svg.addEventListener("focusin", (event) => {
-    const element = (event.target as Element).closest<SVGGElement>("[role=button]");
+    const element = (event.target as Element).closest<SVGGElement>(ELEMENTS);
     if (element) svg.dataset.focus = element.dataset.lrpState ?? element.dataset.lrpTransition ?? "";
   });
   svg.addEventListener("keydown", (event) => {
     if (!(event.key in WAYS) || event.ctrlKey || event.metaKey || event.altKey) return;
-    const current = (event.target as Element).closest<SVGGElement>("[role=button]");
+    const current = (event.target as Element).closest<SVGGElement>(ELEMENTS);
     const others = elements().filter((element) => element !== current);
     const next = current ? others[nearest(centre(current), others.map(centre), event.key)] : others[0];
     if (!next) return;
@@ -63,7 +66,7 @@ export function walkWithArrows(svg: SVGSVGElement, reveal: (element: SVGGElement
 
 /** Keep exactly one element reachable with the tab key. */
 export function keepOneTabStop(svg: SVGSVGElement): void {
-  const elements = [...svg.querySelectorAll<SVGGElement>("[role=button]")];
+  const elements = [...svg.querySelectorAll<SVGGElement>(ELEMENTS)];
   if (!elements.some((element) => element.getAttribute("tabindex") === "0"))
     elements.at(-1)?.setAttribute("tabindex", "0");
 }

@@ -283,7 +283,7 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
   });
   svg.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
-    const node = (event.target as Element).closest("[role=button]");
+    const node = (event.target as Element).closest(".lrp-state, .lrp-transition");
     const isDelete = event.key === "Delete" || event.key === "Backspace";
     const state = node?.getAttribute("data-lrp-state");
     const arrow = node?.getAttribute("data-of");
