@@ -330,6 +330,17 @@ describe("the page", () => {
     expect(page.find(".lrp-toast").textContent).toBe("Saved as follower.lrp.");
   });
 
+  it("keeps the rate that was just chosen while the kernel still reports the one before", async () => {
+    const slider = page.find('[data-lrp-action="rate"]') as HTMLInputElement;
+    slider.focus();
+    slider.value = "70";
+    slider.dispatchEvent(new Event("input"));
+    const { rate } = recording.snapshot.frame;
+    page.deliver({ type: "frame", frame: 9, rate: { ...rate, achieved: 9.5 } });
+    await page.drawn();
+    expect(slider.value).toBe("70");
+  });
+
   it("asks before another program is opened", async () => {
     const { programs } = recording.snapshot.choices;
     page.find('[data-lrp-action="menu"]').click();

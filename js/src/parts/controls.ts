@@ -8,6 +8,7 @@ import { icon } from "../ui/icons";
 import { openMenu } from "../ui/menu";
 import { type Choices, labMenu } from "./menu";
 
+const ON_ITS_WAY = 1000; // ms in which the kernel may still report the rate before the one chosen here
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 
 export function controls(lab: Lab, choices: Choices): HTMLElement {
@@ -109,6 +110,7 @@ function nameplate(lab: Lab): HTMLElement {
 
 function rateSlider(lab: Lab): HTMLElement {
   const { store } = lab;
+  let moved = Number.NEGATIVE_INFINITY;
   const shown = h("span", {});
   const real = h("span", { class: "lrp-achieved" });
   const slider = h("input", {
@@ -118,11 +120,14 @@ function rateSlider(lab: Lab): HTMLElement {
     "aria-label": "Rate",
     "data-lrp-action": "rate",
     title: "Ticks per second; at the right end, as many as possible",
-    oninput: () => lab.send({ do: "rate", value: rateAt(Number(slider.value)) }),
+    oninput: () => {
+      moved = performance.now();
+      lab.send({ do: "rate", value: rateAt(Number(slider.value)) });
+    },
   });
   store.watch(["rate"], () => {
     const { wanted, achieved } = store.state.rate;
-    if (document.activeElement !== slider || rateAt(Number(slider.value)) !== wanted)
+    if (rateAt(Number(slider.value)) !== wanted && performance.now() - moved > ON_ITS_WAY)
       slider.value = String(positionOf(wanted));
     slider.setAttribute("aria-valuetext", rateText(wanted));
     const off = achieved > 0 && (wanted === 0 || Math.abs(achieved - wanted) > 0.05 * wanted);
