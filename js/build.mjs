@@ -6,10 +6,11 @@
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
 import { readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
-import { build, context, transform } from "esbuild";
+import { build, context } from "esbuild";
 
 const OUT = "../lrp_jupyter/static";
 const LIMIT = 700_000;
+const PACKAGE_IMPORT = /^import \{([^}]*)\} from "(@(?:codemirror|lezer)\/[^"]+)"/gm;
 
 execFileSync("npx", [
   "--no-install",
@@ -34,19 +35,39 @@ const options = {
   preserveSymlinks: true,
 };
 
-/** Shortens names inside the packages only: what a traceback says of our own modules can be found in them. */
-const shortPackages = {
-  name: "short-packages",
-  setup: ({ onLoad }) =>
-    onLoad({ filter: /node_modules\/.*\.js$/ }, async ({ path }) => {
-      const { code } = await transform(readFileSync(path, "utf8"), {
-        format: "esm",
-        minifyIdentifiers: true,
-        charset: "utf8",
-      });
-      return { contents: code };
-    }),
-};
+/**
+ * The packages as one module with short names, holding what our own modules import from them. Our own modules
+ * keep their names, so that what a traceback says can be found in them.
+ */
+async function packages() {
+  const wanted = new Set();
+  for (const file of readdirSync("src", { recursive: true }).filter((name) => name.endsWith(".ts"))) {
+    for (const [, names, from] of readFileSync(`src/${file}`, "utf8").matchAll(PACKAGE_IMPORT)) {
+      for (const name of names.split(",").map((each) => each.trim()))
+        if (name && !name.startsWith("type ")) wanted.add(`export { ${name} } from "${from}";`);
+    }
+  }
+  const contents = [...wanted].sort().join("\n");
+  const stdin = { contents, resolveDir: "." };
+  const { outputFiles, metafile } = await build({
+    ...options,
+    entryPoints: [],
+    stdin,
+    minify: true,
+    metafile: true,
+    write: false,
+  });
+  return { code: outputFiles[0].text, inputs: Object.keys(metafile.inputs) };
+}
+
+/** Replaces the packages by their one module. */
+const bundled = (code) => ({
+  name: "bundled-packages",
+  setup({ onResolve, onLoad }) {
+    onResolve({ filter: /^@(codemirror|lezer)\// }, () => ({ path: "packages", namespace: "bundled" }));
+    onLoad({ filter: /.*/, namespace: "bundled" }, () => ({ contents: code }));
+  },
+});
 
 /**
  * The bundle, to be evaluated once in a page: every widget brings it in a module of its own, and what is
@@ -82,15 +103,15 @@ function licences(inputs) {
 if (process.argv.includes("--watch")) {
   await (await context({ ...options, sourcemap: "inline", logLevel: "info" })).watch();
 } else {
-  const { metafile } = await build({
+  const { code, inputs } = await packages();
+  await build({
     ...options,
-    plugins: [shortPackages],
+    plugins: [bundled(code)],
     minifyWhitespace: true,
     minifySyntax: true,
-    metafile: true,
     logLevel: "info",
   });
-  writeFileSync(`${OUT}/THIRD-PARTY-LICENSES.txt`, licences(Object.keys(metafile.inputs)));
+  writeFileSync(`${OUT}/THIRD-PARTY-LICENSES.txt`, licences(inputs));
   const bundle = onlyOnce(readFileSync(`${OUT}/lab.js`, "utf8"));
   writeFileSync(`${OUT}/lab.js`, bundle);
   if (statSync(`${OUT}/lab.js`).size > LIMIT) throw new Error(`lab.js is larger than ${LIMIT} bytes`);
