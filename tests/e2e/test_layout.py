@@ -5,7 +5,7 @@ from itertools import combinations
 import pytest
 
 from e2e import axe
-from e2e.pages import APP, LINE, MARGIN
+from e2e.pages import APP
 from e2e.programs import COUNTER, FOLLOWER
 
 DIAMETER = 0.16  # m, of the bundled robot
@@ -77,8 +77,8 @@ def test_everything_is_in_one_screen_beside_the_file_browser(open_follower):
 def test_the_world_is_the_widest_picture_and_the_robot_can_be_seen(open_follower, width, height):
     lab = open_follower(width, height)
     canvas = lab.sees(".lrp-canvas").bounding_box()
-    metre = min(canvas["width"] / (LINE[0] + 2 * MARGIN), canvas["height"] / (LINE[1] + 2 * MARGIN))
-    assert DIAMETER * metre >= 24
+    left, right = lab.place(0, 0)[0], lab.place(1, 0)[0]
+    assert DIAMETER * (right - left) >= 24
     assert canvas["width"] >= 0.39 * lab.root.bounding_box()["width"]
     assert canvas["width"] >= box(lab, "graph")["width"]
 
