@@ -47,7 +47,6 @@ class WrittenForm:
     head: int
     end: int = 0
     items: list[Token | WrittenForm] = field(default_factory=list)
-    parent: WrittenForm | None = None
 
     @property
     def forms(self) -> list[WrittenForm]:
@@ -84,12 +83,13 @@ class Sheet:
         self.root = WrittenForm("program", 0, 0, len(text))
         self.at: dict[int, WrittenForm] = {}
         self._ends: dict[int, int] = {}  # by the start of a form: the end of what precedes it
+        self._around: dict[int, WrittenForm] = {}  # by the start of a form: the one that it is in
         opened, last = [self.root], 0
         for token in tokenize(text):
             kind, start, end = token
             if kind == "OPEN":
-                form = WrittenForm(keyword_of(text, token), start, end, parent=opened[-1])
-                self.at[start], self._ends[start] = form, last
+                form = WrittenForm(keyword_of(text, token), start, end)
+                self.at[start], self._ends[start], self._around[start] = form, last, opened[-1]
                 opened[-1].items.append(form)
                 opened.append(form)
             elif kind == "CLOSE":
@@ -186,8 +186,8 @@ class Sheet:
         """Return the edits that cut forms out; a form without its only items goes too. Comments stay."""
         gone = set(forms)
         for form in list(gone):
-            around = form.parent
-            if around and around.keyword in _ACTIONS and gone.issuperset(set(around.items)):
+            around = self._around[form.start]
+            if around.keyword in _ACTIONS and gone.issuperset(set(around.items)):
                 gone.add(around)
         runs: list[list[int]] = []
         for form in sorted(gone, key=lambda form: form.start):

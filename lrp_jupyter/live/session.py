@@ -182,8 +182,6 @@ class Session:
         self.output = Output()
         self.findings: tuple[Finding, ...] = ()
         """The findings of the checks about the last text."""
-        self.half_typed = False
-        """Whether some of the last text waits, or is not marked, until it is meant or the cursor leaves."""
         self._checked: tuple[Program | None, tuple[Finding, ...]] = None, ()
         self._text = program.text
         self.bridge = make_bridge(bridge, **options)
@@ -529,7 +527,7 @@ class Session:
             self.findings = (*self.findings, late)
         return self.findings
 
-    def offer(self, text: str, cursor: Cursor | None = None) -> tuple[Program | None, Future[Any]]:
+    def offer(self, text: str, cursor: Cursor | None = None) -> tuple[Judgement, Future[Any]]:
         """Continue with another text as :meth:`edit` does, without waiting until it is applied.
 
         Parameters
@@ -540,8 +538,8 @@ class Session:
 
         Returns
         -------
-        Program or None
-            None if the text is not a valid program; see :attr:`findings`.
+        Judgement
+            Its program is None if the text is not a valid program.
         Future
             Its result is the :class:`~lrp_jupyter.interpreter.patching.Patch`, or None without a program.
         """
@@ -549,16 +547,15 @@ class Session:
         self._driver.check_open()
         judgement = self.judge(text, cursor)
         program, self.findings, unmeant, _ = judgement
-        self.half_typed = judgement.half_typed
         self._text = text
         if program is None:
             nothing: Future[Any] = Future()
             nothing.set_result(None)
-            return None, nothing
+            return judgement, nothing
         link(program)  # here and now, so that the loop stands still only for the swap of plans
         if unmeant is not None:
             link(unmeant.instead)
-        return program, self._driver.ask(do.ReplaceProgram(program, unmeant))
+        return judgement, self._driver.ask(do.ReplaceProgram(program, unmeant))
 
     def judge(self, text: str, cursor: Cursor | None = None) -> Judgement:
         """Return what a text means, for the robot and the namespace of this session; nothing changes."""

@@ -20,7 +20,7 @@ from lrp_jupyter.errors import FileError, Fix, SessionClosedError
 from lrp_jupyter.files import read_file, write_file
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.program import Finding, Path, Program
-from lrp_jupyter.language.unmeant import Cursor
+from lrp_jupyter.language.unmeant import Cursor, Judgement
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.kept import FOLDER, Kept, Version, newest
 from lrp_jupyter.widgets.protocol import (
@@ -206,9 +206,8 @@ class Texts:
             answer: Future[Any] = Future()
             try:
                 if not self.hold:
-                    noun, answer = self._session.offer(text, cursor)
-                    self.noun, self.findings = noun, self._session.findings
-                    self.half_typed = self._session.half_typed
+                    judgement, answer = self._session.offer(text, cursor)
+                    self._use(judgement)
                 else:
                     self._judge(text, cursor)
                     answer.set_result(None)
@@ -285,7 +284,11 @@ class Texts:
 
     def _judge(self, text: str, cursor: Cursor | None = None) -> None:
         """Check a text that is not offered to the session."""
-        self.noun, self.findings, _, self.half_typed = self._session.judge(text, cursor)
+        self._use(self._session.judge(text, cursor))
+
+    def _use(self, judgement: Judgement) -> None:
+        self.noun, self.findings = judgement.program, judgement.findings
+        self.half_typed = judgement.half_typed
 
     # -- out: the publisher's thread ---------------------------------------------------------------
 

@@ -467,11 +467,11 @@ def test_a_virtual_clock_serves_a_session(session):
 def test_a_text_can_be_offered_without_waiting_for_its_patch(session):
     s = session("(machine m (state a)) (spawn m a)")
     s.step()
-    program, answer = s.offer("(machine m (state a) (state b)) (spawn m a)")
+    judgement, answer = s.offer("(machine m (state a) (state b)) (spawn m a)")
     assert answer.result(0).applied
-    assert s.program is program
-    program, answer = s.offer("(machine m")
-    assert program is None
+    assert s.program is judgement.program
+    judgement, answer = s.offer("(machine m")
+    assert judgement.program is None
     assert answer.result(0) is None
     assert [finding.severity for finding in s.findings] == ["error"]
 
@@ -481,11 +481,11 @@ def test_a_text_that_a_block_offers_is_answered_when_it_is_applied_after_the_tic
     offered = []
     s = session(text, namespace={"edit": lambda: offered.append(s.offer(text + "(var n := [1])"))})
     s.step()
-    [(program, answer)] = offered
+    [(judgement, answer)] = offered
     assert not answer.done()
     s.step()
     assert answer.result(0).applied
-    assert s.program is program
+    assert s.program is judgement.program
 
 
 @pytest.mark.parametrize("fault", [KeyError, TypeError, ValueError])
