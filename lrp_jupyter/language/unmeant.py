@@ -36,11 +36,12 @@ __all__ = ["Cursor", "Judgement", "Unmeant", "judge", "without_change"]
 Check = Callable[[Program], tuple[Finding, ...]]
 
 _WORD = re.compile(r"[0-9][\w.]*|\w+")
+_LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
 _TOKEN = re.compile(r"\w+|\s+|[^\w\s]")
 _SIGN = re.compile(r"\w+|[^\w\s]")
 _NEAR = 200  # characters before the cursor in which the words beside it are looked for
 _MOST = 3_000
-"""Tokens that two texts may differ in for the changes between them to be told apart: more take seconds."""
+"""Lines, or tokens of neighbouring lines, in which two texts are compared: with more it takes seconds."""
 _ARROWS = frozenset({"LRP301", "LRP302", "LRP303"})
 """The errors about the names in a transition."""
 
@@ -140,7 +141,7 @@ def judge(
         if unmeant is not None:
             return Judgement(program, left, unmeant, len(left) < len(findings))
     state = _state_at(program, cursor.offset)
-    if state is not None:
+    if state is not None and _has_errors(findings):
         instead = without_change(program, running, state.span)
         errors = _new_errors(findings, instead, check)
         if errors:
@@ -156,10 +157,9 @@ def _without_word(
     left = _away_from(text, word, findings)
     instead = without_change(program, running, word)
     if text[word.start].isdecimal():
-        waits = instead is not program
-        return left, Unmeant(
-            instead, f"waits: `{text[slice(*word)]}` is being typed", waits
-        ) if waits else None
+        if instead == program:  # in a comment, or as it was
+            return left, None
+        return left, Unmeant(instead, f"waits: `{text[slice(*word)]}` is being typed", always=True)
     errors = _new_errors(findings, instead, check)
     if errors and not _begins_arrow(program, instead, errors):
         known = {(each.code, each.message) for each in check(instead)}
@@ -173,13 +173,17 @@ def _without_word(
 
 def _new_errors(findings: tuple[Finding, ...], instead: Program, check: Check) -> list[Finding]:
     """Return the errors that a program has more of than another one."""
-    errors = [each for each in findings if each.severity == "error"]
-    if not errors:
+    if not _has_errors(findings):
         return []
+    errors = [each for each in findings if each.severity == "error"]
     known = Counter((each.code, each.message) for each in check(instead) if each.severity == "error")
     new = [each for each in errors if not _counted(known, (each.code, each.message))]
     left = Counter(code for code, _ in known.elements())
     return [each for each in new if not _counted(left, each.code)]
+
+
+def _has_errors(findings: tuple[Finding, ...]) -> bool:
+    return any(each.severity == "error" for each in findings)
 
 
 def _counted(counts: Counter[Any], key: object) -> bool:
@@ -221,16 +225,27 @@ def _without_change(text: str, old: str, span: Span) -> str:
         start -= 1
     while end and _is_letter(text[-end]):
         end -= 1
-    now, then = (_TOKEN.findall(each[start : len(each) - end]) for each in (text, old))
-    if len(now) + len(then) > _MOST:
-        return old
-    parts, at = [text[:start]], start
-    for tag, i, j, k, m in SequenceMatcher(None, then, now, autojunk=False).get_opcodes():
-        mine, other = "".join(now[k:m]), "".join(then[i:j])
-        is_here = tag != "equal" and at <= span.end and span.start <= at + len(mine)
-        parts.append(other if is_here else mine)
+    now, then = (each[start : len(each) - end] for each in (text, old))
+    restored = _restored(now, then, Span(span.start - start, span.end - start), (_LINE, _TOKEN))
+    return text[:start] + restored + text[len(text) - end :]
+
+
+def _restored(now: str, then: str, span: Span, units: tuple[re.Pattern[str], ...]) -> str:
+    """Return a text as it was where it has changed at a range, in large units, then in finer ones."""
+    unit, *finer = units
+    new, old = unit.findall(now), unit.findall(then)
+    if len(new) + len(old) > _MOST:
+        return then
+    parts, at = [], 0
+    for tag, i, j, k, m in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
+        mine, other = "".join(new[k:m]), "".join(old[i:j])
+        if tag == "equal" or at > span.end or span.start > at + len(mine):
+            other = mine
+        elif tag == "replace" and finer:
+            other = _restored(mine, other, Span(span.start - at, span.end - at), tuple(finer))
+        parts.append(other)
         at += len(mine)
-    return "".join(parts) + text[len(text) - end :]
+    return "".join(parts)
 
 
 def _is_letter(char: str) -> bool:

@@ -4,6 +4,7 @@ import pytest
 
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.parser import scan
+from lrp_jupyter.language.program import Span
 from lrp_jupyter.language.unmeant import Cursor, judge, without_change
 
 BASE = """\
@@ -136,7 +137,7 @@ def test_only_the_change_at_the_cursor_is_undone(end):
     old = BASE.replace("\n", end)
     text = old.replace("0.2", "0.3").replace("far left", "fa left").replace("500", "700")
     at = text.index("fa left")
-    without = without_change(scan(text)[0], scan(old)[0], type(scan(text)[0].machines[0].span)(at, at + 2))
+    without = without_change(scan(text)[0], scan(old)[0], Span(at, at + 2))
     assert without.text == old.replace("0.2", "0.3").replace("500", "700")
 
 
@@ -145,3 +146,26 @@ def test_changes_that_cannot_be_separated_wait_together():
     assert (
         without_change(program, scan("(var x := [1])")[0], program.machines[0].span).text == "(var x := [1])"
     )
+
+
+def test_changes_far_apart_are_separated():
+    lines = "".join(f"  (state s{number} (running [forward]))\n" for number in range(600))
+    old = BASE.replace("  (on far", f"{lines}  (on far")
+    text = old.replace("0.2", "0.3").replace("far left", "fa left")
+    program, before = scan(text)[0], scan(old)[0]
+    assert program is not None
+    assert before is not None
+    at = text.index("fa left")
+    assert without_change(program, before, Span(at, at + 2)).text == old.replace("0.2", "0.3")
+
+
+@pytest.mark.parametrize(
+    ("marked", "running"),
+    [
+        (BASE.replace("0.2", "0.2|"), BASE),
+        (BASE.replace("0.2", "0.20|"), BASE),
+        (BASE + "; about 25|", BASE),
+    ],
+)
+def test_a_number_that_changes_nothing_does_not_wait(marked, running):
+    assert judged(marked, running).unmeant is None
