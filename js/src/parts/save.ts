@@ -3,9 +3,10 @@
 import type { Lab } from "../session/store";
 import { h, prose, setHidden } from "../ui/dom";
 
+/** `what` is part of the names of the buttons. */
 export function saveForm(
   lab: Lab,
-  type: "save" | "save_world" = "save",
+  what: "file" | "world-file" = "file",
   suggested = () => `${lab.store.state.name || "program"}.lrp`,
 ): { element: HTMLElement; open: () => void } {
   const input = h("input", {
@@ -20,7 +21,7 @@ export function saveForm(
     {
       class: "lrp-button",
       type: "button",
-      "data-lrp-action": "replace-file",
+      "data-lrp-action": `replace-${what}`,
       onclick: () => void save(true),
     },
     "Replace",
@@ -33,7 +34,7 @@ export function saveForm(
   };
   const save = async (replacing: boolean) => {
     const name = input.value.trim();
-    const reply = await lab.ask({ type, name, replace: replacing });
+    const reply = await lab.ask({ type: what === "file" ? "save" : "save_world", name, replace: replacing });
     ask(reply.exists ?? false);
     if (reply.error) error.replaceChildren(...prose(reply.error));
     else if (!reply.exists) {
@@ -55,9 +56,9 @@ export function saveForm(
         if (event.key === "Escape") close();
       },
     },
-    h("label", {}, "Save as "),
+    h("label", {}, what === "file" ? "Save as " : "Save the world as "),
     input,
-    h("button", { class: "lrp-button lrp-primary", "data-lrp-action": "save-file" }, "Save"),
+    h("button", { class: "lrp-button lrp-primary", "data-lrp-action": `save-${what}` }, "Save"),
     h("button", { class: "lrp-button", type: "button", onclick: close }, "Cancel"),
     error,
     replace,

@@ -125,7 +125,7 @@ export function worldView(lab: Lab): WorldPart {
       openMenu(lab.root, { x: left, y: bottom + 2 }, menu(), "World");
     },
   });
-  const save = saveForm(lab, "save_world", () => `${store.state.world?.name || "my"}-edited.world.json`);
+  const save = saveForm(lab, "world-file", () => `${store.state.world?.name || "my"}-edited.world.json`);
 
   function menu(): (MenuItem | null)[] {
     return [
