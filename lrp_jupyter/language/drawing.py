@@ -22,8 +22,9 @@ from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program, State, path_text
 from lrp_jupyter.language.rename import check_name
 from lrp_jupyter.language.resolution import Arrow, Resolution, Scope, resolve
+from lrp_jupyter.language.scanner import block_end
 from lrp_jupyter.language.sheet import Sheet, WrittenForm
-from lrp_jupyter.language.tokens import LEGAL
+from lrp_jupyter.language.tokens import LEGAL, tokenize
 from lrp_jupyter.language.triggers import FORMS
 
 __all__ = [
@@ -280,9 +281,12 @@ def _trigger(scope: Scope, trigger: str) -> tuple[str, str]:
         return "ontime", _milliseconds(trigger)
     if trigger.isidentifier():
         name = normal(trigger)
-        is_delay = scope.owner("event", name) is None and scope.owner("variable", name) is not None
-        return ("ontime" if is_delay else "on"), trigger
-    return "on", trigger if trigger.startswith("[") and trigger.endswith("]") else f"[{trigger}]"
+        if scope.owner("event", name) is not None:
+            return "on", trigger
+        if name not in ("True", "False"):
+            return ("on" if scope.owner("variable", name) is None else "ontime"), trigger
+    is_block = trigger[0] == "[" and block_end(trigger, 0) == len(trigger) - 1
+    return "on", trigger if is_block else f"[{trigger}]"
 
 
 def _milliseconds(text: str) -> str:
@@ -320,6 +324,12 @@ def _only_form(text: str, keyword: str) -> str:
     """Return a form with its brackets if it is exactly one, legal in a form with this keyword."""
     text = text.strip()
     form = text if text.startswith("(") else f"({text})"
+    tokens = tokenize(form)
+    kinds = [kind for kind, _, _ in tokens]
+    if form[tokens[-1][2] :].strip():
+        raise ValueError(f"`{text}` ends with a comment. Remove the comment.")
+    if kinds.count("OPEN") > kinds.count("CLOSE"):
+        raise ValueError(f"`{text}` is not closed. Put a `)` at its end.")
     before = {"state": "(machine m (state s ", "machine": "(machine m ", "program": ""}[keyword]
     whole = f"{before}{form}\n{')' * before.count('(')}"
     try:

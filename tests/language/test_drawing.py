@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
@@ -407,6 +408,8 @@ def test_forms_on_one_line_stay_on_it() -> None:
         ("on", "(on on a -> a)"),
         ("[n > 1]", "(on [n > 1] a -> a)"),
         ("n > 1", "(on [n > 1] a -> a)"),
+        ("[n] == [1]", "(on [[n] == [1]] a -> a)"),
+        ("True", "(on [True] a -> a)"),
         ("robot.bumper.data", "(on [robot.bumper.data] a -> a)"),
     ],
 )
@@ -427,7 +430,9 @@ def test_what_is_written_at_an_arrow_becomes_a_trigger(written: str, form: str) 
         ((drawing.new_transition, ("m",), "q", "b", ""), "There is no state `m/q`"),
         ((drawing.new_form, ("m", "a"), "event e [1]"), "event"),
         ((drawing.new_form, (), "var x := [1]) (var y := [2]"), "more than one form"),
-        ((drawing.new_form, (), "var x := [1]) ; "), "more than one form"),
+        ((drawing.new_form, (), "var x := [1]) ; "), "ends with a comment"),
+        ((drawing.new_form, ("m",), "event e [1] # x"), "ends with a comment"),
+        ((drawing.new_form, ("m",), "(event e [1]"), "`(event e [1]` is not closed"),
         ((drawing.change_transition, ("m", "on:a->b"), "(state c)"), "is not a transition"),
         ((drawing.retarget, ("m", "on:a->b"), "destination", "q"), "There is no state `q`"),
         ((drawing.reverse, ("m", "on:*->a")), "cannot be reversed"),
@@ -442,7 +447,7 @@ def test_what_would_be_no_program_is_refused_in_a_sentence(act: tuple[Any, ...],
         "(machine m (state a) (state b) (state c)"
         " (on bump a -> b) (on bump *-> a) (ontime 3 c -> b)) (spawn m a)"
     )
-    with pytest.raises((ValueError, LRPError), match=sentence.replace("(", r"\(")):
+    with pytest.raises((ValueError, LRPError), match=re.escape(sentence)):
         drawn(text, act)
 
 
