@@ -481,12 +481,12 @@ describe("the page", () => {
     expect(page.editor.state.doc.toString()).toBe(text.slice(0, block) + copied[0] + text.slice(block));
   });
 
-  it("leaves Ctrl+S to the notebook", () => {
+  it.each(["s", "S"])("leaves Ctrl+%s to the notebook, also with Caps Lock", (letter) => {
     const targets: (EventTarget | null)[] = [];
     page.host.addEventListener("keydown", ({ key, ctrlKey, target }) => {
-      if (key === "s" && ctrlKey) targets.push(target);
+      if (key === letter && ctrlKey) targets.push(target);
     });
-    const init = { key: "s", ctrlKey: true, bubbles: true, cancelable: true };
+    const init = { key: letter, ctrlKey: true, bubbles: true, cancelable: true };
     const pressed = new KeyboardEvent("keydown", init);
     page.editor.contentDOM.dispatchEvent(pressed);
     expect(pressed.defaultPrevented).toBe(true);

@@ -1,6 +1,7 @@
 /** A small form in the graph: a name or a trigger is written where it is drawn. */
 
-import { h, setHidden } from "../ui/dom";
+import { freshId, h, prose } from "../ui/dom";
+import { openPopup } from "../ui/popup";
 
 export interface Entry {
   label: string;
@@ -22,24 +23,8 @@ export interface Field {
   closed?(): void;
 }
 
-let lists = 0;
-
-let closeLast = () => {};
-
 /** Open a form at a point of the window, inside `host`; Enter applies it, Escape and a press elsewhere close it. */
 export function openField(host: HTMLElement, at: { x: number; y: number }, field: Field): void {
-  closeLast();
-  const before = document.activeElement as HTMLElement | null;
-  const close = (focus: boolean) => {
-    document.removeEventListener("pointerdown", outside, true);
-    setHidden(form, true); // keeps the keyboard's focus in the lab
-    form.remove();
-    field.closed?.();
-    if (focus && before?.closest(".lrp-lab")) before.focus({ preventScroll: true });
-  };
-  const outside = (event: Event) => {
-    if (!form.contains(event.target as Node)) close(false);
-  };
   const error = h("p", { class: "lrp-error", role: "alert" });
   const inputs = field.entries.map((entry) => input(entry));
   const check = field.check ? h("input", { type: "checkbox" }) : null;
@@ -67,7 +52,7 @@ export function openField(host: HTMLElement, at: { x: number; y: number }, field
         const values = inputs.map(({ control }) => control.value.trim());
         const refusal = await field.submit(values, check?.checked ?? false);
         isSent = false;
-        if (refusal) error.textContent = refusal;
+        if (refusal) error.replaceChildren(...prose(refusal));
         else close(true);
       },
     },
@@ -76,14 +61,12 @@ export function openField(host: HTMLElement, at: { x: number; y: number }, field
     error,
     h("button", { type: "submit", class: "lrp-field-apply" }, "OK"),
   );
-  host.append(form);
+  const close = openPopup(host, form, field.closed);
   const frame = host.getBoundingClientRect();
   const left = Math.min(at.x - frame.left, frame.width - form.offsetWidth - 6);
   const top = Math.min(at.y - frame.top, frame.height - form.offsetHeight - 6);
   form.style.left = `${Math.max(4, left)}px`;
   form.style.top = `${Math.max(4, top)}px`;
-  document.addEventListener("pointerdown", outside, true);
-  closeLast = () => form.isConnected && close(false);
   const first = inputs[0]!.control;
   first.focus({ preventScroll: true });
   const { cursor } = field.entries[0]!;
@@ -92,7 +75,7 @@ export function openField(host: HTMLElement, at: { x: number; y: number }, field
 }
 
 function input(entry: Entry): { row: HTMLElement; control: HTMLInputElement } {
-  const list = entry.options?.length ? `lrp-options-${++lists}` : null;
+  const list = entry.options?.length ? freshId() : null;
   const control = h("input", {
     class: "lrp-input",
     type: "text",

@@ -3,7 +3,7 @@
 import type { ElementKind, Facet, InspectView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
-import { h, setText } from "../ui/dom";
+import { h, returnFocus, setText } from "../ui/dom";
 import { partInSight } from "../ui/sight";
 
 const INTERVAL = 500; // ms between two requests while the program runs
@@ -21,14 +21,14 @@ export function inspector(lab: Lab): Inspector {
   let into: string[] = [];
   let asked = 0;
   let asking = false;
-  let before: HTMLElement | null = null;
+  let before: Element | null = null;
   const title = h("div", { class: "lrp-title" });
   const way = h("nav", { class: "lrp-way", "aria-label": "Path into the value" });
   const body = h("div", { class: "lrp-inspect-body" });
   const close = () => {
     store.set("inspected", null);
     element.hidden = true;
-    before?.focus({ preventScroll: true });
+    returnFocus(before, lab.root);
   };
   const element = h(
     "section",
@@ -82,7 +82,7 @@ export function inspector(lab: Lab): Inspector {
   return {
     element,
     open(kind, path) {
-      before = document.activeElement as HTMLElement | null;
+      if (element.hidden) before = document.activeElement;
       into = [];
       store.set("inspected", { kind, path });
       const { top, bottom } = partInSight(lab.root);

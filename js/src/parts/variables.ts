@@ -3,7 +3,7 @@
 import { AFTERGLOW } from "../graph/marks";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
-import { h, reconcile, s, setAttribute, setText } from "../ui/dom";
+import { h, prose, reconcile, s, setAttribute, setText } from "../ui/dom";
 
 interface Group {
   machine: string;
@@ -154,7 +154,7 @@ class Row {
           true,
         );
         setAttribute(input, "aria-invalid", refusal ? "true" : null);
-        setText(error, refusal ?? "");
+        error.replaceChildren(...prose(refusal ?? ""));
         if (!refusal) close();
       },
       onblur: () => {

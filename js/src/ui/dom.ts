@@ -69,6 +69,17 @@ export function focusLab(element: Element): void {
   lab.focus({ preventScroll: true });
 }
 
+/** Return the keyboard's focus to where it was, or to the lab if that is gone: keys would act on the notebook. */
+export function returnFocus(before: Element | null, inLab: Element): void {
+  if (before?.isConnected) (before as HTMLElement | SVGElement).focus?.({ preventScroll: true });
+  if (!document.activeElement || document.activeElement === document.body) focusLab(inLab);
+}
+
+/** An id that no other element of the page has: each lab is a module of its own. */
+export function freshId(): string {
+  return `lrp-${Math.random().toString(36).slice(2)}`;
+}
+
 /** Update the children of an element to match a list, by key: elements that stay are reused. */
 export function reconcile<T>(
   parent: Element,

@@ -1,6 +1,7 @@
 /** A context menu, opened by right click, key or button and operated with arrows, Enter and Escape. */
 
 import { h } from "./dom";
+import { openPopup } from "./popup";
 
 const BELOW = 28; // px at the bottom of the window, where the notebook's status bar may be
 
@@ -19,16 +20,6 @@ export function openMenu(
   items: (MenuItem | null)[],
   label: string,
 ): void {
-  root.querySelector(".lrp-menu")?.remove();
-  const before = document.activeElement as HTMLElement | null;
-  const close = (focus: boolean) => {
-    document.removeEventListener("pointerdown", outside, true);
-    menu.remove();
-    if (focus) before?.focus?.({ preventScroll: true });
-  };
-  const outside = (event: Event) => {
-    if (!menu.contains(event.target as Node)) close(false);
-  };
   const menu = h("div", { class: "lrp-menu", role: "menu", "aria-label": label });
   for (const item of items) {
     if (!item) {
@@ -76,7 +67,7 @@ export function openMenu(
     event.preventDefault();
     event.stopPropagation();
   });
-  root.append(menu);
+  const close = openPopup(root, menu);
   const frame = root.getBoundingClientRect();
   const left = Math.min(at.x - frame.left, frame.width - menu.offsetWidth - 4);
   const top = Math.min(
@@ -86,6 +77,5 @@ export function openMenu(
   );
   menu.style.left = `${Math.max(4, left)}px`;
   menu.style.top = `${Math.max(4, top)}px`;
-  document.addEventListener("pointerdown", outside, true);
   entries[0]?.focus({ preventScroll: true });
 }

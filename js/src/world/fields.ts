@@ -1,7 +1,7 @@
 /** The input fields of a panel. Typed values stay until the bridge reports another value. */
 
 import type { PanelField, PanelView } from "../protocol";
-import { h } from "../ui/dom";
+import { freshId, h } from "../ui/dom";
 
 type Input = HTMLInputElement | HTMLSelectElement;
 
@@ -38,7 +38,7 @@ export function inputs(panel: PanelView, press: (key: string, row: string) => vo
       });
     }
     const unit = field.unit && h("span", { class: "lrp-faint" }, field.unit);
-    element.append(h("label", { class: "lrp-field" }, h("span", {}, field.label), input, unit, offer));
+    element.append(h("label", { class: "lrp-setting" }, h("span", {}, field.label), input, unit, offer));
   }
   return {
     element,
@@ -58,13 +58,6 @@ export function inputs(panel: PanelView, press: (key: string, row: string) => vo
           input.value = "";
     },
   };
-}
-
-let count = 0;
-
-function freshId(): string {
-  count += 1;
-  return `lrp-choices-${count}-${Math.random().toString(36).slice(2)}`;
 }
 
 /** Reuse the present options if they are still correct, so that an open list is not disturbed. */

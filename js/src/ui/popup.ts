@@ -1,0 +1,33 @@
+/** What lies over the lab until it is used or left: a menu, a small form. There is one at a time in each host. */
+
+import { focusLab, returnFocus } from "./dom";
+
+const closers = new WeakMap<HTMLElement, () => void>(); // by host
+
+/** Open an element in a host; a press elsewhere closes it. Returns what closes it, on request with the focus as it was. */
+export function openPopup(
+  host: HTMLElement,
+  element: HTMLElement,
+  closed: () => void = () => {},
+): (focus: boolean) => void {
+  closers.get(host)?.();
+  const before = document.activeElement;
+  let isOpen = true;
+  const close = (focus: boolean) => {
+    if (!isOpen) return;
+    isOpen = false;
+    document.removeEventListener("pointerdown", outside, true);
+    const isLeft = element.contains(document.activeElement);
+    element.remove();
+    closed();
+    if (focus) returnFocus(before, host);
+    else if (isLeft) focusLab(host);
+  };
+  const outside = (event: Event) => {
+    if (!element.contains(event.target as Node)) close(false);
+  };
+  closers.set(host, () => close(false));
+  document.addEventListener("pointerdown", outside, true);
+  host.append(element);
+  return close;
+}

@@ -1,0 +1,109 @@
+// @vitest-environment happy-dom
+
+import { readFileSync } from "node:fs";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { openField } from "../src/graph/field";
+import type { PanelView } from "../src/protocol";
+import { h } from "../src/ui/dom";
+import { openMenu } from "../src/ui/menu";
+import { inputs } from "../src/world/fields";
+
+let lab: HTMLElement;
+beforeEach(() => {
+  lab = h("div", { class: "lrp-lab" });
+  document.body.append(lab);
+});
+afterEach(() => lab.remove());
+
+const press = (key: string) =>
+  document.activeElement!.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+const at = { x: 0, y: 0 };
+const field = { title: "New state", entries: [{ label: "Name", value: "s1" }] };
+
+describe("a menu", () => {
+  const items = [{ label: "Delete", action: "delete", run: () => {} }];
+
+  it("returns the focus to where it was", () => {
+    const button = h("button");
+    lab.append(button);
+    button.focus();
+    openMenu(lab, at, items, "Menu");
+    press("Escape");
+    expect(document.activeElement).toBe(button);
+  });
+
+  it("leaves the focus in the lab if what had it is gone, or if nothing had it", () => {
+    const button = h("button");
+    lab.append(button);
+    button.focus();
+    openMenu(lab, at, items, "Menu");
+    button.remove();
+    press("Escape");
+    expect(document.activeElement).toBe(lab);
+    (document.activeElement as HTMLElement).blur();
+    openMenu(lab, at, items, "Menu");
+    press("Escape");
+    expect(document.activeElement).toBe(lab);
+  });
+
+  it("listens to nothing any more when another one replaces it", () => {
+    const removed = vi.spyOn(document, "removeEventListener");
+    openMenu(lab, at, items, "Menu");
+    openMenu(lab, at, items, "Menu");
+    expect(removed.mock.calls.filter(([type]) => type === "pointerdown")).toHaveLength(1);
+    expect(lab.querySelectorAll("[role=menu]")).toHaveLength(1);
+    removed.mockRestore();
+  });
+});
+
+describe("a field on the graph", () => {
+  const submit = () => lab.querySelector("form")!.dispatchEvent(new Event("submit", { cancelable: true }));
+
+  it("shows names and code of a refusal as such", async () => {
+    openField(lab, at, { ...field, submit: async () => "The name `s1` is taken." });
+    submit();
+    await Promise.resolve();
+    expect(lab.querySelector("[role=alert]")!.innerHTML).toBe("The name <code>s1</code> is taken.");
+  });
+
+  it("that was left while the kernel was asked does not take the focus back, nor end twice", async () => {
+    const before = h("button");
+    const elsewhere = h("button");
+    lab.append(before, elsewhere);
+    before.focus();
+    const closed = vi.fn();
+    let answer: (refusal: null) => void = () => {};
+    openField(lab, at, { ...field, closed, submit: () => new Promise((resolve) => (answer = resolve)) });
+    submit();
+    elsewhere.dispatchEvent(new Event("pointerdown", { bubbles: true }));
+    elsewhere.focus();
+    answer(null);
+    await Promise.resolve();
+    expect(document.activeElement).toBe(elsewhere);
+    expect(closed).toHaveBeenCalledTimes(1);
+  });
+
+  it("does not close that of another lab", () => {
+    const other = h("div", { class: "lrp-lab" });
+    document.body.append(other);
+    for (const host of [lab, other]) openField(host, at, { ...field, submit: async () => null });
+    expect(document.querySelectorAll("form")).toHaveLength(2);
+    other.remove();
+  });
+
+  it("has a style of its own: the settings of a real robot stay in their column", () => {
+    const style = h("style", {}, readFileSync("src/style/drawing.css", "utf8"));
+    document.head.append(style);
+    const setting = { key: "port", label: "Port", value: "", choices: [], unit: "", press: "" };
+    const panel: PanelView = {
+      title: "",
+      fields: [{ ...setting, kind: "text" }],
+      tables: [],
+      buttons: [],
+      questions: [],
+    };
+    lab.append(inputs(panel, () => {}).element);
+    expect(getComputedStyle(lab.querySelector("label")!).position).not.toBe("absolute");
+    style.remove();
+  });
+});
