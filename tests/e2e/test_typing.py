@@ -37,7 +37,7 @@ HELLO = """\
 """
 # A node is its kind and its path: a missing end that becomes a state is not a node that moves.
 WATCH = """root => {
-  window.typed = { moves: [], waits: [], leaks: [], places: new Map() };
+  const typed = window.typed = { moves: [], waits: [], leaks: [], places: new Map() };
   const look = () => {
     const places = new Map();
     for (const node of root.querySelectorAll('[data-lrp-state].lrp-state')) {
