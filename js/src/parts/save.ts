@@ -11,7 +11,7 @@ export function saveForm(
 ): { element: HTMLElement; open: () => void } {
   const input = h("input", {
     class: "lrp-input",
-    "aria-label": "File",
+    "aria-label": what === "file" ? "File" : "File of the world",
     spellcheck: "false",
     oninput: () => ask(false),
   });
