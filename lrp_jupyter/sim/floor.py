@@ -2,7 +2,8 @@
 
 A stroke is cut into pieces (segments and arcs). Each piece is entered into the cells of a grid
 that it can touch, so that a query visits the few pieces of one cell, however long trails have
-become. Marks are only ever appended: the floor at an earlier moment is a prefix.
+become. Marks are only ever appended: the floor at an earlier moment is a prefix. The
+description has a grid of its own below that of the marks, so that a stroke that is drawn costs only itself.
 """
 
 from __future__ import annotations
@@ -82,6 +83,7 @@ class _Arc:
 
 
 _Piece = Segment | _Arc
+_Cells = dict[tuple[float, float], list[tuple[Paint, list[_Piece]]]]
 Mark = tuple[int, Paint, Segment]  # step, how, what
 
 
@@ -97,47 +99,59 @@ class LiveFloor:
     """
 
     def __init__(self, floor: FloorSpec, marks: list[Mark] | None = None) -> None:
-        self.grey = float(floor.grey)
         self.marks: list[Mark] = [] if marks is None else marks
         self.raster: tuple[tuple[int, int, int], list[list[bool]]] | None = None  # kept for sketches
-        self._cells: dict[tuple[float, float], list[tuple[Paint, list[_Piece]]]] = {}
-        for stroke in floor.strokes:
+        self._strokes: tuple[Stroke, ...] = ()
+        self._painted: _Cells = {}
+        self._trails: _Cells = {}
+        self.paint(floor)
+        for _, paint, piece in self.marks:
+            _enter(self._trails, paint, piece)
+
+    def paint(self, floor: FloorSpec) -> None:
+        """Change the description, below the marks. More strokes than before cost only those."""
+        known = len(self._strokes)
+        if floor.strokes[:known] != self._strokes:
+            known, self._painted = 0, {}
+        for stroke in floor.strokes[known:]:
             paint = Paint(stroke.width / 2, stroke.grey, False)
             for piece in _pieces(stroke):
-                self._enter(paint, piece)
-        for _, paint, piece in self.marks:
-            self._enter(paint, piece)
+                _enter(self._painted, paint, piece)
+        self.grey, self._strokes, self.raster = float(floor.grey), floor.strokes, None
 
     def ink(self, paint: Paint, start: Point, end: Point, step: int) -> None:
         """Draw one piece of a pen's trail."""
         piece = _segment(start, end)
         self.marks.append((step, paint, piece))
-        self._enter(paint, piece)
+        _enter(self._trails, paint, piece)
 
     def light(self, x: float, y: float) -> float:
         """Return the mean grey of the spot around a point, 0 to 255."""
-        grey = self.grey
-        for paint, pieces in self._cells.get((x // _CELL, y // _CELL), ()):
-            nearest = pieces[0].distance(x, y)
-            for piece in pieces[1:]:
-                nearest = min(nearest, piece.distance(x, y))
-            if nearest < paint.half + SPOT:
-                share = _share((paint.half - nearest) / SPOT) - _share((-paint.half - nearest) / SPOT)
-                if not paint.ink or paint.grey < grey:
-                    grey += (paint.grey - grey) * share
+        grey, cell = self.grey, (x // _CELL, y // _CELL)
+        for cells in (self._painted, self._trails):
+            for paint, pieces in cells.get(cell, ()):
+                nearest = pieces[0].distance(x, y)
+                for piece in pieces[1:]:
+                    nearest = min(nearest, piece.distance(x, y))
+                if nearest < paint.half + SPOT:
+                    share = _share((paint.half - nearest) / SPOT) - _share((-paint.half - nearest) / SPOT)
+                    if not paint.ink or paint.grey < grey:
+                        grey += (paint.grey - grey) * share
         return grey
 
-    def _enter(self, paint: Paint, piece: _Piece) -> None:
-        wide = paint.half + SPOT
-        left, bottom, right, top = piece.bounds()
-        for column in range(math.floor((left - wide) / _CELL), math.floor((right + wide) / _CELL) + 1):
-            for row in range(math.floor((bottom - wide) / _CELL), math.floor((top + wide) / _CELL) + 1):
-                if piece.distance((column + 0.5) * _CELL, (row + 0.5) * _CELL) <= paint.half + _REACH:
-                    groups = self._cells.setdefault((float(column), float(row)), [])
-                    if groups and groups[-1][0] is paint:
-                        groups[-1][1].append(piece)
-                    else:
-                        groups.append((paint, [piece]))
+
+def _enter(cells: _Cells, paint: Paint, piece: _Piece) -> None:
+    """Enter a piece into all cells that it can touch."""
+    wide = paint.half + SPOT
+    left, bottom, right, top = piece.bounds()
+    for column in range(math.floor((left - wide) / _CELL), math.floor((right + wide) / _CELL) + 1):
+        for row in range(math.floor((bottom - wide) / _CELL), math.floor((top + wide) / _CELL) + 1):
+            if piece.distance((column + 0.5) * _CELL, (row + 0.5) * _CELL) <= paint.half + _REACH:
+                groups = cells.setdefault((float(column), float(row)), [])
+                if groups and groups[-1][0] is paint:
+                    groups[-1][1].append(piece)
+                else:
+                    groups.append((paint, [piece]))
 
 
 def _share(depth: float) -> float:

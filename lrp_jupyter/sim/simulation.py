@@ -15,6 +15,7 @@ import math
 import os
 from collections import deque
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import replace
 from random import Random
 from typing import Any
@@ -229,10 +230,13 @@ class Simulation:
 
     def _drain(self) -> None:
         while self._queue:
-            self._apply_new(self._queue.popleft())
+            with suppress(ValueError):  # an edit has removed what it is about since it was queued
+                self._apply_new(check_input(self._queue.popleft(), self.world))
 
     def _apply_new(self, what: Input) -> None:
         if isinstance(what, WorldEdit):
+            if what.edited(self.world) == self.world:
+                return
             self.history.note(self.world)
         self._apply_now(what)
 
@@ -357,7 +361,7 @@ class Simulation:
         for robot, spec in zip(self.robots, world.robots, strict=True):
             robot.spec = spec
         if world.floor != former.floor:
-            self.floor = LiveFloor(world.floor, self.floor.marks)
+            self.floor.paint(world.floor)
         if world.solids == former.solids:
             return
         there: dict[Solid, deque[Motion]] = {}

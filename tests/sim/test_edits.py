@@ -6,6 +6,7 @@ import pytest
 
 from lrp_jupyter.sim import (
     Draw,
+    PlaceSolid,
     PutSolid,
     PutZone,
     RemoveSolid,
@@ -14,11 +15,12 @@ from lrp_jupyter.sim import (
     Simulation,
     World,
     WorldError,
+    floor,
     load,
 )
-from lrp_jupyter.sim.edits import MOST_POINTS, is_edit
+from lrp_jupyter.sim.edits import MOST_POINTS, Become, is_edit
 from lrp_jupyter.sim.reading import read_world
-from lrp_jupyter.sim.world import BoxSolid, BoxZone, CircleZone, DiscSolid
+from lrp_jupyter.sim.world import BoxSolid, BoxZone, CircleZone, DiscSolid, FloorSpec, PathStroke
 
 WALL = BoxSolid((2.0, 1.0, 0.1, 1.0), name="wall")
 
@@ -152,3 +154,45 @@ def test_drawing_without_end_is_bounded():
     for _ in range(4):
         world = line.edited(world)
     assert len(world.floor.strokes) == 2
+
+
+def test_an_edit_that_changes_nothing_is_not_undone():
+    simulation = Simulation("line")
+    simulation.reset(drawings=True)
+    simulation.apply(SetStart(simulation.world.robots[0].pose))
+    assert not simulation.history.can_undo
+
+
+def test_an_input_about_what_an_edit_before_it_removes_is_dropped():
+    simulation = Simulation("empty")
+    simulation.apply(PutSolid(WALL))
+    simulation.submit(Become(simulation.original))
+    simulation.submit(PlaceSolid((1.0, 1.0, 0.0), 0))
+    simulation.submit(RemoveSolid(0))
+    simulation.step(1)
+    assert simulation.world == simulation.original
+    assert simulation.time == 0.01
+
+
+def test_a_stroke_on_a_floor_with_many_enters_only_its_own_pieces(monkeypatch):
+    entered = []
+    enter = floor._enter
+    monkeypatch.setattr(floor, "_enter", lambda *arguments: (entered.append(1), enter(*arguments)))
+    simulation = Simulation("empty")
+    for y in range(1, 20):
+        simulation.draw(((0.1, y / 20), (1.0, y / 20), (1.1, y / 20)))
+    assert len(entered) == 2 * 19
+
+
+@pytest.mark.parametrize("grey", [255, 100])
+def test_a_floor_that_was_painted_step_by_step_is_like_one_painted_at_once(grey):
+    strokes = [PathStroke(((0.1, 0.1 * n), (1.0, 0.2)), 0.05, 20 * n) for n in range(1, 8)]
+    spec = FloorSpec(grey, tuple(strokes))
+    ink = floor.Paint(0.05, 30, True)
+    stepwise, at_once = floor.LiveFloor(FloorSpec(200)), floor.LiveFloor(spec)
+    for each in (stepwise, at_once):
+        each.ink(ink, (0.5, 0.0), (0.5, 1.0), 0)
+    for shown in (strokes[:2], strokes[:5], strokes[1:3], strokes):
+        stepwise.paint(FloorSpec(grey, tuple(shown)))
+    spots = [(x / 40, y / 40) for x in range(45) for y in range(30)]
+    assert [stepwise.light(*spot) for spot in spots] == [at_once.light(*spot) for spot in spots]
