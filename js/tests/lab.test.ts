@@ -5,6 +5,7 @@ import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { openLab } from "../src/lab";
 import type { AnswerMessage, Command, FromPage, PartName } from "../src/protocol";
 import { lostTexts } from "../src/session/lost";
+import { Stage } from "../src/world/stage";
 import recording from "./page/recording.json";
 
 /** A whole lab in a page without a browser, and the kernel's end of its wire. */
@@ -339,6 +340,35 @@ describe("the page", () => {
     page.deliver({ type: "frame", frame: 9, rate: { ...rate, achieved: 9.5 } });
     await page.drawn();
     expect(slider.value).toBe("70");
+  });
+
+  it("says whether the robot is followed, whichever way that ended", () => {
+    const follow = page.find('[data-lrp-action="world-follow"]');
+    expect(follow.getAttribute("aria-pressed")).toBe("true"); // there is no room here to show all
+    const zero = new KeyboardEvent("keydown", { key: "0", bubbles: true });
+    page.find(".lrp-canvas").dispatchEvent(zero);
+    expect(follow.getAttribute("aria-pressed")).toBe("false");
+  });
+
+  it("keeps for the next lab whether there is a grid", async () => {
+    const checked = () => {
+      page.find('[data-lrp-action="world-menu"]').click();
+      return page.find('[role="menu"] [data-lrp-action="grid"]').getAttribute("aria-checked");
+    };
+    expect(checked()).toBe("false");
+    page.find('[role="menu"] [data-lrp-action="grid"]').click();
+    page.close();
+    page = await new Page().begin();
+    expect(checked()).toBe("true");
+    localStorage.clear();
+  });
+
+  it("shows a world once, so that what is drawn meanwhile stays", async () => {
+    const shown = vi.spyOn(Stage.prototype, "show");
+    page.deliver({ type: "world", world: recording.snapshot.world });
+    await page.drawn();
+    expect(shown).toHaveBeenCalledTimes(1);
+    shown.mockRestore();
   });
 
   it("asks before another program is opened", async () => {

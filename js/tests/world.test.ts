@@ -373,6 +373,14 @@ describe("what is shown", () => {
     expect(viewport.follow).toBe(false);
   });
 
+  it("is the surroundings of the robot from the beginning where the user once chose that", () => {
+    const viewport = new Viewport(() => 0.08);
+    viewport.alwaysFollows = true;
+    viewport.resize(1000, 800, size, [0.5, 1]);
+    expect(viewport.follow).toBe(true);
+    expect(viewport.scale).toBeCloseTo(2 * room(1000, 800).scale);
+  });
+
   it.each([20, 57, 150, 333, 1200])("has a bar of a round length at %i px per metre", (pixels) => {
     const length = barLength(pixels);
     expect(length * pixels).toBeGreaterThanOrEqual(40);

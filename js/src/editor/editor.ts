@@ -21,7 +21,7 @@ import { lrp, outlineOf } from "../language/lrp";
 import type { AnswerMessage, ElementKind, TextRange } from "../protocol";
 import type { Connection } from "../session/connection";
 import type { Lab } from "../session/store";
-import { keep, kept } from "../ui/kept";
+import { isOn, keepOn } from "../ui/kept";
 import { completion } from "./complete";
 import { contextAt } from "./context";
 import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
@@ -58,9 +58,9 @@ export class Editor {
   private readonly running = new Tracked();
   private readonly typing = new Typing((cursor, meant) => this.send(cursor, meant));
   private began = false;
-  private values = kept("values") !== "off";
+  private values = isOn("values", true);
   private readonly brackets = new Compartment();
-  private colours = kept("brackets") !== "off";
+  private colours = isOn("brackets", true);
   private marks = "";
   private redrawing = 0;
 
@@ -225,7 +225,7 @@ export class Editor {
   }
 
   showValues(on: boolean): void {
-    keep("values", on ? "on" : "off");
+    keepOn("values", on);
     this.values = on;
     this.redraw();
   }
@@ -236,7 +236,7 @@ export class Editor {
   }
 
   showBrackets(on: boolean): void {
-    keep("brackets", on ? "on" : "off");
+    keepOn("brackets", on);
     this.colours = on;
     this.view.dispatch({ effects: this.brackets.reconfigure(on ? rainbow : []) });
   }

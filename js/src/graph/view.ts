@@ -5,7 +5,7 @@ import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, s, setAttribute } from "../ui/dom";
 import { type MenuItem, openMenu } from "../ui/menu";
-import { pngOfSvg, saveFile, svgDocument } from "../ui/picture";
+import { pngOfSvg, savePicture, svgDocument } from "../ui/picture";
 import { AutoFit, LEGIBLE } from "./autofit";
 import { type Box, Camera } from "./camera";
 import { Dragging } from "./drag";
@@ -113,11 +113,11 @@ export function graphView(lab: Lab): HTMLElement {
   };
   const isNested = () =>
     Object.values(store.state.layouts).some(({ states }) => states.some(({ inside }) => inside.length));
-  const save = async (kind: "svg" | "png") => {
+  const save = (kind: "svg" | "png") => {
     const picture = svgDocument(svg, layers.root, contents());
     const file =
-      kind === "svg" ? new Blob([picture], { type: "image/svg+xml" }) : await pngOfSvg(picture, contents());
-    saveFile(`${store.state.machine.replaceAll("/", "-")}.${kind}`, file);
+      kind === "svg" ? new Blob([picture], { type: "image/svg+xml" }) : pngOfSvg(picture, contents());
+    void savePicture(`${store.state.machine.replaceAll("/", "-")}.${kind}`, file, lab.notify);
   };
   const more = button({
     icon: "more",
@@ -139,8 +139,8 @@ export function graphView(lab: Lab): HTMLElement {
             run: () => void lab.act({ do: "nest", on: !isNested() }),
           },
           null,
-          { label: "Save as SVG", action: "save-svg", disabled, run: () => void save("svg") },
-          { label: "Save as PNG", action: "save-png", disabled, run: () => void save("png") },
+          { label: "Save as SVG", action: "save-svg", disabled, run: () => save("svg") },
+          { label: "Save as PNG", action: "save-png", disabled, run: () => save("png") },
         ],
         "State graph",
       );

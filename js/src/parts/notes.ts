@@ -163,7 +163,7 @@ const PAUSE = 1000; // ms
 
 export function announcer(lab: Lab): HTMLElement {
   const region = h("div", { class: "lrp-hidden", "aria-live": "polite", role: "status" });
-  let timer: ReturnType<typeof setTimeout> | undefined;
+  let isWaiting = false;
   let announced = "";
   const speak = () => {
     const { active, status, reason } = lab.store.state;
@@ -178,8 +178,10 @@ export function announcer(lab: Lab): HTMLElement {
     if (words !== announced) region.textContent = announced = words;
   };
   lab.store.watch(["active", "status"], () => {
-    timer ??= setTimeout(() => {
-      timer = undefined;
+    if (isWaiting) return;
+    isWaiting = true;
+    setTimeout(() => {
+      isWaiting = false;
       speak();
     }, PAUSE);
   });

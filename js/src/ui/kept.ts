@@ -1,4 +1,4 @@
-/** What the browser keeps of its user's choices, for all labs: sizes, hidden panels. */
+/** What the browser keeps of its user's choices, for all labs: sizes, hidden panels, switches. */
 
 const KEY = (name: string) => `lrp-kept:${name}`;
 
@@ -16,6 +16,16 @@ export function kept(name: string): string | null {
   } catch {
     return null;
   }
+}
+
+/** Whether a switch is on; `usual` until the user has chosen. */
+export function isOn(name: string, usual: boolean): boolean {
+  const value = kept(name);
+  return value === null ? usual : value === "on";
+}
+
+export function keepOn(name: string, on: boolean): void {
+  keep(name, on ? "on" : "off");
 }
 
 export function forget(name: string): void {

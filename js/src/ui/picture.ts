@@ -71,12 +71,18 @@ export async function pngOfSvg(document: string, { width, height }: Box): Promis
 /** A PNG of a canvas. */
 export function pngOf(canvas: HTMLCanvasElement): Promise<Blob> {
   return new Promise((resolve, reject) => {
-    canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("The picture is too large."))));
+    canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error("too large"))));
   });
 }
 
-/** Have the browser save a file. */
-export function saveFile(name: string, content: Blob): void {
+/** Have the browser save a picture as a file; `refuse` gets the sentence that says why there is none. */
+export async function savePicture(
+  name: string,
+  picture: Blob | Promise<Blob>,
+  refuse: (sentence: string) => void,
+): Promise<void> {
+  const content = await Promise.resolve(picture).catch(() => null);
+  if (!content) return refuse("The browser cannot make a picture of this size. Save it as SVG.");
   const address = URL.createObjectURL(content);
   h("a", { href: address, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(address), 60_000); // when it is certainly saved

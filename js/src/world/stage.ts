@@ -1,6 +1,7 @@
 /** The canvas of a world: a cached layer for what stands still, and frames interpolated between poses. */
 
 import type { Point, StrokeView, WorldView } from "../protocol";
+import { pngOf } from "../ui/picture";
 import { complete, completeStroke, type FullStroke, type FullWorld } from "./complete";
 import { paintBar, paintGrid, paintOutline, paintSelection, paintTrail } from "./overlay";
 import { type Palette, paintFloor, paintMovers, paintStart, paintStroke } from "./paint";
@@ -32,6 +33,8 @@ export class Stage {
   showsTrail = true;
   /** The colour and dash of a state's trail. */
   styleOf: (state: string) => { color: string; dash: number[] } = () => ({ color: "gray", dash: [] });
+  /** Called when another part of the world may be shown, or the robot no longer followed. */
+  viewed = () => {};
   private ink: FullStroke[] = [];
   private readonly floor = document.createElement("canvas");
   private floorStale = true;
@@ -49,7 +52,10 @@ export class Stage {
   show(view: WorldView | null): void {
     const world = view && complete(view);
     const other = !this.world || !world || String(this.world.size) !== String(world.size);
-    if (other || this.world?.name !== world?.name) this.trail.clear();
+    if (other || this.world?.name !== world?.name) {
+      this.trail.clear();
+      this.selected = null;
+    }
     this.world = world;
     this.ink = [];
     this.clearDraft();
@@ -171,6 +177,7 @@ export class Stage {
 
   repaint(): void {
     this.floorStale = true;
+    this.viewed();
     this.wake();
   }
 
@@ -190,16 +197,15 @@ export class Stage {
   }
 
   /** What is shown, as a picture on paper. */
-  image(): Promise<Blob | null> {
+  async image(): Promise<Blob> {
     const copy = document.createElement("canvas");
     copy.width = this.canvas.width;
     copy.height = this.canvas.height;
-    const c = copy.getContext("2d");
-    if (!c) return Promise.resolve(null);
+    const c = copy.getContext("2d")!;
     c.fillStyle = this.palette.paper;
     c.fillRect(0, 0, copy.width, copy.height);
     c.drawImage(this.canvas, 0, 0);
-    return new Promise((resolve) => copy.toBlob(resolve));
+    return pngOf(copy);
   }
 
   private picture(now: number): void {

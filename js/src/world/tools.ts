@@ -28,40 +28,45 @@ export interface ToolBox {
 
 export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   const { canvas } = stage;
-  let current: Drag | null = null;
+  let cancel: (() => void) | null = null; // of the present drag
   const local = (event: MouseEvent): Point => {
     const frame = canvas.getBoundingClientRect();
     return [event.clientX - frame.left, event.clientY - frame.top];
   };
 
   canvas.addEventListener("pointerdown", (event) => {
-    if (event.button !== 0 || !stage.world || !stage.latest || current) return;
+    if (event.button !== 0 || !stage.world || !stage.latest || cancel) return;
     canvas.setPointerCapture(event.pointerId);
     canvas.focus({ preventScroll: true });
     edits.flush();
     const begin = local(event);
     const drag = beginning(begin, event.shiftKey);
-    current = drag;
+    const { pointerId } = event;
     let [sent, moved] = [0, false];
     const move = (now: PointerEvent) => {
+      if (now.pointerId !== pointerId) return;
       const at = local(now);
       moved ||= Math.hypot(at[0] - begin[0], at[1] - begin[1]) > CLICK;
-      if (!moved || current !== drag) return;
+      if (!moved) return;
       const due = now.timeStamp - sent > SEND_EVERY;
       if (due) sent = now.timeStamp;
       stage.busy = true;
       drag.move(at, due, now.shiftKey);
     };
-    const end = (last: PointerEvent) => {
+    const stop = (isCancelled: boolean) => {
       canvas.removeEventListener("pointermove", move);
       canvas.removeEventListener("pointerup", end);
       canvas.removeEventListener("pointercancel", end);
-      if (current !== drag) return;
-      current = null;
+      if (canvas.hasPointerCapture(pointerId)) canvas.releasePointerCapture(pointerId);
+      cancel = null;
       stage.busy = false;
-      if (last.type === "pointercancel") drag.cancel?.();
+      if (isCancelled) drag.cancel?.();
       else drag.end(moved);
     };
+    const end = (last: PointerEvent) => {
+      if (last.pointerId === pointerId) stop(last.type === "pointercancel");
+    };
+    cancel = () => stop(true);
     canvas.addEventListener("pointermove", move);
     canvas.addEventListener("pointerup", end);
     canvas.addEventListener("pointercancel", end);
@@ -214,6 +219,10 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   function pressed(key: string, shift: boolean): boolean {
     const { tool } = box;
     const places = tool === "wall" || tool === "box" || tool === "zone";
+    if (cancel) {
+      if (key === "Escape") cancel();
+      return true; // nothing else changes what is dragged
+    }
     if (edits.nudge(key, shift)) return true;
     if (key === "Delete" || key === "Backspace") edits.remove();
     else if (key === "Enter" && places)
@@ -224,11 +233,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     else if (key === "+" || key === "=") stage.zoom(1.25);
     else if (key === "-") stage.zoom(1 / 1.25);
     else if (key === "0") stage.showAll();
-    else if (key === "Escape" && current) {
-      current.cancel?.();
-      current = null;
-      stage.busy = false;
-    } else if (key === "Escape" && (edits.selected || tool !== "move")) {
+    else if (key === "Escape" && (edits.selected || tool !== "move")) {
       edits.select(null);
       box.choose("move");
     } else return false;

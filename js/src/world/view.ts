@@ -5,6 +5,7 @@ import type { FromKernel } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, setText } from "../ui/dom";
+import { isOn, keepOn } from "../ui/kept";
 import { type MenuItem, openMenu } from "../ui/menu";
 import { WorldEdits } from "./edits";
 import { openWorld, savePng, saveSvg } from "./files";
@@ -40,6 +41,9 @@ export function worldView(lab: Lab): WorldPart {
   const { store } = lab;
   const stage = new Stage(() => palette(lab.root));
   const { canvas } = stage;
+  stage.grid = isOn("world-grid", false);
+  stage.showsTrail = isOn("world-trail", true);
+  stage.viewport.alwaysFollows = isOn("world-follow", false);
   for (const [name, value] of Object.entries({
     class: "lrp-canvas",
     tabindex: "0",
@@ -63,11 +67,13 @@ export function worldView(lab: Lab): WorldPart {
     },
     grid() {
       stage.grid = !stage.grid;
+      keepOn("world-grid", stage.grid);
       stage.repaint();
     },
     follow() {
       stage.follows = !stage.follows;
-      showFollow();
+      stage.viewport.alwaysFollows = stage.follows;
+      keepOn("world-follow", stage.follows);
     },
   };
   const tools = TOOLS.map(([name, icon, title]) =>
@@ -110,11 +116,7 @@ export function worldView(lab: Lab): WorldPart {
     "aria-pressed": "false",
     onclick: () => box.follow(),
   });
-  const showFollow = () => follow.setAttribute("aria-pressed", String(stage.follows));
-  const viewing = (act: () => void) => () => {
-    act();
-    showFollow();
-  };
+  stage.viewed = () => follow.setAttribute("aria-pressed", String(stage.follows));
   const more = button({
     icon: "more",
     title: "More about the world",
@@ -136,6 +138,7 @@ export function worldView(lab: Lab): WorldPart {
         checked: stage.showsTrail,
         run: () => {
           stage.showsTrail = !stage.showsTrail;
+          keepOn("world-trail", stage.showsTrail);
           colours.refresh();
           stage.wake();
         },
@@ -194,7 +197,7 @@ export function worldView(lab: Lab): WorldPart {
       icon: "fit",
       title: "Show all (0)",
       action: "world-zoom-fit",
-      onclick: viewing(() => stage.showAll()),
+      onclick: () => stage.showAll(),
     }),
     follow,
   );
@@ -242,7 +245,6 @@ export function worldView(lab: Lab): WorldPart {
 
   store.watch(["world", "panel", "snapshot"], () => {
     const { world } = store.state;
-    stage.show(world);
     edits.check();
     strip.refresh();
     undo.disabled = !world?.undo;
@@ -251,7 +253,6 @@ export function worldView(lab: Lab): WorldPart {
     if (!world) toolbar.hidden = true;
     element.toggleAttribute("data-worldless", !world);
     setText(heading, world ? "World" : "Robot");
-    showFollow();
   });
   store.watch(["program", "snapshot"], () => {
     stage.styleOf = trailStyles(store.state.program, stage.palette.trail);
@@ -282,10 +283,7 @@ export function worldView(lab: Lab): WorldPart {
     setText(time, `${now.toFixed(1)} s${achieved ? `  ×${achieved.toPrecision(2)}` : ""}`);
   };
   store.watch(["speed"], showTime);
-  new ResizeObserver(() => {
-    stage.resize();
-    showFollow();
-  }).observe(canvas);
+  new ResizeObserver(() => stage.resize()).observe(canvas);
   new MutationObserver(() => {
     stage.retheme();
     stage.styleOf = trailStyles(store.state.program, stage.palette.trail);
@@ -297,8 +295,7 @@ export function worldView(lab: Lab): WorldPart {
   return {
     element,
     message(message, buffers) {
-      if (message.type === "snapshot") stage.show(message.world);
-      if (message.type === "world") stage.show(message.world);
+      if (message.type === "snapshot" || message.type === "world") stage.show(message.world);
       if (message.type !== "frame" || !stage.world) return;
       if (message.ink) stage.draw(message.ink.first, message.ink.strokes);
       const poses = buffers[0] && readPoses(stage.world, buffers[0]);

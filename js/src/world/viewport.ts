@@ -17,6 +17,8 @@ export class Viewport {
   private mode: "auto" | "all" | "free" = "auto";
   /** Whether the robot is kept in sight. */
   follow = false;
+  /** Whether the user wants that in every world. */
+  alwaysFollows = false;
   private width = 0;
   private height = 0;
 
@@ -40,6 +42,7 @@ export class Viewport {
     const all = this.scaleOfAll(size);
     const legible = SMALLEST_ROBOT / (2 * this.robot());
     this.scale = Math.max(all, legible);
+    if (this.alwaysFollows) this.magnify(all);
     this.follow = this.scale > all;
     this.centre(robot && this.follow ? robot : [size[0] / 2, size[1] / 2], size);
   }
@@ -54,11 +57,14 @@ export class Viewport {
 
   /** Keep the robot in sight from now on, magnified so that there is something to follow. */
   begin(robot: Point, size: Point): void {
-    const all = this.scaleOfAll(size);
-    if (this.scale < 1.5 * all) this.scale = 2 * all;
+    this.magnify(this.scaleOfAll(size));
     this.mode = "free";
     this.follow = true;
     this.centre(robot, size);
+  }
+
+  private magnify(all: number): void {
+    if (this.scale < 1.5 * all) this.scale = 2 * all;
   }
 
   /** Show the surroundings of a point; no more of what is outside of the world than needed. */

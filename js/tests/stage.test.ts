@@ -1,0 +1,85 @@
+// @vitest-environment happy-dom
+
+import { beforeEach, describe, expect, it } from "vitest";
+import type { WorldView } from "../src/protocol";
+import type { Act } from "../src/session/connection";
+import type { Lab } from "../src/session/store";
+import { WorldEdits } from "../src/world/edits";
+import type { Palette } from "../src/world/paint";
+import { Stage } from "../src/world/stage";
+import { type Tool, useTools } from "../src/world/tools";
+
+const view: WorldView = {
+  version: 1,
+  name: "one",
+  size: [3, 2],
+  seed: 0,
+  floor: {},
+  solids: [{ box: [2, 1, 0.4, 0.4], angle: 0 }],
+  robots: [{ pose: [0.5, 1, 0] }],
+  zones: {},
+};
+
+let stage: Stage;
+let edits: WorldEdits;
+let acts: Act[];
+let captured: Set<number>;
+beforeEach(() => {
+  acts = [];
+  const send = (act: Act) => void acts.push(act);
+  const act = async (act: Act) => {
+    send(act);
+    return null;
+  };
+  stage = new Stage(() => ({}) as Palette);
+  captured = new Set();
+  stage.canvas.setPointerCapture = (id) => void captured.add(id);
+  stage.canvas.hasPointerCapture = (id) => captured.has(id);
+  stage.canvas.releasePointerCapture = (id) => void captured.delete(id);
+  edits = new WorldEdits(stage, { act, send } as unknown as Lab, () => {});
+  const tool: Tool = "move";
+  useTools(stage, edits, { tool, choose: () => {}, grid: () => {}, follow: () => {} });
+  stage.show(view);
+});
+
+/** A pointer at a place of the world, in metres. */
+function point(type: string, x: number, y: number, pointerId = 1): void {
+  const [clientX, clientY] = stage.viewport.outside([x, y]);
+  const event = new PointerEvent(type, { pointerId, clientX, clientY, button: 0, bubbles: true });
+  stage.canvas.dispatchEvent(event);
+}
+
+const press = (key: string) => stage.canvas.dispatchEvent(new KeyboardEvent("keydown", { key }));
+
+describe("a drag in the world", () => {
+  it("ends with Escape: the thing is where it was, and the pointer is free", () => {
+    point("pointerdown", 2, 1);
+    point("pointermove", 2.5, 1);
+    expect(captured).toEqual(new Set([1]));
+    press("Escape");
+    expect([...captured, stage.busy, stage.preview]).toEqual([false, null]);
+    point("pointerup", 2.5, 1);
+    expect(acts.filter((act) => act.do === "put_solid")).toEqual([]);
+  });
+
+  it("is not disturbed by a second finger, nor by keys", () => {
+    point("pointerdown", 2, 1);
+    point("pointermove", 2.5, 1);
+    point("pointermove", 0.2, 0.2, 2);
+    point("pointerup", 0.2, 0.2, 2);
+    press("ArrowLeft");
+    press("Delete");
+    point("pointerup", 2.5, 1);
+    const put = acts.filter((act) => act.do === "put_solid");
+    expect(put).toMatchObject([{ box: [2.5, 1, 0.4, 0.4] }]);
+    expect(acts.map((act) => act.do)).not.toContain("remove_solid");
+  });
+});
+
+it("a selection is not that of another world, whose things have the same numbers", () => {
+  edits.select({ kind: "solid", index: 0 });
+  stage.show({ ...view, solids: [...view.solids!] });
+  expect(stage.selected).toEqual({ kind: "solid", index: 0 });
+  stage.show({ ...view, name: "other" });
+  expect(stage.selected).toBe(null);
+});
