@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 import re
 from bisect import bisect_left
+from collections.abc import Sequence
 from keyword import kwlist
 from typing import NamedTuple
 
@@ -95,7 +96,7 @@ class TextDraft:
     def _kind(self, index: int) -> str:
         return self.tokens[index][0] if index < len(self.tokens) else ""
 
-    def _rest(self, index: int) -> list[Token]:
+    def _rest(self, index: int) -> Sequence[Token]:
         """Return the tokens of the form up to its `)` or the next form."""
         rest = []
         for token in self.tokens[index : index + 12]:

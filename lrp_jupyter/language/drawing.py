@@ -89,11 +89,11 @@ class DrawnProgram:
 
     def form_of(self, scope: Scope) -> WrittenForm:
         """Return the form of a machine, or the top level."""
-        return self.sheet.root if scope.noun is None else self.sheet.at[scope.noun.span.start]
+        return self.sheet.root if scope.noun is None else self.sheet.at(scope.noun.span.start)
 
     def written(self, arrow: Arrow) -> WrittenTransition:
         """Return a transition as it is written."""
-        return WrittenTransition(self.sheet, self.sheet.at[arrow.noun.span.start])
+        return WrittenTransition(self.sheet, self.sheet.at(arrow.noun.span.start))
 
     def is_spawned(self, scope: Scope) -> bool:
         """Return whether anything spawns a machine."""
@@ -102,7 +102,7 @@ class DrawnProgram:
     def starts(self, scope: Scope, state: str) -> list[WrittenForm]:
         """Return the spawns that start a machine in a state."""
         return [
-            self.sheet.at[spawning.noun.span.start]
+            self.sheet.at(spawning.noun.span.start)
             for spawning in self.names.spawns
             if spawning.machine is scope and spawning.noun.state == state
         ]
@@ -116,7 +116,7 @@ class DrawnProgram:
 
     def spawn_by(self, state: State, form: str) -> Edit:
         """Return the edit that adds a spawn to what a state does on entry."""
-        return self.sheet.spawned_by(self.sheet.at[state.span.start], form)
+        return self.sheet.spawned_by(self.sheet.at(state.span.start), form)
 
     def edits(self, edits: Iterable[Edit]) -> list[Edit]:
         """Return edits in the order of the text, insertions at one place as one, if they make a program.
@@ -316,7 +316,7 @@ def new_form(text: str, path: Path, form: str) -> list[Edit]:
         scope = drawing.names.by_path[path]
         parent, keyword = drawing.form_of(scope), "machine" if path else "program"
     else:
-        parent, keyword = drawing.sheet.at[drawing.state(path)[1].span.start], "state"
+        parent, keyword = drawing.sheet.at(drawing.state(path)[1].span.start), "state"
     return drawing.edits([drawing.sheet.added(parent, _only_form(form, keyword))])
 
 
@@ -336,8 +336,8 @@ def _only_form(text: str, keyword: str) -> str:
         parse(whole)
     except LRPSyntaxError as error:
         raise ValueError(error.findings[0].message) from None
-    found = Sheet(whole).at.get(len(before))
-    if found is None or found.end != len(before) + len(form) or found.keyword not in LEGAL[keyword]:
+    found = Sheet(whole).at(len(before))
+    if found.end != len(before) + len(form) or found.keyword not in LEGAL[keyword]:
         raise ValueError(f"`{text}` is more than one form. Write one at a time.")
     return form
 
@@ -367,7 +367,7 @@ def delete_state(text: str, path: Path) -> list[Edit]:
     name = str(state.name)
     if scope.noun and [str(each.name) for each in scope.noun.states].count(name) > 1:
         raise ValueError(f"`{name}` is defined twice. Remove the second definition first.")
-    gone, edits = [drawing.sheet.at[state.span.start]], []
+    gone, edits = [drawing.sheet.at(state.span.start)], []
     for arrow in chain.from_iterable(drawing.names.arrows.values()):
         noun, here = arrow.noun, arrow.scope is scope
         if noun.destination == name and set(arrow.homes) == {scope}:
@@ -391,7 +391,7 @@ def delete_machine(text: str, path: Path) -> list[Edit]:
     drawing = DrawnProgram(text)
     scope = drawing.machine(path)
     spawns = [each for each in drawing.names.spawns if each.machine is scope]
-    gone = [drawing.form_of(scope), *(drawing.sheet.at[each.noun.span.start] for each in spawns)]
+    gone = [drawing.form_of(scope), *(drawing.sheet.at(each.noun.span.start) for each in spawns)]
     return drawing.edits(drawing.sheet.removed(gone))
 
 
@@ -481,7 +481,7 @@ def start_in(text: str, path: Path) -> list[Edit]:
     scope, state = drawing.state(path)
     name = str(state.name)
     spawns = [
-        drawing.sheet.at[each.noun.span.start] for each in drawing.names.spawns if each.machine is scope
+        drawing.sheet.at(each.noun.span.start) for each in drawing.names.spawns if each.machine is scope
     ]
     if not spawns:
         return drawing.edits([drawing.spawn(scope, name)])

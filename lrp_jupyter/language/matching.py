@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
@@ -42,7 +43,7 @@ class Matching(NamedTuple):
     too_deep: bool = False
 
 
-def match(text: str, starts: list[int], tokens: list[Token]) -> Matching:
+def match(text: str, starts: list[int], tokens: Sequence[Token]) -> Matching:
     """Match the brackets of a text whose lines begin at `starts`, with the least change where they do not."""
     around = ["program"]
     sound = True
@@ -62,7 +63,7 @@ def match(text: str, starts: list[int], tokens: list[Token]) -> Matching:
     return Matching([]) if sound and len(around) == 1 else _repaired(text, starts, tokens)
 
 
-def _repaired(text: str, starts: list[int], tokens: list[Token]) -> Matching:
+def _repaired(text: str, starts: list[int], tokens: Sequence[Token]) -> Matching:
     indices = []
     sequence = []
     for index, (kind, start, end) in enumerate(tokens):

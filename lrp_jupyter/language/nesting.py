@@ -73,7 +73,7 @@ class _Move:
     def finish(self, parent: WrittenForm, new_machine: str = "") -> list[Edit]:
         """Return all edits; the state and its transitions are written into a machine, or into a new one."""
         sheet = self.drawing.sheet
-        parts = [(sheet.at[self.state.span.start], "", ""), *self.along]
+        parts = [(sheet.at(self.state.span.start), "", ""), *self.along]
         if new_machine:
             gap = sheet.place(parent, "machine")[1]
             inner = gap if gap == " " else f"{gap}  "
@@ -169,7 +169,7 @@ def nest(text: str, path: Path, into: str) -> list[Edit]:
     taken = {scope.path[-1] for scope in drawing.names.scopes if scope.path}
     machine = next(free for free in numbered(f"in_{into}") if free not in taken)
     move.edits.append(drawing.spawn_by(target, f"(spawn {machine} {name})"))
-    return move.finish(drawing.sheet.at[target.span.start], machine)
+    return move.finish(drawing.sheet.at(target.span.start), machine)
 
 
 def unnest(text: str, path: Path) -> list[Edit]:

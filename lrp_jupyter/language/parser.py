@@ -149,7 +149,7 @@ class _Reader:
         """Register an error at a range of the text, with the edits that certainly repair it."""
         self.findings.append(Diagnosis(start, end, code, message, edits))
 
-    def _build(self, tokens: list[Token], matching: Matching) -> Program:
+    def _build(self, tokens: Sequence[Token], matching: Matching) -> Program:
         _, extra, lost, closing, _ = matching
         text = self.text
         form = _Form("program", ("", 0, 0))

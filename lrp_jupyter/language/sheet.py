@@ -7,8 +7,9 @@ is indented like the forms around it.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Sequence
+from functools import cached_property
 from itertools import takewhile
 
 from lrp_jupyter.errors import Edit
@@ -35,20 +36,41 @@ _LINE = re.compile(r"(\r\n|\r|\n)([ \t]*+)(?=[^\s])")
 _STEP = "  "
 
 
-@dataclass(eq=False)
 class WrittenForm:
     """A form as it is written: ``text[start:end]``, and the tokens and forms after its keyword.
 
-    ``head`` is the end of its keyword or, of a form that begins with one, of its name.
+    ``head`` is the end of its keyword or, of a form that begins with one, of its name. What is in it is read
+    when it is needed: of a long program an edit needs little.
     """
 
-    keyword: str
-    start: int
-    head: int
-    end: int = 0
-    items: list[Token | WrittenForm] = field(default_factory=list)
+    def __init__(self, text: str, tokens: Sequence[Token], end: int | None = None) -> None:
+        self._text, self._tokens = text, tokens
+        kind, self.start, self.head = tokens[0]
+        self.keyword = keyword_of(text, tokens[0]) if kind == "OPEN" else "program"
+        self.end = tokens[-1][2] if end is None else end
+        if self.keyword in _NAMED and tokens[1][0] == "NAME":
+            self.head = tokens[1][2]
 
-    @property
+    @cached_property
+    def items(self) -> list[Token | WrittenForm]:
+        """The tokens and forms in it."""
+        found: list[Token | WrittenForm] = []
+        begun = depth = 0
+        inside = self._tokens[1 : len(self._tokens) - (self._tokens[0][0] == "OPEN")]
+        for index, token in enumerate(inside):
+            kind = token[0]
+            if kind == "OPEN":
+                begun = begun if depth else index
+                depth += 1
+            elif kind == "CLOSE":
+                depth -= 1
+                if not depth:
+                    found.append(WrittenForm(self._text, inside[begun : index + 1]))
+            elif not depth:
+                found.append(token)
+        return found
+
+    @cached_property
     def forms(self) -> list[WrittenForm]:
         """The forms directly in it."""
         return [item for item in self.items if isinstance(item, WrittenForm)]
@@ -72,36 +94,28 @@ class Sheet:
     ----------
     root : WrittenForm
         The top level.
-    at : dict of int to WrittenForm
-        Every form by its start.
     line_end : str
         The first line end of the text.
     """
 
     def __init__(self, text: str) -> None:
         self.text = text
-        self.root = WrittenForm("program", 0, 0, len(text))
-        self.at: dict[int, WrittenForm] = {}
-        self._ends: dict[int, int] = {}  # by the start of a form: the end of what precedes it
-        self._around: dict[int, WrittenForm] = {}  # by the start of a form: the one that it is in
-        opened, last = [self.root], 0
-        for token in tokenize(text):
-            kind, start, end = token
-            if kind == "OPEN":
-                form = WrittenForm(keyword_of(text, token), start, end)
-                self.at[start], self._ends[start], self._around[start] = form, last, opened[-1]
-                opened[-1].items.append(form)
-                opened.append(form)
-            elif kind == "CLOSE":
-                opened.pop().end = end
-            else:
-                form = opened[-1]
-                if kind == "NAME" and not form.items and form.keyword in _NAMED:
-                    form.head = end
-                form.items.append(token)
-            last = end
+        self._tokens = tokenize(text)
+        self.root = WrittenForm(text, [("PROGRAM", 0, 0), *self._tokens], end=len(text))
         found = LINE_END.search(text)
         self.line_end = found[0] if found else "\n"
+
+    def at(self, start: int) -> WrittenForm:
+        """Return the form that begins at a place."""
+        return self._nesting(start)[-1]
+
+    def _nesting(self, start: int) -> list[WrittenForm]:
+        """Return the form that begins at a place, after all forms that it is in, the top level first."""
+        forms = [self.root]
+        while forms[-1].start != start or len(forms) == 1:
+            inner = forms[-1].forms
+            forms.append(inner[bisect_right(inner, start, key=lambda form: form.start) - 1])
+        return forms
 
     def name(self, span: tuple[int, int]) -> str:
         """Return the name in a range, as the parser reads it."""
@@ -186,7 +200,7 @@ class Sheet:
         """Return the edits that cut forms out; a form without its only items goes too. Comments stay."""
         gone = set(forms)
         for form in list(gone):
-            around = self._around[form.start]
+            around = self._nesting(form.start)[-2]
             if around.keyword in _ACTIONS and gone.issuperset(set(around.items)):
                 gone.add(around)
         runs: list[list[int]] = []
@@ -211,7 +225,8 @@ class Sheet:
             return Edit(left, line_end.end() if line_end else right, "")
         if text[right] != ")":
             return Edit(start, right, "")
-        before = self._ends[start]
+        index = bisect_left(self._tokens, start, key=lambda token: token[1])
+        before = self._tokens[index - 1][2] if index else 0
         if text[before:left].strip():  # a comment: the bracket must not be on its line
             return Edit(start, right, "")
         return Edit(before, right, "")

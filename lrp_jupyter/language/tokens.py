@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from functools import lru_cache
 
 from lrp_jupyter.language.scanner import block_end, brackets, line_end
 from lrp_jupyter.language.triggers import FORMS
@@ -50,8 +52,9 @@ The type is a terminal of ``grammar.lark``, ``OPEN`` (a ``(`` with its keyword),
 """
 
 
-def tokenize(text: str) -> list[Token]:
-    """Return the tokens of a text, without white space and comments."""
+@lru_cache(maxsize=4)
+def tokenize(text: str) -> Sequence[Token]:
+    """Return the tokens of a text, without white space and comments; the last ones are kept."""
     tokens: list[Token] = []
     append = tokens.append
     end = unclosed = 0

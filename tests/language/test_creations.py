@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pytest
 from hypothesis import given
 from programs import programs
 
 from lrp_jupyter import check, parse
+from lrp_jupyter.language import sheet
 from lrp_jupyter.language.printer import to_source
 from lrp_jupyter.language.program import Program
 
@@ -113,3 +116,19 @@ def test_a_creation_leaves_a_program_without_the_finding(program: Program) -> No
             after = finding.creates.apply(text)
             parse(after)
             assert (finding.code, finding.message) not in {(each.code, each.message) for each in check(after)}
+
+
+def test_a_creation_in_a_long_program_reads_only_the_forms_around_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+    make = sheet.WrittenForm.__init__
+
+    def counted(form: sheet.WrittenForm, *rest: Any, **more: Any) -> None:
+        made.append(form)
+        make(form, *rest, **more)
+
+    monkeypatch.setattr(sheet.WrittenForm, "__init__", counted)
+    states = "".join(f" (state s{number} (onentry [1]))" for number in range(20))
+    others = "".join(f"(machine m{number}{states})\n(spawn m{number} s0)\n" for number in range(10))
+    found = check(parse(f"{others}(machine last (state a) (on [True] a -> b))\n(spawn last a)\n"))
+    assert [each.creates.title for each in found if each.creates] == ["Create the state `b`"]
+    assert len(made) < 30

@@ -462,7 +462,7 @@ def test_the_time_for_a_text_full_of_mistakes_grows_with_its_length(piece: str) 
         return calls
 
     steps(500)  # fills the caches
-    assert steps(4000) < 12 * steps(500)
+    assert steps(4000) < 12 * steps(501)  # a text of its own, because the tokens of the last ones are kept
 
 
 def test_a_long_line_is_not_copied_for_each_block_in_it():

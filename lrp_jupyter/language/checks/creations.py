@@ -42,7 +42,7 @@ def new_spawn(report: Reporter, state: State | None, machine: str, start: str) -
     if not _has_room(report):
         return None
     sheet, form = report.sheet, f"(spawn {machine} {start})"
-    edit = sheet.spawned_by(sheet.at[state.span.start], form) if state else sheet.added(sheet.root, form)
+    edit = sheet.spawned_by(sheet.at(state.span.start), form) if state else sheet.added(sheet.root, form)
     return Fix(f"Add `{form}`", (edit,))
 
 
@@ -50,7 +50,7 @@ def _created(report: Reporter, around: Machine | State | None, form: str, what: 
     if not _has_room(report):
         return None
     sheet = report.sheet
-    edit = sheet.added(sheet.at[around.span.start] if around else sheet.root, form)
+    edit = sheet.added(sheet.at(around.span.start) if around else sheet.root, form)
     return Fix(f"Create the {what}", (edit,))
 
 
