@@ -342,6 +342,16 @@ describe("the page", () => {
     expect(slider.value).toBe("70");
   });
 
+  it("cuts long names in the middle, and keeps characters whole", async () => {
+    const program = structuredClone(recording.snapshot.frame.program);
+    Object.assign(program.machines[0]!, { path: "look_for_the_wall_🤖_now!", parent: "" });
+    page.deliver({ type: "frame", frame: 9, program });
+    await page.drawn();
+    const name = page.find(".lrp-tree-name");
+    expect([...name.children].map((part) => part.textContent)).toEqual(["look_for_the_wall", "_🤖_now!"]);
+    expect(page.find("[role=treeitem]").title).toBe("follower/looking");
+  });
+
   it("says whether the robot is followed, whichever way that ended", () => {
     const follow = page.find('[data-lrp-action="world-follow"]');
     expect(follow.getAttribute("aria-pressed")).toBe("true"); // there is no room here to show all

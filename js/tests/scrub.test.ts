@@ -75,6 +75,17 @@ describe("the keys", () => {
     view.destroy();
   });
 
+  it("begin a step of undo of their own at a number that was selected, after what was typed", () => {
+    const view = open("[2 + ]", 5);
+    view.dispatch({ ...view.state.replaceSelection("7"), userEvent: "input.type" });
+    view.dispatch({ selection: { anchor: 5, head: 6 } });
+    press(view, "ArrowUp");
+    expect(view.state.doc.toString()).toBe("[2 + 8]");
+    undo(view);
+    expect(view.state.doc.toString()).toBe("[2 + 7]");
+    view.destroy();
+  });
+
   it("are left to others where there is no number", () => {
     const view = open("(state a)", 8);
     expect(press(view, "ArrowUp")).toBe(false);

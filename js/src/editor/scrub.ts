@@ -3,7 +3,7 @@
  * number. Each step is an edit that runs at once; all steps of one gesture are one step of undo.
  */
 
-import { Annotation, type EditorState, type Extension, Prec } from "@codemirror/state";
+import { Annotation, type EditorState, type Extension, Prec, StateField } from "@codemirror/state";
 import { EditorView, hoverTooltip, keymap } from "@codemirror/view";
 import { h } from "../ui/dom";
 
@@ -54,14 +54,20 @@ function put(view: EditorView, { from, to }: Literal, text: string, isFirst: boo
   return { from, to: from + text.length, text };
 }
 
+/** Whether the last thing done was a step: the next one at the same number belongs to it. */
+const stepping = StateField.define<boolean>({
+  create: () => false,
+  update: (was, transaction) =>
+    transaction.annotation(scrubbed) ?? (was && !transaction.docChanged && !transaction.selection),
+});
+
 /** Changes the number at the cursor; false if there is none. */
 function byKey(steps: number) {
   return (view: EditorView): boolean => {
     const { from, to, head } = view.state.selection.main;
     const literal = numberAt(view.state, head);
     if (!literal || from < literal.from || to > literal.to) return false;
-    const goesOn = from === literal.from && to === literal.to && from < to;
-    put(view, literal, stepped(literal.text, steps), !goesOn);
+    put(view, literal, stepped(literal.text, steps), !view.state.field(stepping));
     return true;
   };
 }
@@ -76,6 +82,7 @@ function byDrag(event: MouseEvent, view: EditorView): boolean {
   let literal = begun;
   let isFirst = true;
   const move = (now: MouseEvent) => {
+    if (!now.buttons) return end(); // the button was released where nothing reports it
     const steps = Math.trunc((now.clientX - event.clientX) / STEP) * (now.shiftKey ? 10 : 1);
     const text = stepped(begun.text, steps);
     if (text === literal.text) return;
@@ -109,6 +116,7 @@ const card = hoverTooltip(
 );
 
 export const scrubbing: Extension = [
+  stepping,
   card,
   EditorView.domEventHandlers({ mousedown: byDrag }),
   Prec.high(

@@ -1,12 +1,13 @@
 /** The events that are tested now: those for which a transition out of an active state waits. */
 
+import { parentOf } from "../language/paths";
 import type { LabState } from "../session/state";
 
 export function testedEvents({ program, lit }: Pick<LabState, "program" | "lit">): Set<string> {
   const events = new Set([...program.events, ...program.machines.flatMap((machine) => machine.events)]);
   const tested = new Set<string>();
   for (const { path, transitions } of program.machines) {
-    const active = lit.filter((state) => state.slice(0, state.lastIndexOf("/")) === path);
+    const active = lit.filter((state) => parentOf(state) === path);
     for (const { trigger, source, destination } of transitions) {
       const waits = active.some((state) => leaves(source, destination, state.slice(path.length + 1)));
       const event = waits && inScope(events, trigger, path);

@@ -1,6 +1,7 @@
 /** The acts on a state graph, as fields that ask for a name or a trigger, and as menus: everything by keyboard. */
 
 import type { Act, Pen } from "../editor/pen";
+import { nameOf, parentOf } from "../language/paths";
 import type { Lab } from "../session/store";
 import type { MenuItem } from "../ui/menu";
 import { type Entry, openField } from "./field";
@@ -12,9 +13,6 @@ export interface Point {
 }
 
 const TRIGGER = "event, n > 3, 2 s, or eps";
-
-export const parentOf = (path: string) => path.slice(0, path.lastIndexOf("/"));
-export const nameOf = (path: string) => path.slice(path.lastIndexOf("/") + 1);
 
 /** What a block contains, in its brackets. */
 const block = (text: string) => (/^\s*(\[[\s\S]*\]|\(spawn\b[\s\S]*\))\s*$/.test(text) ? text : `[${text}]`);

@@ -3,6 +3,7 @@
  * become elements, which are reused while their state or transition exists.
  */
 
+import { parentOf } from "../language/paths";
 import type { Label, Layout, Port, StateShape, TransitionShape } from "../protocol";
 import { reconcile, s, setAttribute, setText } from "../ui/dom";
 
@@ -70,7 +71,7 @@ function arrowKeys(shapes: TransitionShape[]): Map<TransitionShape, string> {
 
 function drawFrame(layer: SVGGElement, layout: Layout): void {
   const [x = 0, y = 0, width = 0, height = 0] = layout.frame;
-  const outer = layout.machine.slice(0, Math.max(0, layout.machine.lastIndexOf("/")));
+  const outer = parentOf(layout.machine);
   layer.replaceChildren(
     s("rect", { class: "lrp-frame", x, y, width, height, rx: 8 }),
     s(

@@ -5,10 +5,11 @@
  */
 
 import type { Pen } from "../editor/pen";
+import { nameOf, parentOf } from "../language/paths";
 import type { Lab } from "../session/store";
 import { focusLab, s, setAttribute } from "../ui/dom";
 import { openMenu } from "../ui/menu";
-import { Acts, nameOf, type Point, parentOf } from "./acts";
+import { Acts, type Point } from "./acts";
 
 const NEAR = 7; // px from the border of a state that count as the border
 const DRAG_FROM = 4; // px of movement that make a press a drag
@@ -55,12 +56,11 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
     return found.sort((a, b) => frameOf(a).width - frameOf(b).width)[0] ?? null;
   };
   const borderAt = (point: Point): SVGGElement | null => {
-    const margin = Math.min(NEAR, 12);
     return (
       boxes().find((node) => {
         const frame = frameOf(node);
         const depth = Math.min(NEAR - 2, frame.height / 5);
-        return within(point, frame, margin) && !within(point, frame, -depth);
+        return within(point, frame, NEAR) && !within(point, frame, -depth);
       }) ?? null
     );
   };

@@ -1,5 +1,6 @@
 /** The state graph of the machine shown: drawing, marks, zoom and pan, menus. */
 
+import { nameOf, parentOf } from "../language/paths";
 import type { Layout, StateShape } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
@@ -40,7 +41,7 @@ export function graphView(lab: Lab): HTMLElement {
   const scrollBars = new ScrollBars();
   const fitting = new AutoFit(svg, camera, place);
   const dragging = new Dragging(
-    (path, x, y) => lab.send({ do: "pin", path: parent(path), name: last(path), x, y }),
+    (path, x, y) => lab.send({ do: "pin", path: parentOf(path), name: nameOf(path), x, y }),
     () => fitting.release(),
   );
   const contents = (): Box => {
@@ -330,14 +331,6 @@ function around({ x, y, width, height }: StateShape): Box {
 
 function isAt({ x, y }: StateShape, before: StateShape | undefined): boolean {
   return before?.x === x && before.y === y;
-}
-
-function parent(path: string): string {
-  return path.slice(0, path.lastIndexOf("/"));
-}
-
-function last(path: string): string {
-  return path.slice(path.lastIndexOf("/") + 1);
 }
 
 function emptyNote(lab: Lab): HTMLElement {

@@ -1,10 +1,12 @@
 /** All machines, nested as in the program; each with its active state. */
 
 import { showMachine } from "../graph/shown";
+import { nameOf } from "../language/paths";
 import type { MachineItem } from "../protocol";
 import type { Lab } from "../session/store";
 import { panel, setSwitch, toggle } from "../ui/button";
-import { h, reconcile, setAttribute, setText } from "../ui/dom";
+import { setName } from "../ui/cut";
+import { h, reconcile, setAttribute } from "../ui/dom";
 
 export function treeView(lab: Lab): HTMLElement {
   const { store } = lab;
@@ -33,9 +35,10 @@ export function treeView(lab: Lab): HTMLElement {
     const depth = machine.path.split("/").length;
     const active = machine.states.find(({ path }) => lit.includes(path))?.path;
     const [, around, name, state] = item.children;
-    setText(around!, machine.parent ? `${last(machine.parent)} / ` : "");
-    setText(name!, last(machine.path));
-    setText(state!, active ? last(active) : "");
+    setName(around!, machine.parent ? `${nameOf(machine.parent)} / ` : "");
+    setName(name!, nameOf(machine.path));
+    setName(state!, active ? nameOf(active) : "");
+    setAttribute(item, "title", active ?? machine.path);
     setAttribute(item, "style", `--lrp-depth: ${(depth - 1) / 2}`);
     setAttribute(item, "aria-level", (depth + 1) / 2);
     setAttribute(item, "aria-selected", String(machine.path === selected));
@@ -66,8 +69,4 @@ export function treeView(lab: Lab): HTMLElement {
     event.stopPropagation();
   });
   return element;
-}
-
-function last(path: string): string {
-  return path.slice(path.lastIndexOf("/") + 1);
 }

@@ -1,6 +1,7 @@
 /** The variables in scope of the machine shown, live, grouped by machine, changed in place. Paper: §6.5. */
 
 import { AFTERGLOW } from "../graph/marks";
+import { nameOf } from "../language/paths";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, prose, reconcile, s, setAttribute, setText } from "../ui/dom";
@@ -30,7 +31,7 @@ export function variablesView(lab: Lab, below: HTMLElement | null = null): HTMLE
     h(
       "section",
       { class: "lrp-variables-group", "aria-label": group.machine || "global" },
-      h("div", { class: "lrp-group-title" }, group.machine ? last(group.machine) : "global"),
+      h("div", { class: "lrp-group-title" }, group.machine ? nameOf(group.machine) : "global"),
       h("ul", {}),
     );
   const updateGroup = (section: Element, group: Group) =>
@@ -67,10 +68,6 @@ export function groupsInScope(
   );
 }
 
-function last(path: string): string {
-  return path.slice(path.lastIndexOf("/") + 1);
-}
-
 class Row {
   readonly element: HTMLElement;
   private readonly value: HTMLButtonElement;
@@ -82,7 +79,7 @@ class Row {
     private readonly lab: Lab,
     private readonly path: string,
   ) {
-    const name = last(path);
+    const name = nameOf(path);
     this.value = h("button", {
       type: "button",
       class: "lrp-value",
@@ -125,7 +122,7 @@ class Row {
     setAttribute(
       this.value,
       "aria-label",
-      `${last(this.path)} ${text === undefined ? "has no value" : `is ${text}`}, change`,
+      `${nameOf(this.path)} ${text === undefined ? "has no value" : `is ${text}`}, change`,
     );
     this.value.disabled = text === undefined;
   }
@@ -138,7 +135,7 @@ class Row {
 
   private edit(): void {
     const error = h("div", { class: "lrp-error", role: "alert" });
-    const name = last(this.path);
+    const name = nameOf(this.path);
     const input = h("input", {
       class: "lrp-input",
       value: this.text ?? "",

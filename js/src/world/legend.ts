@@ -1,5 +1,6 @@
 /** What the colours of the trail mean: a list of states over the world, and a tip beside the pointer. */
 
+import { nameOf } from "../language/paths";
 import type { ProgramView } from "../protocol";
 import { h, reconcile, setAttribute, setHidden, setText } from "../ui/dom";
 import type { Stage } from "./stage";
@@ -34,7 +35,6 @@ export function legend(stage: Stage): Legend {
   const element = h("ul", { class: "lrp-legend", "aria-label": "Colours of the trail" });
   const tip = h("div", { class: "lrp-tip", hidden: true, "aria-hidden": "true" });
   let shown = "";
-  const name = (state: string) => state.split("/").at(-1)!;
   stage.canvas.addEventListener("pointermove", (event) => {
     const [x, y] = stage.inside(event.offsetX, event.offsetY);
     const now = stage.latest?.time ?? 0;
@@ -42,7 +42,7 @@ export function legend(stage: Stage): Legend {
       stage.showsTrail && !event.buttons ? stage.trail.near(x, y, REACH / stage.viewport.scale, now) : null;
     setHidden(tip, !found?.state);
     if (!found) return;
-    setText(tip, `${name(found.state)} · ${found.time.toFixed(1)} s`);
+    setText(tip, `${nameOf(found.state)} · ${found.time.toFixed(1)} s`);
     tip.style.left = `${event.offsetX + 12}px`;
     tip.style.top = `${event.offsetY + 12}px`;
   });
@@ -61,7 +61,8 @@ export function legend(stage: Stage): Legend {
         element,
         states,
         (state) => state,
-        (state) => h("li", { title: state }, h("span", { class: "lrp-swatch" }), h("span", {}, name(state))),
+        (state) =>
+          h("li", { title: state }, h("span", { class: "lrp-swatch" }), h("span", {}, nameOf(state))),
         (item, state) => {
           const { color, dash } = stage.styleOf(state);
           const swatch = item.firstElementChild as HTMLElement;

@@ -1,0 +1,6 @@
+/** Paths of machines and states: names with slashes between. */
+
+/** The path of what is around. */
+export const parentOf = (path: string) => path.slice(0, Math.max(0, path.lastIndexOf("/")));
+
+export const nameOf = (path: string) => path.slice(path.lastIndexOf("/") + 1);

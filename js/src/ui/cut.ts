@@ -1,0 +1,16 @@
+/** Names that are cut in the middle where there is no room: long names often differ at their ends. */
+
+import { h } from "./dom";
+
+const END = 7; // characters that stay
+
+/** Set the text of an element, which the stylesheet cuts before its end. */
+export function setName(element: Element, name: string): void {
+  if (element.textContent === name) return;
+  const characters = [...name];
+  const begin = Math.max(0, characters.length - END);
+  element.replaceChildren(
+    h("span", { class: "lrp-cut" }, characters.slice(0, begin).join("")),
+    h("span", {}, characters.slice(begin).join("")),
+  );
+}
