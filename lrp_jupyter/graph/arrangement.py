@@ -68,8 +68,8 @@ def arrange(
     starts : sequence of str
         Start states.
     panel : (float, float), optional
-        Width and height of the panel that shows it, in px: the layers lie below or beside each other,
-        whichever is shown larger.
+        Width and height of the panel that shows it, in px: the layers lie below or beside each other, or
+        are narrow ones, whichever is shown larger.
 
     Returns
     -------
@@ -80,11 +80,9 @@ def arrange(
     if not states:
         return {ANY: (0.0, 0.0)} if ANY in sizes else {}
     if is_dense(list(sizes), links):
-        places = _ellipse(states, sizes, len(links), panel)
+        places = _with_any(_ellipse(states, sizes, len(links), panel), sizes, links)
     else:
         places = _layered(states, sizes, links, starts, panel)
-    if ANY in sizes:
-        places[ANY] = left_of(places, sizes, links)
     return {name: (round(x, 1), round(y, 1)) for name, (x, y) in places.items()}
 
 
@@ -102,6 +100,11 @@ def _ellipse(
         name: (width * math.sin(turn * index), -height * math.cos(turn * index))
         for index, name in enumerate(states)
     }
+
+
+def _with_any(places: dict[str, Point], sizes: Mapping[str, Size], links: Sequence[Link]) -> dict[str, Point]:
+    """Return positions with that of ``*``, if there is one."""
+    return {**places, ANY: left_of(places, sizes, links)} if ANY in sizes else places
 
 
 def left_of(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Iterable[Link]) -> Point:
@@ -123,18 +126,49 @@ def _layered(
 ) -> dict[str, Point]:
     names = [*([ANY] if ANY in sizes else []), *states]
     level = layers(names, links, starts or states[:1])
-    across = order(names, links, level)
-    if ANY in across and 2 * across[ANY] > min(across.values()) + max(across.values()):
-        across = {name: -x for name, x in across.items()}  # `*` will stand at the left
-    by_level: dict[int, list[str]] = {}
-    for name in states:
-        by_level.setdefault(level[name], []).append(name)
-    rows = [sorted(by_level[depth], key=lambda name: across[name]) for depth in sorted(by_level)]
-    down = _down(rows, sizes, links, panel)
+    rows = _ordered(states, names, links, level)
+    down = _with_any(_down(rows, sizes, links, panel), sizes, links)
     if panel is None:
         return down
-    right = _right(rows, sizes, links)
-    return right if _scale(right, sizes, panel) > CLEARLY * _scale(down, sizes, panel) else down
+    right = _with_any(_right(rows, sizes, links), sizes, links)
+    narrow_rows = _ordered(names, names, links, _narrowed(level, sizes, links, panel[0] - AROUND))
+    narrow = _down(narrow_rows, sizes, links, panel)
+    best, largest = down, _scale(down, sizes, panel)
+    for places in (right, narrow):
+        scale = _scale(places, sizes, panel)
+        if scale > CLEARLY * largest:
+            best, largest = places, scale
+    return best
+
+
+def _ordered(
+    shown: Sequence[str], names: Sequence[str], links: Sequence[Link], level: Mapping[str, int]
+) -> list[list[str]]:
+    """Return the rows of some of the names, each from left to right; ``*`` is in the left half."""
+    across = order(names, links, level)
+    if ANY in across and 2 * across[ANY] > min(across.values()) + max(across.values()):
+        across = {name: -x for name, x in across.items()}
+    by_level: dict[int, list[str]] = {}
+    for name in shown:
+        by_level.setdefault(level[name], []).append(name)
+    return [sorted(by_level[depth], key=lambda name: across[name]) for depth in sorted(by_level)]
+
+
+def _narrowed(
+    level: Mapping[str, int], sizes: Mapping[str, Size], links: Sequence[Link], room: float
+) -> dict[str, int]:
+    """Return layers as wide as the room allows: what leads to nothing just below goes a layer down."""
+    found = dict(level)
+    for depth in range(len(sizes)):
+        row = [name for name in found if found[name] == depth]
+        width = sum(sizes[name][0] + GAP_X for name in row) - GAP_X
+        for name in reversed(row):
+            follows = [found[target] for source, target in links if source == name]
+            if width > room and len(row) > 1 and depth + 1 not in follows:
+                found[name] = depth + 1
+                width -= sizes[name][0] + GAP_X
+                row.remove(name)
+    return found
 
 
 def _down(

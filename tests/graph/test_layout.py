@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from lrp_jupyter import programs
 from lrp_jupyter.graph import labels as labels_module
 from lrp_jupyter.graph.arrangement import PASSED, is_dense, layers, order
 from lrp_jupyter.graph.geometry import Cells, Rect
@@ -607,3 +608,11 @@ def test_many_new_states_find_places_within_bounds_and_none_on_another(monkeypat
     assert not any(a.overlaps(b) for a, b in combinations(boxes, 2))
     assert {k: v for k, v in shape["places"].items() if k in previous["places"]} == previous["places"]
     assert compared["n"] < 3 * EFFORT
+
+
+def test_a_machine_in_a_narrow_panel_has_narrow_layers():
+    program = parse(programs.load("follower"))
+    wide, narrow = (layout(program.machines[0], program=program, panel=panel) for panel in (None, (378, 530)))
+    assert wide["frame"][2] > 550
+    assert narrow["frame"][2] <= 378
+    assert narrow["frame"][3] <= 530
