@@ -16,7 +16,7 @@ from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.rename import rename_edits
 from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
-from lrp_jupyter.widgets.protocol import ElementKind, TextEdit, path_of, range_of
+from lrp_jupyter.widgets.protocol import ElementKind, edits_view, path_of
 
 __all__ = ["DrawRequest"]
 
@@ -63,11 +63,7 @@ class DrawRequest(PageRequest, type="draw"):
             ) from None
         except ValueError as error:
             raise LRPError(str(error)) from None
-        return {"edits": [_view(self.text, edit) for edit in edits]}
-
-
-def _view(text: str, edit: Edit) -> TextEdit:
-    return {"range": range_of(text, edit.start, edit.end), "text": edit.text}
+        return {"edits": edits_view(self.text, edits)}
 
 
 def _deleted(request: DrawRequest, path: Path) -> list[Edit]:

@@ -38,9 +38,11 @@ from the character offsets of Python).
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Iterable
+from functools import lru_cache
 from typing import Literal, NotRequired, Required, TypedDict
 
-from lrp_jupyter.errors import Severity
+from lrp_jupyter.errors import Edit, Severity
 from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.interpreter.frame import Status
 from lrp_jupyter.language.program import Path, line_starts, path_text
@@ -588,9 +590,19 @@ FromKernel = FrameMessage | AnswerMessage | SnapshotMessage | WorldMessage | Rep
 # ------------------------------------------------------------------ places and names
 
 
+@lru_cache(maxsize=2)  # many ranges of one text are converted in a row
+def _line_starts(text: str) -> list[int]:
+    return line_starts(text)
+
+
+def edits_view(text: str, edits: Iterable[Edit]) -> list[TextEdit]:
+    """Return edits of a text as the page applies them."""
+    return [{"range": range_of(text, *span), "text": new} for *span, new in edits]
+
+
 def range_of(text: str, start: int, end: int) -> TextRange:
     """Convert the characters ``text[start:end]`` to lines and columns."""
-    starts = line_starts(text)
+    starts = _line_starts(text)
     line, end_line = bisect_right(starts, start), bisect_right(starts, end)
     return {
         "line": line,
@@ -602,7 +614,7 @@ def range_of(text: str, start: int, end: int) -> TextRange:
 
 def offset_of(text: str, line: int, column: int) -> int:
     """Convert a line and a column to a character offset, clamped to the end of the text."""
-    starts = line_starts(text)
+    starts = _line_starts(text)
     if line > len(starts):
         return len(text)
     return min(starts[line - 1] + column - 1, len(text))

@@ -26,7 +26,15 @@ from lrp_jupyter.language.rename import references as find_references
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
-from lrp_jupyter.widgets.protocol import HoverView, Option, ReferencesView, id_of, offset_of, range_of
+from lrp_jupyter.widgets.protocol import (
+    HoverView,
+    Option,
+    ReferencesView,
+    edits_view,
+    id_of,
+    offset_of,
+    range_of,
+)
 
 __all__ = [
     "CompleteRequest",
@@ -98,9 +106,7 @@ class FormatRequest(PageRequest, type="format"):
             edits = formatting(self.text)
         except LRPSyntaxError:
             raise LRPError("The text has errors, so it cannot be formatted. Correct them first.") from None
-        return {
-            "edits": [{"range": range_of(self.text, start, end), "text": new} for start, end, new in edits]
-        }
+        return {"edits": edits_view(self.text, edits)}
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,7 @@ from lrp_jupyter.widgets.protocol import (
     Difference,
     FindingView,
     QuickFix,
-    TextEdit,
-    range_of,
+    edits_view,
 )
 
 __all__ = ["Conflict", "Texts", "Written", "finding_id"]
@@ -592,10 +591,7 @@ def _finding_view(finding: Finding, text: str) -> FindingView:
 
 def _fix_view(fix: Fix | None, text: str) -> QuickFix | None:
     """Return a fix of a text."""
-    if fix is None:
-        return None
-    edits: list[TextEdit] = [{"range": range_of(text, *span), "text": new} for *span, new in fix.edits]
-    return {"title": fix.title, "edits": edits}
+    return None if fix is None else {"title": fix.title, "edits": edits_view(text, fix.edits)}
 
 
 def _difference_view(old: Program, new: Program) -> Difference:

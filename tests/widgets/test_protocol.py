@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from lrp_jupyter.widgets import protocol
 from lrp_jupyter.widgets.connection import MessageError, decode  # with all messages defined
 from lrp_jupyter.widgets.messages import PageMessage
+from lrp_jupyter.widgets.requests import FormatRequest
 from lrp_jupyter.widgets.world_state import pack_poses
 
 WIDGETS = Path(protocol.__file__).parent
@@ -170,3 +171,17 @@ def test_bumper_and_pen_are_bits_of_their_own(bumper, pen, flags):
 def test_pushed_solids_follow_the_robots():
     buffer = pack_poses(0.0, [(0, 0, 0, False, False, 0, [], [])], [(1, 2, 0.5)])
     assert struct.unpack("<d8f", buffer)[-3:] == (1, 2, 0.5)
+
+
+def test_the_lines_of_a_text_are_counted_once_for_all_edits(monkeypatch):
+    counted = []
+    count = protocol.line_starts
+    monkeypatch.setattr(protocol, "line_starts", lambda text: counted.append(text) or count(text))
+    text = "(machine m\r\n(state a)(state b)\r\n(on  [a]  a->a))\n"
+    answer = FormatRequest(view="v", id=1, text=text).answer(None)
+    assert len(answer["edits"]) > 4
+    assert answer["edits"][1] == {
+        "range": {"line": 2, "column": 10, "end_line": 2, "end_column": 10},
+        "text": "\r\n  ",
+    }
+    assert len(counted) == 1
