@@ -1,14 +1,15 @@
-"""The margins of blocks: a block of several lines moved to another column, with the same meaning."""
+"""Margins: the white space before lines, changed so that strings stay and a block means the same."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterable
 
 from lrp_jupyter.language.scanner import logical_lines, strings
 from lrp_jupyter.language.source import Block
 from lrp_jupyter.language.suites import parse_suite
 
-__all__ = ["STEP", "aligned"]
+__all__ = ["STEP", "aligned", "reindented"]
 
 STEP = 2
 """The columns by which what is inside a form is indented further than the form."""
@@ -51,13 +52,24 @@ def aligned(text: str, column: int, base: int) -> str:
 
 
 def _moved(text: str, by: int) -> str:
-    """Return a text with all lines but the first indented further, except those inside strings."""
-    inside = strings(text)
+    return reindented(text, strings(text), lambda margin: margin + " " * by if by >= 0 else margin[-by:])
+
+
+def reindented(text: str, inside: Iterable[tuple[int, int]], margin: Callable[[str], str]) -> str:
+    """Return a text with the margins of all lines but the first changed, except those of lines in strings.
+
+    Parameters
+    ----------
+    text : str
+    inside : iterable of (int, int)
+        The ranges of the strings.
+    margin : callable
+        Returns the new margin for an old one.
+    """
+    spans = list(inside)
 
     def line(match: re.Match[str]) -> str:
         at = match.start()
-        if any(start < at < end for start, end in inside):
-            return match[0]
-        return match[1] + (match[2] + " " * by if by >= 0 else match[2][-by:])
+        return match[0] if any(start < at < end for start, end in spans) else match[1] + margin(match[2])
 
     return _LINE.sub(line, text)

@@ -13,6 +13,7 @@ from functools import cached_property
 from itertools import takewhile
 
 from lrp_jupyter.errors import Edit
+from lrp_jupyter.language.margins import STEP, reindented
 from lrp_jupyter.language.names import normal
 from lrp_jupyter.language.scanner import LINE_END, strings
 from lrp_jupyter.language.tokens import LEGAL, Token, keyword_of, tokenize
@@ -27,13 +28,9 @@ _RANKS = {"var": 0, "event": 1, "onentry": 2, "running": 3, "onexit": 4, "onpaus
     **dict.fromkeys(FORMS, 10),
 }
 """The order of the forms in a form: a new one goes after the last one like it, or of a lower rank."""
-_APART = frozenset(
-    {"machine", "spawn", "onpause"}
-)  # at the top level, after another kind: a blank line before
+_APART = frozenset({"machine", "spawn", "onpause"})  # at the top level: a blank line after another kind
 _BLANKS = re.compile(r"[ \t]*")
 _COMMENT = re.compile(r"[ \t]*[;#][^\r\n]*")
-_LINE = re.compile(r"(\r\n|\r|\n)([ \t]*+)(?=[^\s])")
-_STEP = "  "
 
 
 class WrittenForm:
@@ -140,7 +137,7 @@ class Sheet:
         sample = before or first
         if not self._begins_line((sample or parent).start):
             return (before.end if before else parent.head), " "
-        indent = self.indent(sample.start) if sample else self.indent(parent.start) + _STEP
+        indent = self.indent(sample.start) if sample else self.indent(parent.start) + " " * STEP
         return self._after_comment(before.end if before else parent.head), self.line_end + indent
 
     def appended(self, form: WrittenForm, item: str) -> Edit:
@@ -239,19 +236,13 @@ class Sheet:
         The lines of strings stay as they are.
         """
         text, old = self.text[form.start : form.end], self.indent(form.start)
-        inside = [
+        inside = (
             (start + 1 + begin, start + 1 + end)
             for kind, start, stop in tokenize(text)
             if kind == "BLOCK"
             for begin, end in strings(text[start + 1 : stop - 1])
-        ]
-
-        def line(match: re.Match[str]) -> str:
-            if any(start < match.start() < end for start, end in inside):
-                return match[0]
-            return match[1] + indent + match[2].removeprefix(old)
-
-        return _LINE.sub(line, text)
+        )
+        return reindented(text, inside, lambda margin: indent + margin.removeprefix(old))
 
 
 def _keyword(form: str) -> str:
