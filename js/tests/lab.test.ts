@@ -349,7 +349,27 @@ describe("the page", () => {
     await page.drawn();
     const name = page.find(".lrp-tree-name");
     expect([...name.children].map((part) => part.textContent)).toEqual(["look_for_the_wall", "_🤖_now!"]);
-    expect(page.find("[role=treeitem]").title).toBe("follower/looking");
+    page.deliver({ type: "frame", frame: 10, lit: [] });
+    await page.drawn();
+    expect(page.find(".lrp-tree-state").childNodes).toHaveLength(0); // an empty one is not drawn
+    expect(page.find("[role=treeitem]").title).toBe("look_for_the_wall_🤖_now!");
+  });
+
+  it("puts a state that is dragged back at Escape", () => {
+    const svg = page.find(".lrp-graph");
+    Object.assign(svg, { setPointerCapture() {}, hasPointerCapture: () => false });
+    const state = page.find('.lrp-graph [data-lrp-state="follower/moving"]');
+    const home = state
+      .getAttribute("transform")!
+      .match(/-?[\d.]+/g)!
+      .map(Number);
+    const at = (type: string, clientX: number) =>
+      new PointerEvent(type, { clientX, clientY: 500, bubbles: true });
+    state.dispatchEvent(at("pointerdown", 500));
+    state.dispatchEvent(at("pointermove", 560));
+    state.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape", bubbles: true }));
+    const [x, y] = home.map((length) => Math.round(length * 10) / 10);
+    expect(page.commands("pin").at(-1)).toMatchObject({ name: "moving", x, y });
   });
 
   it("says whether the robot is followed, whichever way that ended", () => {

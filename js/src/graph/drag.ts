@@ -12,6 +12,8 @@ interface Dragged {
   path: string;
   x: number;
   y: number;
+  /** Where it was. */
+  home: { x: number; y: number };
 }
 
 export class Dragging {
@@ -29,7 +31,7 @@ export class Dragging {
   begin(node: Element): void {
     this.end();
     const [x = 0, y = 0] = (node.getAttribute("transform")?.match(/-?[\d.]+/g) ?? []).map(Number);
-    this.dragged = { node, path: node.getAttribute("data-lrp-state") ?? "", x, y };
+    this.dragged = { node, path: node.getAttribute("data-lrp-state") ?? "", x, y, home: { x, y } };
     this.dropped = false;
     node.setAttribute("data-dragged", "");
   }
@@ -51,6 +53,15 @@ export class Dragging {
     this.pin(this.dragged);
     this.dropped = true;
     this.timer = setTimeout(() => this.end(), PATIENCE);
+  }
+
+  /** Return the state to where it was. */
+  cancel(): void {
+    const { dragged } = this;
+    if (!dragged) return;
+    Object.assign(dragged, dragged.home);
+    moveState(dragged.node, dragged.x, dragged.y);
+    this.drop();
   }
 
   /** End the dragging if a layout has the dropped state in its place. */

@@ -8,11 +8,11 @@ import type { Pen } from "../editor/pen";
 import { nameOf, parentOf } from "../language/paths";
 import type { Lab } from "../session/store";
 import { focusLab, s, setAttribute } from "../ui/dom";
+import { trackDrag } from "../ui/drag";
 import { openMenu } from "../ui/menu";
 import { Acts, type Point } from "./acts";
 
 const NEAR = 7; // px from the border of a state that count as the border
-const DRAG_FROM = 4; // px of movement that make a press a drag
 const HANDLE = 6; // px, radius of the end of a selected transition
 
 type End = "source" | "destination";
@@ -31,14 +31,15 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
 
   /* ---------------------------------------------------------------- what is at a point */
 
-  const inside = ({ x, y }: Point): [number, number] => {
-    const matrix = root.getScreenCTM();
+  /** A point of the window in the drawing, or in that of a nested machine. */
+  const inside = ({ x, y }: Point, drawing: SVGGraphicsElement = root): [number, number] => {
+    const matrix = drawing.getScreenCTM();
     if (!matrix) return [0, 0];
     const point = new DOMPoint(x, y).matrixTransform(matrix.inverse());
     return [point.x, point.y];
   };
-  const client = (x: number, y: number): Point => {
-    const matrix = root.getScreenCTM();
+  const client = (x: number, y: number, drawing: SVGGraphicsElement = root): Point => {
+    const matrix = drawing.getScreenCTM();
     return matrix ? new DOMPoint(x, y).matrixTransform(matrix) : { x, y };
   };
   const at = (event: MouseEvent): Point => ({ x: event.clientX, y: event.clientY });
@@ -85,14 +86,15 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
       const source = arrow.getAttribute("data-key")?.split(" ").at(-2) ?? "";
       for (const end of ["source", "destination"] as const) {
         const point = shaft.getPointAtLength(end === "source" ? 0 : shaft.getTotalLength());
+        const [cx, cy] = inside(client(point.x, point.y, shaft));
         layer.append(
           s(
             "circle",
             {
               class: "lrp-handle",
               r: HANDLE,
-              cx: point.x,
-              cy: point.y,
+              cx,
+              cy,
               "data-end": end,
               "data-source": source,
             },
@@ -132,38 +134,14 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
     for (const other of root.querySelectorAll("[data-drop]")) other.removeAttribute("data-drop");
     node?.setAttribute("data-drop", kind);
   };
-  /** Follow the pointer until it is released; Escape gives up. */
-  const follow = (event: PointerEvent, move: (now: Point) => void, end: (now: Point | null) => void) => {
-    const begin = at(event);
-    let last: Point | null = null;
-    const moved = (now: PointerEvent) => {
-      if (!last && Math.hypot(now.clientX - begin.x, now.clientY - begin.y) < DRAG_FROM) return;
-      last = at(now);
-      move(last);
-    };
-    const stop = (how: Event) => {
-      window.removeEventListener("pointermove", moved, true);
-      window.removeEventListener("pointerup", stop, true);
-      window.removeEventListener("pointercancel", stop, true);
-      window.removeEventListener("keydown", giveUp, true);
-      mark(null);
-      if (last) {
-        const swallow = (click: Event) => click.stopImmediatePropagation();
-        svg.addEventListener("click", swallow, { capture: true, once: true });
-        setTimeout(() => svg.removeEventListener("click", swallow, true));
-      }
-      end(how.type === "pointerup" ? last : null);
-    };
-    const giveUp = (key: KeyboardEvent) => {
-      if (key.key !== "Escape") return;
-      key.stopPropagation();
-      stop(key);
-    };
-    window.addEventListener("pointermove", moved, true);
-    window.addEventListener("pointerup", stop, true);
-    window.addEventListener("pointercancel", stop, true);
-    window.addEventListener("keydown", giveUp, true);
-  };
+  const follow = (event: PointerEvent, move: (now: Point) => void, end: (last: Point | null) => void) =>
+    trackDrag(svg, event, {
+      move: (now) => move(at(now)),
+      end(last) {
+        mark(null);
+        end(last && at(last));
+      },
+    });
 
   const drawTransition = (event: PointerEvent, node: SVGGElement) => {
     const source = pathOf(node);
@@ -179,7 +157,8 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
         const end = () => rubber(from, null);
         const target = now && stateAt(now);
         if (!now) end();
-        else if (!target) acts.newTransition(now, source, "", inside(now), end);
+        else if (!target)
+          acts.newTransition(now, source, "", inside(now, node.parentNode as SVGGElement), end);
         else if (isReal(target) && parentOf(pathOf(target)) === parentOf(source))
           acts.newTransition(now, source, nameOf(pathOf(target)), null, end);
         else {

@@ -5,6 +5,7 @@ import type { Layout, StateShape } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, s, setAttribute } from "../ui/dom";
+import { trackDrag } from "../ui/drag";
 import { type MenuItem, openMenu } from "../ui/menu";
 import { pngOfSvg, savePicture, svgDocument } from "../ui/picture";
 import { AutoFit, LEGIBLE } from "./autofit";
@@ -19,7 +20,6 @@ import { ScrollBars, scroll, scrollByWheel } from "./scroll";
 import { showMachine } from "./shown";
 
 type Mode = "live" | "static" | "hidden";
-const DRAG_FROM = 4; // px of movement that make a press a drag
 const RESIZED_FOR = 150; // ms without another size before the kernel gets it
 const ACTIVE_FOR = 300; // ms that a state is active before it is brought into view
 
@@ -221,40 +221,29 @@ export function graphView(lab: Lab): HTMLElement {
   svg.addEventListener("pointerdown", (event) => {
     if (event.button !== 0) return;
     const node = (event.target as Element).closest<SVGGElement>("[data-lrp-state]");
-    const begin = local(event);
-    let last = begin;
-    let moved = false;
-    const move = (now: PointerEvent) => {
-      const point = local(now);
-      if (!moved && Math.hypot(point.x - begin.x, point.y - begin.y) < DRAG_FROM) return;
-      if (!moved) {
-        svg.setPointerCapture(event.pointerId);
+    let last = local(event);
+    trackDrag(svg, event, {
+      begin() {
         fitting.hold();
         if (node) dragging.begin(node);
-      }
-      moved = true;
-      const [dx, dy] = [point.x - last.x, point.y - last.y];
-      if (node) dragging.move(dx / camera.scale, dy / camera.scale, now.timeStamp);
-      else {
-        camera.pan(dx, dy);
-        place();
-      }
-      last = point;
-    };
-    const end = () => {
-      svg.removeEventListener("pointermove", move);
-      svg.removeEventListener("pointerup", end);
-      svg.removeEventListener("pointercancel", end);
-      if (!moved) return;
-      if (node) dragging.drop();
-      else fitting.release();
-      const swallow = (click: Event) => click.stopPropagation(); // the one that ends the drag
-      svg.addEventListener("click", swallow, true);
-      setTimeout(() => svg.removeEventListener("click", swallow, true));
-    };
-    svg.addEventListener("pointermove", move);
-    svg.addEventListener("pointerup", end);
-    svg.addEventListener("pointercancel", end);
+      },
+      move(now) {
+        const point = local(now);
+        const [dx, dy] = [point.x - last.x, point.y - last.y];
+        if (node) dragging.move(dx / camera.scale, dy / camera.scale, now.timeStamp);
+        else {
+          camera.pan(dx, dy);
+          place();
+        }
+        last = point;
+      },
+      end(released, moved) {
+        if (!moved) return;
+        if (!node) fitting.release();
+        else if (released) dragging.drop();
+        else dragging.cancel();
+      },
+    });
   });
 
   /* ---------------------------------------------------------------- choose, open, menu */

@@ -9,8 +9,8 @@ export function setName(element: Element, name: string): void {
   if (element.textContent === name) return;
   const characters = [...name];
   const begin = Math.max(0, characters.length - END);
-  element.replaceChildren(
-    h("span", { class: "lrp-cut" }, characters.slice(0, begin).join("")),
-    h("span", {}, characters.slice(begin).join("")),
-  );
+  const [first, rest] = [characters.slice(0, begin).join(""), characters.slice(begin).join("")];
+  element.replaceChildren();
+  if (first) element.append(h("span", { class: "lrp-cut" }, first));
+  if (rest) element.append(h("span", {}, rest));
 }

@@ -11,6 +11,8 @@ const STYLES = [
   ...["stroke-linecap", "stroke-opacity", "opacity", "visibility"],
   ...["font-family", "font-size", "font-weight", "text-anchor"],
 ];
+/** What is there for the pointer alone. */
+const HANDLES = ".lrp-layer-pencil";
 /** Attributes for pointer, keyboard and tests. */
 const OF_PAGE = /^(class|style|role|tabindex|aria-|data-)/;
 
@@ -20,7 +22,10 @@ const OF_PAGE = /^(class|style|role|tabindex|aria-|data-)/;
  */
 export function svgDocument(svg: SVGSVGElement, layer: SVGElement, box: Box): string {
   const copy = layer.cloneNode(true) as SVGElement;
-  const originals = [layer, ...layer.querySelectorAll<SVGElement>("*")];
+  copy.querySelector(HANDLES)?.remove();
+  const originals = [layer, ...layer.querySelectorAll<SVGElement>("*")].filter(
+    (one) => !one.closest(HANDLES),
+  );
   const copies = [copy, ...copy.querySelectorAll<SVGElement>("*")];
   for (const [index, original] of originals.entries()) write(getComputedStyle(original), copies[index]!);
   copy.removeAttribute("transform");

@@ -17,6 +17,7 @@ export function splitter(whole: HTMLElement, choose: (share: number | null) => v
     "aria-valuemin": String(LEAST),
     "aria-valuemax": String(100 - LEAST),
     onpointerdown: (event: PointerEvent) => {
+      if (event.button !== 0) return;
       event.preventDefault();
       element.setPointerCapture(event.pointerId);
       element.dataset.dragged = "";
@@ -29,7 +30,7 @@ export function splitter(whole: HTMLElement, choose: (share: number | null) => v
       const y = (100 * (event.clientY - frame.top)) / frame.height;
       set(shown.division.axis === "columns" ? (100 * (x - left)) / width : (100 * (y - top)) / height);
     },
-    onpointerup: () => delete element.dataset.dragged,
+    onlostpointercapture: () => delete element.dataset.dragged, // released or cancelled
     ondblclick: () => choose(null),
     onkeydown: (event: KeyboardEvent) => {
       const [less, more] =

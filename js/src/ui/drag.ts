@@ -1,0 +1,51 @@
+/** A press that becomes a drag once the pointer has moved, until it is released, wherever that is, or Escape. */
+
+const FROM = 4; // px of movement
+
+export interface Drag {
+  /** The press has become a drag. */
+  begin?(): void;
+  move(now: PointerEvent): void;
+  /** The press is over, where it was released; null if it was no drag, or given up. */
+  end(last: PointerEvent | null, moved: boolean): void;
+}
+
+/** Pass on the movements of the pointer that was pressed; the click that ends a drag on the surface is none. */
+export function trackDrag(surface: Element, press: PointerEvent, drag: Drag): void {
+  const { pointerId, clientX, clientY } = press;
+  let moved = false;
+  const listening = new AbortController();
+  const listen = { capture: true, signal: listening.signal };
+  const stop = (last: PointerEvent | null) => {
+    listening.abort();
+    if (surface.hasPointerCapture(pointerId)) surface.releasePointerCapture(pointerId);
+    if (moved) {
+      const swallow = (click: Event) => click.stopImmediatePropagation();
+      surface.addEventListener("click", swallow, { capture: true, once: true });
+      setTimeout(() => surface.removeEventListener("click", swallow, true));
+    }
+    drag.end(moved ? last : null, moved);
+  };
+  const move = (now: PointerEvent) => {
+    if (now.pointerId !== pointerId) return;
+    if (!moved) {
+      if (Math.hypot(now.clientX - clientX, now.clientY - clientY) < FROM) return;
+      moved = true;
+      surface.setPointerCapture(pointerId);
+      drag.begin?.();
+    }
+    drag.move(now);
+  };
+  const release = (last: PointerEvent) => {
+    if (last.pointerId === pointerId) stop(last.type === "pointerup" ? last : null);
+  };
+  const giveUp = (event: KeyboardEvent) => {
+    if (event.key !== "Escape") return;
+    event.stopPropagation();
+    stop(null);
+  };
+  window.addEventListener("pointermove", move, listen);
+  window.addEventListener("pointerup", release, listen);
+  window.addEventListener("pointercancel", release, listen);
+  window.addEventListener("keydown", giveUp, listen);
+}

@@ -1,0 +1,117 @@
+// @vitest-environment happy-dom
+
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import type { Pen } from "../src/editor/pen";
+import { attachPencil } from "../src/graph/pencil";
+import type { Lab } from "../src/session/store";
+import { Store } from "../src/session/store";
+import { h, s } from "../src/ui/dom";
+import { type Drag, trackDrag } from "../src/ui/drag";
+import { svgDocument } from "../src/ui/picture";
+import { splitter } from "../src/ui/splitter";
+
+let surface: HTMLElement;
+let captured: Set<number>;
+beforeEach(() => {
+  captured = new Set();
+  surface = h("div");
+  surface.setPointerCapture = (id) => void captured.add(id);
+  surface.hasPointerCapture = (id) => captured.has(id);
+  surface.releasePointerCapture = (id) => void captured.delete(id);
+});
+
+const pointer = (type: string, clientX: number, pointerId = 1, button = 0) =>
+  new PointerEvent(type, { clientX, clientY: 0, pointerId, button, bubbles: true });
+
+describe("a drag", () => {
+  let drag: { [K in keyof Required<Drag>]: ReturnType<typeof vi.fn> };
+  const moves = () => drag.move.mock.calls.map(([event]) => event.clientX);
+  beforeEach(() => {
+    drag = { begin: vi.fn(), move: vi.fn(), end: vi.fn() };
+    trackDrag(surface, pointer("pointerdown", 0), drag as Drag);
+  });
+
+  it("begins when the pointer has moved, and ends wherever it is released", () => {
+    window.dispatchEvent(pointer("pointermove", 2));
+    expect(drag.begin).not.toHaveBeenCalled();
+    window.dispatchEvent(pointer("pointermove", 9));
+    const last = pointer("pointerup", -50);
+    window.dispatchEvent(last);
+    window.dispatchEvent(pointer("pointermove", 20));
+    expect([moves(), drag.end.mock.calls, [...captured]]).toEqual([[9], [[last, true]], []]);
+  });
+
+  it("is that of one pointer", () => {
+    window.dispatchEvent(pointer("pointermove", 9));
+    window.dispatchEvent(pointer("pointermove", 500, 2));
+    window.dispatchEvent(pointer("pointerup", 500, 2));
+    expect(drag.end).not.toHaveBeenCalled();
+    window.dispatchEvent(pointer("pointerup", 9));
+    expect(moves()).toEqual([9]);
+  });
+
+  it.each(["Escape", "pointercancel"])("that ends with %s leads to nothing", (how) => {
+    window.dispatchEvent(pointer("pointermove", 9));
+    const event = how === "Escape" ? new KeyboardEvent("keydown", { key: how }) : pointer(how, 9);
+    window.dispatchEvent(event);
+    expect([drag.end.mock.calls, [...captured]]).toEqual([[[null, true]], []]);
+  });
+
+  it("does not end in a click", () => {
+    const clicked = vi.fn();
+    surface.addEventListener("click", clicked);
+    window.dispatchEvent(pointer("pointermove", 9));
+    window.dispatchEvent(pointer("pointerup", 9));
+    surface.click();
+    expect(clicked).not.toHaveBeenCalled();
+  });
+});
+
+describe("a bar between two panels", () => {
+  it("is no longer held when the pointer is taken away, nor by another button", () => {
+    const { element } = splitter(surface, () => {});
+    element.setPointerCapture = surface.setPointerCapture;
+    element.dispatchEvent(pointer("pointerdown", 0, 1, 2));
+    expect([...captured]).toEqual([]);
+    element.dispatchEvent(pointer("pointerdown", 0));
+    expect(element.dataset.dragged).toBe("");
+    element.dispatchEvent(pointer("lostpointercapture", 0));
+    expect(element.dataset.dragged).toBeUndefined();
+  });
+});
+
+describe("the ends of a selected transition", () => {
+  const open = () => {
+    const shaft = Object.assign(s("path", { class: "lrp-shaft" }), {
+      getTotalLength: () => 10,
+      getPointAtLength: (x: number) => new DOMPoint(x, 0),
+      getScreenCTM: () => new DOMMatrix([1, 0, 0, 1, 100, 40]), // in a nested machine
+    });
+    const arrow = s("g", { class: "lrp-transition", "data-of": "m/a/i:t", "data-key": "m/a/i:t x 0" }, shaft);
+    const root = Object.assign(s("g", {}, arrow), {
+      getScreenCTM: () => new DOMMatrix([1, 0, 0, 1, 20, 10]),
+    });
+    const svg = s("svg", {}, root);
+    h("div", {}, svg);
+    const store = new Store();
+    store.state.chosen = "m/a/i:t";
+    attachPencil({ store } as unknown as Lab, svg, root, {} as Pen);
+    return { svg, root };
+  };
+
+  it("are at the transition, also in a nested machine", () => {
+    const places = [...open().root.querySelectorAll(".lrp-handle")].map((handle) =>
+      ["cx", "cy"].map((name) => Number(handle.getAttribute(name))),
+    );
+    expect(places).toEqual([
+      [80, 30],
+      [90, 30],
+    ]);
+  });
+
+  it("are not in a saved picture", () => {
+    const { svg, root } = open();
+    const box = { x: 0, y: 0, width: 9, height: 9 };
+    expect(svgDocument(svg, root, box)).not.toContain("circle");
+  });
+});
