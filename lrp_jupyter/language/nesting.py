@@ -2,7 +2,7 @@
 
 The state's transitions to itself go with it. An arrow cannot lead into a nested machine, so one that led to
 the state leads to the state around it; one that leaves the state for the outer machine is an ``exit``. What
-the language cannot say (an ``exit`` after a delay) is refused, and so is a move by which a name in
+the language cannot express (an ``exit`` after a delay) is refused, and so is a move by which a name in
 the state would mean something else.
 
 Paper: §3.1 (nested machines), §9.
@@ -133,7 +133,8 @@ def nest(text: str, path: Path, into: str) -> list[Edit]:
     Raises
     ------
     ValueError
-        The language cannot say what its transitions would have to do, or a name would mean something else.
+        The language cannot express what its transitions would have to do, or a name would mean something
+        else.
     """
     drawing = DrawnProgram(text)
     scope, state = drawing.state(path)
@@ -178,8 +179,8 @@ def unnest(text: str, path: Path) -> list[Edit]:
     Raises
     ------
     ValueError
-        It is not inside another state, the language cannot say what its transitions would have to do, or a
-        name would mean something else.
+        It is not inside another state, the language cannot express what its transitions would have to do,
+        or a name would mean something else.
     """
     drawing = DrawnProgram(text)
     scope, state = drawing.state(path)

@@ -182,7 +182,7 @@ class Session:
         self.output = Output()
         self.findings: tuple[Finding, ...] = ()
         """The findings of the checks about the last text."""
-        self._checked: tuple[Program | None, tuple[Finding, ...]] = None, ()
+        self._checked: tuple[Program | None, RobotMembers | None, tuple[Finding, ...]] = None, None, ()
         self._text = program.text
         self.bridge = make_bridge(bridge, **options)
         self._members: tuple[object, RobotMembers] = self.bridge.nodes.table, members_of(self.bridge)
@@ -568,9 +568,12 @@ class Session:
 
     def _check_again(self, program: Program) -> tuple[Finding, ...]:
         """Return the findings about a program, which probably is the one checked before."""
-        if self._checked[0] is not program:
-            self._checked = program, self.check(program)
-        return self._checked[1]
+        members = self._robot_members()
+        checked, known, findings = self._checked
+        if checked is not program or known is not members:
+            findings = self.check(program)
+            self._checked = program, members, findings
+        return findings
 
     def check(self, program: Program | str) -> tuple[Finding, ...]:
         """Return the findings about a program, for the robot and the namespace of this session."""

@@ -1,9 +1,11 @@
 import math
+from dataclasses import replace
 from types import MappingProxyType
 
 import pytest
 
 from lrp_jupyter.errors import BridgeError, LRPError, LRPSyntaxError, SessionClosedError, UnknownElementError
+from lrp_jupyter.language.unmeant import Cursor
 from lrp_jupyter.live import session as sessions
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.commands import Call, Reset
@@ -640,3 +642,20 @@ def test_a_variable_is_set_to_either_a_value_or_an_expression(session, arguments
     named.step()
     with pytest.raises(TypeError, match="Pass either a value or `evaluate`"):
         named.set_variable("n", *arguments, **options)
+
+
+def test_a_word_does_not_wait_for_what_the_world_has_lost_meanwhile(session):
+    text = (
+        "(var n := [1]) (machine m (state a (running [n])) (on [robot.distance.data > 1] a -> a)) (spawn m a)"
+    )
+    s = session(text, bridge="sim")
+    s.step()
+    at = text.index("[n]") + 2
+    assert (
+        s.judge(text.replace("[n]", "[q]"), Cursor(at)).unmeant is not None
+    )  # the running program is checked
+    world = s.bridge.world
+    s.bridge.load_world(replace(world, robots=(replace(world.robots[0], distance=()),)))
+    judgement = s.judge(text.replace("[n]", "[3 + n]"), Cursor(at + 4))
+    assert judgement.unmeant is None
+    assert [finding.code for finding in judgement.findings] == ["LRP520"]
