@@ -52,6 +52,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     toast.hidden = !on;
     if (toast.isConnected) toast.togglePopover?.(on); // in view wherever the notebook is scrolled to
   };
+  const closing = new AbortController();
   let editor: Editor | null = null;
   let world: WorldPart | null = null;
   let inspecting: Inspector | null = null;
@@ -61,6 +62,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   const lab: Lab = {
     store,
     root,
+    closed: closing.signal,
     async act(act, quiet = false) {
       const { error } = await connection.command(act);
       if (error && !quiet) lab.notify(error);
@@ -209,10 +211,9 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   });
   const unwatchTheme = watchTheme(root);
   const unfit = part === "lab" ? fitHeight(root) : () => {};
-  const leaving = () => rescue();
-  window.addEventListener("pagehide", leaving);
+  window.addEventListener("pagehide", () => rescue(), { signal: closing.signal });
   return () => {
-    window.removeEventListener("pagehide", leaving);
+    closing.abort();
     rescue();
     unwatchTheme();
     unfit();

@@ -581,6 +581,18 @@ describe("the page", () => {
     expect(page.find('form[aria-label="Versions"]').hidden).toBe(true);
   });
 
+  it("leaves nothing that listens to the document when it is closed", () => {
+    const heard = vi.spyOn(Element.prototype, "contains");
+    const wheel = () => document.body.dispatchEvent(new Event("wheel", { bubbles: true }));
+    wheel();
+    expect(heard).toHaveBeenCalled();
+    page.close();
+    heard.mockClear();
+    wheel();
+    expect(heard).not.toHaveBeenCalled();
+    heard.mockRestore();
+  });
+
   it("sends a last message when it is closed", () => {
     page.close();
     expect(page.sent.at(-1)).toMatchObject({ type: "bye" });

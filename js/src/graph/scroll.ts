@@ -28,18 +28,20 @@ function scrolled(offset: number, begin: number, length: number, room: number, b
     : Math.max(offset, Math.min(most, offset - by));
 }
 
-/** When the wheel last scrolled something else. */
-let elsewhere = Number.NEGATIVE_INFINITY;
-document.addEventListener(
-  "wheel",
-  ({ target, timeStamp }) => {
-    if (!(target as Element).closest?.(".lrp-graph")) elsewhere = timeStamp;
-  },
-  { passive: true, capture: true },
-);
-
 /** Let the wheel scroll what is cut off; elsewhere it scrolls the page. */
-export function scrollByWheel(svg: SVGSVGElement, move: (dx: number, dy: number) => boolean): void {
+export function scrollByWheel(
+  svg: SVGSVGElement,
+  closed: AbortSignal,
+  move: (dx: number, dy: number) => boolean,
+): void {
+  let elsewhere = Number.NEGATIVE_INFINITY; // when the wheel last scrolled something else
+  document.addEventListener(
+    "wheel",
+    ({ target, timeStamp }) => {
+      if (!svg.contains(target as Node)) elsewhere = timeStamp;
+    },
+    { passive: true, capture: true, signal: closed },
+  );
   svg.addEventListener(
     "wheel",
     (event) => {

@@ -212,7 +212,7 @@ export function graphView(lab: Lab): HTMLElement {
     },
     { passive: false },
   );
-  scrollByWheel(svg, (dx, dy) => {
+  scrollByWheel(svg, lab.closed, (dx, dy) => {
     fitting.stop();
     const moves = scroll(camera, contents(), size(), dx, dy);
     place();

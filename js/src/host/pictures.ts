@@ -13,12 +13,13 @@ const OURS = "lrp-still";
 
 type Widgets = Record<string, { state?: { _dom_classes?: string[] } }>;
 
-const known = new WeakSet<Notebook>();
+/** Marks a notebook, because each lab in it is a module of its own. */
+const STORED = Symbol.for("lrp-pictures");
 
 /** Store the pictures with every saving of a notebook. */
-export function storePictures(notebook: Notebook): void {
-  if (known.has(notebook)) return;
-  known.add(notebook);
+export function storePictures(notebook: Notebook & { [STORED]?: true }): void {
+  if (notebook[STORED]) return;
+  notebook[STORED] = true;
   notebook.saveState.connect((_, state) => {
     if (state === "started") store(notebook);
   });

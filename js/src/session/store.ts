@@ -67,4 +67,6 @@ export interface Lab {
   /** Show a sentence for some seconds. */
   notify(sentence: string): void;
   readonly root: HTMLElement;
+  /** Aborted when the view is closed: ends what listens outside of it. */
+  readonly closed: AbortSignal;
 }
