@@ -328,7 +328,7 @@ describe("the page", () => {
     expect(page.of("save").at(-1)).toMatchObject({ name: "follower.lrp", replace: true });
     page.deliver({ type: "reply", id: page.of("save").at(-1)!.id, error: null, exists: false });
     await page.drawn();
-    expect(page.find(".lrp-toast").textContent).toBe("Saved as follower.lrp.");
+    expect(page.find(".lrp-toast").innerHTML).toBe("Saved as <code>follower.lrp</code>.");
   });
 
   it("keeps the rate that was just chosen while the kernel still reports the one before", async () => {
@@ -456,6 +456,12 @@ describe("the page", () => {
     expect(page.find('[data-lrp-action="keep-text"]').textContent).toBe("Keep y");
     expect(page.commands("take")).toMatchObject([{ number: 4 }]);
     expect(page.commands("keep")).toMatchObject([{ number: 4 }]);
+  });
+
+  it("shows code in a sentence, and no signs around it in its tooltip", async () => {
+    page.deliver({ type: "frame", frame: 9, reason: "`onentry` of `m/a` hangs." });
+    await page.drawn();
+    expect(page.find(".lrp-status").title).toBe("onentry of m/a hangs.");
   });
 
   it("says 'runs' of a text only while it runs", async () => {

@@ -4,7 +4,7 @@ import { type Action, type Diagnostic, diagnosticCount, setDiagnostics } from "@
 import type { EditorView } from "@codemirror/view";
 import type { FindingView, IssueView, QuickFix, Severity, TextRange } from "../protocol";
 import type { LabState } from "../session/state";
-import { h, prose } from "../ui/dom";
+import { h, prose, unmarked } from "../ui/dom";
 import { select } from "./cursor";
 import type { Tracked } from "./texts";
 
@@ -58,7 +58,7 @@ function action({ title, edits }: QuickFix, sent: Tracked): Action {
       view.focus();
     }
   };
-  return { name: title.replaceAll("`", ""), apply };
+  return { name: unmarked(title), apply };
 }
 
 function ofIssue(view: EditorView, issue: IssueView, running: Tracked): Diagnostic | null {

@@ -3,7 +3,7 @@
 import type { Topic } from "../session/state";
 import type { Lab } from "../session/store";
 import { button, setSwitch, toggle } from "../ui/button";
-import { h, setAttribute, setHidden, setText } from "../ui/dom";
+import { h, setAttribute, setHidden, setText, unmarked } from "../ui/dom";
 import { icon } from "../ui/icons";
 import { openMenu } from "../ui/menu";
 import { type Choices, labMenu } from "./menu";
@@ -103,7 +103,7 @@ function nameplate(lab: Lab): HTMLElement {
     const { name: text, unkept, link } = lab.store.state;
     setText(name, text);
     setHidden(mark, !unkept || link === "dead"); // then the page keeps it
-    setAttribute(mark, "title", unkept);
+    setAttribute(mark, "title", unmarked(unkept));
   });
   return h("div", { class: "lrp-group", role: "status" }, name, mark);
 }
@@ -189,7 +189,7 @@ function bridgeChip(lab: Lab): HTMLElement {
       ...names.map((name) => h("option", { value: name, selected: name === bridge.name }, name)),
     );
     setAttribute(dot, "data-status", bridge.status);
-    setAttribute(chip, "title", `${bridge.status}${bridge.sentence ? `: ${bridge.sentence}` : ""}`);
+    setAttribute(chip, "title", `${bridge.status}${bridge.sentence ? `: ${unmarked(bridge.sentence)}` : ""}`);
     setSwitch(armed, bridge.armed);
     armed.hidden = !bridge.hardware;
   });

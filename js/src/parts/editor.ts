@@ -3,7 +3,7 @@
 import type { Editor } from "../editor/editor";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
-import { h, prose, setAttribute } from "../ui/dom";
+import { h, prose, setAttribute, unmarked } from "../ui/dom";
 
 export function editorPanel(lab: Lab, editor: Editor): HTMLElement {
   const host = h("div", { class: "lrp-editor" }, editor.view.dom);
@@ -37,7 +37,7 @@ function verdict(lab: Lab): HTMLElement {
       words = patch;
     }
     setAttribute(line, "data-state", state);
-    setAttribute(line, "title", words);
+    setAttribute(line, "title", unmarked(words));
     line.replaceChildren(...prose(words));
   });
   return line;

@@ -1,7 +1,7 @@
 /** The last line of the lab: notes, which grow upward over the page and push nothing; the restarts; the status. */
 
 import type { Lab } from "../session/store";
-import { h, setAttribute, setText } from "../ui/dom";
+import { h, setAttribute, setText, unmarked } from "../ui/dom";
 import { notes } from "./notes";
 import { restarts } from "./restarts";
 
@@ -34,7 +34,7 @@ function statusLine(lab: Lab): HTMLElement {
             : status;
     setAttribute(dot, "data-status", link === "live" || link === "connecting" ? status : link);
     setText(words, `${word} · tick ${tick.toLocaleString("en")} · ${time.toFixed(1)} s`);
-    setAttribute(line, "title", reason);
+    setAttribute(line, "title", unmarked(reason));
   });
   return line;
 }

@@ -5,7 +5,7 @@ import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { copyText } from "../ui/clipboard";
 import { differentLines, drawDifference, scrollToDifference, summaryOf } from "../ui/difference";
-import { h, prose, setHidden } from "../ui/dom";
+import { h, prose, setHidden, unmarked } from "../ui/dom";
 
 export function notes(lab: Lab, text: () => string): HTMLElement {
   const ofSession = h("div", {}, hungNote(lab), unstartedNote(lab), heldNote(lab), conflictNote(lab, text));
@@ -173,7 +173,7 @@ export function announcer(lab: Lab): HTMLElement {
         .filter((_, i) => i % 2)
         .join(", "),
     );
-    const why = status === "hung" ? `${reason.replaceAll("`", "")} ` : "";
+    const why = status === "hung" ? `${unmarked(reason)} ` : "";
     const words = `${status === "running" ? "" : `${status}. `}${why}${states.length ? `In ${states.join(" and ")}` : ""}`;
     if (words !== announced) region.textContent = announced = words;
   };

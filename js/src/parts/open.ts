@@ -1,7 +1,8 @@
 /** Ask before another program replaces the text and the name of the lab. */
 
 import type { Lab } from "../session/store";
-import { h, prose, setHidden } from "../ui/dom";
+import { h, prose } from "../ui/dom";
+import { noteForm } from "./form";
 
 /** `open` opens a bundled program, at once if there is no text to replace. */
 export function openForm(
@@ -11,36 +12,18 @@ export function openForm(
   let wanted = "";
   const question = h("p", {});
   const ok = h("button", { class: "lrp-button lrp-primary", "data-lrp-action": "open" }, "Open");
-  const close = () => setHidden(element, true);
   const load = async () => {
-    if (!(await lab.act({ do: "load", name: wanted }))) close();
+    if (!(await lab.act({ do: "load", name: wanted }))) form.close();
   };
-  const element = h(
-    "form",
-    {
-      class: "lrp-note",
-      hidden: true,
-      "aria-label": "Open a program",
-      onsubmit: (event: SubmitEvent) => {
-        event.preventDefault();
-        void load();
-      },
-      onkeydown: (event: KeyboardEvent) => {
-        if (event.key === "Escape") close();
-      },
-    },
-    question,
-    ok,
-    h("button", { class: "lrp-button", type: "button", onclick: close }, "Cancel"),
-  );
+  const form = noteForm("Open a program", () => void load(), [question], ok);
   return {
-    element,
+    element: form.element,
     open(name) {
       wanted = name;
       if (!text().trim()) return void load();
       const sentence = `Replace \`${lab.store.state.name}\` by \`${name}\`? Its text stays in the versions.`;
       question.replaceChildren(...prose(sentence));
-      element.hidden = false;
+      form.show();
       ok.focus();
     },
   };

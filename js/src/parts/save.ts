@@ -1,7 +1,8 @@
 /** Save the program, or its world, under a chosen name; ask before another file is replaced. */
 
 import type { Lab } from "../session/store";
-import { h, prose, setHidden } from "../ui/dom";
+import { h, prose } from "../ui/dom";
+import { noteForm } from "./form";
 
 /** `what` is part of the names of the buttons. */
 export function saveForm(
@@ -26,7 +27,6 @@ export function saveForm(
     },
     "Replace",
   );
-  const close = () => setHidden(element, true);
   const ask = (on: boolean) => {
     replace.hidden = !on;
     error.textContent = on ? "This file exists and was not written by this lab." : "";
@@ -38,37 +38,23 @@ export function saveForm(
     ask(reply.exists ?? false);
     if (reply.error) error.replaceChildren(...prose(reply.error));
     else if (!reply.exists) {
-      close();
-      lab.notify(`Saved as ${name}.`);
+      form.close();
+      lab.notify(`Saved as \`${name}\`.`);
     }
   };
-  const element = h(
-    "form",
-    {
-      class: "lrp-note",
-      hidden: true,
-      onsubmit: (event: SubmitEvent) => {
-        event.preventDefault();
-        void save(false);
-      },
-      onkeydown: (event: KeyboardEvent) => {
-        event.stopPropagation();
-        if (event.key === "Escape") close();
-      },
-    },
-    h("label", {}, what === "file" ? "Save as " : "Save the world as "),
-    input,
+  const form = noteForm(
+    what === "file" ? "Save the program" : "Save the world",
+    () => void save(false),
+    [h("label", {}, what === "file" ? "Save as " : "Save the world as "), input],
     h("button", { class: "lrp-button lrp-primary", "data-lrp-action": `save-${what}` }, "Save"),
-    h("button", { class: "lrp-button", type: "button", onclick: close }, "Cancel"),
-    error,
-    replace,
+    [error, replace],
   );
   return {
-    element,
+    element: form.element,
     open() {
       input.value ||= suggested();
       ask(false);
-      element.hidden = false;
+      form.show();
       input.focus();
       input.select();
     },

@@ -3,7 +3,8 @@
 import type { VersionView } from "../protocol";
 import type { Lab } from "../session/store";
 import { differentLines, drawDifference, scrollToDifference } from "../ui/difference";
-import { h, setHidden } from "../ui/dom";
+import { h } from "../ui/dom";
+import { noteForm } from "./form";
 
 export function versionsForm(lab: Lab, present: () => string): { element: HTMLElement; open: () => void } {
   let known: VersionView[] = [];
@@ -15,37 +16,19 @@ export function versionsForm(lab: Lab, present: () => string): { element: HTMLEl
   const text = h("pre", { class: "lrp-source", tabindex: "0", "aria-label": "Text of the version" });
   const nothing = h("span", { role: "status" });
   const use = h("button", { class: "lrp-button lrp-primary", "data-lrp-action": "use-version" }, "Use");
-  const close = () => setHidden(element, true);
   const show = () => {
     const version = known[list.selectedIndex];
     text.replaceChildren(...(version ? drawDifference(differentLines(present(), version.text)) : []));
     scrollToDifference(text);
   };
-  const element = h(
-    "form",
-    {
-      class: "lrp-note",
-      hidden: true,
-      "aria-label": "Versions",
-      onsubmit: async (event: SubmitEvent) => {
-        event.preventDefault();
-        const version = known[list.selectedIndex];
-        if (version && !(await lab.act({ do: "version", key: version.key }))) close();
-      },
-      onkeydown: (event: KeyboardEvent) => {
-        event.stopPropagation();
-        if (event.key === "Escape") close();
-      },
-    },
-    h("label", {}, "Version of "),
-    list,
-    nothing,
-    use,
-    h("button", { class: "lrp-button", type: "button", onclick: close }, "Cancel"),
-    text,
-  );
+  const load = async () => {
+    const version = known[list.selectedIndex];
+    if (version && !(await lab.act({ do: "version", key: version.key }))) form.close();
+  };
+  const question = [h("label", {}, "Version of "), list, nothing];
+  const form = noteForm("Versions", () => void load(), question, use, [text]);
   return {
-    element,
+    element: form.element,
     async open() {
       const { error, versions } = await lab.ask({ type: "versions" });
       if (error) return lab.notify(error);
@@ -53,9 +36,9 @@ export function versionsForm(lab: Lab, present: () => string): { element: HTMLEl
       list.replaceChildren(...known.map((version) => h("option", { value: version.key }, title(version))));
       nothing.textContent = known.length ? "" : "No text has been replaced yet.";
       list.hidden = use.hidden = text.hidden = !known.length;
-      element.hidden = false;
+      form.show();
       show();
-      (known.length ? list : element.querySelector<HTMLElement>("[type=button]"))?.focus();
+      (known.length ? list : form.element.querySelector<HTMLElement>("[type=button]"))?.focus();
     },
   };
 }

@@ -114,6 +114,11 @@ export function visible(text: string): string {
   );
 }
 
+/** A sentence where code cannot be marked: in a tooltip, or read aloud. */
+export function unmarked(sentence: string): string {
+  return sentence.replaceAll("`", "");
+}
+
 export function prose(sentence: string): (HTMLElement | string)[] {
   return sentence.split(/`([^`]*)`/).map((part, index) => (index % 2 ? h("code", {}, part) : part));
 }
