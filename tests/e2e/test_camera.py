@@ -45,12 +45,12 @@ def distance(a, b):
 
 
 def rests(lab):
-    """Wait until the kernel has had its turn and nothing has moved for half a second."""
+    """Wait until the kernel has had its turn and nothing has moved for longer than the camera waits."""
     lab.goes_on()
     lab.page.evaluate(
         """async places => { const svg = document.querySelector('.lrp-graph');
         let before = '', since = performance.now();
-        while (performance.now() - since < 500) {
+        while (performance.now() - since < 1400) {
           const now = svg.querySelector('g').getAttribute('transform')
             + [...svg.querySelectorAll('[data-lrp-state]')].map(one => one.getAttribute('transform'));
           if (now !== before) { before = now; since = performance.now(); }
