@@ -31,6 +31,8 @@ LABEL_GAP = 124.0
 """Room between two layers beside each other, for an arrow and its label, in px."""
 AROUND = 90.0
 """Width and height of what is around the states: frame, name and labels, in px."""
+LEGIBLE = 0.87
+"""Scale below which letters could not be read: what is larger is scrolled."""
 CLEARLY = 1.1
 """How much larger layers beside each other must be shown than layers below each other."""
 TALL = 9
@@ -131,7 +133,7 @@ def _layered(
     if panel is None:
         return down
     right = _with_any(_right(rows, sizes, links), sizes, links)
-    narrow_rows = _ordered(names, names, links, _narrowed(level, sizes, links, panel[0] - AROUND))
+    narrow_rows = _ordered(names, names, links, _narrowed(level, sizes, links, panel[0] / LEGIBLE - AROUND))
     narrow = _down(narrow_rows, sizes, links, panel)
     best, largest = down, _scale(down, sizes, panel)
     for places in (right, narrow):
@@ -197,14 +199,20 @@ def _right(rows: list[list[str]], sizes: Mapping[str, Size], links: Sequence[Lin
 
 
 def _scale(places: Mapping[str, Point], sizes: Mapping[str, Size], panel: Size) -> float:
-    """Compute how large an arrangement is shown, if all of it is in view."""
+    """Compute how large an arrangement is shown; where it is scrolled, by how much of it is in view."""
     width, height = (
         max(at[i] + sizes[name][i] / 2 for name, at in places.items())
         - min(at[i] - sizes[name][i] / 2 for name, at in places.items())
         + AROUND
         for i in (0, 1)
     )
-    return min(1.0, panel[0] / width, panel[1] / height)
+    scale = min(1.0, panel[0] / width, panel[1] / height)
+    if scale >= LEGIBLE:
+        return scale
+    shares = [
+        min(1.0, room / (LEGIBLE * length)) for room, length in zip(panel, (width, height), strict=True)
+    ]
+    return LEGIBLE * shares[0] * shares[1]
 
 
 # -- layers ------------------------------------------------------------------------------------------

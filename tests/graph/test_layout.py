@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from lrp_jupyter import programs
 from lrp_jupyter.graph import labels as labels_module
-from lrp_jupyter.graph.arrangement import PASSED, is_dense, layers, order
+from lrp_jupyter.graph.arrangement import LEGIBLE, PASSED, is_dense, layers, order
 from lrp_jupyter.graph.geometry import Cells, Rect
 from lrp_jupyter.graph.labels import POINTS, place_labels
 from lrp_jupyter.graph.layout import RESERVED, layout
@@ -616,3 +616,9 @@ def test_a_machine_in_a_narrow_panel_has_narrow_layers():
     assert wide["frame"][2] > 550
     assert narrow["frame"][2] <= 378
     assert narrow["frame"][3] <= 530
+
+
+def test_a_machine_that_is_too_large_for_its_panel_is_scrolled_in_one_direction_if_possible():
+    program = parse(programs.load("follower"))
+    shown = layout(program.machines[0], program=program, panel=(330, 213))
+    assert shown["frame"][2] * LEGIBLE <= 330
