@@ -1,9 +1,10 @@
 // @vitest-environment happy-dom
-import { history, redo, undo } from "@codemirror/commands";
+import { redo, undo } from "@codemirror/commands";
 import { EditorState } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
 import { beforeEach, describe, expect, it } from "vitest";
 import { Pen, renameOf, renames } from "../src/editor/pen";
+import { steps } from "../src/editor/steps";
 import { lrp } from "../src/language/lrp";
 import type { ReplyMessage, TextEdit } from "../src/protocol";
 import type { Lab } from "../src/session/store";
@@ -32,7 +33,7 @@ beforeEach(() => {
       doc: TEXT,
       extensions: [
         EditorState.lineSeparator.of("\r\n"),
-        history(),
+        steps,
         renames,
         lrp(),
         EditorView.updateListener.of((update) => {

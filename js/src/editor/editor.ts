@@ -1,7 +1,6 @@
 /** The editor: CodeMirror for LRP. It sends what is typed; the kernel's echo never changes the document. */
 
 import { closeBrackets } from "@codemirror/autocomplete";
-import { history } from "@codemirror/commands";
 import { bracketMatching, foldGutter, forceParsing, indentOnInput, indentUnit } from "@codemirror/language";
 import { lintGutter } from "@codemirror/lint";
 import { search } from "@codemirror/search";
@@ -37,6 +36,7 @@ import { Pen, renameOf, renames } from "./pen";
 import { lineSeparator, placeOf } from "./places";
 import { rainbow } from "./rainbow";
 import { scrubbing } from "./scrub";
+import { steps } from "./steps";
 import { adopt, adopted, difference, Tracked } from "./texts";
 import { Typing } from "./typing";
 
@@ -84,7 +84,7 @@ export class Editor {
       lineNumbers(),
       lintGutter(),
       foldGutter(),
-      history(),
+      steps,
       renames,
       indentUnit.of("  "),
       indentOnInput(),

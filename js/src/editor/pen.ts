@@ -1,10 +1,10 @@
 /**
  * What is drawn on the state graph becomes edits of the text: the kernel computes them for the text as it is
- * here, and they are one step of the editor's history. A rename, and its undo, are sent as such: a state that
+ * here, and they are one step of undo. A rename, and its undo, are sent as such: a state that
  * is renamed stays active.
  */
 
-import { invertedEffects, isolateHistory } from "@codemirror/commands";
+import { invertedEffects } from "@codemirror/commands";
 import { type Extension, StateEffect } from "@codemirror/state";
 import type { EditorView, ViewUpdate } from "@codemirror/view";
 import { outlineOf } from "../language/lrp";
@@ -70,7 +70,6 @@ export class Pen {
       view.dispatch({
         changes,
         userEvent: DRAWN,
-        annotations: isolateHistory.of("full"),
         effects: act.act === "rename" ? renaming.of({ kind, path, name: act.to ?? "" }) : [],
       });
       return null;
