@@ -14,6 +14,7 @@ from e2e.jupyter import FLAGS, chromium, jupyter, lacking
 from e2e.pages import NotebookPage, close_all
 
 WAIT = 30_000  # ms that anything may take on a busy machine
+WINDOW = {"width": 1600, "height": 1000}
 
 
 def pytest_collection_modifyitems(items):
@@ -39,7 +40,7 @@ def context(server):
 
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
-        context = browser.new_context(viewport={"width": 1600, "height": 1000})
+        context = browser.new_context(viewport=WINDOW)
         context.set_default_timeout(WAIT)
         yield context
         browser.close()
@@ -49,6 +50,7 @@ def context(server):
 def page(context, server):
     """A page of JupyterLab: that of the last test, with nothing open, if it ended well."""
     page = context.pages[-1] if context.pages else context.new_page()
+    page.set_viewport_size(WINDOW)
     errors = []
     note = partial(_note, errors)
     page.on("pageerror", note)

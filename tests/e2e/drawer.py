@@ -10,7 +10,7 @@ class Drawer:
 
     def at(self, x, y):
         """A point of the graph, in parts of its width and height."""
-        frame = self.lab.sees(".lrp-graph-body").bounding_box()
+        frame = self.lab.box(".lrp-graph-body")
         return frame["x"] + x * frame["width"], frame["y"] + y * frame["height"]
 
     def box(self, state):

@@ -118,14 +118,26 @@ class LabPage:
         self.find(selector).first.wait_for(state="detached")
 
     def until(self, condition, selector=":scope", argument=None):
-        """Wait until ``condition(element, argument)``, a function of JavaScript, holds."""
+        """Wait until ``condition(element, argument)``, a function of JavaScript, holds; return its result."""
         self.sees(selector)
         element = self.root.element_handle()
-        self.page.wait_for_function(
+        result = self.page.wait_for_function(
             "([root, selector, argument]) => {"
             " const element = selector === ':scope' ? root : root.querySelector(selector);"
             f" return element && ({condition})(element, argument); }}",
             arg=[element, selector, argument],
+        )
+        return result.json_value()
+
+    def box(self, selector=":scope"):
+        """Wait until something has a size, and return its rectangle in the window, in px.
+
+        JupyterLab takes a cell out of the page for a moment when it scrolls; then it has none.
+        """
+        return self.until(
+            "element => { const { x, y, width, height } = element.getBoundingClientRect();"
+            " return width > 0 && { x, y, width, height }; }",
+            selector,
         )
 
     def reads(self, selector, text):
@@ -214,9 +226,8 @@ class LabPage:
         self.until(  # what was painted is of the present size
             "canvas => Math.abs(canvas.dataset.view?.split(' ')[3] - canvas.clientHeight) < 1", ".lrp-canvas"
         )
-        canvas = self.find(".lrp-canvas")
-        left, base, scale, _ = map(float, canvas.get_attribute("data-view").split())
-        frame = canvas.bounding_box()
+        left, base, scale, _ = map(float, self.find(".lrp-canvas").get_attribute("data-view").split())
+        frame = self.box(".lrp-canvas")
         return frame["x"] + left + x * scale, frame["y"] + base - y * scale
 
     def drag_robot(self, start, end):

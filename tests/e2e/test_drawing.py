@@ -150,7 +150,7 @@ def test_the_end_of_a_selected_transition_is_dragged_to_another_state(open_lab):
     lab = open_lab(PLAIN)
     drawer = Drawer(lab)
     lab.sees('.lrp-layer-labels [data-of="m:on:a->b"]').click()
-    handle = lab.sees('.lrp-handle[data-end="destination"]').bounding_box()
+    handle = lab.box('.lrp-handle[data-end="destination"]')
     drawer.drag((handle["x"] + 6, handle["y"] + 6), drawer.middle("m/c"))
     lab.sees('[data-of="m:on:a->c"]')
     assert "(on [n < 0] a -> c))" in lab.text

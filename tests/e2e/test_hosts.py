@@ -81,10 +81,10 @@ def test_one_text_is_shown_once_and_two_texts_are_both_shown(open_notebook, page
     lab.sees('[data-lrp-state="m/third"]')
     page.locator(".lrp-lab-differs").wait_for(state="attached")
     is_one_line(page)  # nothing moves while the user types
-    before = lab.root.bounding_box()
+    before = lab.box()
     page.evaluate("document.activeElement.blur()")
     is_whole(page)
-    assert abs(lab.root.bounding_box()["y"] - before["y"]) < 2
+    assert abs(lab.box()["y"] - before["y"]) < 2
     lab.select(" (state third)")
     page.keyboard.press("Delete")
     page.evaluate("document.activeElement.blur()")

@@ -15,9 +15,8 @@ SCREENS = [(1280, 800), (1600, 1000), (1900, 1000), (900, 900), (700, 900)]
 
 @pytest.fixture
 def screen(page):
-    """Set the size of the window; it is as it was in the next test."""
-    yield lambda width, height: page.set_viewport_size({"width": width, "height": height})
-    page.set_viewport_size({"width": 1600, "height": 1000})
+    """Set the size of the window."""
+    return lambda width, height: page.set_viewport_size({"width": width, "height": height})
 
 
 @pytest.fixture
@@ -34,7 +33,7 @@ def open_follower(open_lab, screen):
 
 
 def box(lab, part):
-    return lab.sees(f'[data-lrp="{part}"]').bounding_box()
+    return lab.box(f'[data-lrp="{part}"]')
 
 
 def in_sight(lab, selector):
@@ -76,10 +75,10 @@ def test_everything_is_in_one_screen_beside_the_file_browser(open_follower):
 @pytest.mark.parametrize(("width", "height"), [size for size in SCREENS if size[0] >= 1280])
 def test_the_world_is_the_widest_picture_and_the_robot_can_be_seen(open_follower, width, height):
     lab = open_follower(width, height)
-    canvas = lab.sees(".lrp-canvas").bounding_box()
+    canvas = lab.box(".lrp-canvas")
     left, right = lab.place(0, 0)[0], lab.place(1, 0)[0]
     assert DIAMETER * (right - left) >= 24
-    assert canvas["width"] >= 0.39 * lab.root.bounding_box()["width"]
+    assert canvas["width"] >= 0.39 * lab.box()["width"]
     assert canvas["width"] >= box(lab, "graph")["width"]
 
 
@@ -126,7 +125,7 @@ def test_sizes_and_hidden_panels_are_kept_over_a_reload(open_follower):
     bar.focus()
     for _ in range(5):
         bar.press("ArrowRight")
-    assert box(lab, "world")["width"] == pytest.approx(before - 0.1 * lab.root.bounding_box()["width"], abs=3)
+    assert box(lab, "world")["width"] == pytest.approx(before - 0.1 * lab.box()["width"], abs=3)
     lab.do("menu")
     lab.choose("panel-issues")
     assert not lab.find('[data-lrp="issues"]').is_visible()
@@ -144,7 +143,7 @@ def test_sizes_and_hidden_panels_are_kept_over_a_reload(open_follower):
 
 def test_the_place_of_a_hidden_panel_goes_to_the_others(open_follower):
     lab = open_follower()
-    whole = lab.sees(".lrp-panels").bounding_box()
+    whole = lab.box(".lrp-panels")
     for part in ("editor", "tree", "graph", "variables", "issues"):
         lab.do("menu")
         lab.choose(f"panel-{part}")
@@ -158,7 +157,7 @@ def test_a_double_click_on_its_head_enlarges_a_panel_and_another_returns(open_fo
     lab = open_follower()
     before = box(lab, "world")
     lab.find('[data-lrp="world"] .lrp-title').dblclick()
-    assert box(lab, "world") == lab.sees(".lrp-panels").bounding_box()
+    assert box(lab, "world") == lab.box(".lrp-panels")
     assert not lab.find('[data-lrp="editor"]').is_visible()
     lab.find('[data-lrp="world"] .lrp-title').dblclick()
     assert box(lab, "world") == before
@@ -170,7 +169,7 @@ def test_a_key_enlarges_the_panel_of_the_focus_and_a_button_does(open_follower):
     for part in PANELS:
         lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').focus()
         lab.page.keyboard.press("F9")
-        assert box(lab, part) == lab.sees(".lrp-panels").bounding_box(), part
+        assert box(lab, part) == lab.box(".lrp-panels"), part
         lab.find(f'[data-lrp="{part}"] [data-lrp-action="enlarge"]').click()
         assert lab.find('[role="separator"]:visible').count() == 4
 
@@ -179,11 +178,11 @@ def test_another_key_lets_the_lab_fill_the_window(open_follower):
     lab = open_follower()
     lab.find(".cm-content").focus()
     lab.page.keyboard.press("Shift+F9")
-    assert lab.root.bounding_box() == {"x": 0, "y": 0, "width": 1280, "height": 800}
+    assert lab.box() == {"x": 0, "y": 0, "width": 1280, "height": 800}
     lab.page.keyboard.type("; typed")
     assert "; typed" in lab.text
     lab.page.keyboard.press("Shift+F9")
-    assert lab.root.bounding_box()["width"] < 900
+    assert lab.box()["width"] < 900
     lab.page.keyboard.type(" on")
     assert "; typed on" in lab.text
 

@@ -201,11 +201,8 @@ def test_saving_asks_before_it_replaces_a_file(open_lab):
 @pytest.fixture
 def small_window(page):
     """The window of a small laptop, in which the lab is stacked and higher than the window."""
-    usual = page.viewport_size
     page.set_viewport_size({"width": 1280, "height": 800})
-    yield page
-    if not page.is_closed():
-        page.set_viewport_size(usual)
+    return page
 
 
 def test_a_text_that_cannot_be_kept_is_marked_beside_the_name(open_lab, small_window):
@@ -219,7 +216,7 @@ def test_a_text_that_cannot_be_kept_is_marked_beside_the_name(open_lab, small_wi
     assert mark.inner_text() == "Not kept"
     mark.press("Enter")
     lab.reads(".lrp-toast", "is a file")
-    toast = lab.find(".lrp-toast").bounding_box()
+    toast = lab.box(".lrp-toast")
     assert toast["y"] + toast["height"] < small_window.viewport_size["height"], "it is in view"
     folder.unlink()
     lab.find('[data-lrp-action="unkept"]').wait_for(state="hidden")
