@@ -76,6 +76,17 @@ DEVIATIONS = (
     ),
     Deviation(
         "§6.1",
+        "In the lab, a half-typed name that brings an error is applied only when the cursor leaves it or "
+        "after 700 ms, and a number after 400 ms; the rest of the text is applied at once.",
+        "Otherwise the letters of one word would stop or restart the program several times.",
+    ),
+    Deviation(
+        "§6.1",
+        "In the lab, an error in an active state is not applied while the cursor is inside that state.",
+        "A form that is not complete yet must not restart the program.",
+    ),
+    Deviation(
+        "§6.1",
         "A change inside a nested machine does not count as a change of the state that contains it.",
         "A nested machine is not part of the state's own body, and otherwise most live edits would restart "
         "the program.",
