@@ -7,6 +7,7 @@ closing bracket on a line of its own, below the beginning of its form.
 
 from __future__ import annotations
 
+import re
 from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
@@ -18,6 +19,7 @@ from lrp_jupyter.language.tokens import keyword_of, tokenize
 __all__ = ["formatted", "formatting"]
 
 _WIDTH = 90
+_WHITE = re.compile(r"[\s\ufeff]*")  # as in `tokens`: a text may begin with a byte order mark
 _GLUED = frozenset({("STAR", "MINUS"), ("MINUS", "LBRACE")})
 
 
@@ -64,9 +66,7 @@ def formatting(text: str) -> tuple[Edit, ...]:
 
 
 def _skip(text: str, offset: int) -> int:
-    while offset < len(text) and text[offset].isspace():
-        offset += 1
-    return offset
+    return _WHITE.match(text, offset).end()  # type: ignore[union-attr]
 
 
 class _OpenForm(NamedTuple):

@@ -108,6 +108,14 @@ def test_the_line_ends_of_the_text_stay() -> None:
     )
 
 
+@pytest.mark.parametrize(
+    "text", ["\ufeff(machine m(state a))", "(machine m(state a)\n\ufeff(state b)(state c))"]
+)
+def test_a_byte_order_mark_is_white_space(text: str) -> None:
+    assert edited(text, formatting(text)) == formatted(text)
+    assert parse(formatted(text)) == parse(text)
+
+
 def test_a_text_with_errors_is_not_formatted() -> None:
     with pytest.raises(LRPSyntaxError):
         formatted("(machine m (state a)")
