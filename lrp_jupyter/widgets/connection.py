@@ -106,7 +106,6 @@ class PageConnection:
                 return  # forgotten, or never opened: it sends hello when it gets no message for a while
             elif isinstance(message, ByeMessage):
                 self._publisher.forget(message.view)
-                self.texts.leave(message.view)
             elif isinstance(message, CreditMessage):
                 self._publisher.credit(message.view, message.frame)
                 self.session.seen()

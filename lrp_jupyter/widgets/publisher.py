@@ -237,9 +237,10 @@ class Publisher:
             return name in self._views
 
     def forget(self, name: str) -> None:
-        """Remove a view; nothing more is sent to it."""
+        """Remove a view; nothing more is sent to it, and what waits for its cursor is applied."""
         with self._lock:
             self._views.pop(name, None)
+        self._texts.leave(name)
 
     def credit(self, name: str, number: int) -> None:
         """Return a view's credit for a frame, and for all before it."""
@@ -359,7 +360,7 @@ class Publisher:
 
     def _drop_the_gone(self, now: float) -> None:
         for view in [view for view in self._views.values() if view.is_gone(now)]:
-            del self._views[view.name]
+            self.forget(view.name)
             if view.fault:
                 self._report(view.fault)
 

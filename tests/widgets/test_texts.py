@@ -380,6 +380,19 @@ def test_what_waits_is_applied_when_the_view_closes(bench):
     assert lab.session.program.text == text
 
 
+def test_what_waits_is_applied_when_the_view_can_no_longer_be_reached(bench):
+    lab = bench(C)
+    lab.page("other")
+    page = lab.page(pays=False)
+    text = C.replace("a -> c", "a -> cc")
+    page.type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    for _ in range(40):
+        lab.session.step()
+        lab.wall.now += 1.0
+        lab.publish()
+    assert lab.session.program.text == text
+
+
 def test_a_view_that_opens_learns_that_something_waits(bench):
     lab = bench(C)
     text = C.replace("a -> c", "a -> cc")
