@@ -610,12 +610,14 @@ class Session:
         UnknownElementError
             There is no such element.
         ValueError
-            The name cannot be used, or the text is not a valid program at the moment.
+            The name cannot be used, or the text is not the running program.
         """
         check_type("kind", kind, str, "the kind of an element, such as `state`")
         check_type("new_name", new_name, str, "a name")
-        if self._text != self.program.text and any(f.severity == "error" for f in self.findings):
-            raise ValueError("The text is not a valid program at the moment. Correct it first, then rename.")
+        if self._text != self.program.text:
+            raise ValueError(
+                "The text is not the running program, so nothing can be renamed now. Correct it first."
+            )
         text: str = self._driver.do(do.Rename(kind, as_path(path), new_name))
         if text:
             self._text = text

@@ -308,12 +308,14 @@ def test_a_rename_changes_the_text_and_restarts_nothing(session):
     assert blinking.frame.restarts == 0
 
 
-def test_nothing_is_renamed_in_a_text_that_is_not_a_program(session):
+@pytest.mark.parametrize("text", [BLINK + "(", "(machine light (state blue))"])
+def test_nothing_is_renamed_while_the_text_does_not_run(session, text):
     blinking = session(BLINK)
-    blinking.edit(BLINK + "(")
-    with pytest.raises(ValueError, match="not a valid program"):
+    blinking.run(0.2)
+    blinking.edit(text)
+    with pytest.raises(ValueError, match="not the running program"):
         blinking.rename("state", "light/on", "bright")
-    assert blinking.text == BLINK + "("
+    assert blinking.text == text
 
 
 # -- forcing
