@@ -22,7 +22,7 @@ from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.errors import BridgeError
-from lrp_jupyter.sim.edits import Become, Draw, WorldEdit, WorldHistory, is_edit
+from lrp_jupyter.sim.edits import Become, Draw, Edition, WorldEdit, WorldHistory, is_edit
 from lrp_jupyter.sim.inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.robot import SimRobot
 from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
@@ -206,7 +206,7 @@ class SimBridge(Bridge):
     def open_interface(self) -> Panel | None:
         """Read the sensors, so that there is something to see before the first tick."""
         if self.simulation.is_closed:
-            self.simulation = self._simulate(self.simulation.world, None)
+            self.simulation = self._edition(self.simulation.edition)
         self.simulation.latch()
         return None
 
@@ -346,7 +346,7 @@ class SimBridge(Bridge):
             There is no such world, or it has a mistake; the old world stays.
         """
         simulation = self._simulate(world, seed)
-        self._history.note(self.world)
+        self._history.note(self.simulation.edition)
         self._use(simulation)
 
     def _use(self, simulation: Simulation) -> None:
@@ -381,7 +381,7 @@ class SimBridge(Bridge):
         BridgeError
             Nothing was edited.
         """
-        self._return_to(self._history.undo(self.world), "undone")
+        self._return_to(self._history.undo(self.simulation.edition), "undone")
 
     def redo_world(self) -> None:
         """Redo the edit that was undone last. On the interpreter's thread.
@@ -391,15 +391,18 @@ class SimBridge(Bridge):
         BridgeError
             Nothing was undone, or something was edited since.
         """
-        self._return_to(self._history.redo(self.world), "redone")
+        self._return_to(self._history.redo(self.simulation.edition), "redone")
 
-    def _return_to(self, world: World | None, done: str) -> None:
-        if world is None:
+    def _return_to(self, edition: Edition | None, done: str) -> None:
+        if edition is None:
             raise BridgeError(f"There is no edit of the world that could be {done}.")
-        if is_edit(self.world, world):
-            self._continue_with(world)
+        if is_edit(self.world, edition.world):
+            self._continue_with(edition.world)
         else:
-            self._use(Simulation(world, history=self._history))
+            self._use(self._edition(edition))
+
+    def _edition(self, edition: Edition) -> Simulation:
+        return Simulation(edition.world, history=self._history, original=edition.original)
 
     def _continue_with(self, world: World) -> None:
         if world != self.world:

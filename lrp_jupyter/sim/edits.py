@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from lrp_jupyter.sim.world import (
     BoxSolid,
@@ -24,6 +25,7 @@ from lrp_jupyter.sim.world import (
 __all__ = [
     "Become",
     "Draw",
+    "Edition",
     "PutSolid",
     "PutZone",
     "RemoveSolid",
@@ -176,21 +178,28 @@ def is_edit(before: World, after: World) -> bool:
     )
 
 
+class Edition(NamedTuple):
+    """A description, and the one that was loaded, from which edits led to it."""
+
+    world: World
+    original: World
+
+
 class WorldHistory:
-    """The descriptions that edits have led through: undo and redo."""
+    """The editions that edits and changes of worlds have led through: undo and redo."""
 
     def __init__(self) -> None:
-        self._earlier: list[World] = []
-        self._later: list[World] = []
+        self._earlier: list[Edition] = []
+        self._later: list[Edition] = []
 
-    def note(self, now: World) -> None:
-        """Record the description that is about to be edited; what was undone before is forgotten."""
+    def note(self, now: Edition) -> None:
+        """Record the edition that is about to be edited; what was undone before is forgotten."""
         self._earlier = [*self._earlier[-_MOST_STEPS:], now]
         self._later = []
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is an earlier description."""
+        """Whether there is an earlier edition."""
         return bool(self._earlier)
 
     @property
@@ -198,16 +207,16 @@ class WorldHistory:
         """Whether an edit was undone."""
         return bool(self._later)
 
-    def undo(self, now: World) -> World | None:
-        """Return the description before the last edit, None if there was no edit."""
+    def undo(self, now: Edition) -> Edition | None:
+        """Return the edition before the last edit, None if there was no edit."""
         return _step(self._earlier, self._later, now)
 
-    def redo(self, now: World) -> World | None:
-        """Return the description before the last undo, None if nothing was undone."""
+    def redo(self, now: Edition) -> Edition | None:
+        """Return the edition before the last undo, None if nothing was undone."""
         return _step(self._later, self._earlier, now)
 
 
-def _step(source: list[World], target: list[World], now: World) -> World | None:
+def _step(source: list[Edition], target: list[Edition], now: Edition) -> Edition | None:
     if not source:
         return None
     target.append(now)

@@ -20,7 +20,7 @@ from dataclasses import replace
 from random import Random
 from typing import Any
 
-from lrp_jupyter.sim.edits import Become, Draw, WorldEdit, WorldHistory
+from lrp_jupyter.sim.edits import Become, Draw, Edition, WorldEdit, WorldHistory
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.input_log import Checkpoint, InputLog, WorldMoment, packed, unpack
 from lrp_jupyter.sim.inputs import (
@@ -60,13 +60,15 @@ class Simulation:
         Of all noise; the world's own by default.
     history : WorldHistory, optional
         Where edits are recorded; an empty one by default.
+    original : World, optional
+        The description that was loaded, if `world` is an edit of it.
 
     Attributes
     ----------
     world : World
         The description that a reset returns to: the original with all edits since.
     original : World
-        The description that it was made from.
+        The description that was loaded.
     robots : tuple of SimRobot
     solids : tuple of SimSolid
     floor : LiveFloor
@@ -82,9 +84,10 @@ class Simulation:
         world: str | os.PathLike[str] | Mapping[str, object] | World = "line",
         seed: int | None = None,
         history: WorldHistory | None = None,
+        original: World | None = None,
     ) -> None:
         self.world = load(world) if seed is None else replace(load(world), seed=seed)
-        self.original = self.world
+        self.original = self.world if original is None else original
         self.history = WorldHistory() if history is None else history
         self.robots = tuple(SimRobot(spec, index) for index, spec in enumerate(self.world.robots))
         self._place_solids()
@@ -106,6 +109,11 @@ class Simulation:
         """End the physics; what was last known of the world can still be read. A second call does nothing."""
         self.is_closed = True
         clear(self._space)
+
+    @property
+    def edition(self) -> Edition:
+        """The description, and the one that was loaded."""
+        return Edition(self.world, self.original)
 
     # -- time ---------------------------------------------------------------------------------
 
@@ -237,7 +245,7 @@ class Simulation:
         if isinstance(what, WorldEdit):
             if what.edited(self.world) == self.world:
                 return
-            self.history.note(self.world)
+            self.history.note(self.edition)
         self._apply_now(what)
 
     def _apply_now(self, what: Input) -> None:

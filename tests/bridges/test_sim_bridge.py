@@ -14,6 +14,8 @@ import pytest
 from lrp_jupyter.bridges.bridge import ConnectionState, MemberError, Robot
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.sim import PutSolid
+from lrp_jupyter.sim.world import BoxSolid
 
 PERIOD = 0.1
 
@@ -410,6 +412,22 @@ def test_the_process_survives_an_interruption_while_python_frees_old_worlds(fina
         [sys.executable, "-c", FREED_IN_ANY_ORDER, finalizer], capture_output=True, timeout=120
     )
     assert (python.returncode, python.stdout.split()) == (0, [b"done"])
+
+
+def test_an_edited_world_can_be_reset_to_what_was_loaded_after_another_world_and_a_new_start(
+    sim: SimBridge,
+) -> None:
+    loaded = sim.world
+    sim.edit_world(PutSolid(BoxSolid((1.0, 1.0, 0.2, 0.2))))
+    sim.load_world("maze")
+    assert not sim.is_edited
+    sim.undo_world()
+    assert sim.is_edited
+    sim.close()
+    sim.open()
+    assert sim.is_edited
+    sim.reset_world(drawings=True)
+    assert sim.picture.world == loaded
 
 
 def test_a_closed_world_can_still_be_read_and_starts_again_when_it_is_opened(sim: SimBridge) -> None:
