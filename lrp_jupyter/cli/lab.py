@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import shutil
+from contextlib import suppress
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -76,9 +77,10 @@ def fold_side_bar() -> None:
     from jupyterlab_server.workspaces_handler import WorkspacesManager
 
     workspaces = WorkspacesManager(get_workspaces_dir())
-    if not workspaces.load(_WORKSPACE)["data"]:
-        layout = {"layout-restorer:data": {"left": {"collapsed": True}}}
-        workspaces.save(_WORKSPACE, json.dumps({"data": layout, "metadata": {"id": _WORKSPACE}}))
+    with suppress(OSError, ValueError):  # unwritable or damaged: then the bar is as JupyterLab shows it
+        if not workspaces.load(_WORKSPACE)["data"]:
+            layout = {"layout-restorer:data": {"left": {"collapsed": True}}}
+            workspaces.save(_WORKSPACE, json.dumps({"data": layout, "metadata": {"id": _WORKSPACE}}))
 
 
 def use_settings() -> None:

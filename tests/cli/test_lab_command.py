@@ -112,6 +112,18 @@ def test_the_side_bar_is_folded_once_and_then_stays_as_the_user_left_it(private)
     assert file.read_text() == left
 
 
+def test_a_workspace_that_cannot_be_read_or_written_stays_as_it_is(private, monkeypatch):
+    pytest.importorskip("jupyterlab")
+    fold_side_bar()
+    (file,) = (private / "WORKSPACES").iterdir()
+    file.write_text("{")
+    fold_side_bar()
+    assert file.read_text() == "{"
+    monkeypatch.setenv("JUPYTERLAB_WORKSPACES_DIR", str(file / "inside"))
+    fold_side_bar()
+    assert file.read_text() == "{"
+
+
 def test_the_users_own_defaults_precede_those_of_the_package(private, monkeypatch):
     pytest.importorskip("jupyterlab_server")
     from jupyter_server.services.config.manager import ConfigManager
