@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -132,3 +133,10 @@ def test_a_creation_in_a_long_program_reads_only_the_forms_around_it(monkeypatch
     found = check(parse(f"{others}(machine last (state a) (on [True] a -> b))\n(spawn last a)\n"))
     assert [each.creates.title for each in found if each.creates] == ["Create the state `b`"]
     assert len(made) < 30
+
+
+def test_a_program_put_together_from_two_texts_is_checked_and_nothing_is_created_in_it() -> None:
+    other = parse("(machine other (state here) (on begin here -> there) (state a (onentry (spawn b c))))")
+    mixed = replace(parse(MACHINE.format("")), machines=other.machines)
+    created = [finding.creates for finding in check(mixed) if finding.code in ("LRP301", "LRP303")]
+    assert created == [None, None]

@@ -5,9 +5,12 @@ A new form goes after the last one of its kind, and is indented like the forms a
 
 from __future__ import annotations
 
-from lrp_jupyter.errors import MOST_FINDINGS, Fix
+from collections.abc import Callable
+
+from lrp_jupyter.errors import MOST_FINDINGS, Edit, Fix
 from lrp_jupyter.language.checks.report import Reporter
 from lrp_jupyter.language.program import Machine, State
+from lrp_jupyter.language.sheet import Sheet, WrittenForm
 
 __all__ = ["new_delay", "new_event", "new_machine", "new_spawn", "new_state", "new_variable"]
 
@@ -39,21 +42,30 @@ def new_machine(report: Reporter, state: State | None, name: str, start: str) ->
 
 def new_spawn(report: Reporter, state: State | None, machine: str, start: str) -> Fix | None:
     """Return the fix that spawns a machine, when a state is entered or at the top level."""
-    if not _has_room(report):
-        return None
-    sheet, form = report.sheet, f"(spawn {machine} {start})"
-    edit = sheet.spawned_by(sheet.at(state.span.start), form) if state else sheet.added(sheet.root, form)
-    return Fix(f"Add `{form}`", (edit,))
+    form = f"(spawn {machine} {start})"
+    add = Sheet.added if state is None else Sheet.spawned_by
+    return _fix(report, f"Add `{form}`", state, form, add)
 
 
 def _created(report: Reporter, around: Machine | State | None, form: str, what: str) -> Fix | None:
-    if not _has_room(report):
+    return _fix(report, f"Create the {what}", around, form, Sheet.added)
+
+
+def _fix(
+    report: Reporter,
+    title: str,
+    around: Machine | State | None,
+    form: str,
+    add: Callable[[Sheet, WrittenForm, str], Edit],
+) -> Fix | None:
+    """Return the fix that adds a form, if there is a text and this finding can still be listed."""
+    if not report.program.text or len(report.findings) >= MOST_FINDINGS:
         return None
-    sheet = report.sheet
-    edit = sheet.added(sheet.at(around.span.start) if around else sheet.root, form)
-    return Fix(f"Create the {what}", (edit,))
-
-
-def _has_room(report: Reporter) -> bool:
-    """Return whether there is a text to edit, and this finding can still be listed."""
-    return bool(report.program.text) and len(report.findings) < MOST_FINDINGS
+    try:
+        sheet = report.sheet
+        parent = sheet.root if around is None else sheet.at(around.span.start)
+        if around is not None and parent.end != around.span.end:
+            return None  # the program was put together from elements of other texts
+        return Fix(title, (add(sheet, parent, form),))
+    except LookupError:  # likewise
+        return None
