@@ -155,8 +155,11 @@ def _without_word(
     """Return the findings that are not about a word that is being typed, and what waits because of it."""
     text = program.text
     left = _away_from(text, word, findings)
+    is_number = text[word.start].isdecimal()
+    if not is_number and len(left) == len(findings) and not _has_errors(findings):
+        return findings, None
     instead = without_change(program, running, word)
-    if text[word.start].isdecimal():
+    if is_number:
         if instead == program:  # in a comment, or as it was
             return left, None
         return left, Unmeant(instead, f"waits: `{text[slice(*word)]}` is being typed", always=True)
