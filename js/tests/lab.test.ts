@@ -2,6 +2,7 @@
 
 import { EditorView } from "@codemirror/view";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { WORD_AFTER } from "../src/editor/typing";
 import { openLab } from "../src/lab";
 import type { AnswerMessage, Command, FromPage, PartName } from "../src/protocol";
 import { lostTexts } from "../src/session/lost";
@@ -131,6 +132,35 @@ describe("the editor", () => {
     await page.drawn();
     expect(page.find(".cm-lintRange-error").textContent).toBe("a");
     expect(page.editor.state.doc.lineAt(2).number).toBe(3);
+  });
+
+  it("sends what is meant with the cursor where it is now, also in a shorter text from elsewhere", () => {
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout"] });
+    const end = page.editor.state.doc.length;
+    page.editor.dispatch({ selection: { anchor: end } });
+    page.editor.dispatch({ ...page.editor.state.replaceSelection("(sta"), userEvent: "input.type" });
+    page.deliver(answer({ seq: 1, half_typed: true }));
+    page.deliver(answer({ seq: 0, text: "(machine m)", half_typed: true }));
+    vi.advanceTimersByTime(WORD_AFTER);
+    vi.useRealTimers();
+    expect(page.of("text").at(-1)).toMatchObject({ text: "(machine m)", cursor: [1, 12], meant: true });
+  });
+
+  it("underlines a finding of a snapshot that comes while a text is on its way", async () => {
+    page.type("\n\n");
+    const range = { line: 1, column: 1, end_line: 1, end_column: 3 };
+    const finding = {
+      id: "1",
+      code: "LRP101",
+      severity: "error",
+      message: "",
+      range,
+      fix: null,
+      creates: null,
+    };
+    page.deliver({ ...structuredClone(recording.snapshot), findings: [finding] });
+    await page.drawn();
+    expect(page.find(".cm-lintRange-error").textContent).toBe(recording.snapshot.text.slice(0, 2));
   });
 
   it("keeps the line ends of a text", async () => {

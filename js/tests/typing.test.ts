@@ -12,7 +12,9 @@ let sent: [number | null, boolean][];
 beforeEach(() => {
   vi.useFakeTimers();
   sent = [];
-  typing = new Typing((cursor, meant) => sent.push([cursor, meant]));
+  typing = new Typing((hasCursor, meant) =>
+    sent.push([hasCursor ? view.state.selection.main.head : null, meant]),
+  );
   const listener = EditorView.updateListener.of((update: ViewUpdate) => {
     if (update.docChanged) typing.changed(update);
     else if (update.selectionSet) typing.moved(update);

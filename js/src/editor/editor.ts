@@ -56,7 +56,7 @@ export class Editor {
   private readonly onItsWay = new Tracked();
   private readonly answered = new Tracked();
   private readonly running = new Tracked();
-  private readonly typing = new Typing((cursor, meant) => this.send(cursor, meant));
+  private readonly typing = new Typing((hasCursor, meant) => this.send(hasCursor, meant));
   private began = false;
   private values = isOn("values", true);
   private readonly brackets = new Compartment();
@@ -155,8 +155,9 @@ export class Editor {
     return true;
   }
 
-  private send(cursor: number | null, meant: boolean): void {
-    const place = cursor === null ? null : placeOf(this.view.state.doc, cursor);
+  private send(hasCursor: boolean, meant: boolean): void {
+    const { doc, selection } = this.view.state;
+    const place = hasCursor ? placeOf(doc, selection.main.head) : null;
     this.connection.text(this.text, place && [place.line, place.column], meant);
   }
 
@@ -170,7 +171,7 @@ export class Editor {
     else if (this.text !== text && !this.connection.inFlight) this.put(text);
     this.began = true;
     forceParsing(this.view, this.view.state.doc.length, PARSE_FOR);
-    this.answered.begin(this.view.state.toText(text));
+    this.answered.differs(this.view.state.toText(text), this.view.state.doc);
     this.onItsWay.copy(this.answered);
     this.running.differs(this.view.state.toText(running), this.view.state.doc);
     this.typing.answered(halfTyped);

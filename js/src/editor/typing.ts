@@ -13,8 +13,8 @@ export const NUMBER_AFTER = 400;
 const WORD = /[\p{L}\p{N}_.]*$/u;
 const REST = /^[\p{L}\p{N}_]*/u;
 
-/** Sends the text with an offset of the cursor, or null if it is elsewhere. */
-type Send = (cursor: number | null, meant: boolean) => void;
+/** Sends the text, with the place of the cursor if that is in the text. */
+type Send = (hasCursor: boolean, meant: boolean) => void;
 
 export class Typing {
   private from = 0;
@@ -31,25 +31,24 @@ export class Typing {
       (one) => (one.isUserEvent("input.type") || one.isUserEvent("delete")) && !one.annotation(scrubbed),
     );
     this.stop();
-    const head = state.selection.main.head;
     if (isTyped) {
-      const word = wordAt(state, head);
+      const word = wordAt(state, state.selection.main.head);
       [this.from, this.to] = [word.from, word.to];
-      this.timer = window.setTimeout(() => this.over(head), word.isNumber ? NUMBER_AFTER : WORD_AFTER);
+      this.timer = window.setTimeout(() => this.over(true), word.isNumber ? NUMBER_AFTER : WORD_AFTER);
     }
     this.waits = true; // until the kernel answers
-    this.send(head, !isTyped);
+    this.send(true, !isTyped);
   }
 
   /** Handle a movement of the cursor. */
   moved({ state }: ViewUpdate): void {
     const { head } = state.selection.main;
-    if (!this.timer || head < this.from || head > this.to) this.over(head);
+    if (!this.timer || head < this.from || head > this.to) this.over(true);
   }
 
-  /** Handle the loss of the focus: the cursor is nowhere. */
+  /** Handle the loss of the focus: there is no cursor. */
   left(): void {
-    this.over(null);
+    this.over(false);
   }
 
   /** Handle the answer to the last text. */
@@ -62,9 +61,9 @@ export class Typing {
     this.timer = 0;
   }
 
-  private over(cursor: number | null): void {
+  private over(hasCursor: boolean): void {
     this.stop();
-    if (this.waits) this.send(cursor, true);
+    if (this.waits) this.send(hasCursor, true);
   }
 }
 
