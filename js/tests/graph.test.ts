@@ -345,6 +345,21 @@ describe("the camera's own movements", () => {
     autofit.resized(null);
     expect(at()).toEqual([50, 50, 1]);
   });
+
+  it("are for the panel as it was last seen, while it is in a tab that is not shown", () => {
+    resize(0, 0);
+    autofit.resized(null);
+    autofit.rearranged(box(0, 0, 300, 100), null);
+    vi.advanceTimersByTime(500);
+    resize(400, 300);
+    autofit.resized(null);
+    expect(camera.inside(200, 150)).toEqual([150, 50]);
+    resize(0, 0);
+    autofit.resized(null);
+    resize(500, 300);
+    autofit.resized(null);
+    expect(camera.inside(250, 150)).toEqual([150, 50]);
+  });
 });
 
 describe("arrow keys", () => {

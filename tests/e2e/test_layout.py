@@ -82,6 +82,26 @@ def test_the_world_is_the_widest_picture_and_the_robot_can_be_seen(open_follower
     assert canvas["width"] >= box(lab, "graph")["width"]
 
 
+def test_a_lab_in_a_tab_that_was_away_is_as_it_was(open_follower):
+    lab = open_follower()
+    lab.pause()
+    read = (
+        "root => [root.querySelector('.lrp-variables').scrollTop,"
+        " root.querySelector('.lrp-graph > g').getAttribute('transform'), root.style.cssText]"
+    )
+    lab.root.evaluate("root => { root.querySelector('.lrp-variables').scrollTop = 30; }")
+    before = lab.root.evaluate(read)
+    assert before[0] == 30
+    tab = lab.page.evaluate("jupyterapp.shell.currentWidget.id")
+    lab.page.evaluate("() => jupyterapp.commands.execute('launcher:create')")
+    lab.until("root => root.clientWidth === 0")
+    lab.page.evaluate("() => new Promise(done => setTimeout(done, 200))")  # what is observed is reported
+    lab.page.evaluate("tab => jupyterapp.shell.activateById(tab)", tab)
+    lab.until("root => root.clientWidth > 0")
+    lab.page.evaluate("() => new Promise(done => setTimeout(done, 200))")
+    assert lab.root.evaluate(read) == before
+
+
 @pytest.mark.parametrize(("width", "height"), [(900, 900), (700, 900)])
 def test_where_there_is_little_room_the_world_is_above_the_other_panels(open_follower, width, height):
     lab = open_follower(width, height)

@@ -23,6 +23,7 @@ export class AutoFit {
   private content: Box = { x: 0, y: 0, width: 0, height: 0 };
   /** What is to be brought into view when the user pauses; until it is. */
   private wanted: Box | null = null;
+  /** Of the panel, when it was last seen: in a tab that is not shown it has none. */
   private size = { width: 0, height: 0 };
   private lastKey = Number.NEGATIVE_INFINITY;
   private held = false;
@@ -43,7 +44,7 @@ export class AutoFit {
     this.camera = camera;
     this.content = content;
     this.wanted = null;
-    this.size = this.panel();
+    this.measure();
     if (!camera.placed) this.jump(focus);
     else this.place();
     this.check();
@@ -68,13 +69,13 @@ export class AutoFit {
   /** The size of the panel has changed: what is in its middle stays there. */
   resized(focus: Box | null): void {
     const before = this.size;
-    this.size = this.panel();
+    this.measure();
     const { camera } = this;
     if (!camera.placed) {
       this.jump(focus);
       return;
     }
-    if (!before.width || !this.size.width) return;
+    if (this.size === before) return;
     this.stop();
     if (!this.isQuiet()) {
       this.check();
@@ -119,8 +120,9 @@ export class AutoFit {
     clearTimeout(this.timer);
   }
 
-  private panel(): { width: number; height: number } {
-    return { width: this.svg.clientWidth, height: this.svg.clientHeight };
+  private measure(): void {
+    const { clientWidth: width, clientHeight: height } = this.svg;
+    if (width && height) this.size = { width, height };
   }
 
   private isQuiet(): boolean {
@@ -170,7 +172,7 @@ export class AutoFit {
   /** Where the camera shows everything, or as much as is legible: then `focus`, or what is in the middle now. */
   private target(focus: Box | null = null): View {
     const { camera, content } = this;
-    const { width, height } = this.panel();
+    const { width, height } = this.size;
     const scale = Math.max(LEGIBLE, Math.min(width / content.width, height / content.height, 1.25));
     const [x, y] = camera.inside(width / 2, height / 2);
     const middle = focus ? { x: focus.x + focus.width / 2, y: focus.y + focus.height / 2 } : { x, y };
@@ -183,7 +185,7 @@ export class AutoFit {
 
   private jump(focus: Box | null): void {
     const { camera, content } = this;
-    const { width, height } = this.panel();
+    const { width, height } = this.size;
     if (!width || !height || !content.width || !content.height) return;
     camera.set(this.target(focus ?? (camera.placed ? null : corner(content))));
     this.place();

@@ -74,7 +74,9 @@ export class Layout {
   private readonly places: Map<string, HTMLElement>;
   private readonly bars = new Map<Division, ReturnType<typeof splitter>>();
   private alone: HTMLElement | null = null;
-  private readonly observer = new ResizeObserver(() => this.update());
+  private readonly observer = new ResizeObserver(() => {
+    if (this.element.clientWidth) this.update(); // in a tab that is not shown, everything stays as it is
+  });
   private readonly robots = new MutationObserver(() => this.update());
 
   constructor(readonly panels: Readonly<Panels>) {

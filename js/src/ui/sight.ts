@@ -8,7 +8,7 @@ export function fitHeight(root: HTMLElement): () => void {
   let scroller: Element | null = null;
   const observer = new ResizeObserver(() => {
     scroller ??= scrollerOf(root);
-    if (scroller) {
+    if (scroller?.clientHeight) {
       observer.observe(scroller);
       root.style.setProperty("--lrp-room", `${Math.max(LEAST, scroller.clientHeight - AROUND)}px`);
     }
