@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 
-import { beforeEach, describe, expect, it } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { WorldView } from "../src/protocol";
 import type { Act } from "../src/session/connection";
 import type { Lab } from "../src/session/store";
@@ -62,6 +62,12 @@ describe("a drag in the world", () => {
     expect(acts.filter((act) => act.do === "put_solid")).toEqual([]);
   });
 
+  it("that ends with Escape before the pointer has moved leaves the robot alone, which may drive", () => {
+    point("pointerdown", 0.5, 1);
+    press("Escape");
+    expect(acts).toEqual([]);
+  });
+
   it("is not disturbed by a second finger, nor by keys", () => {
     point("pointerdown", 2, 1);
     point("pointermove", 2.5, 1);
@@ -73,6 +79,29 @@ describe("a drag in the world", () => {
     const put = acts.filter((act) => act.do === "put_solid");
     expect(put).toMatchObject([{ box: [2.5, 1, 0.4, 0.4] }]);
     expect(acts.map((act) => act.do)).not.toContain("remove_solid");
+  });
+});
+
+describe("a stage", () => {
+  beforeEach(() => {
+    Object.defineProperty(stage.canvas, "clientWidth", { value: 200 });
+    Object.defineProperty(stage.canvas, "clientHeight", { value: 100 });
+    stage.resize();
+  });
+  afterEach(() => vi.unstubAllGlobals());
+
+  it("does not follow the robot again because its size changes", () => {
+    expect(stage.follows).toBe(true); // it would be too small to be seen
+    stage.follows = false;
+    stage.resize();
+    expect(stage.follows).toBe(false);
+  });
+
+  it("is as sharp as the screen to which its window has been moved", async () => {
+    expect(stage.canvas.width).toBe(200);
+    vi.stubGlobal("devicePixelRatio", 2);
+    stage.wake();
+    await vi.waitFor(() => expect(stage.canvas.width).toBe(400));
   });
 });
 

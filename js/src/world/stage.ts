@@ -44,6 +44,8 @@ export class Stage {
   private span = 1;
   private scheduled = 0;
   private painted = 0;
+  /** Pixels of the canvas per px of the page. */
+  private ratio = 1;
 
   constructor(private readonly readPalette: () => Palette) {
     this.palette = readPalette();
@@ -119,16 +121,13 @@ export class Stage {
     return share >= 1 ? this.after : between(this.before, this.after, share);
   }
 
-  private get ratio(): number {
-    return window.devicePixelRatio || 1;
-  }
-
   private get robotAt(): Point | undefined {
     const [x, y] = this.after?.robots[0]?.pose ?? [];
     return x === undefined || y === undefined ? undefined : [x, y];
   }
 
   resize(): void {
+    this.ratio = window.devicePixelRatio;
     const { canvas, ratio } = this;
     canvas.width = this.floor.width = Math.round(canvas.clientWidth * ratio);
     canvas.height = this.floor.height = Math.round(canvas.clientHeight * ratio);
@@ -157,7 +156,7 @@ export class Stage {
 
   set follows(on: boolean) {
     if (on && this.world && this.robotAt) this.viewport.begin(this.robotAt, this.world.size);
-    else this.viewport.follow = false;
+    else this.viewport.end();
     this.repaint();
   }
 
@@ -210,6 +209,7 @@ export class Stage {
 
   private picture(now: number): void {
     this.scheduled = 0;
+    if (this.ratio !== window.devicePixelRatio) this.resize(); // the window is on another screen
     const c = this.canvas.getContext("2d");
     if (!c || !this.canvas.width) return;
     this.painted = now;

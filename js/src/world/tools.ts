@@ -138,7 +138,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
         edits.select(thing);
       },
       cancel() {
-        edits.drag(thing, shape);
+        if (next !== shape) edits.drag(thing, shape);
         stage.preview = null;
       },
     };

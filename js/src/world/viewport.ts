@@ -63,6 +63,12 @@ export class Viewport {
     this.centre(robot, size);
   }
 
+  /** Show the same part of the world from now on, wherever the robot is. */
+  end(): void {
+    this.mode = "free";
+    this.follow = false;
+  }
+
   private magnify(all: number): void {
     if (this.scale < 1.5 * all) this.scale = 2 * all;
   }
@@ -98,8 +104,7 @@ export class Viewport {
   pan(dx: number, dy: number): void {
     this.x += dx;
     this.y += dy;
-    this.mode = "free";
-    this.follow = false;
+    this.end();
   }
 
   /** Zoom by a factor, keeping the point (x, y) of the canvas where it is. */
