@@ -5,6 +5,7 @@ import type { Pen } from "../src/editor/pen";
 import { attachPencil } from "../src/graph/pencil";
 import type { Lab } from "../src/session/store";
 import { Store } from "../src/session/store";
+import type { Division } from "../src/ui/boxes";
 import { h, s } from "../src/ui/dom";
 import { type Drag, trackDrag } from "../src/ui/drag";
 import { svgDocument } from "../src/ui/picture";
@@ -20,8 +21,8 @@ beforeEach(() => {
   surface.releasePointerCapture = (id) => void captured.delete(id);
 });
 
-const pointer = (type: string, clientX: number, pointerId = 1, button = 0) =>
-  new PointerEvent(type, { clientX, clientY: 0, pointerId, button, bubbles: true });
+const pointer = (type: string, clientX: number, pointerId = 1, button = 0, buttons = 1) =>
+  new PointerEvent(type, { clientX, clientY: 0, pointerId, button, buttons, bubbles: true });
 
 describe("a drag", () => {
   let drag: { [K in keyof Required<Drag>]: ReturnType<typeof vi.fn> };
@@ -57,6 +58,12 @@ describe("a drag", () => {
     expect([drag.end.mock.calls, [...captured]]).toEqual([[[null, true]], []]);
   });
 
+  it("ends when the pointer comes back without a button, which was released where nothing reports it", () => {
+    window.dispatchEvent(pointer("pointermove", 9));
+    window.dispatchEvent(pointer("pointermove", 20, 1, -1, 0));
+    expect([moves(), drag.end.mock.calls]).toEqual([[9], [[null, true]]]);
+  });
+
   it("does not end in a click", () => {
     const clicked = vi.fn();
     surface.addEventListener("click", clicked);
@@ -68,15 +75,37 @@ describe("a drag", () => {
 });
 
 describe("a bar between two panels", () => {
-  it("is no longer held when the pointer is taken away, nor by another button", () => {
-    const { element } = splitter(surface, () => {});
-    element.setPointerCapture = surface.setPointerCapture;
-    element.dispatchEvent(pointer("pointerdown", 0, 1, 2));
-    expect([...captured]).toEqual([]);
-    element.dispatchEvent(pointer("pointerdown", 0));
-    expect(element.dataset.dragged).toBe("");
-    element.dispatchEvent(pointer("lostpointercapture", 0));
-    expect(element.dataset.dragged).toBeUndefined();
+  let element: HTMLElement;
+  let shares: (number | null)[];
+  beforeEach(() => {
+    shares = [];
+    surface.getBoundingClientRect = () => new DOMRect(0, 0, 1000, 100);
+    const bar = splitter(surface, (share) => shares.push(share));
+    const around = { left: 0, top: 0, width: 100, height: 100 };
+    const division: Division = { name: "", label: "", axis: "columns", share: 50, parts: ["a", "b"] };
+    bar.update({ division, share: 40, around, box: around });
+    element = bar.element;
+    for (const name of ["setPointerCapture", "hasPointerCapture", "releasePointerCapture"] as const)
+      Object.assign(element, { [name]: surface[name] });
+  });
+
+  it("is dragged, but not by another button", () => {
+    element.dispatchEvent(pointer("pointerdown", 400, 1, 2));
+    window.dispatchEvent(pointer("pointermove", 300));
+    expect([shares, element.dataset.dragged]).toEqual([[], undefined]);
+    element.dispatchEvent(pointer("pointerdown", 400));
+    window.dispatchEvent(pointer("pointermove", 300));
+    expect([shares, element.dataset.dragged]).toEqual([[30], ""]);
+    window.dispatchEvent(pointer("pointerup", 300));
+    window.dispatchEvent(pointer("pointermove", 200));
+    expect([shares, element.dataset.dragged]).toEqual([[30], undefined]);
+  });
+
+  it.each(["Escape", "pointercancel"])("is where it was after %s", (how) => {
+    element.dispatchEvent(pointer("pointerdown", 400));
+    window.dispatchEvent(pointer("pointermove", 300));
+    window.dispatchEvent(how === "Escape" ? new KeyboardEvent("keydown", { key: how }) : pointer(how, 300));
+    expect([shares, element.dataset.dragged]).toEqual([[30, 40], undefined]);
   });
 });
 

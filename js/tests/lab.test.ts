@@ -394,7 +394,7 @@ describe("the page", () => {
       .match(/-?[\d.]+/g)!
       .map(Number);
     const at = (type: string, clientX: number) =>
-      new PointerEvent(type, { clientX, clientY: 500, bubbles: true });
+      new PointerEvent(type, { clientX, clientY: 500, buttons: 1, bubbles: true });
     state.dispatchEvent(at("pointerdown", 500));
     state.dispatchEvent(at("pointermove", 560));
     state.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape", bubbles: true }));

@@ -81,21 +81,29 @@ function byDrag(event: MouseEvent, view: EditorView): boolean {
   view.focus();
   let literal = begun;
   let isFirst = true;
-  const move = (now: MouseEvent) => {
-    if (!now.buttons) return end(); // the button was released where nothing reports it
-    const steps = Math.trunc((now.clientX - event.clientX) / STEP) * (now.shiftKey ? 10 : 1);
-    const text = stepped(begun.text, steps);
+  const listening = new AbortController();
+  const listen = { capture: true, signal: listening.signal };
+  const end = () => listening.abort();
+  const become = (text: string) => {
     if (text === literal.text) return;
     if (view.state.sliceDoc(literal.from, literal.to) !== literal.text) return end(); // changed elsewhere
     literal = put(view, literal, text, isFirst);
     isFirst = false;
   };
-  const end = () => {
-    window.removeEventListener("mousemove", move);
-    window.removeEventListener("mouseup", end);
+  const move = (now: MouseEvent) => {
+    if (!now.buttons) return end(); // the button was released where nothing reports it
+    const steps = Math.trunc((now.clientX - event.clientX) / STEP) * (now.shiftKey ? 10 : 1);
+    become(stepped(begun.text, steps));
   };
-  window.addEventListener("mousemove", move);
-  window.addEventListener("mouseup", end);
+  const giveUp = (now: KeyboardEvent) => {
+    if (now.key !== "Escape") return;
+    now.stopPropagation();
+    become(begun.text);
+    end();
+  };
+  window.addEventListener("mousemove", move, listen);
+  window.addEventListener("mouseup", end, listen);
+  window.addEventListener("keydown", giveUp, listen);
   return true;
 }
 

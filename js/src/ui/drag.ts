@@ -28,6 +28,7 @@ export function trackDrag(surface: Element, press: PointerEvent, drag: Drag): vo
   };
   const move = (now: PointerEvent) => {
     if (now.pointerId !== pointerId) return;
+    if (!now.buttons) return stop(null); // the button was released where nothing reports it
     if (!moved) {
       if (Math.hypot(now.clientX - clientX, now.clientY - clientY) < FROM) return;
       moved = true;

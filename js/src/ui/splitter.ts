@@ -2,6 +2,7 @@
 
 import type { Bar, Box } from "./boxes";
 import { h } from "./dom";
+import { trackDrag } from "./drag";
 
 export const LEAST = 15; // percent that each part keeps
 const STEP = 2; // percent by an arrow key
@@ -19,18 +20,22 @@ export function splitter(whole: HTMLElement, choose: (share: number | null) => v
     onpointerdown: (event: PointerEvent) => {
       if (event.button !== 0) return;
       event.preventDefault();
-      element.setPointerCapture(event.pointerId);
       element.dataset.dragged = "";
+      const { share } = shown;
+      trackDrag(element, event, {
+        move({ clientX, clientY }) {
+          const frame = whole.getBoundingClientRect();
+          const { left, top, width, height } = shown.around;
+          const x = (100 * (clientX - frame.left)) / frame.width;
+          const y = (100 * (clientY - frame.top)) / frame.height;
+          set(shown.division.axis === "columns" ? (100 * (x - left)) / width : (100 * (y - top)) / height);
+        },
+        end(last, moved) {
+          delete element.dataset.dragged;
+          if (moved && !last) set(share);
+        },
+      });
     },
-    onpointermove: (event: PointerEvent) => {
-      if (!element.hasPointerCapture(event.pointerId)) return;
-      const frame = whole.getBoundingClientRect();
-      const { left, top, width, height } = shown.around;
-      const x = (100 * (event.clientX - frame.left)) / frame.width;
-      const y = (100 * (event.clientY - frame.top)) / frame.height;
-      set(shown.division.axis === "columns" ? (100 * (x - left)) / width : (100 * (y - top)) / height);
-    },
-    onlostpointercapture: () => delete element.dataset.dragged, // released or cancelled
     ondblclick: () => choose(null),
     onkeydown: (event: KeyboardEvent) => {
       const [less, more] =
