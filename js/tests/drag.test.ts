@@ -110,14 +110,17 @@ describe("a bar between two panels", () => {
 });
 
 describe("the ends of a selected transition", () => {
-  const open = () => {
-    const shaft = Object.assign(s("path", { class: "lrp-shaft" }), {
-      getTotalLength: () => 10,
-      getPointAtLength: (x: number) => new DOMPoint(x, 0),
-      getScreenCTM: () => new DOMMatrix([1, 0, 0, 1, 100, 40]), // in a nested machine
+  const open = (...sources: string[]) => {
+    const arrows = sources.map((source, index) => {
+      const shaft = Object.assign(s("path", { class: "lrp-shaft" }), {
+        getTotalLength: () => 10,
+        getPointAtLength: (x: number) => new DOMPoint(x, 0),
+        getScreenCTM: () => new DOMMatrix([1, 0, 0, 1, 100 + 50 * index, 40]), // in a nested machine
+      });
+      const key = `m/a/i:t ${source} 0`;
+      return s("g", { class: "lrp-transition", "data-of": "m/a/i:t", "data-key": key }, shaft);
     });
-    const arrow = s("g", { class: "lrp-transition", "data-of": "m/a/i:t", "data-key": "m/a/i:t x 0" }, shaft);
-    const root = Object.assign(s("g", {}, arrow), {
+    const root = Object.assign(s("g", {}, ...arrows), {
       getScreenCTM: () => new DOMMatrix([1, 0, 0, 1, 20, 10]),
     });
     const svg = s("svg", {}, root);
@@ -129,7 +132,7 @@ describe("the ends of a selected transition", () => {
   };
 
   it("are at the transition, also in a nested machine", () => {
-    const places = [...open().root.querySelectorAll(".lrp-handle")].map((handle) =>
+    const places = [...open("x").root.querySelectorAll(".lrp-handle")].map((handle) =>
       ["cx", "cy"].map((name) => Number(handle.getAttribute(name))),
     );
     expect(places).toEqual([
@@ -138,8 +141,22 @@ describe("the ends of a selected transition", () => {
     ]);
   });
 
+  it("are dragged on a line from the other end of the same arrow", () => {
+    const { svg, root } = open("x", "y");
+    Object.assign(svg, { setPointerCapture() {}, hasPointerCapture: () => false });
+    const line = () => root.querySelector(".lrp-rubber")?.getAttribute("d")?.split("L")[0];
+    const [, , source, destination] = root.querySelectorAll(".lrp-handle");
+    for (const handle of [source!, destination!]) {
+      handle.dispatchEvent(pointer("pointerdown", 0));
+      window.dispatchEvent(pointer("pointermove", 200));
+      const other = handle === source ? destination! : source!;
+      expect(line()).toBe(`M${other.getAttribute("cx")} ${other.getAttribute("cy")}`);
+      window.dispatchEvent(pointer("pointerup", 200));
+    }
+  });
+
   it("are not in a saved picture", () => {
-    const { svg, root } = open();
+    const { svg, root } = open("x");
     const box = { x: 0, y: 0, width: 9, height: 9 };
     expect(svgDocument(svg, root, box)).not.toContain("circle");
   });

@@ -2,6 +2,7 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { AutoFit, LEGIBLE } from "../src/graph/autofit";
 import { Camera } from "../src/graph/camera";
+import { Dragging } from "../src/graph/drag";
 import { draw, type Layers, makeLayers } from "../src/graph/draw";
 import { nearest } from "../src/graph/focus";
 import { AFTERGLOW, lastFired, Marks } from "../src/graph/marks";
@@ -359,6 +360,27 @@ describe("the camera's own movements", () => {
     resize(500, 300);
     autofit.resized(null);
     expect(camera.inside(250, 150)).toEqual([150, 50]);
+  });
+});
+
+describe("a state that is dragged", () => {
+  it("is in its place when it is drawn there; meanwhile another one can be dragged", () => {
+    const ended = vi.fn();
+    const dragging = new Dragging(() => {}, ended);
+    draw(layers, layout([shape("a"), shape("b")]));
+    dragging.begin(node("m/a")!);
+    dragging.move(5, 0, 0);
+    dragging.drop();
+    dragging.begin(node("m/b")!);
+    dragging.move(0, 9, 0);
+    expect([node("m/a"), node("m/b")].map((each) => each?.hasAttribute("data-dragged"))).toEqual([
+      false,
+      true,
+    ]);
+    expect(ended).not.toHaveBeenCalled(); // nothing may move under the pointer
+    dragging.drop();
+    dragging.drawn([layout([shape("a", { x: 5 }), shape("b", { y: 9 })])]);
+    expect(ended).toHaveBeenCalledTimes(1);
   });
 });
 

@@ -29,7 +29,7 @@ export class Dragging {
   ) {}
 
   begin(node: Element): void {
-    this.end();
+    this.clear();
     const [x = 0, y = 0] = (node.getAttribute("transform")?.match(/-?[\d.]+/g) ?? []).map(Number);
     this.dragged = { node, path: node.getAttribute("data-lrp-state") ?? "", x, y, home: { x, y } };
     this.dropped = false;
@@ -78,10 +78,14 @@ export class Dragging {
   }
 
   private end(): void {
-    clearTimeout(this.timer);
     if (!this.dragged) return;
-    this.dragged.node.removeAttribute("data-dragged");
-    this.dragged = null;
+    this.clear();
     this.ended();
+  }
+
+  private clear(): void {
+    clearTimeout(this.timer);
+    this.dragged?.node.removeAttribute("data-dragged");
+    this.dragged = null;
   }
 }

@@ -171,7 +171,7 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
   const dragEnd = (event: PointerEvent, handle: Element) => {
     const end = handle.getAttribute("data-end") as End;
     const path = lab.store.state.chosen;
-    const other = layer.querySelectorAll(`.lrp-handle:not([data-end="${end}"])`)[0] ?? handle;
+    const other = (end === "source" ? handle.nextElementSibling : handle.previousElementSibling) ?? handle;
     const fixed = client(Number(other.getAttribute("cx")), Number(other.getAttribute("cy")));
     follow(
       event,
