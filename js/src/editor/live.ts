@@ -62,8 +62,8 @@ const activeLine = Decoration.line({ class: "lrp-line-active" });
 const firedMark = Decoration.mark({ class: "lrp-text-fired" });
 
 /** The part of the state that determines the marks, without the values. */
-export function marksOf({ lit, fired, program }: LabState): string {
-  return [...lit, ...program.machines.map(({ path }) => lastFired(fired, path))].join(" ");
+export function marksOf({ lit, fired }: LabState): string {
+  return [...lit, ...lastFired(fired).values()].join(" ");
 }
 
 /** Draws the run of the program; `values` returns whether values are shown. */
@@ -101,8 +101,8 @@ function decorate(editor: EditorState, found: Outline, lab: LabState, values: bo
     for (let line = editor.doc.lineAt(item.from).number; line <= last; line++) lines.add(line);
   }
   for (const line of lines) marks.push(activeLine.range(editor.doc.line(line).from));
-  for (const machine of lab.program.machines) {
-    const item = found.find("transition", lastFired(lab.fired, machine.path));
+  for (const path of lastFired(lab.fired).values()) {
+    const item = found.find("transition", path);
     if (item) marks.push(firedMark.range(item.from, item.to));
   }
   if (values) {

@@ -33,12 +33,10 @@ export class Marks {
       if (!fresh && !active && this.grown(state.entered[path], this.entered[path])) this.glow(node);
       setAttribute(node, "data-chosen", path === state.chosen);
     }
-    const last = new Map<string, string>(); // by machine
+    const last = new Set(lastFired(state.fired).values());
     for (const arrow of layers.root.querySelectorAll(".lrp-transition")) {
       const id = arrow.getAttribute("data-of") ?? "";
-      const machine = id.slice(0, id.indexOf(":"));
-      if (!last.has(machine)) last.set(machine, lastFired(state.fired, machine));
-      setAttribute(arrow, "data-fired", id === last.get(machine));
+      setAttribute(arrow, "data-fired", last.has(id));
       if (!fresh && this.grown(state.fired[id], this.fired[id])) this.glow(arrow);
       setAttribute(arrow, "data-chosen", id === state.chosen);
     }
@@ -66,15 +64,12 @@ export class Marks {
   }
 }
 
-/** The transition of a machine that fired last. */
-export function lastFired(fired: Record<string, CountView>, machine: string): string {
-  let last = "";
-  let tick = 0;
-  for (const [id, { count, tick: when }] of Object.entries(fired)) {
-    if (count > 0 && when >= tick && id.slice(0, id.indexOf(":")) === machine) {
-      last = id;
-      tick = when;
-    }
+/** The transition that fired last, of each machine. */
+export function lastFired(fired: Record<string, CountView>): Map<string, string> {
+  const last = new Map<string, string>();
+  for (const [id, { count, tick }] of Object.entries(fired)) {
+    const machine = id.slice(0, id.indexOf(":"));
+    if (count > 0 && tick >= (fired[last.get(machine) ?? ""]?.tick ?? 0)) last.set(machine, id);
   }
   return last;
 }
