@@ -1,13 +1,7 @@
 /** Hanging indent: the rest of a wrapped line is indented like the beginning of its text. */
 
-import { RangeSetBuilder } from "@codemirror/state";
-import {
-  Decoration,
-  type DecorationSet,
-  type EditorView,
-  ViewPlugin,
-  type ViewUpdate,
-} from "@codemirror/view";
+import { Decoration } from "@codemirror/view";
+import { visibleDecorations } from "./visible";
 
 const MORE = 2; // columns by which the rest of a line is indented further
 const DEEPEST = 40;
@@ -18,30 +12,11 @@ const byIndent = Array.from({ length: DEEPEST + 1 }, (_, indent) =>
   }),
 );
 
-export const hangingIndent = ViewPlugin.fromClass(
-  class {
-    decorations: DecorationSet;
-
-    constructor(view: EditorView) {
-      this.decorations = hang(view);
-    }
-
-    update(update: ViewUpdate): void {
-      if (update.docChanged || update.viewportChanged) this.decorations = hang(update.view);
-    }
-  },
-  { decorations: (plugin) => plugin.decorations },
-);
-
-function hang(view: EditorView): DecorationSet {
-  const builder = new RangeSetBuilder<Decoration>();
-  for (const { from, to } of view.visibleRanges) {
-    for (let at = from; at <= to; ) {
-      const line = view.state.doc.lineAt(at);
-      const indent = line.text.search(/\S|$/) + MORE;
-      builder.add(line.from, line.from, byIndent[Math.min(indent, DEEPEST)]!);
-      at = line.to + 1;
-    }
+export const hangingIndent = visibleDecorations((builder, { doc }, from, to) => {
+  for (let at = from; at <= to; ) {
+    const line = doc.lineAt(at);
+    const indent = line.text.search(/\S|$/) + MORE;
+    builder.add(line.from, line.from, byIndent[Math.min(indent, DEEPEST)]!);
+    at = line.to + 1;
   }
-  return builder.finish();
-}
+});
