@@ -385,6 +385,16 @@ describe("the page", () => {
     expect(page.find("[role=treeitem]").title).toBe("look_for_the_wall_🤖_now!");
   });
 
+  it("cuts long values in the text, and keeps characters whole", async () => {
+    const text = "x".repeat(59);
+    page.deliver({ type: "frame", frame: 9, variables: { lightlim: { text: `${text}🤖🤖`, number: null } } });
+    await vi.waitFor(() =>
+      expect([...page.host.querySelectorAll(".lrp-values")].map((value) => value.textContent)).toContain(
+        `${text}…`,
+      ),
+    );
+  });
+
   it("puts a state that is dragged back at Escape", () => {
     const svg = page.find(".lrp-graph");
     Object.assign(svg, { setPointerCapture() {}, hasPointerCapture: () => false });

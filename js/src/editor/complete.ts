@@ -10,6 +10,7 @@ import {
 import type { Extension } from "@codemirror/state";
 import { outlineOf } from "../language/lrp";
 import type { Lab } from "../session/store";
+import { shortened } from "../ui/cut";
 import { h, prose } from "../ui/dom";
 import { contextAt, spawnable } from "./context";
 import { FORMS } from "./forms";
@@ -102,7 +103,7 @@ function variables(lab: Lab, context: CompletionContext, scope: string): Complet
     .map(({ name, path }) => ({
       label: name,
       type: "variable",
-      detail: lab.store.state.variables[path]?.text.slice(0, 30) ?? "",
+      detail: shortened(lab.store.state.variables[path]?.text ?? "", 30),
       boost: 2,
     }));
 }

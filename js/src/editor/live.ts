@@ -16,6 +16,7 @@ import {
 import { lastFired } from "../graph/marks";
 import type { Outline } from "../language/outline";
 import type { LabState } from "../session/state";
+import { shortened } from "../ui/cut";
 import { h } from "../ui/dom";
 import { testedEvents } from "./tested";
 import { WholeOutline } from "./whole";
@@ -138,8 +139,7 @@ function lineValues(editor: EditorState, outline: Outline, lab: LabState): Map<n
 function shownValue(kind: string, path: string, lab: LabState): string | null {
   const text =
     kind === "variable" ? lab.variables[path]?.text : kind === "event" ? eventText(lab, path) : undefined;
-  if (text === undefined) return null;
-  return text.length > LONGEST ? `${text.slice(0, LONGEST)}…` : text;
+  return text === undefined ? null : shortened(text, LONGEST);
 }
 
 function eventText(lab: LabState, path: string): string | undefined {

@@ -1,4 +1,7 @@
-/** Names that are cut in the middle where there is no room: long names often differ at their ends. */
+/**
+ * Texts that are cut where there is no room, and never within a character: values at their end, names in the
+ * middle, because long names often differ at their ends.
+ */
 
 import { h } from "./dom";
 
@@ -13,4 +16,9 @@ export function setName(element: Element, name: string): void {
   element.replaceChildren();
   if (first) element.append(h("span", { class: "lrp-cut" }, first));
   if (rest) element.append(h("span", {}, rest));
+}
+
+/** The first `most` UTF-16 units of a text, and a sign that there are more. */
+export function shortened(text: string, most: number): string {
+  return text.length > most ? `${text.slice(0, most).replace(/[\uD800-\uDBFF]$/, "")}…` : text;
 }
