@@ -104,7 +104,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     link: steady((link) => {
       store.set("link", link);
       rescue();
-    }),
+    }, closing.signal),
     sending: () => editor?.markSent(),
     unanswered: () => rescue(true),
   });

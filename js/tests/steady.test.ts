@@ -6,10 +6,12 @@ import { steady } from "../src/session/steady";
 describe("a busy kernel", () => {
   let shown: Link[];
   let link: (link: Link) => void;
+  let view: AbortController;
   beforeEach(() => {
     vi.useFakeTimers();
     shown = [];
-    link = steady((each) => shown.push(each));
+    view = new AbortController();
+    link = steady((each) => shown.push(each), view.signal);
     link("live");
   });
   afterEach(() => {
@@ -22,6 +24,13 @@ describe("a busy kernel", () => {
     link("live");
     vi.advanceTimersByTime(5000);
     expect(shown.filter((each) => each === "busy")).toEqual([]);
+  });
+
+  it("is not shown in a view that has been closed", () => {
+    link("busy");
+    view.abort();
+    vi.advanceTimersByTime(5000);
+    expect(shown).toEqual(["live"]);
   });
 
   it("is shown after a second, for a second at least", () => {

@@ -5,8 +5,8 @@ import type { Link } from "./state";
 
 const SECOND = 1000;
 
-/** Pass on each change of the link; `busy` late and for a while. */
-export function steady(show: (link: Link) => void): (link: Link) => void {
+/** Pass on each change of the link until `closed`; `busy` late and for a while. */
+export function steady(show: (link: Link) => void, closed: AbortSignal): (link: Link) => void {
   let shown: Link = "connecting";
   let since = 0;
   let timer: ReturnType<typeof setTimeout> | undefined;
@@ -15,6 +15,7 @@ export function steady(show: (link: Link) => void): (link: Link) => void {
     since = performance.now();
     show(link);
   };
+  closed.addEventListener("abort", () => clearTimeout(timer));
   return (link) => {
     clearTimeout(timer);
     let wait = 0;
