@@ -599,6 +599,24 @@ describe("the page", () => {
     expect(targets).toContain(page.host);
   });
 
+  it.each([
+    ["of a value", "m"],
+    ["in the graph", "n"],
+  ])("leaves Ctrl+s to the notebook from a field %s, where the browser would save the page", (_, key) => {
+    if (key === "m") page.find('[data-lrp-variable="lightlim"] .lrp-value').click();
+    else page.find(".lrp-graph").dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+    const saved = vi.fn();
+    page.host.addEventListener("keydown", ({ target }) => target === page.host && saved());
+    const pressed = new KeyboardEvent("keydown", {
+      key: "s",
+      ctrlKey: true,
+      bubbles: true,
+      cancelable: true,
+    });
+    page.find(".lrp-field input, .lrp-variable input").dispatchEvent(pressed);
+    expect([pressed.defaultPrevented, saved.mock.calls.length]).toEqual([true, 1]);
+  });
+
   it("leaves the keyboard focus in the lab when what had it disappears", async () => {
     page.deliver({ type: "frame", frame: 9, status: "broken", reason: "The session itself failed." });
     await page.drawn();

@@ -52,7 +52,6 @@ export async function rename(view: EditorView, lab: Lab, offset: number): Promis
       spellcheck: "false",
       "aria-label": `New name of ${found.kind} ${found.name}`,
       onkeydown: async (event: KeyboardEvent) => {
-        event.stopPropagation();
         if (event.key === "Escape") close();
         if (event.key !== "Enter") return;
         event.preventDefault();

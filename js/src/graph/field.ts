@@ -35,7 +35,6 @@ export function openField(host: HTMLElement, at: { x: number; y: number }, field
       class: "lrp-field",
       "aria-label": field.title,
       onkeydown: (event: KeyboardEvent) => {
-        event.stopPropagation();
         if (event.key === "Escape") close(true);
       },
       onsubmit: async (event: Event) => {

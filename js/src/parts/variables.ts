@@ -142,7 +142,6 @@ class Row {
       spellcheck: "false",
       "aria-label": `New value of ${name}, a Python expression`,
       onkeydown: async (event: KeyboardEvent) => {
-        event.stopPropagation();
         if (event.key === "Escape") close();
         if (event.key !== "Enter") return;
         event.preventDefault();
