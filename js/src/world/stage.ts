@@ -242,7 +242,7 @@ export class Stage {
     if (selected && shape) paintSelection(c, selected, shape, palette, pixels);
     if (preview && !preview.thing) paintOutline(c, preview.shape, palette, pixels, true);
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
-    paintBar(c, this.canvas.clientHeight, palette, pixels);
+    paintBar(c, this.canvas.height / this.ratio, palette, pixels);
   }
 
   private paintLayer(): void {
