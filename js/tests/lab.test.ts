@@ -628,6 +628,35 @@ describe("the page", () => {
     expect(page.find(".lrp-lab").hasAttribute("tabindex")).toBe(false);
   });
 
+  it("leaves the keyboard focus in the lab when the row in which a value is typed disappears", async () => {
+    page.find('[data-lrp-variable="lightlim"] .lrp-value').click();
+    expect(document.activeElement?.tagName).toBe("INPUT");
+    const program = { ...recording.snapshot.frame.program, variables: [] };
+    page.deliver({ type: "frame", frame: 9, program });
+    await page.drawn();
+    expect(page.host.querySelector('[data-lrp-variable="lightlim"]')).toBe(null);
+    expect(document.activeElement).toBe(page.find(".lrp-lab"));
+  });
+
+  it("leaves the keyboard focus in the inspector, where it was, when a value changes", async () => {
+    page.find('[data-lrp-variable="lightlim"] [data-lrp-action="inspect"]').click();
+    await page.drawn();
+    const facet = (label: string) => ({ step: label, label, type: "int", text: "1", deep: true });
+    const shows = async (...labels: string[]) => {
+      const view = { title: "", text: "", type: "", facets: labels.map(facet), more: 0, source: "" };
+      page.deliver({ type: "reply", id: page.of("inspect").at(-1)!.id, error: null, inspect: view });
+      await page.drawn();
+    };
+    const links = () => [...page.host.querySelectorAll<HTMLElement>(".lrp-inspect-body .lrp-link")];
+    await shows("a", "b");
+    links()[1]!.focus();
+    const moved = { 1: [{ kind: "variable", old: "lightlim", new: "limit" }] };
+    page.deliver({ type: "frame", frame: 9, moved }); // it asks again
+    await page.drawn();
+    await shows("a", "b", "c");
+    expect(document.activeElement).toBe(links()[1]);
+  });
+
   it("shows after the end of the kernel only what is still so, and says that commands go nowhere", async () => {
     const hung = { where: "a.running", seconds: 3, held: false };
     page.deliver({ type: "frame", frame: 9, hung, reason: "`a.running` has run.", unkept: "No space." });

@@ -114,7 +114,8 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
   });
   /** Where what had the focus is gone or renamed, the focus stays in the graph: keys would edit cells. */
   lab.store.watch(["layouts", "machine", "snapshot"], () => {
-    if (!focused || focused.isConnected || document.activeElement !== document.body) return;
+    const now = document.activeElement;
+    if (!focused || focused.isConnected || (now !== document.body && now !== lab.root)) return;
     const next = svg.querySelector<SVGGElement>('[tabindex="0"]');
     focused = null;
     if (next) next.focus({ preventScroll: true });

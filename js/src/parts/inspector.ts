@@ -3,7 +3,7 @@
 import type { ElementKind, Facet, InspectView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
-import { h, returnFocus, setText } from "../ui/dom";
+import { h, reconcile, returnFocus, setHidden, setText } from "../ui/dom";
 import { partInSight } from "../ui/sight";
 
 const INTERVAL = 500; // ms between two requests while the program runs
@@ -24,7 +24,8 @@ export function inspector(lab: Lab): Inspector {
   let before: Element | null = null;
   const title = h("div", { class: "lrp-title" });
   const way = h("nav", { class: "lrp-way", "aria-label": "Path into the value" });
-  const body = h("div", { class: "lrp-inspect-body" });
+  const error = h("p", { class: "lrp-error", hidden: true });
+  const body = h("div", { class: "lrp-inspect-body" }, error);
   const close = () => {
     store.set("inspected", null);
     element.hidden = true;
@@ -59,8 +60,11 @@ export function inspector(lab: Lab): Inspector {
   );
   const enter = (steps: string[]) => {
     into = steps;
+    element.focus({ preventScroll: true }); // what was pressed will be gone
     void ask();
   };
+  const { element: known, show } = facts(enter);
+  body.append(known);
   const ask = async () => {
     const subject = store.state.inspected;
     const steps = into;
@@ -72,8 +76,10 @@ export function inspector(lab: Lab): Inspector {
     if (subject !== store.state.inspected || steps !== into) return void ask();
     setText(title, subject.path ? `${subject.kind} ${subject.path}` : subject.kind);
     showWay(way, steps, enter);
-    if (reply.inspect) show(body, reply.inspect, (step) => enter([...steps, step]));
-    else body.replaceChildren(h("p", { class: "lrp-error" }, reply.error ?? "Nothing is known about this."));
+    if (reply.inspect) show(reply.inspect, steps);
+    else setText(error, reply.error ?? "Nothing is known about this.");
+    setHidden(error, Boolean(reply.inspect));
+    setHidden(known, !reply.inspect);
   };
   store.watch(["tick", "program"], () => {
     if (performance.now() - asked > INTERVAL) void ask();
@@ -107,32 +113,39 @@ function showWay(way: HTMLElement, into: string[], enter: (into: string[]) => vo
   );
 }
 
-function show(body: HTMLElement, view: InspectView, enter: (step: string) => void): void {
-  const now = JSON.stringify(view);
-  if (body.dataset.now === now) return;
-  body.dataset.now = now;
-  const row = ({ step, label, type, text, deep }: Facet) =>
-    h(
-      "tr",
-      {},
-      h(
-        "th",
-        { scope: "row" },
-        deep ? h("button", { type: "button", class: "lrp-link", onclick: () => enter(step) }, label) : label,
-      ),
-      h("td", {}, h("code", {}, text), type && h("span", { class: "lrp-faint" }, ` ${type}`)),
+/** What is inspected; elements stay while their values change, and with them what is selected or has the focus. */
+function facts(enter: (into: string[]) => void) {
+  const text = h("code", {});
+  const type = h("span", { class: "lrp-faint" });
+  const rows = h("tbody", {});
+  const table = h("table", { class: "lrp-table" }, rows);
+  const more = h("p", { class: "lrp-faint" });
+  const source = h("pre", { class: "lrp-source", tabindex: "0" });
+  const element = h("div", { class: "lrp-facets" }, h("p", {}, text, type), table, more, source);
+  const show = (view: InspectView, into: string[]) => {
+    setText(text, view.text || view.title);
+    setText(type, view.type && ` ${view.type}`);
+    reconcile<[number, Facet]>(
+      rows,
+      [...view.facets.entries()],
+      ([index, { label, deep }]) => JSON.stringify([into, index, label, deep]),
+      ([, { step, label, deep }]) => {
+        const open = () => enter([...into, step]);
+        const name = deep ? h("button", { type: "button", class: "lrp-link", onclick: open }, label) : label;
+        const [value, kind] = [h("code", {}), h("span", { class: "lrp-faint" })];
+        return h("tr", {}, h("th", { scope: "row" }, name), h("td", {}, value, kind));
+      },
+      (row, [, facet]) => {
+        const [value, kind] = row.lastElementChild!.children;
+        setText(value!, facet.text);
+        setText(kind!, facet.type && ` ${facet.type}`);
+      },
     );
-  body.replaceChildren(
-    h(
-      "p",
-      {},
-      h("code", {}, view.text || view.title),
-      view.type && h("span", { class: "lrp-faint" }, ` ${view.type}`),
-    ),
-    ...(view.facets.length
-      ? [h("table", { class: "lrp-table" }, h("tbody", {}, ...view.facets.map(row)))]
-      : []),
-    ...(view.more ? [h("p", { class: "lrp-faint" }, `and ${view.more} more`)] : []),
-    ...(view.source ? [h("pre", { class: "lrp-source", tabindex: "0" }, view.source)] : []),
-  );
+    table.hidden = !view.facets.length;
+    setText(more, `and ${view.more} more`);
+    more.hidden = !view.more;
+    setText(source, view.source);
+    source.hidden = !view.source;
+  };
+  return { element, show };
 }

@@ -80,7 +80,10 @@ export function freshId(): string {
   return `lrp-${Math.random().toString(36).slice(2)}`;
 }
 
-/** Update the children of an element to match a list, by key: elements that stay are reused. */
+/**
+ * Update the children of an element to match a list, by key: elements that stay are reused. The keyboard focus in
+ * one that is gone moves to the lab.
+ */
 export function reconcile<T>(
   parent: Element,
   items: readonly T[],
@@ -103,7 +106,10 @@ export function reconcile<T>(
     if (element === place) place = place.nextElementSibling;
     else parent.insertBefore(element, place);
   }
-  for (const gone of old.values()) gone.remove();
+  for (const gone of old.values()) {
+    if (gone.contains(document.activeElement)) focusLab(gone);
+    gone.remove();
+  }
 }
 
 /** A text with its control and direction characters written out: it reads as it would run. */
