@@ -81,7 +81,7 @@ class Finding:
     prefix : bool
         Whether the name at this range only begins a known one: perhaps it is half typed.
     creates : Fix or None
-        The creation of what is missing, for the user to choose: what it is for is not known.
+        Creates what is missing; offered, because only the user knows whether that is meant.
     """
 
     code: str

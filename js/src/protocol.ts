@@ -584,7 +584,7 @@ export type DrawingAct =
   | "nest"
   | "unnest";
 
-/** Draw on the state graph of a text: which edits of that text is it? Answered by `edits`. */
+/** Draw on the state graph of a text. Answered by the `edits` of that text. */
 export interface DrawRequest {
   view: string;
   id: number;

@@ -250,8 +250,8 @@ def new_transition(text: str, machine: Path, source: str, destination: str, trig
     destination : str
         A state of the machine; it is made if there is none of this name.
     trigger : str
-        An event, a block, a delay (``300``, ``2 s``, a variable), or nothing for ``eps``; what is none of
-        these becomes a condition. A keyword before it decides: ``ontime [pause]``.
+        An event, a block, a delay (``300``, ``2 s``, a variable), or nothing for ``eps``; anything else
+        becomes a condition. A keyword before it decides: ``ontime [pause]``.
 
     Raises
     ------
@@ -342,7 +342,7 @@ def _only_form(text: str, keyword: str) -> str:
     return form
 
 
-# -- elements that go ------------------------------------------------------------------------------------
+# -- removed elements ------------------------------------------------------------------------------------
 
 
 def delete_transition(text: str, path: Path) -> list[Edit]:
@@ -355,7 +355,7 @@ def delete_state(text: str, path: Path) -> list[Edit]:
     """Return the edits that delete a state, with its transitions.
 
     A transition with other sources, or with other exceptions from ``*``, loses this one only. A machine
-    that starts in the state starts in the first other one; if there is none, its spawn goes.
+    that starts in the state starts in the first other one; if there is none, its spawn is removed.
 
     Raises
     ------
@@ -395,7 +395,7 @@ def delete_machine(text: str, path: Path) -> list[Edit]:
     return drawing.edits(drawing.sheet.removed(gone))
 
 
-# -- transitions that lead elsewhere ---------------------------------------------------------------------
+# -- changed transitions ---------------------------------------------------------------------------------
 
 
 def change_transition(text: str, path: Path, form: str) -> list[Edit]:
@@ -417,7 +417,7 @@ def change_transition(text: str, path: Path, form: str) -> list[Edit]:
 def retarget(
     text: str, path: Path, end: Literal["source", "destination"], name: str, old: str = ""
 ) -> list[Edit]:
-    """Return the edits that lead one end of a transition to another state.
+    """Return the edits that connect one end of a transition to another state.
 
     Parameters
     ----------

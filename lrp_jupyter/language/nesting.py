@@ -32,7 +32,7 @@ class _Move:
         self.name = str(state.name)
         self.path = (*scope.path, self.name)
         self.edits: list[Edit] = []
-        self.gone: list[WrittenForm] = []  # to remove, besides what moves
+        self.gone: list[WrittenForm] = []  # removed, in addition to what moves
         self.along: list[tuple[WrittenForm, str, str]] = []  # transitions that move: keyword, destination
 
     def bring(self, arrow: Arrow, keyword: str = "", destination: str = "") -> None:
@@ -47,7 +47,8 @@ class _Move:
     def refuse(self, arrow: Arrow, reason: str) -> None:
         """Raise: this transition is in the way."""
         raise ValueError(
-            f"`{arrow.label}` {reason}. Delete it or lead it to another state first, then move `{self.name}`."
+            f"`{arrow.label}` {reason}. "
+            f"Delete it or connect it to another state first, then move `{self.name}`."
         )
 
     def arrows(self) -> Iterator[Arrow]:
@@ -62,7 +63,7 @@ class _Move:
             elif (
                 noun.outward and arrow.scope.path[: len(self.path)] == self.path and self.scope in arrow.homes
             ):
-                self.refuse(arrow, "leads from inside to another state beside it")
+                self.refuse(arrow, f"leads from inside `{self.name}` to a state beside it")
 
     def is_self(self, arrow: Arrow) -> bool:
         """Return whether a transition leads from the state to itself."""
@@ -174,7 +175,7 @@ def nest(text: str, path: Path, into: str) -> list[Edit]:
 
 
 def unnest(text: str, path: Path) -> list[Edit]:
-    """Return the edits that move a state out of the state around it; an emptied machine goes.
+    """Return the edits that move a state out of the state around it; a machine that becomes empty is removed.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""The forms of a program's text with their brackets: where a new form goes, and how one is cut out.
+"""The forms of a program's text with their brackets: where a new form goes, and how one is removed.
 
 Edits made here change nothing else: comments, line ends and the layout of other forms stay, and a new form
 is indented like the forms around it.
@@ -191,10 +191,10 @@ class Sheet:
         found = _BLANKS.match(self.text, self._line_start(offset))
         return found[0] if found else ""
 
-    # -- forms that go -------------------------------------------------------------------------------
+    # -- removed forms -------------------------------------------------------------------------------
 
     def removed(self, forms: Iterable[WrittenForm]) -> list[Edit]:
-        """Return the edits that cut forms out; a form without its only items goes too. Comments stay."""
+        """Return the edits that remove forms, and forms that lose all their items. Comments stay."""
         gone = set(forms)
         for form in list(gone):
             around = self._nesting(form.start)[-2]
@@ -203,7 +203,7 @@ class Sheet:
         runs: list[list[int]] = []
         for form in sorted(gone, key=lambda form: form.start):
             if runs and form.end <= runs[-1][1]:
-                continue  # inside one that goes
+                continue  # inside one that is removed
             if runs and not self.text[runs[-1][1] : form.start].strip():
                 runs[-1][1] = form.end
             else:
@@ -228,7 +228,7 @@ class Sheet:
             return Edit(start, right, "")
         return Edit(before, right, "")
 
-    # -- forms that move -----------------------------------------------------------------------------
+    # -- moved forms ---------------------------------------------------------------------------------
 
     def shifted(self, form: WrittenForm, indent: str) -> str:
         """Return the text of a form with its lines indented for a line of this indentation.

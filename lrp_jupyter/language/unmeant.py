@@ -39,7 +39,7 @@ _WORD = re.compile(r"[0-9][\w.]*|\w+")
 _LINE = re.compile(r"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+")
 _TOKEN = re.compile(r"\w+|\s+|[^\w\s]")
 _SIGN = re.compile(r"\w+|[^\w\s]")
-_NEAR = 200  # characters before the cursor in which the words beside it are looked for
+_NEAR = 200  # characters before the cursor that are searched for the words beside it
 _MOST = 3_000
 """Lines, or tokens of neighbouring lines, in which two texts are compared: with more it takes seconds."""
 _ARROWS = frozenset({"LRP301", "LRP302", "LRP303"})

@@ -1,4 +1,4 @@
-"""What is drawn on a state graph, as edits of the editor's text, which the page makes its own.
+"""What is drawn on a state graph, as edits of the editor's text.
 
 The page sends its present text with the act, so the answer fits it, and applies the edits like typed ones:
 as one step of its own history.
@@ -12,6 +12,7 @@ from typing import Any, Literal
 
 from lrp_jupyter.errors import Edit, LRPError, LRPSyntaxError
 from lrp_jupyter.language import drawing, nesting
+from lrp_jupyter.language.forms import article
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.rename import rename_edits
@@ -39,7 +40,7 @@ DrawingAct = Literal[
 
 @dataclass(frozen=True)
 class DrawRequest(PageRequest, type="draw"):
-    """Draw on the state graph of a text: which edits of that text is it? Answered by `edits`.
+    """Draw on the state graph of a text. Answered by the `edits` of that text.
 
     `kind` and `path` name the element acted on: for a new state and a new form the one around it (empty for
     the program), for a new transition its source (``m/*`` for every state). `old` is the source to replace.
@@ -73,7 +74,8 @@ def _deleted(request: DrawRequest, path: Path) -> list[Edit]:
         "machine": drawing.delete_machine,
     }.get(request.kind)
     if delete is None:
-        raise ValueError(f"A {request.kind} cannot be deleted in the graph. Delete it in the text.")
+        what = f"{article(request.kind).title()} {request.kind}"
+        raise ValueError(f"{what} cannot be deleted in the graph. Delete it in the text.")
     return delete(request.text, path)
 
 

@@ -469,7 +469,7 @@ class AnswerMessage(TypedDict):
     `seq` is the receiver's own, or 0 where another view, a rename, a load or a cell brought the text, which
     then comes along. `accepted`: it is a program; `applied`: it runs now; `reason` is why not, or why it
     restarted. `half_typed`: something waits, or is not marked, until the word at the cursor is meant or left.
-    `running` is the running text if it has become neither this text nor an earlier one. `pending` is what a
+    `running` is the running text where that is neither this text nor an earlier one. `pending` is what a
     held text would change.
     """
 

@@ -215,7 +215,7 @@ class Publisher:
                 self._snapshot(view)
 
     def renamed(self) -> None:
-        """Send each view a snapshot, because it has remembered things by the session's name."""
+        """Send each view a snapshot, because views keep things under the name of the session."""
         with self._lock:
             for view in self._views.values():
                 self._snapshot(view)

@@ -58,7 +58,7 @@ def test_a_nested_state_comes_out_again(page):
         ("rename", "state", "m/a", "(machine m (state a", "is not a valid program at the moment"),
         ("delete", "state", "m/q", TEXT, "There is no state `m/q`."),
         ("state", "machine", "m", TEXT, "is not a valid name"),
-        ("delete", "event", "m/e", TEXT, "cannot be deleted in the graph"),
+        ("delete", "event", "m/e", TEXT, "An event cannot be deleted in the graph"),
         ("start", "state", "", TEXT, "There is no state"),
     ],
 )

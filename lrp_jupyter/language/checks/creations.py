@@ -65,7 +65,7 @@ def _fix(
         sheet = report.sheet
         parent = sheet.root if around is None else sheet.at(around.span.start)
         if around is not None and parent.end != around.span.end:
-            return None  # the program was put together from elements of other texts
+            raise LookupError
         return Fix(title, (add(sheet, parent, form),))
-    except LookupError:  # likewise
+    except LookupError:  # the program was put together from elements of other texts
         return None
