@@ -6,6 +6,8 @@ that go elsewhere.
 
 import json
 
+from e2e.programs import HELLO
+
 STOPPED = """\
 (var lightlim := [128])
 (var maxlook := [300])
@@ -18,22 +20,6 @@ STOPPED = """\
   (on outofline moving -> looking tlooking))
 
 (spawn follower moving)
-"""
-HELLO = """\
-(var forward := [0.2])
-(var bend := [1.5])
-
-(machine driver
-  (event black [robot.light.data < 118])
-  (event white [robot.light.data > 138])
-
-  (state left  (running [robot.move(linear=forward, angular=bend)]))
-  (state right (running [robot.move(linear=forward, angular=-bend)]))
-
-  (on black left -> right)
-  (on white right -> left))
-
-(spawn driver left)
 """
 # A node is its kind and its path: a missing end that becomes a state is not a node that moves.
 WATCH = """root => {

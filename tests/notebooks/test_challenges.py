@@ -3,21 +3,10 @@
 from __future__ import annotations
 
 import pytest
+from e2e.programs import HELLO
 
 from lrp_jupyter import grade
 
-HELLO = """
-(var forward := [0.2])
-(var bend := [1.5])
-(machine driver
-  (event black [robot.light.data < 118])
-  (event white [robot.light.data > 138])
-  (state left (running [robot.move(linear=forward, angular=bend)]))
-  (state right (running [robot.move(linear=forward, angular=-bend)]))
-  (on black left -> right)
-  (on white right -> left))
-(spawn driver left)
-"""
 CAREFUL = """
 (machine careful
   (event bump [robot.bumper.data == 1])
