@@ -244,10 +244,9 @@ class SaveWorldRequest(PageRequest, type="save_world"):
 
     def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
         """Return whether another file is in the way."""
-        name = self.name.strip()
-        if not name:
+        file = Path(os.path.expanduser(self.name.strip()))
+        if not file.name:
             raise LRPError("Enter a name for the file.")
-        file = Path(os.path.expanduser(name))
         if file.suffix != ".json":
             file = file.with_name(f"{file.name}{WORLD_FILE}")
         if not self.replace and os.path.lexists(file):

@@ -116,3 +116,8 @@ def test_a_world_is_saved_as_json_and_loaded_again(lab, page, tmp_path, monkeypa
 def test_a_picture_shows_the_world_as_it_is(lab, page):
     page.do("put_zone", name="harbour", circle=[2.0, 1.0, 0.3])
     assert ">harbour</text>" in page.ask("world_picture")["svg"]
+
+
+@pytest.mark.parametrize("name", ["", " ", ".", "/"])
+def test_a_world_is_not_saved_without_a_name(page, name):
+    assert page.ask("save_world", name=name, replace=True)["error"] == "Enter a name for the file."
