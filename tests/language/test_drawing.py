@@ -179,7 +179,7 @@ def test_a_transition_to_nothing_makes_its_state(text: str, data: st.DataObject)
 
 
 @given(texts(), st.data())
-def test_a_deleted_transition_takes_nothing_with_it(text: str, data: st.DataObject) -> None:
+def test_deleting_a_transition_deletes_nothing_else(text: str, data: st.DataObject) -> None:
     program = parse(text)
     path, machine, index = draw_transition(data, program)
     old = machine.transitions[index]
@@ -192,7 +192,7 @@ def test_a_deleted_transition_takes_nothing_with_it(text: str, data: st.DataObje
 
 
 @given(texts(), st.data())
-def test_a_deleted_state_takes_its_transitions_with_it(text: str, data: st.DataObject) -> None:
+def test_deleting_a_state_deletes_its_transitions(text: str, data: st.DataObject) -> None:
     program = parse(text)
     path, machine = draw_machine(data, program, lambda machine: machine.states)
     name = draw_state(data, machine)
@@ -240,7 +240,7 @@ def test_a_transition_gets_another_destination(text: str, data: st.DataObject) -
 
 
 @given(texts(), st.data())
-def test_a_source_is_led_elsewhere(text: str, data: st.DataObject) -> None:
+def test_a_transition_gets_another_source(text: str, data: st.DataObject) -> None:
     program = parse(text)
     path, machine, index = draw_transition(data, program)
     old = machine.transitions[index]
@@ -305,7 +305,7 @@ def test_a_new_form_is_the_last_one_of_its_kind(text: str, data: st.DataObject) 
 
 
 @given(texts(), st.data())
-def test_a_state_that_is_nested_and_taken_out_again_is_as_before(text: str, data: st.DataObject) -> None:
+def test_a_state_that_is_nested_and_unnested_is_as_before(text: str, data: st.DataObject) -> None:
     program = parse(text)
     path, machine = draw_machine(data, program, lambda machine: len(machine.states) > 1)
     name, into = draw_state(data, machine), draw_state(data, machine)
@@ -361,7 +361,7 @@ def test_crlf_comments_and_indentation_are_kept() -> None:
     assert text == "(machine m ; top\r\n\t(state a)   ; first\r\n\r\n\t; the end\r\n)\r\n(spawn m a)"
 
 
-def test_a_bracket_does_not_end_in_a_comment_when_the_last_form_goes() -> None:
+def test_a_bracket_does_not_end_in_a_comment_when_the_last_form_is_removed() -> None:
     text = "(machine m (state a)\n  ; why\n  (eps a -> a t))"
     assert drawn(text, (drawing.delete_transition, ("m", "t"))) == "(machine m (state a)\n  ; why\n  )"
 
@@ -423,7 +423,7 @@ def test_what_is_written_at_an_arrow_becomes_a_trigger(written: str, form: str) 
         ((nesting.unnest, ("m", "a")), "is not inside another state"),
     ],
 )
-def test_what_would_be_no_program_is_refused_in_a_sentence(act: tuple[Any, ...], sentence: str) -> None:
+def test_an_act_that_would_break_a_program_is_refused(act: tuple[Any, ...], sentence: str) -> None:
     text = (
         "(machine m (state a) (state b) (state c)"
         " (on bump a -> b) (on bump *-> a) (ontime 3 c -> b)) (spawn m a)"
@@ -498,7 +498,7 @@ def test_the_start_moves_to_another_state() -> None:
     assert drawn("(machine m (state a))", (drawing.start_in, ("m", "a"))).endswith("\n\n(spawn m a)\n")
 
 
-def test_a_machine_goes_with_its_spawns() -> None:
+def test_deleting_a_machine_deletes_its_spawns() -> None:
     text = "(machine m (state t (onentry (spawn n a)) (machine n (state a)))) (spawn m t)"
     assert drawn(text, (drawing.delete_machine, ("m", "t", "n"))) == "(machine m (state t)) (spawn m t)"
 

@@ -1,4 +1,4 @@
-"""The formatter changes white space only, twice is as once, and the bundled programs are as it wants them."""
+"""The formatter changes only white space, once, and leaves the bundled programs as they are."""
 
 from __future__ import annotations
 
@@ -55,12 +55,12 @@ def test_only_white_space_changes(text: str) -> None:
 
 
 @given(texts())
-def test_to_format_twice_changes_nothing_more(text: str) -> None:
+def test_formatting_twice_changes_nothing_more(text: str) -> None:
     assert formatting(formatted(text)) == ()
 
 
 @pytest.mark.parametrize("path", BUNDLED, ids=lambda path: path.stem)
-def test_a_bundled_program_is_as_the_formatter_wants_it(path: Path) -> None:
+def test_a_bundled_program_is_already_formatted(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     assert formatted(text) == text
     assert formatted(to_source(parse(text))) == to_source(parse(text))

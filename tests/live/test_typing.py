@@ -80,7 +80,7 @@ def test_a_kept_program_does_not_run_an_error_in_its_active_state_either():
     assert typist.session.issues == ()
 
 
-def test_a_destination_typed_letter_by_letter_is_no_issue_and_does_not_pause():
+def test_a_destination_typed_letter_by_letter_raises_no_issue_and_does_not_pause():
     typist = Typist(on_issue="pause")
     typist.types("(on off moving -> looking)", " (on off looking -> res", ")")
     machine = typist.session.program.machines[0]

@@ -1,4 +1,4 @@
-"""The page asks which edits of its text an act on the state graph is."""
+"""An act on the state graph is answered with edits of the text that the page sent."""
 
 import pytest
 
@@ -44,7 +44,7 @@ def test_every_act_has_its_edits(page, act, kind, path, more, texts):
     assert sorted(edit["text"] for edit in answer["edits"]) == sorted(texts)
 
 
-def test_a_nested_state_comes_out_again(page):
+def test_states_are_nested_and_unnested(page):
     text = "(machine m (state b (onentry (spawn n a)) (machine n (state a)))) (spawn m b)"
     assert draw(page, "unnest", "state", "m/b/n/a", text=text)["edits"]
     text = "(machine m (state a) (state b)) (spawn m b)"

@@ -96,7 +96,7 @@ def test_an_unchanged_cell_keeps_the_labs_text(cell):
 
 
 @pytest.mark.parametrize("typed", [B, "(machine m\r\n  (state a))\r\n(spawn m a)"])
-def test_a_labs_text_that_was_written_into_the_cell_is_no_conflict(cell, restart_kernel, typed):
+def test_a_labs_text_that_was_written_into_the_cell_causes_no_conflict(cell, restart_kernel, typed):
     written = "\n".join(typed.splitlines()) + "\n"  # as a cell holds it, and IPython passes it
     cell(A).texts.write(typed)
     assert cell(written).texts.conflict is None
