@@ -372,6 +372,29 @@ describe("the page", () => {
     expect(slider.value).toBe("70");
   });
 
+  it("keeps the speed that was just chosen while the kernel still reports the one before", async () => {
+    const select = page.find('[data-lrp-action="speed"]') as HTMLSelectElement;
+    select.value = "5";
+    select.dispatchEvent(new Event("change"));
+    page.deliver({ type: "frame", frame: 9, speed: { wanted: 1, achieved: 0.95 } });
+    await page.drawn();
+    expect(select.value).toBe("5");
+  });
+
+  it("shows the machine that another view of the session shows, and does not send it back", async () => {
+    const other = await new Page().begin();
+    const sent = vi.fn();
+    document.addEventListener("lrp-together", sent);
+    page.find('[data-lrp-machine="follower/looking/lookalgo"]').click();
+    await page.drawn();
+    await page.drawn();
+    document.removeEventListener("lrp-together", sent);
+    expect(other.find(".lrp-graph").getAttribute("aria-label")).toBe("State graph of lookalgo");
+    expect(sent).toHaveBeenCalledTimes(1);
+    other.close();
+    other.host.remove();
+  });
+
   it("cuts long names in the middle, and keeps characters whole", async () => {
     const program = structuredClone(recording.snapshot.frame.program);
     Object.assign(program.machines[0]!, { path: "look_for_the_wall_🤖_now!", parent: "" });
@@ -635,6 +658,28 @@ describe("the page", () => {
     page.deliver({ type: "frame", frame: 9, program });
     await page.drawn();
     expect(page.host.querySelector('[data-lrp-variable="lightlim"]')).toBe(null);
+    expect(document.activeElement).toBe(page.find(".lrp-lab"));
+  });
+
+  it("leaves the keyboard focus in the lab when a robot's panel gets other fields", async () => {
+    const panel = (...keys: string[]) => ({
+      ...{ title: "", tables: [], buttons: [], questions: [] },
+      fields: keys.map((key) => ({
+        key,
+        label: key,
+        kind: "text",
+        value: "",
+        choices: [],
+        unit: "",
+        press: "",
+      })),
+    });
+    page.deliver({ type: "frame", frame: 9, panel: panel("address") });
+    await page.drawn();
+    page.find('[data-field="address"]').focus();
+    page.deliver({ type: "frame", frame: 10, panel: panel("address", "speed") });
+    await page.drawn();
+    page.find('[data-field="speed"]');
     expect(document.activeElement).toBe(page.find(".lrp-lab"));
   });
 

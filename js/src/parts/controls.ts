@@ -8,7 +8,7 @@ import { icon } from "../ui/icons";
 import { openMenu } from "../ui/menu";
 import { type Choices, labMenu } from "./menu";
 
-const ON_ITS_WAY = 1000; // ms in which the kernel may still report the rate before the one chosen here
+const ON_ITS_WAY = 1000; // ms in which the kernel may still report the value before the one chosen here
 const SPEEDS = [0.25, 0.5, 1, 2, 5, 10, 0];
 
 export function controls(lab: Lab, choices: Choices): HTMLElement {
@@ -145,19 +145,23 @@ function rateSlider(lab: Lab): HTMLElement {
 
 function speedSelect(lab: Lab): HTMLElement {
   const { store } = lab;
+  let chosen = Number.NEGATIVE_INFINITY;
   const select = h(
     "select",
     {
       class: "lrp-select",
       "aria-label": "Speed of the simulation",
       "data-lrp-action": "speed",
-      onchange: () => lab.send({ do: "speed", value: Number(select.value) }),
+      onchange: () => {
+        chosen = performance.now();
+        lab.send({ do: "speed", value: Number(select.value) });
+      },
     },
     ...SPEEDS.map((speed) => h("option", { value: speed }, speed ? `×${speed}` : "max")),
   );
   const label = h("label", { class: "lrp-control" }, h("span", {}, "Speed"), select);
   store.watch(["speed", "bridge"], () => {
-    select.value = String(store.state.speed.wanted);
+    if (performance.now() - chosen > ON_ITS_WAY) select.value = String(store.state.speed.wanted);
     label.hidden = store.state.bridge.hardware;
   });
   return label;

@@ -19,18 +19,19 @@ export function together(
   store: Store,
   receive: (message: Message) => void,
 ): { send(message: Message): void; close(): void } {
+  let machine = ""; // the one that all views show
   const listen = (event: Event) => {
     const { from, name, message } = (event as CustomEvent).detail;
     if (from === store || name !== store.state.name) return;
-    if (message.machine !== undefined) store.set("machine", message.machine);
-    else receive(message);
+    if (message.machine === undefined) return receive(message);
+    machine = message.machine;
+    store.set("machine", machine);
   };
   const send = (message: Message) => {
     const { name } = store.state;
     if (name) document.dispatchEvent(new CustomEvent(EVENT, { detail: { from: store, name, message } }));
   };
   document.addEventListener(EVENT, listen);
-  let machine = "";
   store.watch(["machine"], () => {
     const before = machine;
     machine = store.state.machine;
