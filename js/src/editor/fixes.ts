@@ -17,7 +17,7 @@ export function openFixes(view: EditorView, lab: Lab): boolean {
   const actions = here.length ? here : inLine;
   const at = view.coordsAtPos(head);
   if (!at || !actions.length) {
-    lab.notify("There is nothing in this line that can be fixed by itself.");
+    lab.notify("Nothing in this line can be fixed automatically.");
     return true;
   }
   const items = actions.map(({ name, apply }) => ({

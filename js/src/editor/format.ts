@@ -8,10 +8,10 @@ export async function format(view: EditorView, lab: Lab): Promise<void> {
   const { doc } = view.state;
   const reply = await lab.ask({ type: "format", text: view.state.sliceDoc() });
   if (reply.error) lab.notify(reply.error);
-  else if (view.state.doc !== doc) lab.notify("The text has changed meanwhile. Format it again.");
+  else if (view.state.doc !== doc) lab.notify("The text has changed in the meantime. Format it again.");
   else {
     const changes = (reply.edits ?? []).map(({ range, text }) => ({ ...spanOf(doc, range), insert: text }));
     if (changes.length) view.dispatch({ changes, userEvent: "input.format", scrollIntoView: true });
-    else lab.notify("The text is formatted already.");
+    else lab.notify("The text is already formatted.");
   }
 }

@@ -116,7 +116,11 @@ const card = hoverTooltip(
       end: literal.to,
       above: true,
       create: () => ({
-        dom: h("div", { class: "lrp-card" }, "Alt and a drag, or Alt+↑ and Alt+↓, change it while it runs."),
+        dom: h(
+          "div",
+          { class: "lrp-card" },
+          "Drag with Alt, or press Alt+↑ or Alt+↓, to change it while the program runs.",
+        ),
       }),
     };
   },

@@ -1,6 +1,6 @@
 /**
- * When what is typed is meant: a word that is left, or after which nothing was typed for a while. Until then
- * the kernel is told that it is not, and what it would break waits.
+ * When what is typed is meant: once the cursor has left the word, or nothing was typed for a while. Until then
+ * it is sent as half typed, and the kernel delays what it would break.
  */
 
 import type { EditorState } from "@codemirror/state";

@@ -1,6 +1,6 @@
 /**
- * The outline of the text as it last was whole. While a bracket is open, the editor's tree does not have
- * the forms that the text had and will have again: their places are then those of before, moved along.
+ * The outline of the text when all of its brackets last matched. While one is open, the editor's tree lacks forms
+ * that the text had and will have again: they keep their last places, which move with the text.
  */
 
 import { syntaxTree } from "@codemirror/language";

@@ -89,7 +89,7 @@ export class AutoFit {
     this.check();
   }
 
-  /** Bring a box of the drawing into view when the user pauses, or at once if he asked for it. */
+  /** Bring a box of the drawing into view when the user pauses, or at once if the user asked for it. */
   reveal(box: Box, now = false): void {
     this.wanted = box;
     if (now) this.bringWantedIntoView();

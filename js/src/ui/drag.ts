@@ -1,4 +1,4 @@
-/** A press that becomes a drag once the pointer has moved, until it is released, wherever that is, or Escape. */
+/** A press becomes a drag once the pointer has moved. It ends when the button is released, anywhere, or with Escape. */
 
 const FROM = 4; // px of movement
 
@@ -10,7 +10,7 @@ export interface Drag {
   end(last: PointerEvent | null, moved: boolean): void;
 }
 
-/** Pass on the movements of the pointer that was pressed; the click that ends a drag on the surface is none. */
+/** Report the movements of the pressed pointer. A drag that ends on the surface is not a click there. */
 export function trackDrag(surface: Element, press: PointerEvent, drag: Drag): void {
   const { pointerId, clientX, clientY } = press;
   let moved = false;
