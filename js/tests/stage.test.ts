@@ -82,6 +82,17 @@ describe("a drag in the world", () => {
   });
 });
 
+it("a zone, which has no angle, is not edited by the keys that turn", () => {
+  stage.show({ ...view, zones: { goal: { box: [1, 1, 0.5, 0.5] } } });
+  edits.select({ kind: "zone", name: "goal" });
+  press("]");
+  edits.flush();
+  expect([acts, edits.nudge("]", false)]).toEqual([[], false]);
+  press("ArrowLeft");
+  edits.flush();
+  expect(acts.map((act) => act.do)).toEqual(["put_zone"]);
+});
+
 describe("a stage", () => {
   beforeEach(() => {
     Object.defineProperty(stage.canvas, "clientWidth", { value: 200 });

@@ -130,7 +130,7 @@ export class WorldEdits {
     const thing: Thing = this.selected ?? { kind: "robot", index: 0 };
     const shape = this.stage.shape(thing);
     const next = shape && keyed(shape, key, resize && thing.kind !== "robot" && thing.kind !== "start");
-    if (!next) return false;
+    if (!next || (thing.kind === "zone" && next.angle)) return false;
     if (thing.kind === "robot") {
       this.put(thing, next);
       return true;
