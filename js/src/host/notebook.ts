@@ -33,7 +33,8 @@ export interface HostedModel {
 export interface CellPlace {
   notebook: Notebook;
   cell: NotebookCell;
-  index: number;
+  /** Where the cell is now: others can be inserted above it. */
+  readonly index: number;
   /** The cell as it is drawn. */
   element: HTMLElement;
 }
@@ -42,7 +43,15 @@ export interface CellPlace {
 export function cellAround(model: HostedModel, inside: HTMLElement): CellPlace | null {
   const notebook = model.widget_manager?.context;
   const element = inside.closest<HTMLElement>(".jp-Cell");
-  const index = Number(element?.dataset.windowedListIndex ?? Number.NaN);
-  const cell = notebook?.model?.cells.get(index);
-  return notebook && element && cell ? { notebook, cell, index, element } : null;
+  const index = () => Number(element?.dataset.windowedListIndex ?? Number.NaN);
+  const cell = notebook?.model?.cells.get(index());
+  if (!notebook || !element || !cell) return null;
+  return {
+    notebook,
+    cell,
+    element,
+    get index() {
+      return index();
+    },
+  };
 }
