@@ -307,7 +307,10 @@ describe("the camera's own movements", () => {
     autofit.typed();
     resize(400, 320);
     autofit.resized(null);
+    vi.advanceTimersByTime(990);
     expect(at()).toEqual([0, 0, 1]);
+    vi.advanceTimersByTime(500);
+    expect(at()).toEqual([0, 10, 1]);
   });
 
   it("do not happen during a drag", () => {

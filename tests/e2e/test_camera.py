@@ -195,3 +195,16 @@ def test_the_graph_is_saved_as_a_picture_that_stands_alone(open_lab, tmp_path):
     assert all(box.get("fill").startswith(("rgb", "color")) for box in boxes)
     width, height = struct.unpack(">II", (tmp_path / "m.png").read_bytes()[16:24])
     assert (width, height) == tuple(math.ceil(2 * float(root.get(side))) for side in ("width", "height"))
+
+
+def test_a_graph_that_fills_the_lab_by_a_key_is_in_its_middle_at_once(open_lab):
+    lab = open_lab(COUNTER)
+    rests(lab)
+    graph(lab).focus()
+    lab.page.keyboard.press("F9")
+    lab.until(
+        "svg => { const all = svg.getBoundingClientRect();"
+        " const {left, right} = svg.querySelector('.lrp-layer-states').getBoundingClientRect();"
+        " return all.width > 900 && Math.abs((left + right - all.left - all.right) / 2) < 60; }",
+        ".lrp-graph",
+    )

@@ -68,19 +68,21 @@ export class AutoFit {
 
   /** The size of the panel has changed: what is in its middle stays there. */
   resized(focus: Box | null): void {
+    const { camera } = this;
+    if (camera.placed && !this.isQuiet()) {
+      this.stop();
+      this.place();
+      this.check();
+      return;
+    }
     const before = this.size;
     this.measure();
-    const { camera } = this;
     if (!camera.placed) {
       this.jump(focus);
       return;
     }
     if (this.size === before) return;
     this.stop();
-    if (!this.isQuiet()) {
-      this.check();
-      return;
-    }
     camera.x += (this.size.width - before.width) / 2;
     camera.y += (this.size.height - before.height) / 2;
     const isShrunk = camera.scale < 1 && this.target().scale > camera.scale;
@@ -125,6 +127,12 @@ export class AutoFit {
     if (width && height) this.size = { width, height };
   }
 
+  /** Whether the panel is shown, and not as large as when it was last seen. */
+  private isResized(): boolean {
+    const { clientWidth: width, clientHeight: height } = this.svg;
+    return width > 0 && height > 0 && (width !== this.size.width || height !== this.size.height);
+  }
+
   private isQuiet(): boolean {
     return !this.held && performance.now() - this.lastKey >= QUIET;
   }
@@ -132,10 +140,15 @@ export class AutoFit {
   private readonly check = (): void => {
     const { camera } = this;
     if (!camera.placed || this.held) return;
-    if (!(this.wanted || (!camera.moved && this.isCutOff()))) return;
+    const isResized = this.isResized();
+    if (!(isResized || this.wanted || (!camera.moved && this.isCutOff()))) return;
     clearTimeout(this.timer);
     if (!this.isQuiet()) {
       this.timer = setTimeout(this.check, this.lastKey + QUIET - performance.now() + 1);
+      return;
+    }
+    if (isResized) {
+      this.resized(null);
       return;
     }
     if (!camera.moved && this.isCutOff()) this.glide(this.target(this.wanted));

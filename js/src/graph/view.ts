@@ -192,7 +192,8 @@ export function graphView(lab: Lab): HTMLElement {
       if (svg.clientWidth) lab.send({ do: "fit", width: svg.clientWidth, height: svg.clientHeight });
     }, RESIZED_FOR);
   }).observe(svg);
-  lab.root.addEventListener("keydown", () => fitting.typed(), true);
+  const FUNCTION_KEY = /^F\d/; // types nothing; F9 makes this panel larger
+  lab.root.addEventListener("keydown", ({ key }) => void (FUNCTION_KEY.test(key) || fitting.typed()), true);
 
   /* ---------------------------------------------------------------- zoom, pan, drag */
 
