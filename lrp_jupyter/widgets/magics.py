@@ -149,7 +149,10 @@ class LRPMagics(Magics):
         if name not in programs.names():
             listed = ", ".join(f"`{known}`" for known in programs.names())
             hint = did_you_mean(name, programs.names())
-            raise UsageError(f"There is no bundled program `{name}`.{hint} Choose one of {listed}.")
+            raise UsageError(
+                f"There is no bundled program `{name}`.{hint} Choose one of {listed}, "
+                f"or begin an empty program with `%%lrp {name}`."
+            )
         text = programs.load(name)
         world = programs.heading(text).world
         options: dict[str, Any] = {"world": world} if world in BUNDLED else {}

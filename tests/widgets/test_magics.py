@@ -181,6 +181,7 @@ def test_there_is_nothing_to_debug_before_a_block_fails(shell, run):
         ("pause other", "No program `other` is open. Open programs: `follower`."),
         ("pause a b", "Expected one name, not 2"),
         ("new folower", "There is no bundled program `folower`. Did you mean `follower`? Choose one of"),
+        ("new mine", "`wall-follower`, or begin an empty program with `%%lrp mine`."),
         ("new", "Expected one name, not 0. Write `%lrp new NAME`."),
         ("rate", "Write the number of ticks per second"),
         ("rate fast", "The rate is a number of ticks per second, not `fast`."),
