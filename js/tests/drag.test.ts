@@ -72,6 +72,20 @@ describe("a drag", () => {
     surface.click();
     expect(clicked).not.toHaveBeenCalled();
   });
+
+  it("does not end in a click when it is released after Escape, and swallows no other click", async () => {
+    const clicked = vi.fn();
+    surface.addEventListener("click", clicked);
+    window.dispatchEvent(pointer("pointermove", 9));
+    window.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape" }));
+    await new Promise((done) => setTimeout(done, 5));
+    window.dispatchEvent(pointer("pointerup", 9));
+    surface.click();
+    expect(clicked).not.toHaveBeenCalled();
+    await new Promise((done) => setTimeout(done, 5));
+    surface.click();
+    expect(clicked).toHaveBeenCalledOnce();
+  });
 });
 
 describe("a bar between two panels", () => {

@@ -19,12 +19,17 @@ export function trackDrag(surface: Element, press: PointerEvent, drag: Drag): vo
   const stop = (last: PointerEvent | null) => {
     listening.abort();
     if (surface.hasPointerCapture(pointerId)) surface.releasePointerCapture(pointerId);
-    if (moved) {
-      const swallow = (click: Event) => click.stopImmediatePropagation();
-      surface.addEventListener("click", swallow, { capture: true, once: true });
-      setTimeout(() => surface.removeEventListener("click", swallow, true));
-    }
     drag.end(moved ? last : null, moved);
+  };
+  /** The click that follows the release, which may be some time after Escape. */
+  const swallowClick = () => {
+    const over = new AbortController();
+    const swallow = { capture: true, signal: over.signal };
+    surface.addEventListener("click", (click) => click.stopImmediatePropagation(), swallow);
+    const released = ({ pointerId: id }: PointerEvent) => id === pointerId && setTimeout(() => over.abort());
+    window.addEventListener("pointerup", released, swallow);
+    window.addEventListener("pointercancel", released, swallow);
+    window.addEventListener("pointerdown", () => over.abort(), swallow); // the release was not reported
   };
   const move = (now: PointerEvent) => {
     if (now.pointerId !== pointerId) return;
@@ -32,6 +37,7 @@ export function trackDrag(surface: Element, press: PointerEvent, drag: Drag): vo
     if (!moved) {
       if (Math.hypot(now.clientX - clientX, now.clientY - clientY) < FROM) return;
       moved = true;
+      swallowClick();
       surface.setPointerCapture(pointerId);
       drag.begin?.();
     }
