@@ -42,6 +42,23 @@ def test_axe_finds_nothing_serious(open_lab, theme):
     axe.finds_nothing_serious(lab)
 
 
+def test_a_double_click_on_the_head_of_a_panel_selects_no_text(open_lab):
+    lab = open_lab(COUNTER)
+    lab.find('[data-lrp="graph"] .lrp-title').dblclick()
+    lab.sees('[data-lrp="graph"][data-maximised]')
+    assert lab.page.evaluate("getSelection().toString()") == ""
+
+
+def test_the_entries_of_a_form_in_the_graph_begin_below_each_other(open_lab):
+    lab = open_lab(COUNTER)
+    lab.state("m/rest").click()
+    lab.state("m/rest").press("t")
+    lab.sees(".lrp-field")
+    inputs = lab.find(".lrp-field input[type=text]")
+    assert inputs.count() == 2
+    assert len({inputs.nth(index).bounding_box()["x"] for index in range(2)}) == 1
+
+
 def test_a_saved_notebook_shows_graph_and_text_where_no_kernel_runs(open_lab, tmp_path):
     lab = open_lab(FOLLOWER, "follower --world line")
     lab.goes_on()

@@ -58,7 +58,7 @@ export function openField(host: HTMLElement, at: { x: number; y: number }, field
     ...inputs.map(({ row }) => row),
     check && h("label", { class: "lrp-field-check" }, check, field.check),
     error,
-    h("button", { type: "submit", class: "lrp-field-apply" }, "OK"),
+    h("button", { type: "submit", class: "lrp-button lrp-primary lrp-field-apply" }, "OK"),
   );
   const close = openPopup(host, form, field.closed);
   const frame = host.getBoundingClientRect();
