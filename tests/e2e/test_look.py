@@ -49,6 +49,26 @@ def test_a_double_click_on_the_head_of_a_panel_selects_no_text(open_lab):
     assert lab.page.evaluate("getSelection().toString()") == ""
 
 
+def test_a_long_menu_is_in_sight_in_a_low_window(open_lab):
+    lab = open_lab(COUNTER)
+    lab.page.set_viewport_size({"width": 1280, "height": 500})
+    lab.until("lab => document.querySelector('.jp-WindowedPanel-outer').clientHeight < 400")
+    lab.find('[data-lrp-action="menu"]').focus()  # no click: it would have to be scrolled to
+    lab.root.evaluate("lab => lab.scrollIntoView({ block: 'start' })")
+    inside = (
+        "menu => { const around = document.querySelector('.jp-WindowedPanel-outer').getBoundingClientRect();"
+        " const seen = menu.closest('[popover]') ? { top: 0, bottom: innerHeight } : around;"
+        " const { top, bottom, height } = menu.getBoundingClientRect();"
+        " return top >= seen.top && bottom <= seen.bottom && height > 300; }"
+    )
+    lab.page.keyboard.press("Enter")
+    lab.until(inside, '[role="menu"]')
+    lab.page.keyboard.press("Escape")
+    lab.page.keyboard.press("Shift+F9")
+    lab.page.keyboard.press("Enter")
+    lab.until(inside, '[role="menu"]')
+
+
 def test_the_entries_of_a_form_in_the_graph_begin_below_each_other(open_lab):
     lab = open_lab(COUNTER)
     lab.state("m/rest").click()

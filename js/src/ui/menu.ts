@@ -2,8 +2,10 @@
 
 import { h } from "./dom";
 import { openPopup } from "./popup";
+import { partInSight } from "./sight";
 
-const BELOW = 28; // px at the bottom of the window, where the notebook's status bar may be
+const EDGE = 4; // px between a menu and the edge of what can be seen
+const LEAST = 150; // px that it is high where hardly anything of the lab is in sight
 
 export interface MenuItem {
   label: string;
@@ -69,13 +71,11 @@ export function openMenu(
   });
   const close = openPopup(root, menu);
   const frame = root.getBoundingClientRect();
-  const left = Math.min(at.x - frame.left, frame.width - menu.offsetWidth - 4);
-  const top = Math.min(
-    at.y - frame.top,
-    window.innerHeight - BELOW - menu.offsetHeight - frame.top,
-    Math.max(frame.height, menu.offsetHeight + 8) - menu.offsetHeight - 4,
-  );
-  menu.style.left = `${Math.max(4, left)}px`;
-  menu.style.top = `${Math.max(4, top)}px`;
+  const { top, bottom } = partInSight(root);
+  menu.style.maxHeight = `${Math.max(LEAST, bottom - top - 2 * EDGE)}px`;
+  const left = Math.min(at.x - frame.left, frame.width - menu.offsetWidth - EDGE);
+  const highest = Math.min(at.y - frame.top, bottom - menu.offsetHeight - EDGE);
+  menu.style.left = `${Math.max(EDGE, left)}px`;
+  menu.style.top = `${Math.max(top + EDGE, highest)}px`;
   entries[0]?.focus({ preventScroll: true });
 }

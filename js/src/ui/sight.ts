@@ -17,12 +17,12 @@ export function fitHeight(root: HTMLElement): () => void {
   return () => observer.disconnect();
 }
 
-/** The outermost element that scrolls what is around another; null if only the window does. */
+/** The outermost element that scrolls what is around another; null if only the window does, or it fills that. */
 function scrollerOf(element: Element): Element | null {
   let found: Element | null = null;
   for (
     let around = element.parentElement;
-    around && around !== document.body;
+    around && around !== document.body && !around.hasAttribute("popover");
     around = around.parentElement
   ) {
     if (/auto|scroll/.test(getComputedStyle(around).overflowY)) found = around;
