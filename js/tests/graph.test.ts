@@ -344,6 +344,15 @@ describe("the camera's own movements", () => {
     expect(camera.x).toBe(400 - 14 - 560);
   });
 
+  it("begin where a drawing does that is too long, or as near to that as shows the active state", () => {
+    const top = new Camera();
+    autofit.show(top, box(0, 0, 400, 3000), box(100, 200, 60, 36));
+    expect(top.y).toBeCloseTo(0);
+    const below = new Camera();
+    autofit.show(below, box(0, 0, 400, 3000), box(100, 2000, 60, 36));
+    expect(below.y + 2036 * LEGIBLE).toBeCloseTo(300 - 14);
+  });
+
   it("keep the middle of the panel when its size changes", () => {
     resize(500, 400);
     autofit.resized(null);

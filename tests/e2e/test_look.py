@@ -69,6 +69,15 @@ def test_a_long_menu_is_in_sight_in_a_low_window(open_lab):
     lab.until(inside, '[role="menu"]')
 
 
+def test_the_counter_of_restarts_does_not_stick_out_below_the_notice_of_one(open_lab):
+    lab = open_lab(COUNTER)
+    lab.replace("n = n + 1", "n = n + 2")
+    lab.sees(".lrp-notice:not([hidden])")
+    assert lab.find(".lrp-restarts:visible").count() == 0
+    lab.find('.lrp-notice [title="Dismiss"]').click()
+    lab.sees(".lrp-restarts:visible")
+
+
 def test_the_entries_of_a_form_in_the_graph_begin_below_each_other(open_lab):
     lab = open_lab(COUNTER)
     lab.state("m/rest").click()

@@ -62,7 +62,7 @@ export class AutoFit {
     this.content = content;
     this.wanted = null;
     this.camera.moved = false;
-    if (this.camera.placed) this.glide(this.target(focus));
+    if (this.camera.placed) this.glide(this.target(focus && this.opening(focus)));
     else this.jump(focus);
   }
 
@@ -186,7 +186,7 @@ export class AutoFit {
   private target(focus: Box | null = null): View {
     const { camera, content } = this;
     const { width, height } = this.size;
-    const scale = Math.max(LEGIBLE, Math.min(width / content.width, height / content.height, 1.25));
+    const scale = this.scale();
     const [x, y] = camera.inside(width / 2, height / 2);
     const middle = focus ? { x: focus.x + focus.width / 2, y: focus.y + focus.height / 2 } : { x, y };
     return {
@@ -196,11 +196,29 @@ export class AutoFit {
     };
   }
 
+  private scale(): number {
+    const { width, height } = this.size;
+    return Math.max(LEGIBLE, Math.min(width / this.content.width, height / this.content.height, 1.25));
+  }
+
+  /** The middle of a view that begins where the drawing does, or as near to that as has `focus` in it. */
+  private opening(focus: Box): Box {
+    const { content } = this;
+    const { width, height } = this.size;
+    const scale = this.scale();
+    const middle = (begin: number, end: number, room: number) =>
+      Math.max(begin + room / 2, end + EDGE / scale - room / 2);
+    const x = middle(content.x, focus.x + focus.width, width / scale);
+    const y = middle(content.y, focus.y + focus.height, height / scale);
+    return { x, y, width: 0, height: 0 };
+  }
+
   private jump(focus: Box | null): void {
     const { camera, content } = this;
     const { width, height } = this.size;
     if (!width || !height || !content.width || !content.height) return;
-    camera.set(this.target(focus ?? (camera.placed ? null : corner(content))));
+    const shown = focus ?? (camera.placed ? null : corner(content));
+    camera.set(this.target(shown && this.opening(shown)));
     this.place();
   }
 

@@ -141,8 +141,7 @@ function conflictNote(lab: Lab, present: () => string): HTMLElement {
     "div",
     { class: "lrp-note lrp-note-warning", role: "alertdialog", "aria-label": "Conflicting texts" },
     words,
-    use,
-    keep,
+    h("div", { class: "lrp-row" }, use, keep),
     h("details", { class: "lrp-details", ontoggle: () => scrollToDifference(text) }, heading, text),
   );
   lab.store.watch(["conflict", "findings", "snapshot"], () => {
