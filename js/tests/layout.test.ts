@@ -40,6 +40,16 @@ describe("the layout", () => {
     expect(layout.panels.editor.hasAttribute("data-away")).toBe(false);
   });
 
+  it("shows at the button of a panel that it is enlarged, and that the button makes it small again", () => {
+    layout = layoutOf(900);
+    const enlarge = h("button", { "data-lrp-action": "enlarge" });
+    layout.panels.graph.append(enlarge);
+    layout.maximise(layout.panels.graph);
+    expect(enlarge.getAttribute("aria-pressed")).toBe("true");
+    layout.maximise(layout.panels.world);
+    expect(enlarge.getAttribute("aria-pressed")).toBe("false");
+  });
+
   it("keeps for the next lab which panels are hidden, and what its user's bars have set", () => {
     layout = layoutOf(900);
     layout.show("issues", false);

@@ -4,7 +4,7 @@
  */
 
 import { arrange, type Division, type Plan } from "./boxes";
-import { h } from "./dom";
+import { h, setAttribute } from "./dom";
 import { forget, keep, kept } from "./kept";
 import { put, splitter } from "./splitter";
 
@@ -103,9 +103,9 @@ export class Layout {
   }
 
   maximise(panel: HTMLElement | null): void {
-    this.alone?.removeAttribute("data-maximised");
+    if (this.alone) mark(this.alone, false);
     this.alone = panel;
-    panel?.setAttribute("data-maximised", "");
+    if (panel) mark(panel, true);
     this.update();
   }
 
@@ -147,6 +147,12 @@ export class Layout {
     this.element.append(bar.element);
     return bar;
   }
+}
+
+function mark(panel: HTMLElement, isAlone: boolean): void {
+  panel.toggleAttribute("data-maximised", isAlone);
+  const button = panel.querySelector('[data-lrp-action="enlarge"]');
+  if (button) setAttribute(button, "aria-pressed", String(isAlone));
 }
 
 function isVisible(place: HTMLElement): boolean {

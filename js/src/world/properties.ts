@@ -37,7 +37,7 @@ export function properties(lab: Lab, stage: Stage, edits: () => WorldEdits): Pro
     onclick: () => edits().startHere(),
   });
   const remove = button({
-    icon: "close",
+    icon: "remove",
     title: "Remove (Delete)",
     action: "thing-remove",
     onclick: () => {
