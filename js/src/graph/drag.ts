@@ -5,7 +5,7 @@ import { moveState } from "./draw";
 
 const SEND_EVERY = 40; // ms between two places of a dragged state
 const NEAR = 0.2; // px
-const PATIENCE = 3000; // ms that the kernel has to draw a state where it was dropped
+const PATIENCE = 10_000; // ms that the kernel has to draw a state where it was dropped: a busy machine takes seconds
 
 interface Dragged {
   node: Element;
