@@ -1,11 +1,15 @@
 """A notebook and a lab in a page, as a person works with them: by pointer and keyboard, by what is shown."""
 
 APP = "window.jupyterapp?.shell?.currentWidget"
+WAS_RELOADED = "performance.getEntriesByType('navigation')[0].type === 'reload'"
 
 
 def close_all(page):
-    """Close everything in JupyterLab without asking; return whether it is still usable."""
-    if page.is_closed() or "/lab" not in page.url:
+    """Close everything in JupyterLab without asking; return whether it is still usable.
+
+    One that was loaded again is not: it may open once more, and late, what it had opened before.
+    """
+    if page.is_closed() or "/lab" not in page.url or page.evaluate(WAS_RELOADED):
         return False
     page.evaluate(
         "() => { localStorage.clear();"
