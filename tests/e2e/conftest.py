@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from e2e.jupyter import FLAGS, chromium, jupyter, lacking
-from e2e.pages import NotebookPage, close_all
+from e2e.pages import NotebookPage, close_all, forget
 
 WAIT = 30_000  # ms that anything may take on a busy machine
 WINDOW = {"width": 1600, "height": 1000}
@@ -73,6 +73,7 @@ def pytest_runtest_makereport(item):
     if report.when == "call" and report.failed and "context" in item.funcargs:
         for page in item.funcargs["context"].pages:
             page.screenshot(path=item.funcargs["server"].root.parent / f"{item.name}.png")
+            forget(page)
             page.close()
     return report
 

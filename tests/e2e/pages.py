@@ -9,13 +9,19 @@ def close_all(page):
 
     One that was loaded again is not: it may open once more, and late, what it had opened before.
     """
-    if page.is_closed() or "/lab" not in page.url or page.evaluate(WAS_RELOADED):
+    if page.is_closed():
         return False
-    page.evaluate(
-        "() => { localStorage.clear();"
-        " for (const widget of [...jupyterapp.shell.widgets('main')]) widget.dispose(); }"
-    )
+    forget(page)
+    if "/lab" not in page.url or page.evaluate(WAS_RELOADED):
+        return False
+    page.evaluate("() => { for (const widget of [...jupyterapp.shell.widgets('main')]) widget.dispose(); }")
     return page.locator("dialog, .jp-Dialog").count() == 0
+
+
+def forget(page):
+    """Forget what JupyterLab and the lab keep in the browser."""
+    if page.url.startswith("http"):
+        page.evaluate("localStorage.clear()")
 
 
 class NotebookPage:
