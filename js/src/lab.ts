@@ -170,6 +170,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   };
   if (part === "world") panels.world?.append(card);
   const layout = part === "lab" ? new Layout(panels as Panels) : null; // a whole lab has all of them
+  const height = part === "lab" ? fitHeight(root) : null;
   const { isFilling, fill } = enlarging(host, root, layout);
   const save = saveForm(lab);
   const text = () => editor?.text ?? "";
@@ -178,6 +179,10 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   const cell = editor && cellSource(model, lab, editor);
   const choices: Choices = {
     layout,
+    resetSizes: () => {
+      layout?.reset();
+      height?.reset();
+    },
     fills: { shown: isFilling, show: fill },
     text: () => (editor ? textItems(editor) : []),
     save: save.open,
@@ -210,13 +215,12 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     host.dispatchEvent(new KeyboardEvent("keydown", event)); // saves the notebook, as everywhere else in it
   });
   const unwatchTheme = watchTheme(root);
-  const unfit = part === "lab" ? fitHeight(root) : () => {};
   window.addEventListener("pagehide", () => rescue(), { signal: closing.signal });
   return () => {
     closing.abort();
     rescue();
     unwatchTheme();
-    unfit();
+    height?.close();
     layout?.close();
     elsewhere.close();
     connection.close();

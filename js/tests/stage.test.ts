@@ -32,6 +32,7 @@ beforeEach(() => {
     return null;
   };
   stage = new Stage(() => ({}) as Palette);
+  document.body.replaceChildren(stage.canvas);
   captured = new Set();
   stage.canvas.setPointerCapture = (id) => void captured.add(id);
   stage.canvas.hasPointerCapture = (id) => captured.has(id);
@@ -45,11 +46,12 @@ beforeEach(() => {
 /** A pointer at a place of the world, in metres. */
 function point(type: string, x: number, y: number, pointerId = 1): void {
   const [clientX, clientY] = stage.viewport.outside([x, y]);
-  const event = new PointerEvent(type, { pointerId, clientX, clientY, button: 0, bubbles: true });
+  const event = new PointerEvent(type, { pointerId, clientX, clientY, button: 0, buttons: 1, bubbles: true });
   stage.canvas.dispatchEvent(event);
 }
 
-const press = (key: string) => stage.canvas.dispatchEvent(new KeyboardEvent("keydown", { key }));
+const press = (key: string) =>
+  stage.canvas.dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
 
 describe("a drag in the world", () => {
   it("ends with Escape: the thing is where it was, and the pointer is free", () => {
@@ -66,6 +68,20 @@ describe("a drag in the world", () => {
     point("pointerdown", 0.5, 1);
     press("Escape");
     expect(acts).toEqual([]);
+  });
+
+  it("that moves the view ends with Escape where it began, and the robot is followed as before", () => {
+    for (const follows of [true, false]) {
+      stage.follows = follows;
+      const before = stage.inside(0, 0);
+      point("pointerdown", 1.2, 1.8);
+      point("pointermove", 1.6, 1.2);
+      expect([stage.follows, stage.inside(0, 0)]).not.toEqual([follows, before]);
+      press("Escape");
+      expect(stage.follows).toBe(follows);
+      expect(stage.inside(0, 0)).toEqual(before.map((place) => expect.closeTo(place)));
+    }
+    expect([acts, edits.selected]).toEqual([[], null]);
   });
 
   it("is not disturbed by a second finger, nor by keys", () => {

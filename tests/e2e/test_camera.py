@@ -116,6 +116,21 @@ def test_a_dragged_state_lands_where_it_is_dropped(open_lab):
         assert distance(places(lab)["m/rest"], rest) < 1.5
 
 
+def test_a_graph_that_was_dragged_is_back_after_escape(open_lab):
+    lab = open_lab(FOLLOWER, "follower --world line")
+    rests(lab)
+    before = places(lab)
+    box = lab.box(".lrp-graph")
+    lab.page.mouse.move(box["x"] + 6, box["y"] + 6)
+    lab.page.mouse.down()
+    lab.page.mouse.move(box["x"] + 60, box["y"] + 40, steps=4)
+    assert all(distance(now, before[name]) > 30 for name, now in places(lab).items())
+    lab.page.keyboard.press("Escape")
+    lab.page.mouse.move(box["x"] + 90, box["y"] + 90)
+    lab.page.mouse.up()
+    assert all(distance(now, before[name]) < 1 for name, now in places(lab).items())
+
+
 def test_the_graph_shows_the_machine_in_which_one_types(open_lab):
     lab = open_lab(INNER)
     lab.sees('[data-lrp-state="m/b"]')

@@ -161,6 +161,28 @@ def test_sizes_and_hidden_panels_are_kept_over_a_reload(open_follower):
     assert box(again, "world")["width"] == pytest.approx(before, abs=3)
 
 
+def test_the_height_given_to_the_lab_is_kept_as_its_share_of_the_screen(open_follower, screen):
+    lab = open_follower(1280, 900)
+    lab.root.scroll_into_view_if_needed()
+    before = lab.box()
+    corner = before["x"] + before["width"] - 4, before["y"] + before["height"] - 4
+    lab.page.mouse.move(*corner)
+    lab.page.mouse.down()
+    lab.page.mouse.move(corner[0], corner[1] - 0.3 * before["height"], steps=4)
+    lab.page.mouse.up()
+    assert lab.box()["height"] == pytest.approx(0.7 * before["height"], abs=3)
+    lab.notebook.save()
+    screen(1280, 800)  # the window of another day
+    lab.page.reload()
+    lab.notebook.ready()
+    lab.notebook.begin_cell(1)
+    again = lab.notebook.lab().ready()
+    assert again.box()["height"] == pytest.approx(0.7 * (before["height"] - 100), abs=3)
+    again.do("menu")
+    again.choose("usual-sizes")
+    assert again.box()["height"] == pytest.approx(before["height"] - 100, abs=3)
+
+
 def test_the_place_of_a_hidden_panel_goes_to_the_others(open_follower):
     lab = open_follower()
     whole = lab.box(".lrp-panels")

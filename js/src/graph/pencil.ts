@@ -138,9 +138,9 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
   const follow = (event: PointerEvent, move: (now: Point) => void, end: (last: Point | null) => void) =>
     trackDrag(svg, event, {
       move: (now) => move(at(now)),
-      end(last) {
+      end(last, moved) {
         mark(null);
-        end(last && at(last));
+        end(last && moved ? at(last) : null);
       },
     });
 

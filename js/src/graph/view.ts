@@ -223,6 +223,7 @@ export function graphView(lab: Lab): HTMLElement {
     if (event.button !== 0) return;
     const node = (event.target as Element).closest<SVGGElement>("[data-lrp-state]");
     let last = local(event);
+    const { x, y, scale } = camera;
     trackDrag(svg, event, {
       begin() {
         fitting.hold();
@@ -240,8 +241,11 @@ export function graphView(lab: Lab): HTMLElement {
       },
       end(released, moved) {
         if (!moved) return;
-        if (!node) fitting.release();
-        else if (released) dragging.drop();
+        if (!node) {
+          if (!released) camera.set({ x, y, scale });
+          place();
+          fitting.release();
+        } else if (released) dragging.drop();
         else dragging.cancel();
       },
     });

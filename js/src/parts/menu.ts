@@ -18,6 +18,8 @@ export interface Choices {
   save: () => void;
   versions: () => void;
   open: (program: string) => void;
+  /** Return to the usual sizes. */
+  resetSizes: () => void;
   /** What concerns the cell above the lab. */
   cell: () => MenuItem[];
 }
@@ -61,6 +63,7 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
       run: () => fills.show(!fills.shown()),
     },
     ...panels,
+    ...(layout ? [{ label: "Usual sizes", action: "usual-sizes", run: choices.resetSizes }] : []),
     ...(programs.length ? [null, ...programs] : []),
   ];
 }

@@ -6,7 +6,7 @@ export interface Drag {
   /** The press has become a drag. */
   begin?(): void;
   move(now: PointerEvent): void;
-  /** The press is over, where it was released; null if it was no drag, or given up. */
+  /** The press is over, where it was released; null if it was given up. It was a drag if the pointer moved. */
   end(last: PointerEvent | null, moved: boolean): void;
 }
 
@@ -19,7 +19,7 @@ export function trackDrag(surface: Element, press: PointerEvent, drag: Drag): vo
   const stop = (last: PointerEvent | null) => {
     listening.abort();
     if (surface.hasPointerCapture(pointerId)) surface.releasePointerCapture(pointerId);
-    drag.end(moved ? last : null, moved);
+    drag.end(last, moved);
   };
   /** The click that follows the release, which may be some time after Escape. */
   const swallowClick = () => {

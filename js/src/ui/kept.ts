@@ -29,8 +29,13 @@ export function keepOn(name: string, on: boolean): void {
 }
 
 export function forget(name: string): void {
+  forgetAll((other) => other === name);
+}
+
+export function forgetAll(concerns: (name: string) => boolean): void {
   try {
-    localStorage.removeItem(KEY(name));
+    for (const key of Object.keys(localStorage))
+      if (key.startsWith(KEY("")) && concerns(key.slice(KEY("").length))) localStorage.removeItem(key);
   } catch {
     // there was nothing
   }

@@ -5,7 +5,7 @@
 
 import { arrange, type Division, type Plan } from "./boxes";
 import { h, setAttribute } from "./dom";
-import { forget, keep, kept } from "./kept";
+import { forget, forgetAll, keep, kept } from "./kept";
 import { put, splitter } from "./splitter";
 
 const lists: Plan = {
@@ -107,6 +107,12 @@ export class Layout {
     this.alone = panel;
     if (panel) mark(panel, true);
     this.update();
+  }
+
+  /** Return to the usual sizes, at every width. */
+  reset(): void {
+    forgetAll((name) => name.startsWith(SHARE));
+    this.maximise(null);
   }
 
   close(): void {

@@ -1,20 +1,41 @@
-/** How much of the lab is in sight: it is as high as the part of the notebook that can be seen. */
+/**
+ * How much of the lab is in sight: it is as high as the part of the notebook that can be seen, or as its user
+ * has made it by dragging its corner, which is kept as a share of that.
+ */
 
+import { forget, keep, kept } from "./kept";
+
+const HEIGHT = "height";
 const LEAST = 480; // px
 const AROUND = 12; // px between a lab and the edge of what can be seen
 
-/** Keep `--lrp-room` at the height of what scrolls around an element. */
-export function fitHeight(root: HTMLElement): () => void {
+/** Keep `--lrp-room` at the height of what scrolls around an element, and the element's share of it. */
+export function fitHeight(root: HTMLElement): { reset(): void; close(): void } {
   let scroller: Element | null = null;
+  let share = kept(HEIGHT);
+  let given = ""; // the height that was set here
   const observer = new ResizeObserver(() => {
     scroller ??= scrollerOf(root);
-    if (scroller?.clientHeight) {
-      observer.observe(scroller);
-      root.style.setProperty("--lrp-room", `${Math.max(LEAST, scroller.clientHeight - AROUND)}px`);
-    }
+    if (!scroller?.clientHeight) return;
+    observer.observe(scroller);
+    const room = Math.max(LEAST, scroller.clientHeight - AROUND);
+    const { height } = root.style;
+    if (height !== given) {
+      share = String(Number.parseFloat(height) / room);
+      keep(HEIGHT, share);
+    } else if (share) root.style.height = `${Math.round(Number(share) * room)}px`;
+    given = root.style.height;
+    root.style.setProperty("--lrp-room", `${room}px`);
   });
   observer.observe(root); // a view may be rendered before it is attached
-  return () => observer.disconnect();
+  return {
+    reset() {
+      forget(HEIGHT);
+      share = null;
+      root.style.height = given = "";
+    },
+    close: () => observer.disconnect(),
+  };
 }
 
 /** The outermost element that scrolls what is around another; null if only the window does, or it fills that. */

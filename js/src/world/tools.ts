@@ -1,6 +1,7 @@
 /** Pointer and keyboard in the world: select, move, turn, resize, place, draw, erase, look around. */
 
 import type { Point } from "../protocol";
+import { trackDrag } from "../ui/drag";
 import type { Placed, WorldEdits } from "./edits";
 import { gripAt } from "./overlay";
 import type { Stage } from "./stage";
@@ -11,9 +12,9 @@ export type Tool = "move" | "draw" | "erase" | Placed;
 const SEND_EVERY = 40; // ms
 const WIDTH = { draw: 0.03, erase: 0.08 };
 const CATCH = 6; // px around a thin thing
-const CLICK = 3; // px that a pointer may move in a click
 
-interface Drag {
+/** What a press does in the world; `end` also ends a click. */
+interface Press {
   move(at: Point, due: boolean, steps: boolean): void;
   end(moved: boolean): void;
   cancel?(): void;
@@ -28,52 +29,38 @@ export interface ToolBox {
 
 export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   const { canvas } = stage;
-  let cancel: (() => void) | null = null; // of the present drag
+  let isPressed = false;
   const local = (event: MouseEvent): Point => {
     const frame = canvas.getBoundingClientRect();
     return [event.clientX - frame.left, event.clientY - frame.top];
   };
 
   canvas.addEventListener("pointerdown", (event) => {
-    if (event.button !== 0 || !stage.world || !stage.latest || cancel) return;
-    canvas.setPointerCapture(event.pointerId);
+    if (event.button !== 0 || !stage.world || !stage.latest || isPressed) return;
     canvas.focus({ preventScroll: true });
     edits.flush();
-    const begin = local(event);
-    const drag = beginning(begin, event.shiftKey);
-    const { pointerId } = event;
-    let [sent, moved] = [0, false];
-    const move = (now: PointerEvent) => {
-      if (now.pointerId !== pointerId) return;
-      const at = local(now);
-      moved ||= Math.hypot(at[0] - begin[0], at[1] - begin[1]) > CLICK;
-      if (!moved) return;
-      const due = now.timeStamp - sent > SEND_EVERY;
-      if (due) sent = now.timeStamp;
-      stage.busy = true;
-      drag.move(at, due, now.shiftKey);
-    };
-    const stop = (isCancelled: boolean) => {
-      canvas.removeEventListener("pointermove", move);
-      canvas.removeEventListener("pointerup", end);
-      canvas.removeEventListener("pointercancel", end);
-      if (canvas.hasPointerCapture(pointerId)) canvas.releasePointerCapture(pointerId);
-      cancel = null;
-      stage.busy = false;
-      if (isCancelled) drag.cancel?.();
-      else drag.end(moved);
-    };
-    const end = (last: PointerEvent) => {
-      if (last.pointerId === pointerId) stop(last.type === "pointercancel");
-    };
-    cancel = () => stop(true);
-    canvas.addEventListener("pointermove", move);
-    canvas.addEventListener("pointerup", end);
-    canvas.addEventListener("pointercancel", end);
+    const press = beginning(local(event), event.shiftKey);
+    let sent = 0;
+    isPressed = true;
+    trackDrag(canvas, event, {
+      begin() {
+        stage.busy = true;
+      },
+      move(now) {
+        const due = now.timeStamp - sent > SEND_EVERY;
+        if (due) sent = now.timeStamp;
+        press.move(local(now), due, now.shiftKey);
+      },
+      end(released, moved) {
+        isPressed = stage.busy = false;
+        if (released) press.end(moved);
+        else press.cancel?.();
+      },
+    });
   });
 
   /** What a pointer that goes down at a place begins. */
-  function beginning(at: Point, turn: boolean): Drag {
+  function beginning(at: Point, turn: boolean): Press {
     const point = stage.inside(...at);
     const held = heldAt(point);
     if (held) return dragging(held.thing, held.shape, held.grip, held.from);
@@ -99,15 +86,21 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     );
   }
 
-  function panning(begin: Point, from: Point): Drag {
+  function panning(begin: Point, from: Point): Press {
     let last = begin;
+    const { follows } = stage;
+    const move = (at: Point) => {
+      stage.pan(at[0] - last[0], at[1] - last[1]);
+      last = at;
+    };
     return {
-      move(at) {
-        stage.pan(at[0] - last[0], at[1] - last[1]);
-        last = at;
-      },
+      move,
       end(moved) {
         if (!moved) edits.select(zoneAround(from));
+      },
+      cancel() {
+        move(begin);
+        if (follows) stage.follows = true;
       },
     };
   }
@@ -122,7 +115,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     return around.sort((one, other) => size(one) - size(other))[0]?.thing ?? null;
   }
 
-  function dragging(thing: Thing, shape: Shape, grip: Grip, from: Point): Drag {
+  function dragging(thing: Thing, shape: Shape, grip: Grip, from: Point): Press {
     let next = shape;
     return {
       move(at, due, turn) {
@@ -144,7 +137,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     };
   }
 
-  function placing(begin: Point, kind: Placed): Drag {
+  function placing(begin: Point, kind: Placed): Press {
     let [end, straight] = [begin, false];
     return {
       move(at, _, steps) {
@@ -162,7 +155,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     };
   }
 
-  function drawing(begin: Point, kind: "draw" | "erase"): Drag {
+  function drawing(begin: Point, kind: "draw" | "erase"): Press {
     const width = WIDTH[kind];
     const grey = kind === "draw" ? 0 : (stage.world?.floor.grey ?? 255);
     const points: Point[] = [begin];
@@ -219,10 +212,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   function pressed(key: string, shift: boolean): boolean {
     const { tool } = box;
     const places = tool === "wall" || tool === "box" || tool === "zone";
-    if (cancel) {
-      if (key === "Escape") cancel();
-      return true; // nothing else changes what is dragged
-    }
+    if (isPressed) return true; // no key changes what is dragged
     if (edits.nudge(key, shift)) return true;
     if (key === "Delete" || key === "Backspace") edits.remove();
     else if (key === "Enter" && places)
