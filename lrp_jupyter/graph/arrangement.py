@@ -35,8 +35,8 @@ LEGIBLE = 0.87
 """Scale below which letters could not be read: what is larger is scrolled."""
 CLEARLY = 1.1
 """How much larger layers beside each other must be shown than layers below each other."""
-TALL = 9
-"""Layers in a column when a tall arrangement is folded."""
+TALL = 13
+"""Layers above which an arrangement is folded into columns in any panel."""
 SMALL = 12
 """States up to which swapping neighbours is tried."""
 SWEEPS, FEW_SWEEPS = 12, 4
@@ -70,8 +70,8 @@ def arrange(
     starts : sequence of str
         Start states.
     panel : (float, float), optional
-        Width and height of the panel that shows it, in px: the layers lie below or beside each other, or
-        are narrow ones, whichever is shown larger.
+        Width and height of the panel that shows it, in px: the layers lie below or beside each other, are
+        narrow ones, or turn back in columns, whichever is shown larger.
 
     Returns
     -------
@@ -129,14 +129,13 @@ def _layered(
     names = [*([ANY] if ANY in sizes else []), *states]
     level = layers(names, links, starts or states[:1])
     rows = _ordered(states, names, links, level)
-    down = _with_any(_down(rows, sizes, links, panel), sizes, links)
+    below, *folded = (_with_any(places, sizes, links) for places in _down(rows, sizes, links, panel))
     if panel is None:
-        return down
+        return below
     right = _with_any(_right(rows, sizes, links), sizes, links)
     narrow_rows = _ordered(names, names, links, _narrowed(level, sizes, links, panel[0] / LEGIBLE - AROUND))
-    narrow = _down(narrow_rows, sizes, links, panel)
-    best, largest = down, _scale(down, sizes, panel)
-    for places in (right, narrow):
+    best, largest = below, _scale(below, sizes, panel)
+    for places in (right, *_down(narrow_rows, sizes, links, panel), *folded):
         scale = _scale(places, sizes, panel)
         if scale > CLEARLY * largest:
             best, largest = places, scale
@@ -175,12 +174,13 @@ def _narrowed(
 
 def _down(
     rows: list[list[str]], sizes: Mapping[str, Size], links: Sequence[Link], panel: Size | None
-) -> dict[str, Point]:
-    """Return positions in layers below each other."""
+) -> list[dict[str, Point]]:
+    """Return positions in layers below each other, unless that is too tall, and folded into columns."""
     places = _coordinates(rows, sizes, links)
     if sum(map(len, rows)) <= SMALL:
         rows, places = _improved(rows, places, sizes, links)
-    return _fold(places, sizes, rows, panel) if len(rows) >= TALL * 1.5 else places
+    folded = _fold(places, sizes, rows, panel)
+    return [folded] if len(rows) > TALL else [places, folded]
 
 
 def _right(rows: list[list[str]], sizes: Mapping[str, Size], links: Sequence[Link]) -> dict[str, Point]:
@@ -484,7 +484,7 @@ def _fold(
     right = max(x + sizes[name][0] / 2 for name, (x, _) in places.items())
     wide = right - left + 1.5 * GAP_X
     shape = panel[0] / panel[1] if panel else 1.0
-    layer = max(b - a for a, b in pairwise(_depths(rows, sizes)))
+    layer = max((b - a for a, b in pairwise(_depths(rows, sizes))), default=LAYER)
     tall = math.ceil(math.sqrt(len(rows) * wide / layer / shape))  # of the panel's shape
     tall = math.ceil(len(rows) / math.ceil(len(rows) / tall))
     folded = {}

@@ -26,6 +26,8 @@ DETOURS = (0.0, 28.0, -28.0, 52.0, -52.0, 84.0, -84.0, 124.0, -124.0, 176.0, -17
 PORT = 5.5
 """Distance of an arrow's end from the middle of a port, in px."""
 SAMPLES = 16
+STEP = 36.0
+"""Distance in px of the points at which an arrow is tested, at most: no state lies between two of them."""
 
 
 @dataclass
@@ -221,6 +223,7 @@ def detour(
         px, to be added to each offset; 0 where the way is clear, and the least evil where none is.
     """
     length = math.dist((source.x, source.y), (target.x, target.y))
+    samples = max(SAMPLES, math.ceil(length / STEP))
     choices = [*DETOURS, 0.3 * length, -0.3 * length, 0.5 * length, -0.5 * length]
     best, least = 0.0, math.inf
     for choice in choices:
@@ -233,8 +236,8 @@ def detour(
                     box is source or box is target for box in cells.near(around)
                 ):
                     continue
-                for i in range(SAMPLES):
-                    point = _quadratic(p, c, q, (i + 0.5) / SAMPLES)
+                for i in range(samples):
+                    point = _quadratic(p, c, q, (i + 0.5) / samples)
                     for box in cells.at(point):
                         if box is not source and box is not target and box.holds(point, CLEAR):
                             cost += 60.0

@@ -1,7 +1,7 @@
 import json
 import re
 from collections import Counter
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import pytest
 from hypothesis import given
@@ -93,20 +93,40 @@ def test_a_layout_is_plain_json_and_always_the_same(program):
         assert drawing == again
 
 
+def runs_through_a_state(drawing):
+    """Return the arrows that do, each with the state."""
+    found = set()
+    for arrow in drawing["transitions"]:
+        if arrow["source"] == arrow["destination"] or arrow["kind"] == "exit" or arrow["broken"]:
+            continue
+        x0, y0, cx, cy, x1, y1 = numbers(arrow["d"])
+        for i in range(101):
+            t = i / 100
+            x = (1 - t) ** 2 * x0 + 2 * t * (1 - t) * cx + t * t * x1
+            y = (1 - t) ** 2 * y0 + 2 * t * (1 - t) * cy + t * t * y1
+            for shape in drawing["states"]:
+                if shape["name"] not in (arrow["source"], arrow["destination"]) and box(shape).holds((x, y)):
+                    found.add((arrow["name"], shape["name"]))
+    return found
+
+
 def test_in_the_small_programs_no_arrow_runs_through_a_state(programs):
     for name in ("follower", "kinds", "long names", "figure 3", "one state"):
         for drawing in drawings(programs[name]):
-            for arrow in drawing["transitions"]:
-                if arrow["source"] == arrow["destination"] or arrow["kind"] == "exit" or arrow["broken"]:
-                    continue
-                x0, y0, cx, cy, x1, y1 = numbers(arrow["d"])
-                for i in range(41):
-                    t = i / 40
-                    x = (1 - t) ** 2 * x0 + 2 * t * (1 - t) * cx + t * t * x1
-                    y = (1 - t) ** 2 * y0 + 2 * t * (1 - t) * cy + t * t * y1
-                    for shape in drawing["states"]:
-                        if shape["name"] not in (arrow["source"], arrow["destination"]):
-                            assert not box(shape).holds((x, y)), (arrow["name"], shape["name"])
+            assert not runs_through_a_state(drawing)
+
+
+def ring(count):
+    """Return a machine whose states follow each other, and the last is followed by the first."""
+    states = " ".join(f"(state s{i})" for i in range(count))
+    arrows = " ".join(f"(ontime 400 s{i} -> s{(i + 1) % count})" for i in range(count))
+    return f"(machine m {states} {arrows}) (spawn m s0)"
+
+
+@pytest.mark.parametrize("panel", [None, (300, 260), (390, 300), (600, 400), (300, 900), (1200, 300)])
+@pytest.mark.parametrize("count", range(2, 14))
+def test_the_arrow_that_closes_a_ring_passes_all_states_between(count, panel):
+    assert not runs_through_a_state(lay(ring(count), panel=panel))
 
 
 # -- the first arrangement ---------------------------------------------------------------------------
@@ -616,6 +636,14 @@ def test_a_machine_in_a_narrow_panel_has_narrow_layers():
     assert wide["frame"][2] > 550
     assert narrow["frame"][2] <= 378
     assert narrow["frame"][3] <= 530
+
+
+@pytest.mark.parametrize("count", [4, 6, 8, 9])
+def test_a_chain_that_is_longer_than_its_panel_turns_back_in_it(count):
+    drawing = lay(ring(count), panel=(600, 400))
+    assert shown_at(drawing, (600, 400)) >= LEGIBLE
+    places = list(positions(drawing).values())
+    assert all(abs(a[0] - b[0]) + abs(a[1] - b[1]) < 200 for a, b in pairwise(places))
 
 
 def test_a_machine_that_is_too_large_for_its_panel_is_scrolled_in_one_direction_if_possible():
