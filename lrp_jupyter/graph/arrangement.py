@@ -111,7 +111,7 @@ def _with_any(places: dict[str, Point], sizes: Mapping[str, Size], links: Sequen
 
 def left_of(places: Mapping[str, Point], sizes: Mapping[str, Size], links: Iterable[Link]) -> Point:
     """Return the position of ``*``: left of everything, at the height of the states that it leads to."""
-    left = min(x - sizes[name][0] / 2 for name, (x, _) in places.items())
+    left, _ = _extent(places, sizes)
     targets = {target: places[target][1] for source, target in links if source == ANY and target in places}
     ys = list(targets.values()) or [y for _, y in places.values()]
     # from the height of two states side by side one arrow would run into the first of them
@@ -480,19 +480,29 @@ def _fold(
     panel: Size | None,
 ) -> dict[str, Point]:
     """Fold a tall arrangement into columns, up and down in turn, so that neighbours stay near."""
-    left = min(x - sizes[name][0] / 2 for name, (x, _) in places.items())
-    right = max(x + sizes[name][0] / 2 for name, (x, _) in places.items())
+    left, right = _extent(places, sizes)
     wide = right - left + 1.5 * GAP_X
     shape = panel[0] / panel[1] if panel else 1.0
     layer = max((b - a for a, b in pairwise(_depths(rows, sizes))), default=LAYER)
     tall = math.ceil(math.sqrt(len(rows) * wide / layer / shape))  # of the panel's shape
     tall = math.ceil(len(rows) / math.ceil(len(rows) / tall))
-    folded = {}
-    for depth, row in enumerate(rows):
-        column, down = divmod(depth, tall)
-        for name in row:
-            x = places[name][0]
-            if column % 2:
-                x = left + right - x
-            folded[name] = (x + column * wide, (tall - 1 - down if column % 2 else down) * layer)
+    folded: dict[str, Point] = {}
+    for first in range(0, len(rows), tall):
+        is_up = first // tall % 2 == 1
+        column = {
+            name: (-places[name][0] if is_up else places[name][0], layer * (tall - 1 - at if is_up else at))
+            for at, row in enumerate(rows[first : first + tall])
+            for name in row
+        }
+        beside = right + 1.5 * GAP_X - _extent(column, sizes)[0] if folded else 0.0
+        folded |= {name: (x + beside, y) for name, (x, y) in column.items()}
+        right = _extent(folded, sizes)[1]
     return folded
+
+
+def _extent(places: Mapping[str, Point], sizes: Mapping[str, Size]) -> tuple[float, float]:
+    """Return how far some states reach to the left and to the right."""
+    return (
+        min(x - sizes[name][0] / 2 for name, (x, _) in places.items()),
+        max(x + sizes[name][0] / 2 for name, (x, _) in places.items()),
+    )

@@ -646,6 +646,13 @@ def test_a_chain_that_is_longer_than_its_panel_turns_back_in_it(count):
     assert all(abs(a[0] - b[0]) + abs(a[1] - b[1]) < 200 for a, b in pairwise(places))
 
 
+def test_a_column_that_turns_back_stands_beside_the_widest_row_of_the_one_before():
+    program = parse(programs.load("box-pusher"))
+    drawing = layout(program.machines[0], program=program, panel=(560, 330))
+    done, backing = (box(shape_of(drawing, name)) for name in ("done", "backing"))
+    assert 0 < (backing.x - backing.width / 2) - (done.x + done.width / 2) < 150
+
+
 def test_a_machine_that_is_too_large_for_its_panel_is_scrolled_in_one_direction_if_possible():
     program = parse(programs.load("follower"))
     shown = layout(program.machines[0], program=program, panel=(330, 213))
