@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.language.names import Offsets, Uses, normal, uses
 from lrp_jupyter.language.program import Block
+from lrp_jupyter.language.python import asked_again, parse_python
 from lrp_jupyter.language.scanner import LINE_END, block_end
 from lrp_jupyter.language.slips import brief, explain, fault_of
 from lrp_jupyter.language.source import Diagnosis
@@ -353,7 +354,7 @@ def _function(text: str, before: int, names: frozenset[str]) -> CodeType:
     if body and isinstance(body[-1], ast.Expr):
         last = body[-1]
         body[-1] = ast.copy_location(ast.Return(last.value), last)
-    module = ast.parse(_OUTER)
+    module: ast.Module = parse_python(_OUTER)
     outer: ast.FunctionDef = module.body[0]  # type: ignore[assignment]
     inner: ast.FunctionDef = outer.body[0]  # type: ignore[assignment]
     outer.args.args = [ast.arg(name, lineno=1, col_offset=0) for name in sorted(names | {"robot", "print"})]
@@ -366,7 +367,7 @@ def _function(text: str, before: int, names: frozenset[str]) -> CodeType:
         body.insert(0, ast.Nonlocal(assigned, lineno=1, col_offset=0))
     inner.body = body or inner.body
     with no_warnings():
-        code = compile(module, "<lrp>", "exec", dont_inherit=True)
+        code = asked_again(compile, module, "<lrp>", "exec", dont_inherit=True)
     return _inner(_inner(code))
 
 

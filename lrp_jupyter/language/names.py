@@ -15,6 +15,7 @@ from operator import attrgetter
 from typing import Any, NamedTuple
 
 from lrp_jupyter.language.program import Path, line_starts
+from lrp_jupyter.language.python import parse_python
 from lrp_jupyter.language.scanner import fields, line_end, string_end
 from lrp_jupyter.language.suites import children
 
@@ -273,7 +274,7 @@ class _Visitor(Offsets):
             expression = _CONVERSION.sub("", self.source[start:end])
             source = f"({expression}\n)"
             inner = _Visitor(source, self.shift + start - 1, self.found)
-            inner.visit(ast.parse(source), scope)
+            inner.visit(parse_python(source), scope)
 
 
 _METHODS: dict[str, Callable[[_Visitor, Any, PythonScope], None]] = {

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+from lrp_jupyter.language.python import parse_python
+
 __all__ = ["Parameters", "RobotMember", "RobotMembers", "parameters_of"]
 
 
@@ -103,7 +105,7 @@ def parameters_of(text: str, fields: Collection[str] = ()) -> Parameters:
     if fields:
         return Parameters(text, tuple(names), 1, fields=frozenset(fields))
     try:
-        function = ast.parse(f"def f{text}: pass").body[0]
+        function = parse_python(f"def f{text}: pass").body[0]
     except SyntaxError:  # a default that cannot be written
         return Parameters(text, positional=None, is_open=True)
     assert isinstance(function, ast.FunctionDef)

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from typing import NamedTuple
 
+from lrp_jupyter.language.python import parse_python
 from lrp_jupyter.language.scanner import LINE_END, logical_lines
 
 __all__ = ["DEEPEST", "Suite", "children", "no_warnings", "parse_block", "parse_suite"]
@@ -115,7 +116,7 @@ def no_warnings() -> Iterator[None]:
 def _python(source: str) -> ast.Module:
     with no_warnings():
         try:
-            tree = ast.parse(source)
+            tree: ast.Module = parse_python(source)
         except (RecursionError, MemoryError):
             raise SyntaxError(*_TOO_DEEP) from None
     if len(source) > DEEPEST and _is_too_deep(tree):

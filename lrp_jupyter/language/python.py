@@ -1,0 +1,47 @@
+"""Python's parser, also for several threads at once.
+
+Before 3.11.8 and 3.12.2, CPython counts the depth of the tree that it builds in one place for all threads.
+If a garbage collection lets another thread parse meanwhile, it takes its own mistake for a fault and raises
+SystemError (its issue 106905). Nothing is damaged, so it is asked again, without a collection.
+"""
+
+from __future__ import annotations
+
+import ast
+import gc
+from collections.abc import Callable
+from typing import Any
+
+__all__ = ["asked_again", "parse_python"]
+
+_TIMES = 50
+
+
+def parse_python(source: str, filename: str = "<unknown>", mode: str = "exec") -> Any:
+    """Return the tree of a Python text: :func:`ast.parse`.
+
+    Raises
+    ------
+    SyntaxError
+    RecursionError, MemoryError
+        It is nested too deeply.
+    """
+    return asked_again(ast.parse, source, filename, mode)
+
+
+def asked_again(function: Callable[..., Any], *arguments: Any, **keywords: Any) -> Any:
+    """Call Python's parser or compiler, again if another thread disturbed it."""
+    for _ in range(_TIMES):
+        try:
+            return function(*arguments, **keywords)
+        except SystemError:
+            if not gc.isenabled():
+                continue
+        gc.disable()
+        try:
+            return function(*arguments, **keywords)
+        except SystemError:
+            continue
+        finally:
+            gc.enable()
+    return function(*arguments, **keywords)

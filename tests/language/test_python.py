@@ -1,0 +1,56 @@
+"""Python's parser in several threads."""
+
+import gc
+import sys
+import threading
+from collections.abc import Iterator
+
+import pytest
+
+from lrp_jupyter.language.python import parse_python
+from lrp_jupyter.language.suites import parse_suite
+
+BLOCK = "\n".join("print([i * j for i in range(3) for j in range(i) if j])" for _ in range(5))
+
+
+@pytest.fixture
+def busy_collector() -> Iterator[None]:
+    """Collect garbage while a tree is built, and let another thread run then."""
+
+    def between(*_: object) -> None:
+        for _ in range(3):
+            pass
+
+    interval, threshold = sys.getswitchinterval(), gc.get_threshold()
+    sys.setswitchinterval(1e-6)
+    gc.set_threshold(5)
+    gc.callbacks.append(between)
+    yield
+    gc.callbacks.remove(between)
+    gc.set_threshold(*threshold)
+    sys.setswitchinterval(interval)
+
+
+@pytest.mark.usefixtures("busy_collector")
+@pytest.mark.parametrize("parse", [parse_python, parse_suite])
+def test_two_threads_can_parse_at_once(parse: object) -> None:
+    errors: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            for _ in range(200):
+                parse(BLOCK)  # type: ignore[operator]
+        except BaseException as error:
+            errors.append(error)
+
+    threads = [threading.Thread(target=work) for _ in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert errors == []
+
+
+def test_an_error_of_the_parser_is_not_asked_again() -> None:
+    with pytest.raises(SyntaxError):
+        parse_python("1 +")
