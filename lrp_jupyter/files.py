@@ -7,15 +7,17 @@ the old file as it was.
 
 from __future__ import annotations
 
+import gzip
 import os
 import secrets
 import stat
 from contextlib import suppress
 from pathlib import Path
+from typing import IO, cast
 
 from lrp_jupyter.errors import FileError, ended
 
-__all__ = ["append_line", "decoded", "read_file", "read_text", "shown", "write_file"]
+__all__ = ["append_line", "decoded", "open_log", "read_file", "read_text", "shown", "write_file"]
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 _LARGEST = 32_000_000  # bytes that are read
@@ -59,6 +61,22 @@ def write_file(path: str | os.PathLike[str], text: str) -> None:
         raise FileError(f"`{shown(path)}` cannot be written: {reason}") from error
     except ValueError:
         raise FileError(f"`{shown(path)}` cannot be the name of a file. Choose another name.") from None
+
+
+def open_log(path: str | os.PathLike[str]) -> IO[str]:
+    """Open a file that is written line by line; compressed, if its name ends with ``.gz``.
+
+    Raises
+    ------
+    FileError
+        It cannot be written; the message gives the reason.
+    """
+    try:
+        if Path(path).suffix == ".gz":
+            return cast("IO[str]", gzip.open(path, "wt", encoding="utf-8", newline="\n"))
+        return open(path, "w", encoding="utf-8", newline="\n")
+    except OSError as error:
+        raise FileError(f"`{shown(path)}` cannot be written: {ended(error.strerror or str(error))}") from None
 
 
 def append_line(path: str | os.PathLike[str], line: str) -> None:

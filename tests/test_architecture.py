@@ -39,4 +39,4 @@ def test_one_module_writes_the_files_of_a_user():
         )
         or (isinstance(node, ast.Call) and ast.unparse(node.func) in ("open", "os.open"))
     }
-    assert writing == {"files.py", "cli/run.py"}, "the latter writes a trace, line by line"
+    assert writing == {"files.py", "cli/run.py"}, "the latter opens what stands for a closed pipe"

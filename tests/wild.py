@@ -4,7 +4,11 @@ A program here runs and nests more often than not, and any of its names may dang
 given twice.
 """
 
+import re
+
 from hypothesis import strategies as st
+
+from lrp_jupyter.language.parser import parse, scan
 
 STATES = ["a", "b", "c"]
 MACHINES = ["m", "n", "o"]
@@ -148,3 +152,39 @@ command = st.one_of(
     st.tuples(st.just("resume"), st.none()),
     st.tuples(st.just("rewind"), st.integers(0, 4)),
 )
+
+
+BLOCK = re.compile(r"\[[^\[\]]*\]|\b[abc]\b")
+
+
+def moment(i):
+    return i.active, {path: value for path, value in i.variables.items() if not callable(value)}
+
+
+def changed(text, number, new):
+    """Put something else into one block, or another name in the place of a state's."""
+    places = [m for m in BLOCK.finditer(text) if m[0].startswith("[") == (len(new) > 1)]
+    if not places:
+        return text
+    place = places[number % len(places)]
+    return text[: place.start()] + (f"[{new}]" if len(new) > 1 else new) + text[place.end() :]
+
+
+def obey(i, robot, order):
+    kind, argument = order
+    if kind == "step":
+        i.step(i.now + argument / 10)
+    elif kind == "light":
+        robot.light = argument
+    elif kind == "patch":
+        i.patch(parse(argument))
+    elif kind == "change":
+        program, _ = scan(changed(i.program.text, *argument))
+        if program is not None:
+            i.patch(program)
+    elif kind in ("set_variable", "rename"):
+        getattr(i, kind)(*argument)
+    elif argument is None:
+        getattr(i, kind)()
+    else:
+        getattr(i, kind)(argument)

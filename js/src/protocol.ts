@@ -72,6 +72,17 @@ export interface FormatRequest {
   text: string;
 }
 
+export type ElementKind = "machine" | "state" | "transition" | "event" | "variable" | "robot";
+
+/** Ask why a transition did not fire, why a state is active, or why the robot does what it does. */
+export interface WhyRequest {
+  view: string;
+  id: number;
+  type: "why";
+  kind: ElementKind;
+  path: string;
+}
+
 /** List the earlier texts, the newest first. Answered by `versions`. */
 export interface VersionsRequest {
   view: string;
@@ -87,8 +98,6 @@ export interface SaveRequest {
   name: string;
   replace: boolean;
 }
-
-export type ElementKind = "machine" | "state" | "transition" | "event" | "variable" | "robot";
 
 /** Inspect an element, or (`into`: steps of earlier facets) a part of its value. Answered by `inspect`. */
 export interface InspectRequest {
@@ -1096,6 +1105,22 @@ export interface InspectView {
   more: number;
 }
 
+/** A line of the program that an answer mentions. */
+export interface WhyLine {
+  line: number;
+  text: string;
+}
+
+/** Why something happened, or did not; `present`: whether its lines are those of the running text. */
+export interface WhyView {
+  code: string;
+  tick: number;
+  time: number;
+  sentence: string;
+  lines: WhyLine[];
+  present: boolean;
+}
+
 /** An earlier text; `when` in seconds since 1970, `key` names it. */
 export interface VersionView {
   key: string;
@@ -1113,6 +1138,7 @@ export interface ReplyMessage {
   hover?: HoverView | null;
   references?: ReferencesView | null;
   inspect?: InspectView;
+  why?: WhyView;
   versions?: VersionView[];
   svg?: string;
   exists?: boolean;
@@ -1130,6 +1156,7 @@ export type FromPage =
   | HoverRequest
   | ReferencesRequest
   | FormatRequest
+  | WhyRequest
   | VersionsRequest
   | SaveRequest
   | InspectRequest

@@ -127,13 +127,15 @@ class Bridge(Interface, ABC):
     complete: ClassVar[bool] = False
     registry: ClassVar[dict[str, type[Bridge]]] = {}
 
-    def __init_subclass__(cls, **kwargs: Any) -> None:
+    def __init_subclass__(cls, offered: bool = True, **kwargs: Any) -> None:
+        """Register the class under its name, unless it is not to be `offered` to users."""
         super().__init_subclass__(**kwargs)
         if not cls.__dict__.get("name"):
             cls.name = cls.__name__.removesuffix("Bridge").lower() or cls.__name__.lower()
         if cls.name in ("none", "sim") and not cls.__module__.startswith("lrp_jupyter."):
             raise BridgeError(f"The name `{cls.name}` is taken. Give `{cls.__name__}` another `name`.")
-        Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
+        if offered:
+            Bridge.registry[cls.name] = cls  # the newest definition wins: a notebook's cell is run again
 
     def __new__(cls, *_args: object, **_options: object) -> Self:
         """Create a closed bridge; in ``__new__``, because subclasses forget ``super().__init__()``."""
@@ -218,12 +220,48 @@ class Bridge(Interface, ABC):
         """The bridge's own picture of its robot for views, a frozen value; None where it has none."""
         return None
 
+    @property
+    def position(self) -> tuple[float, float] | None:
+        """Where the robot is, in metres; None where that is not known."""
+        return None
+
+    def picture_after(self, moment: object, next_moment: object) -> object:
+        """Return the picture of the robot right after an earlier tick; None where it is not recorded.
+
+        Parameters
+        ----------
+        moment, next_moment : object
+            The moments before that tick, and before the one after it.
+        """
+        return None
+
     def advance(self, seconds: float) -> None:
         """Advance the bridge's own world by `seconds`, whole steps of `time_step`."""
 
     def moment(self) -> object:
         """Return a token for the present moment of the bridge's own world, for `rewind`."""
         return None
+
+    def fork(self, moment: object) -> Bridge | None:
+        """Return an open, independent copy of the robot with its world at a moment.
+
+        None where that is not possible: then later ticks of a copied run get the recorded readings.
+        """
+        return None
+
+    def sensed(self) -> object:
+        """Return a token for the readings of the tick that has begun, for `readings_of`.
+
+        Asked of a bridge with a world of its own; of any other, `readings` is the token.
+        """
+        return self.readings
+
+    def readings_of(self, sensed: object) -> Mapping[str, object]:
+        """Return the readings of an earlier tick by path, with the error where a reading failed.
+
+        Those that are missing were not read.
+        """
+        return sensed if isinstance(sensed, dict) else {}
 
     def rewind(self, moment: object) -> None:
         """Rewind the bridge's own world to an earlier moment.
@@ -298,6 +336,7 @@ class Bridge(Interface, ABC):
         """Begin the tick of time `now`; ticks come every `period` seconds. Never raises."""
         self._ticks += 1
         self.latch = self._ticks
+        self.readings = {}
         self.safety.tick(now, period)
         try:
             self.sense(now)
@@ -352,6 +391,12 @@ class NullBridge(Bridge):
 
     def open_interface(self) -> None:
         """Nothing to connect."""
+
+    def fork(self, moment: object) -> NullBridge:
+        """Return another one."""
+        fork = NullBridge()
+        fork.open()
+        return fork
 
     def begin_tick(self, now: float, period: float) -> None:
         """Feed the watchdog; there is nothing to latch."""

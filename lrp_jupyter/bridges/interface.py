@@ -15,8 +15,9 @@ from typing import ClassVar, Self
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.message import Message
 from lrp_jupyter.bridges.nodes import Limits, Nodes, RobotMethod, RobotVariable
+from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped
 from lrp_jupyter.bridges.robot import Robot
-from lrp_jupyter.bridges.safety import CommandRecord, Safety
+from lrp_jupyter.bridges.safety import CommandRecord, Origin, Safety
 from lrp_jupyter.errors import BridgeError, NoDataYet
 
 __all__ = ["Interface"]
@@ -33,6 +34,13 @@ class Interface:
         The members by their names.
     latch : int
         Number of the tick that readings are latched for; 0 between ticks.
+    readings : dict of str to object
+        What was read in this tick, by path; the error where a reading failed.
+    origin : callable
+        Returns the :class:`~lrp_jupyter.bridges.safety.Origin` of a command that is given now.
+    outside : callable
+        Called with what is done to the robot and its world, as values of `lrp_jupyter.bridges.outside` or
+        inputs of a simulated world, and with whether it was certainly not the program that did it.
     """
 
     name: ClassVar[str]
@@ -46,12 +54,18 @@ class Interface:
         interface.latch = 0
         interface.safety = Safety(armed=not cls.hardware)
         interface.robot = Robot(interface)
+        interface.readings = {}
+        interface.origin = Origin
+        interface.outside = _ignore
         return interface
 
     nodes: Nodes
     latch: int
     safety: Safety
     robot: Robot
+    readings: dict[str, object]
+    origin: Callable[[], Origin]
+    outside: Callable[[object, bool], object]
 
     # -- members ----------------------------------------------------------------------------------
 
@@ -186,6 +200,7 @@ class Interface:
         bool
             Whether the robot was stopped; if not, a notice contains the reason.
         """
+        self.outside(RobotStopped(), False)
         self.safety.stopped()
         return self._stop_now()
 
@@ -205,7 +220,8 @@ class Interface:
             safety.notice("limited", sentence)
         sent = safety.armed and not safety.held
         arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
-        safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited))
+        safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited, self.origin()))
+        self.outside(RobotCommanded(method.path, arguments), False)
         if not sent:
             if safety.armed:
                 safety.notice("held", f"`{method.path}` was not sent: the robot was stopped in this tick.")
@@ -219,6 +235,10 @@ class Interface:
         finally:
             if safety.held:  # stopped on another thread while this was being performed: the stop comes last
                 self._stop_now()
+
+
+def _ignore(what: object, surely: bool) -> None:
+    """Do nothing: nobody records."""
 
 
 def _moves(value: object) -> bool:

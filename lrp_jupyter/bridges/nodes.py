@@ -31,12 +31,15 @@ class MemberOwner(Protocol):
         Number of the tick that readings are latched for; 0 between ticks.
     safety : Safety
         Its `now` is the time of the readings.
+    readings : dict of str to object
+        What was read in this tick, by path; the error where a reading failed.
     nodes : Nodes
         All members.
     """
 
     latch: int
     safety: Safety
+    readings: dict[str, object]
     nodes: Nodes
 
     @property
@@ -114,6 +117,8 @@ class RobotVariable:
                     self._failure = NoDataYet(f"`robot.{self.path}` has no data yet.")
                 else:
                     self.value, self.arrived = value, self._bridge.safety.now
+            if tick:
+                self._bridge.readings[self.path] = self.value if self._failure is None else self._failure
         if self._failure is not None:
             raise self._failure.with_traceback(None)
         return self.value
@@ -228,6 +233,11 @@ class RobotMethod(NotAValue):
             raise
         except Exception as error:
             raise BridgeError(f"`robot.{self.path}` failed: {_sentence(error)}") from error
+
+    def stand_in(self, other: RobotMethod) -> None:
+        """Take the arguments that another method takes, and perform nothing."""
+        self._parameters, self.signature = other._parameters, other.signature
+        self._redirected = lambda _: None
 
     def redirect(self, receive: Callable[[Message | inspect.BoundArguments], object]) -> None:
         """Redirect all later commands to `receive` instead of the robot (for tests)."""

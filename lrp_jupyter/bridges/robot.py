@@ -14,7 +14,7 @@ from lrp_jupyter.bridges.members import MemberError
 from lrp_jupyter.bridges.nodes import MemberOwner, RobotMethod, RobotVariable
 from lrp_jupyter.errors import NotAValue, did_you_mean
 
-__all__ = ["Robot", "attach"]
+__all__ = ["Robot", "attach", "part_name"]
 
 
 class Robot(NotAValue):
@@ -101,6 +101,11 @@ class Robot(NotAValue):
             )
         listed = ", ".join(f"`{member}`" for member in names)
         return MemberError(f"`{what}` has no `{name}`; it has {listed}.{did_you_mean(name, names)}")
+
+
+def part_name(value: object) -> str | None:
+    """Return the dotted name of a part of a robot (``light``); None for anything else."""
+    return object.__getattribute__(value, "_prefix")[:-1] or None if isinstance(value, Robot) else None
 
 
 def attach(robot: Robot, bridge: MemberOwner) -> None:

@@ -13,13 +13,16 @@ import threading
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 from lrp_jupyter.errors import sentence_of
 
-__all__ = ["CommandRecord", "Notice", "Safety", "patience"]
+__all__ = ["BY_HAND", "COMMANDS", "CommandRecord", "Notice", "Origin", "Safety", "patience"]
 
 NoticeKind = Literal["armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "fault"]
+
+COMMANDS = 5_000
+"""How many commands the log holds; one that is repeated counts as one."""
 
 _SHORTEST = 0.5  # s; a robot at walking pace moves 10 cm in it
 _ROUNDING = 1e-9  # s; 5 periods of 0.1 s are half a second
@@ -47,15 +50,45 @@ class Notice:
         return {"kind": self.kind, "text": self.text, "now": self.now, "count": self.count}
 
 
+class Origin(NamedTuple):
+    """Where a command came from: the tick, and the block of the program with its line (from 1).
+
+    A command that was given by hand has no block.
+    """
+
+    tick: int = 0
+    block: str = ""
+    line: int = 0
+
+
+BY_HAND = Origin()
+
+
 @dataclass(frozen=True, slots=True)
 class CommandRecord:
-    """A command as it was after limits; `sent` is False when it was only recorded."""
+    """A command as it was after limits; `sent` is False when it was only recorded.
+
+    A command that is repeated in the same way is one record: `first` is the origin of the first time, `now`
+    and `origin` are those of the last one.
+    """
 
     name: str
     arguments: dict[str, Any]
     now: float
     sent: bool
     limited: tuple[str, ...] = ()
+    origin: Origin = BY_HAND
+    first: Origin = BY_HAND
+
+    def repeats(self, last: CommandRecord) -> bool:
+        """Return whether it is the same as the one before, from the same line."""
+        return (
+            self.name == last.name
+            and self.arguments == last.arguments
+            and self.sent is last.sent
+            and self.limited == last.limited
+            and self.origin[1:] == last.origin[1:]
+        )
 
     def as_dict(self) -> dict[str, Any]:
         """Return a JSON form; an argument without one becomes a text."""
@@ -80,7 +113,7 @@ class Safety:
     armed : bool
         Whether commands go out; a disarmed bridge records and shows them only.
     kept : int
-        How many notices and commands the log holds.
+        How many notices the log holds.
     """
 
     def __init__(self, armed: bool, kept: int = 100) -> None:
@@ -95,7 +128,11 @@ class Safety:
         self._moving_since: float | None = None  # time of the last velocity command that is not zero
         self._moving_name = "move"
         self._notices: deque[Notice] = deque(maxlen=kept)
-        self._commands: deque[CommandRecord] = deque(maxlen=kept)
+        self.recorded: Callable[[CommandRecord], object] | None = None
+        """Called with every command."""
+        self._commands: deque[CommandRecord] = deque(maxlen=COMMANDS)
+        self._last: CommandRecord | None = None
+        self._begun = BY_HAND
         self._log_lock = threading.Lock()
 
     @property
@@ -106,9 +143,9 @@ class Safety:
 
     @property
     def commands(self) -> tuple[CommandRecord, ...]:
-        """The last commands, oldest first, sent or not."""
+        """The last commands, oldest first, sent or not; a repeated one is listed once."""
         with self._log_lock:
-            return tuple(self._commands)
+            return self._all()
 
     def notice(self, kind: NoticeKind, text: str) -> Notice:
         """Log a notice; a repeated one increments its count."""
@@ -126,7 +163,25 @@ class Safety:
         """Log a command."""
         with self._log_lock:
             self.command_count += 1
-            self._commands.append(command)
+            last = self._last
+            if last is None or not command.repeats(last):
+                if last is not None:
+                    self._commands.append(replace(last, first=self._begun))
+                self._begun = command.origin
+            self._last = command
+        if self.recorded is not None:
+            self.recorded(command)
+
+    def forget(self, tick: int) -> None:
+        """Drop the commands of later ticks, which were undone."""
+        with self._log_lock:
+            kept = [command for command in self._all() if command.first.tick <= tick]
+            self._commands = deque(kept, maxlen=COMMANDS)
+            self._last = None
+
+    def _all(self) -> tuple[CommandRecord, ...]:
+        last = self._last
+        return (*self._commands, *(() if last is None else (replace(last, first=self._begun),)))
 
     def tick(self, now: float, period: float) -> None:
         """Register the beginning of a tick: commands held by a stop are allowed again."""

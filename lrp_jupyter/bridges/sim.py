@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from types import NoneType
@@ -21,10 +21,12 @@ from typing import NamedTuple, cast
 from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.message import Message, Twist
+from lrp_jupyter.bridges.outside import WorldLoaded
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.sim.edits import Become, Draw, Edition, WorldEdit, WorldHistory, is_edit
 from lrp_jupyter.sim.inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.robot import SimRobot
+from lrp_jupyter.sim.sensors import Readings
 from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
 from lrp_jupyter.sim.world import Noise, World, WorldError
 
@@ -130,6 +132,7 @@ class SimBridge(Bridge):
         except (TypeError, ValueError) as error:
             raise BridgeError(str(error)) from None
         self._stopping = False
+        self._sensors: dict[str, Callable[[Readings], object]] = {}
         self._history = WorldHistory()
         self.simulation = self._simulate(world, number)
 
@@ -145,54 +148,37 @@ class SimBridge(Bridge):
                 simulation = Simulation(noisy, seed, self._history)
         except (WorldError, TypeError) as error:
             raise BridgeError(str(error)) from error
+        simulation.drained = self._note
         return simulation
+
+    def _note(self, what: object) -> None:
+        self.outside(what, True)
 
     # -- the robot --------------------------------------------------------------------------------
 
     def add_members(self) -> None:
         """Register the members of this world's robot."""
-        robot = self.simulation.robot
-        spec = robot.spec
+        spec = self.simulation.robot.spec
+        self._sensors = {}
         if spec.light:
-            self.add_variable(
-                "light.data", self._light, "brightness of the floor: 0 black ... 255 white", type=int
-            )
+            doc = "brightness of the floor: 0 black ... 255 white"
+            self._add("light.data", lambda seen: next(iter(seen.lights), None), doc, kind=int)
         if len(spec.light) > 1:
-            self.add_variable(
-                "light.all",
-                lambda: self._robot.readings.lights,
-                "brightness below each sensor: " + ", ".join(map(_place, spec.light)),
-                type=tuple,
-            )
+            doc = "brightness below each sensor: " + ", ".join(map(_place, spec.light))
+            self._add("light.all", lambda seen: seen.lights, doc, kind=tuple)
         if spec.bumper:
-            self.add_variable(
-                "bumper.data",
-                lambda: bool(self._robot.readings.bumper),
-                "True pressed, False free",
-                type=bool,
-            )
+            self._add("bumper.data", lambda seen: bool(seen.bumper), "True pressed, False free", kind=bool)
         if spec.distance:
-            self.add_variable(
-                "distance.data",
-                self._distance,
-                f"to the next solid {_bearing(spec.distance[0][0])}; inf: nothing in reach",
-                "m",
-                type=float,
-            )
+            doc = f"to the next solid {_bearing(spec.distance[0][0])}; inf: nothing in reach"
+            self._add("distance.data", lambda seen: next(iter(seen.distances), None), doc, "m", float)
         if len(spec.distance) > 1:
-            self.add_variable(
-                "distance.all",
-                lambda: self._robot.readings.distances,
-                "to the next solid along each ray: "
-                + ", ".join(_bearing(angle) for angle, _ in spec.distance),
-                "m",
-                type=tuple,
+            doc = "to the next solid along each ray: " + ", ".join(
+                _bearing(angle) for angle, _ in spec.distance
             )
-        self.add_variable(
-            "gyro.data", lambda: self._robot.readings.gyro, "angle turned since the start", "rad", type=float
-        )
+            self._add("distance.all", lambda seen: seen.distances, doc, "m", tuple)
+        self._add("gyro.data", lambda seen: seen.gyro, "angle turned since the start", "rad", float)
         for index, (name, unit, doc) in enumerate(_ODOM):
-            self.add_variable(f"odom.{name}", partial(self._odom, index), doc, unit, type=float)
+            self._add(f"odom.{name}", partial(_odom, index), doc, unit, float)
         self.add_method(
             "move",
             self._move,
@@ -218,14 +204,23 @@ class SimBridge(Bridge):
     def _robot(self) -> SimRobot:
         return self.simulation.robot
 
-    def _light(self) -> int | None:
-        return next(iter(self._robot.readings.lights), None)
+    def _add(
+        self, name: str, read: Callable[[Readings], object], doc: str, unit: str = "", kind: type = object
+    ) -> None:
+        """Add a reading; a function of what all sensors read gives it, now or for an earlier tick."""
+        self._sensors[name] = read
+        self.add_variable(name, lambda: read(self._robot.readings), doc, unit, type=kind)
 
-    def _distance(self) -> float | None:
-        return next(iter(self._robot.readings.distances), None)
+    def sensed(self) -> object:
+        """Return what all sensors read in this tick."""
+        return self._robot.readings
 
-    def _odom(self, index: int) -> float:
-        return self._robot.readings.odom[index]
+    def readings_of(self, sensed: object) -> Mapping[str, object]:
+        """See :class:`Bridge`; here all readings are known."""
+        if not isinstance(sensed, Readings):
+            return {}
+        values = {name: read(sensed) for name, read in self._sensors.items()}
+        return {name: value for name, value in values.items() if value is not None}
 
     def _move(self, message: Message) -> None:
         linear, angular = message.linear, message.angular
@@ -287,6 +282,30 @@ class SimBridge(Bridge):
         self.safety.motion = moment.motion
         self._stopping = moment.stopping
 
+    def fork(self, moment: object) -> SimBridge:
+        """See :class:`Bridge`.
+
+        Raises
+        ------
+        BridgeError
+            It is not a moment of a simulated world, or it is too long ago.
+        """
+        if not isinstance(moment, _SimMoment):
+            raise BridgeError(f"{moment!r} is not a moment of the simulated world.")
+        try:
+            simulation = moment.simulation.fork(moment.world)
+        except ValueError as error:
+            raise BridgeError(str(error)) from error
+        fork = SimBridge(simulation.world)
+        fork.open()  # reads the sensors of a world that is not needed
+        fork.simulation.close()
+        fork.simulation = simulation
+        simulation.drained = fork._note
+        fork.safety.armed = self.safety.armed
+        fork.safety.motion = moment.motion
+        fork._stopping = moment.stopping
+        return fork
+
     # -- the world, for views ---------------------------------------------------------------------
 
     @property
@@ -312,28 +331,28 @@ class SimBridge(Bridge):
     @property
     def picture(self) -> SimPicture:
         """The world now, with all queued inputs applied. On the interpreter's thread."""
-        simulation = self.simulation
-        simulation.step(0)
-        robots = tuple(
-            RobotPicture(
-                robot.pose,
-                robot.command,
-                robot.readings.lights,
-                robot.readings.bumper,
-                robot.readings.distances,
-                robot.memory.pen is not None,
+        self.simulation.step(0)
+        return _picture(self.simulation)
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """The middle of the robot, in metres."""
+        return self.simulation.robot.pose[:2]
+
+    def picture_after(self, moment: object, next_moment: object) -> SimPicture | None:
+        """See :class:`Bridge`."""
+        if not (isinstance(moment, _SimMoment) and isinstance(next_moment, _SimMoment)):
+            return None
+        same = moment.simulation is next_moment.simulation
+        try:
+            fork = moment.simulation.fork(
+                WorldMoment(moment.world.step, (next_moment if same else moment).world.inputs)
             )
-            for robot in simulation.robots
-        )
-        solids = tuple(thing.pose for thing in simulation.solids)
-        return SimPicture(
-            simulation.world,
-            simulation.time,
-            robots,
-            solids,
-            simulation.revision,
-            len(simulation.floor.marks),
-        )
+        except ValueError:
+            return None
+        picture = _picture(fork)
+        fork.close()
+        return picture
 
     def load_world(
         self, world: str | os.PathLike[str] | Mapping[str, object] | World, seed: int | None = None
@@ -352,6 +371,7 @@ class SimBridge(Bridge):
     def _use(self, simulation: Simulation) -> None:
         former, self.simulation = self.simulation, simulation
         former.close()
+        self.outside(WorldLoaded(simulation.world.to_dict()), False)
         if self.is_open:
             self.nodes.clear()
             self.add_members()
@@ -372,6 +392,12 @@ class SimBridge(Bridge):
             self.simulation.apply(edit)
         except ValueError as error:
             raise BridgeError(str(error)) from error
+        self.outside(edit, False)
+
+    def apply(self, what: Input) -> None:
+        """Apply an input of the world now. On the interpreter's thread, between two ticks."""
+        self.simulation.apply(what)
+        self._note(what)
 
     def undo_world(self) -> None:
         """Undo the last edit of the world, or the change of worlds. On the interpreter's thread.
@@ -402,11 +428,14 @@ class SimBridge(Bridge):
             self._use(self._edition(edition))
 
     def _edition(self, edition: Edition) -> Simulation:
-        return Simulation(edition.world, history=self._history, original=edition.original)
+        simulation = Simulation(edition.world, history=self._history, original=edition.original)
+        simulation.drained = self._note
+        return simulation
 
     def _continue_with(self, world: World) -> None:
         if world != self.world:
             self.simulation.replay(Become(world))
+            self.outside(Become(world), False)
 
     def reset_world(self, drawings: bool = False) -> None:
         """Reset the world to its start and erase trails. Any thread.
@@ -469,6 +498,33 @@ _ODOM = (
     ("y", "m", "way driven to the left of the heading at the start, by the wheels"),
     ("theta", "rad", "angle turned since the start, by the wheels"),
 )
+
+
+def _picture(simulation: Simulation) -> SimPicture:
+    robots = tuple(
+        RobotPicture(
+            robot.pose,
+            robot.command,
+            robot.readings.lights,
+            robot.readings.bumper,
+            robot.readings.distances,
+            robot.memory.pen is not None,
+        )
+        for robot in simulation.robots
+    )
+    solids = tuple(thing.pose for thing in simulation.solids)
+    return SimPicture(
+        simulation.world,
+        simulation.time,
+        robots,
+        solids,
+        simulation.revision,
+        len(simulation.floor.marks),
+    )
+
+
+def _odom(index: int, seen: Readings) -> float:
+    return seen.odom[index]
 
 
 def _bearing(angle: float) -> str:

@@ -107,11 +107,21 @@ when the interpreter itself failed, 130 when Ctrl-C stopped the robot and ended 
 valid program changes nothing: its errors are shown and the last valid program keeps running. A block that
 does not return is interrupted by the next save, or by the key `i`.
 
+**Breakpoints**: `--break looking` completes the tick in which the state `looking` is entered, then pauses;
+space resumes, `s` steps. `--break tlooking` waits for a transition, `--break 'left moving'` for the end of a
+state, `--break 'event outofline'` for an event, `--break 'when robot.light.data < 50'` for a condition over
+the global variables and the robot to become True. Without a keyboard the run ends there.
+
 **Traces**: `--trace` writes JSON Lines, one object per event, with `tick` (the first is 1), `time` (seconds)
 and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired` (`machine`, `transition`,
 `source`, `destination`); `spawned`, `discarded` (`machine`); `changed` (`variable`, `value`); `issue`
 (`code`, `element`, `line`, `message`); `patched` (`applied`, `restarted`, `reason`); `restarted` (`reason`);
 `forced` (`state`, `how`). The same program, world and seed produce the same trace.
+
+**Recordings**: `--record run.lrplog` writes the inputs of the run as well: the program and its world, every
+save of the file, every key. `lrp replay run.lrplog` reproduces a simulated run bit for bit, and `lrp why
+run.lrplog NAME --at 12.3` answers why a transition did not fire there. A name that ends with `.gz` compresses
+the file.
 """
 
 
@@ -176,6 +186,20 @@ def run(
         str | None,
         typer.Option(metavar="FILE|-", help="Write the events as JSON Lines; `-` writes to stdout."),
     ] = None,
+    breakpoints: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--break",
+            metavar="WHAT",
+            autocompletion=complete.states,
+            help="Pause when a STATE is entered or a TRANSITION fires; or `left STATE`, `event NAME`, "
+            "`when EXPRESSION`; may be repeated.",
+        ),
+    ] = None,
+    record: Annotated[
+        str | None,
+        typer.Option(metavar="FILE", help="Write a recording, for `lrp replay` and `lrp why`."),
+    ] = None,
     watch: Annotated[
         bool, typer.Option("--watch", help="Patch the running program at every save of the file.")
     ] = False,
@@ -205,11 +229,73 @@ def run(
         noise=noise or [],
         assignments=assignments or [],
         trace=trace,
+        record=record,
+        breakpoints=tuple(breakpoints or ()),
         watch=watch,
         on_issue=on_issue.value,
         answers=[*([f"host={host}"] if host else []), *(options or [])],
     )
     raise typer.Exit(run_file(file, wanted))
+
+
+Log = Annotated[
+    str, typer.Argument(metavar="RECORDING", help="A file that `lrp run --record` or `Session.record` wrote.")
+]
+Another = Annotated[
+    str | None,
+    typer.Option(
+        metavar="FILE",
+        autocompletion=complete.sources,
+        help="Run another program with the recorded inputs, instead of the recorded one.",
+    ),
+]
+
+
+@app.command()
+def replay(
+    file: Log,
+    program: Another = None,
+    begin: Annotated[
+        float, typer.Option("--from", metavar="SECONDS", min=0, help="Print only what comes after this time.")
+    ] = 0,
+    end: Annotated[
+        float | None, typer.Option("--until", metavar="SECONDS", min=0, help="End at this time of the run.")
+    ] = None,
+) -> None:
+    """Run a recording again, as fast as possible, and tell the first difference.
+
+    A simulated run is reproduced bit for bit. The readings of a real robot are fed to the program again, and
+    nothing is sent to it.
+
+    **Exit code**: 0 when the run was the recorded one (or with `--program`, when it ran), 1 when it was not,
+    2 when the file cannot be read.
+    """
+    from lrp_jupyter.cli.recordings import replay_file
+
+    raise typer.Exit(replay_file(file, program, begin, end))
+
+
+@app.command()
+def why(
+    file: Log,
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME", help="A transition, a state, or a command of the robot such as `robot.move`."
+        ),
+    ],
+    at: Annotated[
+        float | None, typer.Option(metavar="SECONDS", min=0, help="The time of the run. Default: its end.")
+    ] = None,
+    program: Another = None,
+) -> None:
+    """Answer why a transition of a recorded run did not fire, why a state was entered, why the robot moves.
+
+    **Exit code**: 0, or 2 when the file cannot be read or the program has no such name.
+    """
+    from lrp_jupyter.cli.recordings import why_file
+
+    raise typer.Exit(why_file(file, name, at, program))
 
 
 @app.command()

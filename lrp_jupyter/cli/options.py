@@ -44,6 +44,10 @@ class RunOptions:
         Other initial values.
     trace : str or None
         A file, or ``-`` for stdout.
+    record : str or None
+        A file.
+    breakpoints : tuple of str
+        ``STATE``, ``TRANSITION``, ``left STATE``, ``event NAME`` or ``when EXPRESSION``.
     answers : dict
         Options of the bridge, and answers to its questions.
     """
@@ -58,6 +62,8 @@ class RunOptions:
     noise: dict[str, float]
     assignments: tuple[Assignment, ...]
     trace: str | None
+    record: str | None
+    breakpoints: tuple[str, ...]
     watch: bool
     on_issue: Literal["record", "pause"]
     answers: dict[str, str]

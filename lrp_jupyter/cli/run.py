@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import inspect
 import math
+import random
 import select
 import signal
 import sys
@@ -18,7 +19,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path as FilePath
 from queue import Empty, SimpleQueue
 from time import perf_counter
-from typing import Any, TextIO
+from typing import IO, Any
 
 import typer
 from rich.console import Console, RenderableType
@@ -35,10 +36,11 @@ from lrp_jupyter.cli.options import RunOptions, with_initials
 from lrp_jupyter.cli.pace import LIMIT, Clocked, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, recorded_signals
-from lrp_jupyter.errors import FileError, LRPError
+from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
+from lrp_jupyter.files import open_log
 from lrp_jupyter.interpreter.frame import Frame, missing_state
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Finding, Path, Program
+from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 
@@ -80,11 +82,49 @@ def run_file(file: str, wanted: RunOptions) -> int:
             journal=0,
             speed=wanted.speed,
         )
+        if wanted.record is not None:
+            _record(session, wanted, stack)
         stack.callback(session.close)
+        for what in wanted.breakpoints:
+            _pause_when(session, what)
         return _Run(session, source, wanted, trace).go(program)
 
 
-def _has_no_reader(stream: TextIO) -> bool:
+def _pause_when(session: Session, what: str) -> None:
+    """Set a breakpoint that was given on the command line."""
+    word, _, rest = what.strip().partition(" ")
+    rest = rest.strip()
+    try:
+        if word == "when" and rest:
+            session.pause_when(condition=rest)
+        elif word == "left" and rest:
+            session.pause_when(left=rest)
+        elif word == "event" and rest:
+            session.pause_when(event=rest)
+        else:
+            try:
+                session.pause_when(what)
+            except UnknownElementError as error:
+                if str(error).startswith("Several"):
+                    raise
+                session.pause_when(fires=what)
+    except UnknownElementError as error:
+        raise typer.BadParameter(f"--break: {error}") from None
+    except SyntaxError as error:
+        raise typer.BadParameter(f"--break: {error.msg}") from None
+
+
+def _record(session: Session, wanted: RunOptions, stack: ExitStack) -> None:
+    """Begin a recording, which ends with the run; Python's random numbers are seeded for it."""
+    seed = random.SystemRandom().randrange(2**32)
+    random.seed(seed)
+    initials = {path_text(each.variable): each.expression for each in wanted.assignments}
+    stream = stack.enter_context(open_log(str(wanted.record)))
+    recorder = session.recorder(stream.write, seed, initials)
+    stack.callback(recorder.end)
+
+
+def _has_no_reader(stream: IO[str]) -> bool:
     """Return whether the other end of a pipe is closed; False where that cannot be known."""
     if not hasattr(select, "poll"):
         return False
@@ -96,10 +136,10 @@ def _has_no_reader(stream: TextIO) -> bool:
         return False
 
 
-def _opened(trace: str | None, stack: ExitStack) -> TextIO | None:
+def _opened(trace: str | None, stack: ExitStack) -> IO[str] | None:
     if trace is None or trace == "-":
         return sys.stdout if trace else None
-    return stack.enter_context(open(trace, "w", encoding="utf-8", newline="\n"))
+    return stack.enter_context(open_log(trace))
 
 
 def _check_state(program: Program, until: str) -> None:
@@ -115,7 +155,7 @@ def _report(show: Any, name: str, text: str, findings: tuple[Finding, ...]) -> N
 class _Run:
     """One run, controlled from the main thread."""
 
-    def __init__(self, session: Session, source: Source, wanted: RunOptions, trace: TextIO | None) -> None:
+    def __init__(self, session: Session, source: Source, wanted: RunOptions, trace: IO[str] | None) -> None:
         self.session = session
         self.source = source
         self.wanted = wanted

@@ -20,7 +20,7 @@ from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, Spawn, path_text
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["Frame", "Hung", "Status", "definition_of", "is_active", "matches", "missing_state"]
+__all__ = ["Frame", "Hit", "Hung", "Status", "definition_of", "is_active", "matches", "missing_state"]
 
 Status = Literal["ready", "running", "paused", "hung", "stopped", "broken", "closed"]
 
@@ -59,6 +59,35 @@ class Hung:
         if not self.line:
             return what
         return f"{what} A block must end at once: use a state with `ontime` instead of waiting in a block."
+
+
+@dataclass(frozen=True, slots=True)
+class Hit:
+    """A breakpoint that paused the program.
+
+    Parameters
+    ----------
+    number : int
+        Of the breakpoint.
+    what : str
+        What happened: ``"`looking` was entered"``.
+    count : int
+        How often the breakpoint was hit.
+    tick : int
+    """
+
+    number: int
+    what: str
+    count: int
+    tick: int
+
+    def __str__(self) -> str:
+        return f"{self.what} (breakpoint {self.number}, {_ordinal(self.count)} time)."
+
+
+def _ordinal(number: int) -> str:
+    teen = number % 100 in (11, 12, 13)
+    return f"{number}{'th' if teen else {1: 'st', 2: 'nd', 3: 'rd'}.get(number % 10, 'th')}"
 
 
 _UNNAMED = {
@@ -115,6 +144,8 @@ class Frame:
         A sentence about the last edit, for example why it is not applied yet; may be empty.
     program : Program
         The program that runs.
+    readings : mapping of str to object
+        What the program read from the robot in this tick, by dotted name; of a simulated robot every reading.
     rate, achieved_rate : float
         Ticks per second, requested (0: as many as possible) and measured.
     speed, achieved_speed : float
@@ -127,6 +158,8 @@ class Frame:
         The bridge's snapshot of its robot, also frozen; None if it has none.
     hung : Hung or None
         The block that does not return, while `status` is ``hung``.
+    paused_by : Hit or None
+        The breakpoint that paused the program, until it runs on.
 
     Examples
     --------
@@ -161,6 +194,7 @@ class Frame:
     moved: tuple[tuple[int, Successors], ...] = ()
     patch_reason: str = ""
     program: Program = field(default_factory=Program)
+    readings: Mapping[str, object] = field(default_factory=dict)
     rate: float = 0.0
     achieved_rate: float = 0.0
     speed: float = 1.0
@@ -169,10 +203,16 @@ class Frame:
     bridge: str = ""
     robot: object = None
     hung: Hung | None = None
+    paused_by: Hit | None = None
 
     def __repr__(self) -> str:
         active = ", ".join(map(path_text, self.active)) or "nothing"
         return f"<Frame: {self.status}, tick {self.tick}, {self.time:g} s, {active} active>"
+
+    @property
+    def last_fired(self) -> Path:
+        """The transition that fired last, by path of definition; empty if none has."""
+        return max(self.fired_at, key=self.fired_at.__getitem__, default=())
 
     def is_active(self, state: str | Path) -> bool:
         """Return whether a state is active, at any depth.

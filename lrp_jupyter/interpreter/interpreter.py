@@ -38,26 +38,39 @@ from typing import Any, Literal
 
 from lrp_jupyter.arguments import A_PROGRAM, check_choice, check_number, check_type
 from lrp_jupyter.interpreter.events import UNSET, Observer
+from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.interpreter.forcing import How, find_state, force
+from lrp_jupyter.interpreter.history import History
 from lrp_jupyter.interpreter.issues import IssueLog
-from lrp_jupyter.interpreter.journal import EDITS, undo_write
+from lrp_jupyter.interpreter.journal import EDITS, note, undo_write
 from lrp_jupyter.interpreter.linker import BlockPlan, link, show_in_tracebacks
 from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issues, decide
-from lrp_jupyter.interpreter.run import Run, undo_change
+from lrp_jupyter.interpreter.run import Run, undo_fired
+from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.tree import Count, bind_block
-from lrp_jupyter.interpreter.variables import VariableMapping, assign, evaluate
+from lrp_jupyter.interpreter.variables import VariableMapping, assign, evaluate, holds
+from lrp_jupyter.interpreter.watching import watch
 from lrp_jupyter.language.diff import diff
+from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.identity import Successors, after_rename, after_undo
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse
-from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.rename import rename as renamed_text
 from lrp_jupyter.language.unmeant import Unmeant
 
 __all__ = ["Interpreter", "VariableMapping"]
 
+
+def nothing(_: object) -> None:
+    """Return None: no object stands for another."""
+
+
 _KEPT = 20  # number of recent edits whose maps are kept
 
+
+_CARRIED = ("on_active_edit", "on_issue", "paused", "patch_reason", "restarts", "restart_reason", "revision")
+"""What a snapshot has of an interpreter besides its run."""
 
 _POLICIES = {"on_active_edit": ("restart", "keep"), "on_issue": ("record", "pause")}
 
@@ -128,17 +141,21 @@ class Interpreter:
         self.restart_reason = ""
         self.revision = 0
         self.moved: tuple[tuple[int, Successors], ...] = ()
-        self._renamings: deque[tuple[int, Successors]] = deque(maxlen=EDITS)
+        self.moves: deque[tuple[int, Successors]] = deque(maxlen=EDITS)
         """The edits and renames that gave an element another path: after which tick, and the map."""
         self.patch_reason = ""
+        self._robot = robot
+        self.namespace: dict[str, Any] = {} if namespace is None else namespace
+        """Names that blocks can read."""
         self._new_run = partial(
             Run,
             robot=robot,
-            namespace={} if namespace is None else namespace,
+            namespace=self.namespace,
             output=output,
             journal=journal,
         )
         self._run = self._new_run(program)
+        self._history = History(self._run)
         show_in_tracebacks(program)
         self._report_duplicates()
 
@@ -190,6 +207,13 @@ class Interpreter:
         return run.journal.reach(run.ticks) if run.journal is not None else 0
 
     @property
+    def history(self) -> History:
+        """The ticks that the journal holds: what happened in them, and the state after each."""
+        if self._history.run is not self._run:
+            self._history = History(self._run)
+        return self._history
+
+    @property
     def last_exception(self) -> BaseException | None:
         """The last exception that a block raised, for post-mortem debugging."""
         return self._run.last_exception
@@ -220,6 +244,36 @@ class Interpreter:
         if self._run.event_values is None:
             self._run.event_values = {}
             self._run.rebind()
+
+    def test(self, expression: str, machine: Path = ()) -> bool:
+        """Return whether a Python expression is True now, in the scope of a machine, or at the top level.
+
+        Parameters
+        ----------
+        expression : str
+        machine : path
+            Path of definition; False is returned while it does not run.
+
+        Raises
+        ------
+        SyntaxError
+            It is not an expression.
+        Exception
+            Whatever the expression raises.
+        """
+        return holds(self._run, expression, machine)
+
+    def watch_test(self, element: Element, seen: Callable[[Evaluation | Exception], object]) -> None:
+        """Evaluate the test of a transition part by part in the next tick, and call `seen` with each result.
+
+        Only a test that is one expression is watched.
+        """
+        for act in [act for root in self._run.roots for act in root.walk()]:
+            edge = act.row.edge
+            while edge is not None:
+                if edge.plan.site.element == element:
+                    watch(self._run, edge, seen)
+                edge = edge.next
 
     def observe(self, callback: Observer) -> Callable[[], None]:
         """Call `callback` with every :class:`TraceEvent`; return a function that ends this.
@@ -258,14 +312,14 @@ class Interpreter:
                 try:
                     holds = test()
                 except BaseException as error:
-                    run.fault(edge.tested, error)
+                    run.fault(edge.tested, error, edge)
                     holds = False
                 if holds is not False and (holds is True or run.judge(edge, holds)):
                     row = edge.row or run.find_destination(edge)
                     if row is not None:  # it fires
                         home = edge.home
                         if log is not None:
-                            log += (home.children, home.entered, home.place, home, undo_change)
+                            log += (edge.fact, home.children, home.entered, home.place, home, undo_fired)
                         if home.children:
                             run.discard(home, run.leave)
                         home.row = row
@@ -383,6 +437,8 @@ class Interpreter:
         reason = unmeant.reason if unmeant is not None and waits else decision.reason
         self.patch_reason = reason or ""
         patch = Patch(changes, decision.apply and not waits, decision.restart, reason)
+        if decision.apply:
+            self._note("restarted" if decision.restart else "patched", decision.reason or "")
         run.emit("patched", (), patch)
         self._done()
         return patch
@@ -422,6 +478,7 @@ class Interpreter:
         adopt(run, program, successors, renamed=True)
         self._count_revision(successors)
         self.patch_reason = ""
+        self._note("renamed", f"{kind} {path_text(where)} {new_name}")
         run.emit("patched", (), Patch(changes, True))
         self._done()
         return program.text
@@ -438,6 +495,7 @@ class Interpreter:
         """
         self._advance(now)
         assign(self._run, path, evaluate(self._run, path, expression))
+        self._note("assigned", path_text(as_path(path)))
         self._done()
 
     def assign(self, path: Path | str, value: object, now: float | None = None) -> None:
@@ -450,6 +508,7 @@ class Interpreter:
         """
         self._advance(now)
         assign(self._run, path, value)
+        self._note("assigned", path_text(as_path(path)))
         self._done()
 
     def transition_to(self, path: Path | str, now: float | None = None) -> None:
@@ -476,6 +535,7 @@ class Interpreter:
         run = self._run
         self._advance(now)
         force(run, find_state(run, as_path(path)), how)
+        self._note("forced", how)
         self._done()
 
     def reset(self, now: float | None = None) -> None:
@@ -483,7 +543,49 @@ class Interpreter:
         self._advance(now)
         self._run.remember()
         self._restart("reset")
+        self._note("restarted", "reset")
         self._done()
+
+    def snapshot(self, known: Callable[[object], object] = nothing, beside: object = None) -> Snapshot:
+        """Take a snapshot of the run, from which :meth:`fork` begins.
+
+        Parameters
+        ----------
+        known : callable
+            Returns what stands for an object that every run has for itself, such as its robot; None for any
+            other object, which is copied.
+        beside : object
+            Values that are copied together with the variables.
+        """
+        taken = take(self._run, lambda value: "robot" if value is self._robot else known(value), beside)
+        return replace(taken, settings={name: getattr(self, name) for name in _CARRIED})
+
+    def begin(self, snapshot: Snapshot, find: Callable[[object], object] = nothing) -> Any:
+        """Continue from a snapshot, in place of the present run.
+
+        Parameters
+        ----------
+        snapshot : Snapshot
+        find : callable
+            Returns the object of this run that stands for what `known` returned.
+
+        Returns
+        -------
+        object
+            The copy of what was `beside`.
+        """
+        before = self._run
+        program = before.program if before.source == snapshot.source else snapshot.program
+        self._run = run = self._new_run(program)
+        run.observers = before.observers
+        beside = begin(run, snapshot, lambda token: self._robot if token == "robot" else find(token))
+        run.watched = run.watched or bool(run.observers)
+        run.attention = run.attention or run.watched
+        for name, value in snapshot.settings.items():
+            setattr(self, name, value)
+        self.moves.clear()
+        show_in_tracebacks(program)
+        return beside
 
     def renew(self, program: Program, now: float) -> None:
         """Start from nothing with a program, whatever condition the present run is in.
@@ -499,7 +601,7 @@ class Interpreter:
         if before.event_values is not None:
             run.event_values = {}
         self.paused = False
-        self._renamings.clear()
+        self.moves.clear()
         self.patch_reason = ""
         self.revision += 1
         show_in_tracebacks(program)
@@ -516,6 +618,7 @@ class Interpreter:
         if not self.paused:
             self.paused = True
             self._between(self._run.plan.onpause)
+            self._note("paused")
             self._run.emit("paused", ())
         self._done()
 
@@ -525,6 +628,7 @@ class Interpreter:
         if self.paused:
             self.paused = False
             self._between(self._run.plan.onresume)
+            self._note("resumed")
             self._run.emit("resumed", ())
         self._done()
 
@@ -548,8 +652,8 @@ class Interpreter:
         after = run.program
         run.undo(ticks)
         undone = []
-        while self._renamings and self._renamings[-1][0] >= run.ticks:
-            undone.append(self._renamings.pop()[1])
+        while self.moves and self.moves[-1][0] >= run.ticks:
+            undone.append(self.moves.pop()[1])
         back = after_undo(after, undone)
         if run.program is not after:
             carry_issues(run.issues, after, run.program, back)
@@ -562,7 +666,7 @@ class Interpreter:
     def _count_revision(self, successors: Successors) -> None:
         self.revision += 1
         if self._note_moved(successors):
-            self._renamings.append((self._run.ticks, successors))
+            self.moves.append((self._run.ticks, successors))
 
     def _note_moved(self, successors: Successors) -> bool:
         """Publish the map of the newest revision if any element has another path now: return whether."""
@@ -585,6 +689,12 @@ class Interpreter:
                 bind_block(run, block, run.globals.visible)()
             except BaseException as error:
                 run.fault(block.site, error)
+
+    def _note(self, kind: str, text: str = "") -> None:
+        """Log that a command was applied, unless the one before was the same."""
+        log, fact = self._run.log, Commanded(kind, text)
+        if log is not None and not (len(log) > 2 and log[-1] is note and log[-2] == fact):
+            log += (fact, note)
 
     def _report_duplicates(self) -> None:
         run = self._run

@@ -158,6 +158,13 @@ class IssueLog(Sequence[Issue]):
         self._all = moved
         self.open_blocks = {key[:2] for key, issue in moved.items() if not issue.resolved}
 
+    def copy(self) -> IssueLog:
+        """Return an independent copy; issues are frozen."""
+        log = IssueLog()
+        log._all, log._last = dict(self._all), dict(self._last)
+        log.open_blocks = set(self.open_blocks)
+        return log
+
     def clear(self) -> None:
         """Remove all issues; faults that persist are reported again."""
         self._all.clear()

@@ -24,7 +24,17 @@ from typing import Any, TypeVar
 
 from lrp_jupyter.interpreter.cells import content, put
 
-__all__ = ["Journal", "Log", "SavedState", "undo_write", "undoes", "weightless"]
+__all__ = [
+    "Journal",
+    "Log",
+    "SavedState",
+    "note",
+    "undo_attribute",
+    "undo_write",
+    "undoes",
+    "values_of",
+    "weightless",
+]
 
 Kind = TypeVar("Kind")
 
@@ -51,6 +61,24 @@ def undo_write(log: Log) -> None:
     """Restore the value of a cell."""
     cell = log.pop()
     put(cell, log.pop())
+
+
+@undoes(3)
+def undo_attribute(log: Log) -> None:
+    """Restore an attribute of an object."""
+    part, name = log.pop(), log.pop()
+    setattr(part, name, log.pop())
+
+
+@undoes(1)
+def note(log: Log) -> None:
+    """Drop a fact: it says what happened, and undoing it changes nothing."""
+    log.pop()
+
+
+def values_of(item: object) -> int | None:
+    """Return how many values a function pops from a log; None for any other item of a log."""
+    return _VALUES.get(item)  # type: ignore[call-overload, no-any-return]
 
 
 EDITS = 300
@@ -102,6 +130,11 @@ class Journal:
         self._known: set[int] = set()  # ids of large values in the log: each is weighed once
         self._pause = 1
         self.log: Log = [0.0]
+
+    def begin(self, tick: int, now: float) -> None:
+        """Begin after a number of ticks, the last of which ended at a time, in seconds."""
+        self._first, self._mark, self._weighed = tick, (tick, 0), 1
+        self.log[:] = [now]
 
     def reach(self, tick: int) -> int:
         """Return how many ticks can be undone after `tick` ticks."""
@@ -190,7 +223,7 @@ class Journal:
         ends = []
         place = len(self.log) - 1
         while place >= 0:
-            values = _VALUES.get(self.log[place])
+            values = values_of(self.log[place])
             if values is None:
                 ends.append(place)
             place -= 1 + (values or 0)
@@ -278,13 +311,22 @@ class SavedState:
             if type(item) is tuple and item and type(item[0]) is str:
                 yield item[0]
 
-    def restore(self) -> None:
-        """Restore everything."""
+    def parts(self) -> Iterator[tuple[object, str, Any]]:
+        """Yield every object with the name and the value of each saved attribute."""
         items = iter(self._parts)
         for part in items:
             for name in next(items):
-                setattr(part, name, next(items))
-        for cell, value in zip(self._cells, self._values, strict=True):
+                yield part, name, next(items)
+
+    def cells(self) -> Iterator[tuple[CellType, object]]:
+        """Yield every saved cell with its content."""
+        return zip(self._cells, self._values, strict=True)
+
+    def restore(self) -> None:
+        """Restore everything."""
+        for part, name, value in self.parts():
+            setattr(part, name, value)
+        for cell, value in self.cells():
             put(cell, value)
 
 

@@ -149,6 +149,7 @@ class Plan:
     duplicates: tuple[Site, ...] = ()
     dangling: set[tuple[Element, IssueKind]] = field(default_factory=set)
     places: dict[Element, int] = field(default_factory=dict)
+    blocks: tuple[BlockPlan, ...] = ()
 
     def state(self, path: Path) -> StatePlan | None:
         """Return the state with this path of definition, or None."""
@@ -211,6 +212,7 @@ class _Linker:
         for block in self.blocks:
             if not isinstance(block.code, Broken):
                 block.code = block.code.replace()
+        plan.blocks = tuple(self.blocks)
         return plan
 
     def _fill(self, scope: Scope, machine: MachinePlan) -> None:

@@ -7,6 +7,7 @@ inside one command between two ticks), and it knows nothing of edits. Paper: §5
 from __future__ import annotations
 
 import builtins
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from operator import itemgetter
@@ -16,9 +17,10 @@ from typing import Any
 from lrp_jupyter.errors import NoDataYet, NotAValue
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
+from lrp_jupyter.interpreter.facts import Discarded, Entered, Fact, Faulted, Fired, Spawned
 from lrp_jupyter.interpreter.faults import Fault, kind_and_message, line_of, place_of, traceback_of
 from lrp_jupyter.interpreter.issues import Issue, IssueKind, IssueLog
-from lrp_jupyter.interpreter.journal import Journal, Log, SavedState, undo_write, undoes
+from lrp_jupyter.interpreter.journal import Journal, Log, SavedState, note, undo_attribute, undo_write, undoes
 from lrp_jupyter.interpreter.linker import (
     Broken,
     MachinePlan,
@@ -44,7 +46,7 @@ from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Path, Program
 
-__all__ = ["Run", "undo_change"]
+__all__ = ["Run", "undo_change", "undo_fired"]
 
 _new = tuple.__new__  # a third of the time that a NamedTuple's own constructor takes
 
@@ -80,6 +82,10 @@ class Run:
         increase per firing, and not two."""
         self._undone: tuple[str, str] | Program | None = None
         """The `source` to which the journal has gone back, not yet parsed."""
+        self.epoch = 0
+        """How often ticks were undone."""
+        self.kept = sys.maxsize
+        """The tick up to which nothing was ever undone."""
         self.observers: list[Observer] = []
         self.events: list[TraceEvent] = []
         self.interrupted: BaseException | None = None
@@ -122,6 +128,7 @@ class Run:
     def begin(self) -> None:
         """Start the program: initialise the globals."""
         self.started = True
+        self.log_attributes(self.globals, "own", "visible")
         self.emit("started", ())
         self.initialise(self.globals, self.plan.variables, self.base)
 
@@ -141,13 +148,13 @@ class Run:
             message = value._not_a_value()  # type: ignore[attr-defined]
         else:
             message = f"A condition must be True or False, not {short(value)}. Compare it with something."
-        self.report(edge.tested, "not boolean", message)
+        self.report(edge.tested, "not boolean", message, edge)
         return False
 
     def find_destination(self, edge: Edge) -> Row | None:
         """Bind what firing an edge does, the first time that it fires, or report that it leads nowhere."""
         if edge.target is None:
-            self.report(edge.site, "unknown state", edge.missing)
+            self.report(edge.site, "unknown state", edge.missing, edge)
             return None
         if edge.site[:2] in self.issues.open_blocks:
             self.recovered(edge.site, True)
@@ -159,6 +166,8 @@ class Run:
         for action in reversed([*old.onexit.chain()] if old.onexit is not None else []):
             edge.actions = Action(action.call, action.site, action.cell, edge.actions)
         edge.row = new
+        element = edge.plan.site.element
+        edge.fact = Fired(element, edge.plan.label, edge.path, edge.source.path, new.place, new.path)
         return new
 
     def _emit_all(self, events: Iterable[tuple[str, Path, object]]) -> None:
@@ -179,6 +188,7 @@ class Run:
         act.entered = self.now
         row.count.times += 1
         row.count.tick = self.ticks
+        self.note(Entered(row.place, row.path))
         self.emit("entered", row.path)
         self._do(row.onentry)
 
@@ -212,6 +222,7 @@ class Run:
                             self.log += (slot.last, slot.cell, undo_write)
                 self.settle((child,))
             del self.live[child.machine.path]
+            self.note(Discarded(child.path))
             self.emit("discarded", child.path)
             child.retire()
         act.children = ()
@@ -256,12 +267,14 @@ class Run:
         act = Activation(machine, parent, outer, spawn, state)
         self.live[machine.path] = act
         if parent is None:
+            self.log_attributes(self, "roots")
             self.roots += (act,)
         else:
             if self.log is not None:
                 self.log += (parent.children, parent.entered, parent.place, parent, undo_change)
             parent.children += (act,)
         self.unordered = self.attention = True
+        self.note(Spawned(act.path, parent.full_path if parent is not None else ()))
         self.emit("spawned", act.path)
         self.initialise(act, machine.variables, outer.visible)
         return act
@@ -292,7 +305,7 @@ class Run:
 
     # ---- faults -----------------------------------------------------------------------------
 
-    def fault(self, site: Site, error: BaseException) -> None:
+    def fault(self, site: Site, error: BaseException, edge: Edge | None = None) -> None:
         """Record what a block raised as an issue, or count it. Paper: §6.2."""
         type_ = type(error)  # `isinstance` may call code of the exception
         if issubclass(type_, KeyboardInterrupt):  # raised when the tick is complete, so that it is whole
@@ -300,10 +313,12 @@ class Run:
             self.attention = True
             return
         if issubclass(type_, NoDataYet) and site.element.kind in ("event", "transition"):
+            self._note_fault(site, "no data yet", str(error), edge)
             return  # there it just does not occur
+        kind, message = kind_and_message(error)
+        self._note_fault(site, kind, message, edge)
         if site.element == self.unmeant:
             return
-        kind, message = kind_and_message(error)
         program, tick, raised = self.program, self.ticks, None
         if not issubclass(type_, (Fault, NoDataYet)):
             raised = self.last_exception = error
@@ -317,9 +332,13 @@ class Run:
             self.stale = self.new_issue = self.attention = True
             self.emit("issue", site.element.path, issue)
 
-    def report(self, site: Site, kind: IssueKind, message: str) -> None:
+    def _note_fault(self, site: Site, kind: str, message: str, edge: Edge | None) -> None:
+        tested = ((), None) if edge is None else (edge.path, edge.plan.site.element)
+        self.note(Faulted(site.element, site.ordinal, kind, message, *tested))
+
+    def report(self, site: Site, kind: IssueKind, message: str, edge: Edge | None = None) -> None:
         """Record a fault of the program that is not an exception of Python."""
-        self.fault(site, Fault(kind, message))
+        self.fault(site, Fault(kind, message), edge)
 
     def recovered(self, site: Site, value: object) -> None:
         """Resolve the issues of a site that has just run without a fault and returned `value`."""
@@ -367,7 +386,7 @@ class Run:
             count = self.firings[transition, state] = Count()
         return count
 
-    def _add_firings(self) -> None:
+    def add_firings(self) -> None:
         """Add the new firings to the counts of their transitions and states."""
         new = [(count.tick, elements, count) for elements, count in self.firings.items() if count.times]
         for tick, elements, count in sorted(new, key=itemgetter(0)):
@@ -379,7 +398,7 @@ class Run:
 
     def counted(self, kind: str) -> dict[Path, Count]:
         """Return the counts above 0 of all elements of a kind, by path of definition."""
-        self._add_firings()
+        self.add_firings()
         return {
             element.path: count
             for element, count in self.counts.items()
@@ -388,7 +407,7 @@ class Run:
 
     def replace_program(self, program: Program, successors: Successors) -> None:
         """Continue with another program: the counts of what it still has are kept, the others dropped."""
-        self._add_firings()
+        self.add_firings()
         self.program, self.plan = program, link(program)
         self._set_counts(successors.carry(self.counts))
 
@@ -461,7 +480,7 @@ class Run:
     def undo(self, ticks: int) -> None:
         """Return to the end of the tick that was `ticks` before the last one."""
         assert self.journal is not None
-        self._add_firings()
+        self.add_firings()
         counts = self.counts  # they are not undone, but what they count may have its old name again
         self.now = self.journal.undo(self.ticks, ticks)
         if self._undone is not None and self._undone != self.source:
@@ -472,6 +491,8 @@ class Run:
             act.machine = self.plan.machines[act.place[:-1]]
         self._set_counts(counts | self.counts)
         self.ticks -= ticks
+        self.epoch += 1
+        self.kept = min(self.kept, self.ticks)
         self.full = 0
         self.live = {
             (): self.globals,
@@ -489,6 +510,17 @@ class Run:
             self.log_cell(slot.cell)  # bound blocks log it as before, until the end of the tick
             if not self.observers:
                 slot.last = content(slot.cell)
+
+    def note(self, fact: Fact) -> None:
+        """Log what happened, if there is a journal."""
+        if self.log is not None:
+            self.log += (fact, note)
+
+    def log_attributes(self, part: object, *names: str) -> None:
+        """Log the values of attributes before they are replaced."""
+        if self.log is not None:
+            for name in names:
+                self.log += (getattr(part, name), name, part, undo_attribute)
 
     def log_cell(self, cell: CellType) -> None:
         """Log the content of a cell before it is written."""
@@ -522,6 +554,13 @@ def undo_change(log: Log) -> None:
     """Undo a change of state; the rows are bound again when all is undone."""
     act: Activation = log.pop()
     act.place, act.entered, act.children = log.pop(), log.pop(), log.pop()
+
+
+@undoes(5)
+def undo_fired(log: Log) -> None:
+    """Undo the change of state of a transition that fired, with the fact of it."""
+    undo_change(log)
+    log.pop()
 
 
 def _same(old: object, new: object) -> bool:

@@ -18,6 +18,7 @@ from typing import Any, Protocol
 
 from lrp_jupyter.interpreter.cells import Slot, content, writes_of
 from lrp_jupyter.interpreter.events import UNSET, Firing
+from lrp_jupyter.interpreter.facts import Fired
 from lrp_jupyter.interpreter.faults import Fault
 from lrp_jupyter.interpreter.issues import IssueLog
 from lrp_jupyter.interpreter.journal import Log, weightless
@@ -144,7 +145,10 @@ class Activation(Environment):
 class Edge:
     """A transition, bound to one state of one activation."""
 
-    __slots__ = ("actions", "count", "home", "next", "path", "plan", "row", "source", "target", "test")
+    # fmt: off
+    __slots__ = ("actions", "count", "fact", "home", "next", "path", "plan", "row", "source", "target",
+                 "test")
+    # fmt: on
 
     def __init__(
         self, run: Host, act: Activation, state: StatePlan, plan: EdgePlan, following: Edge | None
@@ -158,6 +162,8 @@ class Edge:
         """Of the destination, once it has fired."""
         self.actions: Action | None = None
         """The actions of its firing: the onexit actions of the source, then the onentry actions of `row`."""
+        self.fact: Fired | None = None
+        """What the journal keeps of its firing."""
         home = act.parent if plan.noun.outward else act
         self.home = home or act  # whose state it changes
         self.target = home.machine.states.get(str(plan.noun.destination)) if home else None

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import ast
 from collections.abc import Iterator, Mapping
+from types import CodeType
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.by_path import full_path
@@ -15,8 +15,17 @@ from lrp_jupyter.interpreter.tree import Environment, bind_code
 from lrp_jupyter.language.blocks import compile_block, facts_of, faults_of
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Block, Path, path_text
+from lrp_jupyter.language.python import parse_python
 
-__all__ = ["EXPRESSION", "VariableMapping", "assign", "evaluate", "find_variable"]
+__all__ = [
+    "EXPRESSION",
+    "VariableMapping",
+    "assign",
+    "check_expression",
+    "evaluate",
+    "find_variable",
+    "holds",
+]
 
 EXPRESSION = "<expression>"
 """The file name, in tracebacks, of an expression that is assigned."""
@@ -114,13 +123,44 @@ def evaluate(run: Run, path: Path | str, expression: str) -> object:
         Whatever the expression raises.
     """
     environment, _ = find_variable(run, path)
+    return bind_code(run, _compiled(expression, environment), environment.visible)()
+
+
+def holds(run: Run, expression: str, machine: Path) -> bool:
+    """Return whether a Python expression is True in the scope of a machine; False while that does not run.
+
+    Raises
+    ------
+    SyntaxError
+        It is not an expression.
+    Exception
+        Whatever the expression raises.
+    """
+    environment = run.live.get(machine)
+    code = _compiled(expression, environment or run.globals)
+    return environment is not None and run.started and bind_code(run, code, environment.visible)() is True
+
+
+def check_expression(expression: str) -> str:
+    """Return an expression without the space around it.
+
+    Raises
+    ------
+    SyntaxError
+        It is not an expression of Python.
+    """
     text = expression.strip()
     if not facts_of(text).valid:
         raise SyntaxError(faults_of(text)[0].message)
     try:
-        ast.parse(text, EXPRESSION, "eval")
+        parse_python(text, EXPRESSION, "eval")
     except SyntaxError:
         what = f"`{text}` is not an expression" if text else "The expression is empty"
         raise SyntaxError(f"{what}. Write a value, such as `2 * 3`.") from None
-    code = compile_block(Block(text), frozenset(environment.visible), EXPRESSION, "expression")
-    return bind_code(run, code, environment.visible)()
+    return text
+
+
+def _compiled(expression: str, environment: Environment) -> CodeType:
+    """Compile an expression for a scope."""
+    text = check_expression(expression)
+    return compile_block(Block(text), frozenset(environment.visible), EXPRESSION, "expression")

@@ -7,23 +7,28 @@ ticks. Nothing else crosses from the views to the interpreter.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.interpreter.patching import Patch
+from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.language.unmeant import Unmeant
+from lrp_jupyter.live.breakpoints import Breakpoint, Breakpoints
 from lrp_jupyter.live.inbox import Command
 from lrp_jupyter.live.loop import Loop
 
 __all__ = [
+    "AddBreakpoint",
     "Assign",
     "Call",
+    "ChangeBreakpoint",
     "Force",
     "Pause",
     "Rename",
     "Renew",
+    "RepeatEdit",
     "ReplaceProgram",
     "Reset",
     "Resume",
@@ -42,6 +47,7 @@ _ARGUMENTS = (LRPError, ValueError, TypeError)
 class ReplaceProgram(Command):
     """Continue with another program. Of several queued in a row the newest wins. Paper: §6.1."""
 
+    recorded: ClassVar[bool] = True
     interrupts: ClassVar[bool] = True
     newest_wins: ClassVar[bool] = True
     program: Program
@@ -51,11 +57,47 @@ class ReplaceProgram(Command):
         """See :class:`Command`."""
         return loop.interpreter.patch(self.program, loop.now, self.unmeant)
 
+    def kept(self) -> tuple[Command, int]:
+        """See :class:`Command`: the text, a thousandth of the objects of its program."""
+        if not self.program.text:
+            return self, 0
+        instead = "" if self.unmeant is None else self.unmeant.instead.text
+        kept = RepeatEdit(
+            self.program.text, self.program.filename, instead, self.unmeant and _light(self.unmeant)
+        )
+        return kept, len(self.program.text) + len(instead)
+
+
+@dataclass(frozen=True, slots=True)
+class RepeatEdit(Command):
+    """Continue with another text, as an edit did before."""
+
+    recorded: ClassVar[bool] = True
+    text: str
+    filename: str
+    instead: str = ""
+    unmeant: Unmeant | None = None
+
+    def apply(self, loop: Loop) -> Patch:
+        """See :class:`Command`."""
+        unmeant = self.unmeant and replace(self.unmeant, instead=parse(self.instead, self.filename))
+        return loop.interpreter.patch(parse(self.text, self.filename), loop.now, unmeant)
+
+    def kept(self) -> tuple[Command, int]:
+        """See :class:`Command`."""
+        return self, len(self.text) + len(self.instead)
+
+
+def _light(unmeant: Unmeant) -> Unmeant:
+    """Return it without the program that runs instead."""
+    return replace(unmeant, instead=Program())
+
 
 @dataclass(frozen=True, slots=True)
 class Force(Command):
     """Force a state, by transition or by teleport. Paper: §6.4."""
 
+    recorded: ClassVar[bool] = True
     interrupts: ClassVar[bool] = True
     path: Path
     teleport: bool = False
@@ -69,6 +111,7 @@ class Force(Command):
 class SetVariable(Command):
     """Evaluate an expression in a variable's scope and assign the value."""
 
+    recorded: ClassVar[bool] = True
     misuse: ClassVar[tuple[type[BaseException], ...]] = (BaseException,)  # it runs code of the caller
     path: Path
     expression: str
@@ -83,6 +126,7 @@ class SetVariable(Command):
 class Assign(Command):
     """Assign a value to a variable."""
 
+    recorded: ClassVar[bool] = True
     path: Path
     value: object
 
@@ -95,6 +139,7 @@ class Assign(Command):
 class Rename(Command):
     """Rename an element with all its references, without a restart; the result is the new text."""
 
+    recorded: ClassVar[bool] = True
     interrupts: ClassVar[bool] = True
     misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     kind: str
@@ -110,6 +155,8 @@ class Rename(Command):
 class Rewind(Command):
     """Step back by this number of ticks."""
 
+    recorded: ClassVar[bool] = True
+    undoes: ClassVar[bool] = True
     interrupts: ClassVar[bool] = True
     misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     ticks: int
@@ -123,6 +170,7 @@ class Rewind(Command):
 class Reset(Command):
     """Restart the program at the next tick."""
 
+    recorded: ClassVar[bool] = True
     interrupts: ClassVar[bool] = True
 
     def apply(self, loop: Loop) -> None:
@@ -134,6 +182,7 @@ class Reset(Command):
 class Renew(Command):
     """Make a broken session whole, with a new run of a program that is not started yet."""
 
+    recorded: ClassVar[bool] = True
     mends: ClassVar[bool] = True
     program: Program
 
@@ -182,6 +231,7 @@ class Step(Command):
 class SetRate(Command):
     """Change the ticks per second; 0 is as fast as possible. Paper: §5.1."""
 
+    recorded: ClassVar[bool] = True
     misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     rate: float
 
@@ -206,6 +256,7 @@ class SetSpeed(Command):
 class SetPolicy(Command):
     """Change ``on_active_edit`` or ``on_issue``."""
 
+    recorded: ClassVar[bool] = True
     misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     name: Literal["on_active_edit", "on_issue"]
     value: str
@@ -213,6 +264,41 @@ class SetPolicy(Command):
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
         setattr(loop.interpreter, self.name, self.value)
+
+
+@dataclass(frozen=True, slots=True)
+class AddBreakpoint(Command):
+    """Add a breakpoint; the result is the breakpoint with its number."""
+
+    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
+    breakpoint: Breakpoint
+
+    def apply(self, loop: Loop) -> Breakpoint:
+        """See :class:`Command`."""
+        if loop.breakpoints is None:
+            loop.breakpoints = Breakpoints(loop.interpreter)
+            loop.after_tick.append(loop.check_breakpoints)
+        return loop.breakpoints.add(self.breakpoint)
+
+
+@dataclass(frozen=True, slots=True)
+class ChangeBreakpoint(Command):
+    """Switch a breakpoint on or off, or (None) remove it."""
+
+    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
+    number: int
+    enabled: bool | None
+
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        known = loop.breakpoints or Breakpoints(loop.interpreter)
+        if self.enabled is None:
+            known.remove(self.number)
+            if not known.all:
+                loop.breakpoints = None
+                loop.after_tick.remove(loop.check_breakpoints)
+        else:
+            known.change(self.number, self.enabled)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

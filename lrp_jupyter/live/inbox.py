@@ -38,8 +38,18 @@ class Command(ABC):
     moves: ClassVar[bool] = False
     """Whether the program runs on because of it."""
 
+    recorded: ClassVar[bool] = False
+    """Whether it changes the run, so that a replay of the run must apply it, too."""
+
+    undoes: ClassVar[bool] = False
+    """Whether it undoes earlier commands."""
+
     interrupts: ClassVar[bool] = False
     """Whether a block that does not return is interrupted for it."""
+
+    def kept(self) -> tuple[Command, int]:
+        """Return what is kept of it to repeat it, and how many characters that has."""
+        return self, 0
 
     @abstractmethod
     def apply(self, loop: Any) -> Any:

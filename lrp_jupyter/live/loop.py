@@ -30,6 +30,9 @@ Paper: §5.1 (the loop), §6.3 (pause), §6.4 (forcing states).
 from __future__ import annotations
 
 import math
+import random
+import sys
+import threading
 import traceback
 from collections import deque
 from collections.abc import Callable, Iterator
@@ -38,21 +41,29 @@ from contextlib import contextmanager, suppress
 from dataclasses import replace
 from numbers import Real
 from time import perf_counter
-from types import MappingProxyType
+from types import FrameType, MappingProxyType
 from typing import Any, Literal
 
 from lrp_jupyter.arguments import check_type
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.nodes import RobotMethod
+from lrp_jupyter.bridges.outside import RobotStopped
+from lrp_jupyter.bridges.robot import part_name
+from lrp_jupyter.bridges.safety import Origin
 from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, sentence_of
 from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.faults import Interrupted
-from lrp_jupyter.interpreter.frame import Frame, Hung, Status, is_active
+from lrp_jupyter.interpreter.frame import Frame, Hit, Hung, Status, is_active
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.program import Element, Path, Program
+from lrp_jupyter.live.breakpoints import Breakpoints
+from lrp_jupyter.live.checkpoints import COPIED, Checkpoints, SessionCheckpoint, names_of
 from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign, on_main_thread
 from lrp_jupyter.live.inbox import Command, Inbox
+from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, RunEnded
 from lrp_jupyter.live.values import ValueTexts
 
 __all__ = ["FASTEST", "SLOWEST", "STEP", "Loop"]
@@ -118,8 +129,25 @@ class Loop:
         self._step = bridge.time_step  # seconds; None where time passes by itself
         self.changed = changed
         self._printed = printed
-        self.moments: deque[tuple[float, object]] = deque(maxlen=remembered)
-        """For each tick: the time before it, and the bridge's moment."""
+        self.moments: deque[tuple[float, object, object]] = deque(maxlen=max(remembered, 1))
+        """For each tick: the time before it, the bridge's moment, and the bridge's token of its readings."""
+        self.inputs = Inputs()
+        """What came from outside, as far as the run has not gone back behind it."""
+        self.checkpoints = Checkpoints()
+        self._remembers = remembered > 0
+        self._pending_at = 0
+        """The tick after which there is something to do before the next: take a checkpoint, note a stop."""
+        self.record: Callable[[Input], object] | None = None
+        """Called with every input, those before a rewinding included."""
+        self.breakpoints: Breakpoints | None = None
+        self.paused_by: Hit | None = None
+        self.after_tick: list[Callable[[], object]] = []
+        """Called after every tick."""
+        self._stops: deque[object] = deque()  # by other threads, not yet recorded
+        self._driven_by = 0  # the thread that made the last turn
+        self._replayed = False  # whether what happens now follows from a recorded input
+        self._kept: list[object] | None = None  # what of the world was kept while it is rewound
+        bridge.outside, bridge.origin = self._from_outside, self._origin
         self._steps = 0
         self.now = 0.0
         """Seconds of the run."""
@@ -229,6 +257,7 @@ class Loop:
             The time (of the clock) until which there is nothing to do unless a command arrives;
             infinite if only a command can change anything.
         """
+        self._driven_by = threading.get_ident()
         try:
             if self.inbox.queued:
                 self.apply_queued()
@@ -283,16 +312,114 @@ class Loop:
         interpreter, bridge, now, step = self.interpreter, self.bridge, self.now, self._step
         self.ticking = object()  # a number would repeat: before the tick has begun, and after a rewind
         try:
-            self.moments.append((now, None if step is None else bridge.moment()))
+            if interpreter.tick >= self._pending_at:
+                self._prepare()
+            moment = None if step is None else bridge.moment()
             bridge.begin_tick(now, self.period)
+            self.moments.append((now, moment, bridge.readings if step is None else bridge.sensed()))
             interpreter.step(now)
             bridge.end_tick(now)
         finally:
             self.ticking = None
         on_time = step is None and now - self.due <= LAG
         self.due = (self.due if on_time else now) + self.period
+        for call in self.after_tick:
+            call()
         if interpreter.paused and self.status == "running":
             self._stop_at_issue()
+
+    def settle(self) -> None:
+        """Apply what waits to be done to the robot's world."""
+        self._picture()
+
+    def checkpoint(self) -> SessionCheckpoint:
+        """Return what a copy of this session needs to go on from here; between two ticks."""
+        interpreter, namespace = self.interpreter, self.interpreter.namespace
+        beside = {name: namespace[name] for name in self.names_used() if type(namespace.get(name)) in COPIED}
+
+        def known(value: object) -> object:
+            if value is namespace:
+                return "namespace"
+            return value.path if isinstance(value, RobotMethod) else part_name(value)
+
+        snapshot = interpreter.snapshot(known, beside)
+        moment = self.bridge.moment()
+        return SessionCheckpoint(
+            snapshot,
+            self.now,
+            self.due,
+            self.rate,
+            self.status == "running",
+            self.inputs.count,
+            moment,
+            random.getstate(),
+        )
+
+    def names_used(self) -> frozenset[str]:
+        """Return the global names that the blocks of the program use."""
+        return names_of(link(self.interpreter.program))
+
+    def go_to(self, time: float) -> None:
+        """Advance the time to that of a recorded entry, without a tick."""
+        if self._step is None:
+            self.now = max(self.now, time)
+        else:
+            self.advance(time - self.now)
+        self.due = self.now
+
+    def rest(self) -> None:
+        """Be paused from now on, though the program is not told."""
+        if self.status == "running":
+            self.status = "paused"
+            self.clock.pause()
+            self._note(RunEnded())
+
+    def begin(self, checkpoint: SessionCheckpoint) -> dict[str, Any]:
+        """Continue from a checkpoint of another session, whose bridge was forked there.
+
+        Returns
+        -------
+        dict
+            The copied objects of the namespace.
+        """
+        interpreter, bridge = self.interpreter, self.bridge
+
+        def find(token: object) -> object:
+            return interpreter.namespace if token == "namespace" else bridge.nodes.table[str(token)]
+
+        beside: dict[str, Any] = interpreter.begin(checkpoint.snapshot, find)
+        self.now = checkpoint.time
+        if self._step is not None:
+            self._steps = round(self.now / self._step)
+        self.set_rate(checkpoint.rate)
+        self.due = checkpoint.due
+        self.clock.rebase(self.now)
+        self.checkpoints.clear()
+        self._pending_at = 0
+        bridge.safety.tick(interpreter.now, self.period)
+        self.status, self._unstarted = "running" if checkpoint.running else "paused", False
+        return beside
+
+    def _prepare(self) -> None:
+        """Note what other threads have stopped, and take a checkpoint if one is due."""
+        while self._stops:
+            self._note(self._stops.popleft())
+        if not self._remembers:
+            self._pending_at = sys.maxsize
+            return
+        if self.interpreter.tick >= self.checkpoints.due:
+            self.checkpoints.add(self.checkpoint)
+        self._pending_at = self.checkpoints.due
+
+    def check_breakpoints(self) -> None:
+        """Pause if a breakpoint was hit."""
+        assert self.breakpoints is not None
+        with self._calling("a breakpoint"):
+            hit = self.breakpoints.check()
+        if hit is not None:
+            if self.status == "running":
+                self.pause(str(hit))
+            self.reason, self.paused_by = str(hit), hit
 
     def _stop_at_issue(self) -> None:
         """Pause as the interpreter has done, because of an issue in a tick or a command."""
@@ -318,6 +445,7 @@ class Loop:
             Whether `after_tick` ended the run; a pause also ends it. What it raises is raised.
         """
         self._check_whole()
+        self._driven_by = threading.get_ident()
         was_running = self.status == "running"
         self.resume()
         step, tick, queued = self._step, self.tick, self.inbox.queued
@@ -357,9 +485,8 @@ class Loop:
                 self.break_down(error)
         finally:
             self.clock.rebase(self.now)
-            if self.status == "running" and not was_running:
-                self.status = "paused"
-                self.clock.pause()
+            if not was_running:
+                self.rest()
             self.publish()
         return False
 
@@ -414,6 +541,7 @@ class Loop:
             moved=interpreter.moved,
             patch_reason=interpreter.patch_reason,
             program=interpreter.program,
+            readings=self.bridge.readings_of(self.moments[-1][2]) if self.moments else {},
             rate=self.rate,
             achieved_rate=rate,
             speed=self.clock.speed,
@@ -421,6 +549,7 @@ class Loop:
             printed=self._printed(),
             bridge=self.bridge.status.sentence,
             robot=self._picture(),
+            paused_by=self.paused_by if self.status == "paused" else None,
         )
 
     def _picture(self) -> object:
@@ -474,14 +603,26 @@ class Loop:
                 else:
                     answer.set_exception(refusal)
 
+    def apply(self, command: Command) -> Any:
+        """Apply a command now and return its result; raise what it raises."""
+        result, refusal = self._apply(command)
+        if refusal is not None:
+            raise refusal
+        return result
+
     def _apply(self, command: Command) -> tuple[Any, BaseException | None]:
         """Apply a command; return its result, and what it raised."""
         restarts = self.interpreter.restarts
+        self._driven_by = threading.get_ident()
         try:
             if not command.mends:
                 self._check_whole()
-            with self._calling():  # blocks, hooks and code of the caller
+            with self._calling(), self._deriving(command.recorded):  # blocks, hooks and code of the caller
                 result = command.apply(self)
+            if command.recorded:
+                self._note(command)
+                if self.breakpoints is not None and not command.undoes:
+                    self.check_breakpoints()
             if self.interpreter.paused and self.status == "running":
                 self._stop_at_issue()
             return result, None
@@ -500,6 +641,49 @@ class Loop:
             if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
                 self.bridge.stop_all()
 
+    # -- the inputs ------------------------------------------------------------------------------
+
+    def _note(self, what: object) -> None:
+        """Record an input, after the stops of other threads."""
+        while self._stops:
+            self._note(self._stops.popleft())
+        entry = self.inputs.next(self.interpreter.tick, self.now, what)
+        if self._remembers and not (isinstance(what, Command) and what.undoes):
+            kept, letters = what.kept() if isinstance(what, Command) else (what, 0)
+            self.inputs.keep(entry._replace(what=kept), letters)
+        if self.record is not None:
+            self.record(entry)
+
+    def _from_outside(self, what: object, surely: bool) -> None:
+        """Record what was done to the robot, unless the program or a recorded input did it."""
+        if isinstance(what, RobotStopped) and threading.get_ident() != self._driven_by:
+            self._stops.append(what)
+            self._pending_at = 0
+        elif self._kept is not None:
+            self._kept.append(what)
+        elif surely or not (self._replayed or self.ticking):
+            self._note(what)
+
+    @contextmanager
+    def _deriving(self, derived: bool = True) -> Iterator[None]:
+        """Note that what happens meanwhile follows from a recorded input."""
+        outer, self._replayed = self._replayed, derived or self._replayed
+        try:
+            yield
+        finally:
+            self._replayed = outer
+
+    def _origin(self) -> Origin:
+        """Return the block that is calling now, if it is one of the running program."""
+        interpreter, frame = self.interpreter, sys._getframe(1)
+        filename = interpreter.program.filename
+        block: FrameType | None = frame
+        while block is not None and block.f_code.co_filename != filename:
+            block = block.f_back
+        if block is None:
+            return Origin(interpreter.tick)
+        return Origin(interpreter.tick, block.f_code.co_name, block.f_lineno)
+
     def _check_whole(self) -> None:
         if self.fault:
             raise LRPError(
@@ -510,8 +694,10 @@ class Loop:
     def pause(self, reason: str = "") -> None:
         """Pause program, time and robot; the reason is a sentence, or empty. Paper: §6.3."""
         if self.status == "running":
-            self.interpreter.pause(self.now)
-            self._stand_still(reason)
+            with self._deriving():
+                self.interpreter.pause(self.now)
+                self._stand_still(reason)
+            self._note(Paused(reason))
         elif self.status in ("ready", "paused") and reason:
             self._unstarted = self._unstarted or self.status == "ready"
             self.status, self.reason = "paused", reason
@@ -527,13 +713,15 @@ class Loop:
         if self.status in ("running", "stopped", "closed"):
             return
         first, self._unstarted = self.status == "ready" or self._unstarted, False
-        self.status, self.reason = "running", ""
+        self.status, self.reason, self.paused_by = "running", "", None
         self.clock.resume()
         self.clock.rebase(self.now)
         self.due = max(self.due, self.now)
         self._measured = None
-        self._call_hook(self.bridge.on_start if first else self.bridge.on_resume)
-        self.interpreter.resume(self.now)
+        with self._deriving():
+            self._call_hook(self.bridge.on_start if first else self.bridge.on_resume)
+            self.interpreter.resume(self.now)
+        self._note(Resumed())
 
     def step(self) -> None:
         """Run one tick and one period of time; paused before and after. Paper: §6.3."""
@@ -542,7 +730,7 @@ class Loop:
             self._unstarted = False
             self._call_hook(self.bridge.on_start)
         if self.status != "stopped":
-            self.status, self.reason = "paused", ""
+            self.status, self.reason, self.paused_by = "paused", "", None
         self.clock.pause()
         self.due = self.now
         self.tick()
@@ -568,9 +756,14 @@ class Loop:
         if not 0 <= ticks <= have:
             many = "1 tick" if ticks == 1 else f"{ticks} ticks"
             raise ValueError(f"Cannot go back {many}: only {have} can be undone.")
+        kept: list[object] = []
         if ticks:
-            now, moment = self.moments[-ticks]
-            bridge.rewind(moment)  # the world may refuse, and then nothing has changed
+            now, moment, _ = self.moments[-ticks]
+            self._kept = []
+            try:
+                bridge.rewind(moment)  # the world may refuse, and then nothing has changed
+            finally:
+                kept, self._kept = self._kept, None
             for _ in range(ticks):
                 self.moments.pop()
             self.now = now
@@ -579,6 +772,12 @@ class Loop:
             self.due = self.now
             self.clock.rebase(self.now)
         interpreter.rewind(ticks)
+        bridge.safety.forget(interpreter.tick)
+        self.inputs.undo(interpreter.tick)
+        self.checkpoints.cut(interpreter.tick)
+        self._pending_at = 0
+        for what in kept:
+            self.inputs.keep(self.inputs.next(interpreter.tick, self.now, what))
 
     def force(self, path: Path, how: Literal["transition", "teleport"]) -> None:
         """Force a state; one that does not exist is an issue, as it is in a transition. Paper: §6.4."""
@@ -616,6 +815,9 @@ class Loop:
         """Make a broken session whole: a new run of a program, ready to start; the robot's world stays."""
         self.interpreter.renew(program, self.now)
         self.moments.clear()
+        self.inputs.clear()
+        self.checkpoints.clear()
+        self._pending_at = 0
         self.fault = self.reason = ""
         if self.status == "broken":
             self.status = "ready"

@@ -44,9 +44,10 @@ import os
 import threading
 import warnings
 import weakref
-from collections.abc import Callable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import CancelledError, Future
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from pathlib import Path as FilePath
@@ -58,32 +59,44 @@ from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_callable, check_choice, check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import check_options, make_bridge
+from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.errors import (
+    BridgeError,
     LRPError,
     SessionClosedError,
     SessionTimeoutError,
     UnknownElementError,
     sentence_of,
 )
-from lrp_jupyter.files import read_text, write_file
+from lrp_jupyter.files import open_log, read_text, write_file
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches, missing_state
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import link
+from lrp_jupyter.interpreter.variables import check_expression
 from lrp_jupyter.language.checks import check
+from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse, scan
-from lrp_jupyter.language.program import Finding, Path, Program, path_text
+from lrp_jupyter.language.program import Element, Finding, Path, Program, path_text
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.language.unmeant import Cursor, Judgement, judge
 from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.answers import Answers, tick_of
+from lrp_jupyter.live.breakpoints import Breakpoint, element_of
 from lrp_jupyter.live.checking import members_of
-from lrp_jupyter.live.clock import Clock, MonotonicClock
+from lrp_jupyter.live.clock import Clock, MonotonicClock, VirtualClock
 from lrp_jupyter.live.driver import Driver
 from lrp_jupyter.live.foreign import surviving
+from lrp_jupyter.live.fork import ForkStart, fork_start, private_namespace
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
+from lrp_jupyter.live.past import frame_at
+from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.recording import Recorder, start_of
+from lrp_jupyter.live.replay import Entry, play, repeat, tested_again, without_edits
+from lrp_jupyter.live.trials import Trial, Trials
 from lrp_jupyter.live.variables import LiveVariables
 
 __all__ = ["Session", "Until"]
@@ -184,6 +197,8 @@ class Session:
         """The findings of the checks about the last text."""
         self._checked: tuple[Program | None, RobotMembers | None, tuple[Finding, ...]] = None, None, ()
         self._text = program.text
+        self._journal = journal
+        self._script: deque[Entry] = deque()  # what was recorded, and is repeated when it runs
         self.bridge = make_bridge(bridge, **options)
         self._members: tuple[object, RobotMembers] = self.bridge.nodes.table, members_of(self.bridge)
         interpreter = Interpreter(
@@ -314,7 +329,7 @@ class Session:
         self.bridge.open()
 
     def start(self, paused: bool = False) -> None:
-        """Start or resume; after :meth:`stop`, from the beginning. Does nothing while the program runs.
+        """RunStart or resume; after :meth:`stop`, from the beginning. Does nothing while the program runs.
 
         A broken session starts again, with the last text.
         """
@@ -451,8 +466,16 @@ class Session:
             self._loop.apply_queued()
             span = math.inf if seconds is None else seconds
             end = self._loop.now + span
-            ended = self._loop.run(span, ends)
+            if self._script and play(self._loop, self._script, end, ends):
+                return True
+            ended = self._loop.run(end - self._loop.now, ends)
             return ended if ends is not None else self._loop.now >= end - 1e-6
+
+    @contextmanager
+    def driving(self, limit: float) -> Iterator[None]:
+        """Drive the loop on the calling thread; a block that takes longer than `limit` is interrupted."""
+        with self._driver.exclusive("run"), self._driver.limited(limit):
+            yield
 
     def _watch(self, until: Until) -> Callable[[], bool]:
         """Return the check that :meth:`run` calls after every tick."""
@@ -715,6 +738,335 @@ class Session:
         if self.program is not before:  # edits were undone, too
             self._text = self.program.text
 
+    # -- breakpoints -----------------------------------------------------------------------------
+
+    @property
+    def breakpoints(self) -> tuple[Breakpoint, ...]:
+        """The breakpoints, by number."""
+        known = self._loop.breakpoints
+        return () if known is None else self.call(lambda: known.all)
+
+    def pause_when(
+        self,
+        entered: str | Path | None = None,
+        *,
+        left: str | Path | None = None,
+        fires: str | Path | None = None,
+        event: str | Path | None = None,
+        condition: str = "",
+        machine: str | Path = (),
+        after: int = 1,
+        once: bool = False,
+    ) -> Breakpoint:
+        """Pause the program, after the tick, whenever something happens.
+
+        Parameters
+        ----------
+        entered, left : str or path, optional
+            A state, by bare name or path.
+        fires : str or path, optional
+            A transition, by its name, label or path.
+        event : str or path, optional
+            An event that becomes True, whether a transition waits for it or not.
+        condition : str, optional
+            A Python expression over the variables and ``robot`` that becomes True.
+        machine : str or path
+            The machine in whose scope the condition is evaluated, while it runs; by default the top level.
+        after : int
+            The hit from which on it pauses.
+        once : bool
+            Whether it is switched off when it has paused.
+
+        Returns
+        -------
+        Breakpoint
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such element, or there are several.
+        SyntaxError
+            The condition is not an expression.
+        TypeError
+            None of these is given, or several are.
+        """
+        check_number("after", after, "a number of hits", least=1)
+        given = {"entered": entered, "left": left, "fired": fires, "event": event}
+        chosen = [(kind, what) for kind, what in given.items() if what is not None]
+        if len(chosen) + bool(condition) != 1:
+            raise TypeError("Pass one of a state, `left`, `fires`, `event` and `condition`.")
+        program = self.program
+        if condition:
+            check_expression(condition)
+            home = element_of(program, "machine", machine).path if machine else ()
+            new = Breakpoint(0, "condition", None, condition, home, after=after, once=once)
+        else:
+            kind, what = chosen[0]
+            noun = {"fired": "transition", "event": "event"}.get(kind, "state")
+            new = Breakpoint(0, kind, element_of(program, noun, what), after=after, once=once)  # type: ignore[arg-type]
+        added: Breakpoint = self._driver.do(do.AddBreakpoint(new))
+        return added
+
+    def set_breakpoint(self, number: int, enabled: bool) -> None:
+        """Switch a breakpoint on or off; its hits are counted in any case.
+
+        Raises
+        ------
+        ValueError
+            There is no such breakpoint.
+        """
+        self._driver.do(do.ChangeBreakpoint(number, bool(enabled)))
+
+    def remove_breakpoint(self, number: int) -> None:
+        """Remove a breakpoint.
+
+        Raises
+        ------
+        ValueError
+            There is no such breakpoint.
+        """
+        self._driver.do(do.ChangeBreakpoint(number, None))
+
+    # -- recording -------------------------------------------------------------------------------
+
+    @contextmanager
+    def record(self, path: str | os.PathLike[str]) -> Iterator[None]:
+        """Write a recording of this session into a file, as long as the ``with`` block lasts.
+
+        The session can be reproduced from it in another process: see
+        :func:`~lrp_jupyter.live.reproduction.reproduce` and ``lrp replay``.
+
+        Parameters
+        ----------
+        path : str or path
+            ``run.lrplog``; compressed as ``run.lrplog.gz``.
+
+        Raises
+        ------
+        ValueError
+            The session has run already.
+        FileError
+            The file cannot be written.
+        """
+        with open_log(path) as stream:
+            recorder: Recorder = self.call(lambda: self.recorder(stream.write))
+            try:
+                yield
+            finally:
+                self.call(recorder.end)
+
+    def recorder(
+        self,
+        write: Callable[[str], object],
+        seed: int | None = None,
+        initials: Mapping[str, str] | None = None,
+    ) -> Recorder:
+        """Begin a recording; on the loop's thread, or before it is started.
+
+        Parameters
+        ----------
+        write : callable
+            Receives every line.
+        seed : int, optional
+            That of Python's random numbers, if the caller has seeded them.
+        initials : mapping of str to str, optional
+            The expressions that replace initial values of the text.
+        """
+        if self._loop.interpreter.tick or self._loop.inputs:
+            raise ValueError("The session has run already. A recording begins before the first tick.")
+        self.bridge.open()
+        return Recorder(self._loop, write, start_of(self._loop, self.bridge, seed, initials))
+
+    # -- the past, and what if -------------------------------------------------------------------
+
+    def at(self, tick: int) -> Frame:
+        """Return the frame of an earlier tick: active states, variables, readings, counts, the robot.
+
+        A value that was changed in place is shown as it is now.
+
+        Raises
+        ------
+        ValueError
+            The tick is not recorded (any more).
+        """
+        check_type("tick", tick, int, "the number of a tick")
+        frame: Frame = self.call(partial(frame_at, self._loop, tick))
+        return frame
+
+    def why_not(self, transition: str | Path, at: int | None = None) -> Reason:
+        """Return why a transition did not fire in a tick, or that it did.
+
+        Parameters
+        ----------
+        transition : str or path
+            Its name, its label (``condition:from->to``) or its path.
+        at : int, optional
+            A tick; by default the last one.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such transition, or there are several.
+        ValueError
+            The tick is not recorded (any more).
+        """
+        reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why_not(transition, at))
+        return reason
+
+    def why(self, what: str | Path, at: int | None = None) -> Reason:
+        """Return why a state is active, or why the robot got its last command.
+
+        Parameters
+        ----------
+        what : str or path
+            A state (``"looking"``) or a command of the robot (``"robot.move"``).
+        at : int, optional
+            A tick; by default the last one.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such state or command, or there are several.
+        ValueError
+            The tick is not recorded (any more).
+        """
+        reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why(what, at))
+        return reason
+
+    def explain(self, name: str | Path, at: int | float | None = None) -> Reason:
+        """Return :meth:`why_not` for a transition, :meth:`why` for a state or a command of the robot.
+
+        Parameters
+        ----------
+        name : str or path
+        at : int or float, optional
+            A tick; or a time in seconds, as a float. By default now.
+        """
+
+        def answer() -> Reason:
+            tick = at if at is None or isinstance(at, int) else tick_of(self._loop, at)
+            return Answers(self._loop, self._test_again).explain(name, tick)
+
+        reason: Reason = self.call(answer)
+        return reason
+
+    def _test_again(self, tick: int, element: Element) -> Evaluation | Exception | None:
+        """Run a tick again in a fork, and return what the test of a transition was there."""
+        try:
+            start = fork_start(self._loop, tick - 1)
+        except (ValueError, BridgeError):
+            return None
+        if isinstance(start.bridge, RecordedBridge):
+            return None
+        with self._forked(start) as copy:
+            return tested_again(copy._loop, copy._script, element)
+
+    def fork(
+        self, at: int | None = None, program: str | Program | None = None, *, inputs: bool = False
+    ) -> Self:
+        """Return an independent copy of this session, now or after an earlier tick.
+
+        It is paused, runs in virtual time only (:meth:`run`, :meth:`step`), and nothing that it does is
+        noticed here. With a simulated robot, or none, it goes on exactly as this session did or will; with
+        any other robot it is fed the recorded readings.
+
+        Parameters
+        ----------
+        at : int, optional
+            A tick; by default now.
+        program : str or Program, optional
+            Another program, applied at once as an edit is.
+        inputs : bool
+            Whether what came from outside later is repeated when it runs, at the same times; edits only if
+            there is no other program.
+
+        Raises
+        ------
+        ValueError
+            The tick is not recorded (any more).
+        LRPSyntaxError
+            The other text is not a valid program.
+        """
+        if isinstance(program, str):
+            program = parse(program, self.program.filename)
+        copy = self._forked(self.call(partial(fork_start, self._loop, at)))
+        with copy._driver.exclusive("fork"):
+            if program is not None:
+                copy._loop.apply(do.ReplaceProgram(program))
+                copy._text = program.text
+                copy._script = deque(without_edits(copy._script))
+            if not inputs:
+                copy._script.clear()
+            if not copy._script:
+                copy._loop.rest()
+            copy._loop.publish()
+        return copy
+
+    def try_values(
+        self,
+        variable: str | Path,
+        values: Iterable[object],
+        seconds: float = 60.0,
+        until: Until | None = None,
+        outcome: Callable[[Session], object] | None = None,
+        *,
+        at: int | None = None,
+    ) -> Trials:
+        """Run on from one moment with different values of a variable, each in a fork; nothing changes here.
+
+        Parameters
+        ----------
+        variable : str or path
+            A variable that exists at that moment.
+        values : iterable
+        seconds : float
+            How long each run lasts at most, in seconds of the run.
+        until : str, path or callable, optional
+            A state, or a condition on the frame, that ends a run; the time until then is part of the result.
+        outcome : callable, optional
+            Called with the fork at the end of its run; the result is shown.
+        at : int, optional
+            A tick; by default now.
+
+        Returns
+        -------
+        Trials
+            One :class:`~lrp_jupyter.live.trials.Trial` for each value; a notebook shows a table.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such variable, or the program has no such state.
+        ValueError
+            The tick is not recorded (any more).
+        """
+        trials = []
+        for value in values:
+            with self.fork(at) as fork:
+                fork.variables[variable] = value
+                trials.append(_tried(fork, value, seconds, until, outcome))
+        awaited = "" if until is None else "the condition" if callable(until) else path_text(as_path(until))
+        return Trials(path_text(as_path(variable)), tuple(trials), awaited)
+
+    def _forked(self, start: ForkStart) -> Self:
+        """Return a copy of this session, at the moment for which it was prepared."""
+        checkpoint = start.checkpoint
+        copy = type(self)(
+            checkpoint.snapshot.program,
+            start.bridge,
+            VirtualClock(),
+            namespace=private_namespace(self.namespace, checkpoint.random),
+            name=f"{self.name} fork",
+            journal=self._journal,
+        )
+        copy.namespace.update(copy._loop.begin(checkpoint))
+        with copy._driver.exclusive("fork"):
+            for entry in start.entries:
+                repeat(copy._loop, entry)
+        copy._text = copy.interpreter.program.text
+        copy._script.extend(start.later)
+        return copy
+
     # -- commands, events and frames -------------------------------------------------------------
 
     def call(self, function: Callable[[], Any]) -> Any:
@@ -774,6 +1126,36 @@ class Session:
             self._changed.notify_all()
         for listener in self._listeners:
             listener()
+
+
+def _tried(
+    fork: Session,
+    value: object,
+    seconds: float,
+    until: Until | None,
+    outcome: Callable[[Session], object] | None,
+) -> Trial:
+    """Run a fork, and return what came of it."""
+    begin, way = fork.frame.time, []
+    ends = None if until is None else fork._watch(until)
+
+    def after_tick() -> bool:
+        place = fork.bridge.position
+        if place is not None:
+            way.append(place)
+        return ends is not None and ends()
+
+    reached = fork.run(seconds, after_tick=after_tick)
+    frame = fork.frame
+    return Trial(
+        value,
+        round(frame.time - begin, 9),
+        round(frame.time - begin, 9) if reached and until is not None else None,
+        None if outcome is None else outcome(fork),
+        frame.active,
+        sum(not issue.resolved for issue in frame.issues),
+        tuple(way),
+    )
 
 
 def _count(interpreter: Interpreter, state: str | Path) -> int:

@@ -64,6 +64,11 @@ class InputLog:
         return self._checkpoints[0].moment.step
 
     @property
+    def last(self) -> Checkpoint:
+        """The last checkpoint."""
+        return self._checkpoints[-1]
+
+    @property
     def wants_checkpoint(self) -> bool:
         """Whether a replay from the last checkpoint would have to apply many inputs."""
         return len(self._checkpoints[-1].inputs) >= CHECKPOINT_INPUTS
@@ -80,6 +85,21 @@ class InputLog:
     def record(self, step: int, what: Input) -> None:
         """Record an input applied at a step."""
         self._checkpoints[-1].inputs.append((step, what))
+
+    def find(self, step: int, inputs: int) -> tuple[Checkpoint, list[tuple[int, Input]]]:
+        """Return what reproduces a moment, as :meth:`cut` does, and drop nothing.
+
+        Raises
+        ------
+        ValueError
+            It is too long ago.
+        """
+        if step < self.earliest:
+            raise ValueError(f"Step {step} is too long ago: steps from {self.earliest} on can be reached.")
+        last = next(each for each in reversed(self._checkpoints) if not each.is_after(step, inputs))
+        return last, [
+            (at, what) for at, what in last.inputs[: max(0, inputs - last.moment.inputs)] if at <= step
+        ]
 
     def cut(self, step: int, inputs: int | None) -> tuple[Checkpoint, list[tuple[int, Input]]]:
         """Drop everything after a moment of the run; return what reproduces the moment.

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 import os
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from random import Random
@@ -97,6 +97,8 @@ class Simulation:
         self._clock = StepCount()
         self._random = Random(self.world.seed)
         self._queue: deque[Input] = deque()
+        self.drained: Callable[[Input], object] | None = None
+        """Called with every queued input that is applied."""
         self._inputs = 0
         self._base = 0
         self._log = InputLog()
@@ -239,7 +241,10 @@ class Simulation:
     def _drain(self) -> None:
         while self._queue:
             with suppress(ValueError):  # an edit has removed what it is about since it was queued
-                self._apply_new(check_input(self._queue.popleft(), self.world))
+                what = check_input(self._queue.popleft(), self.world)
+                self._apply_new(what)
+                if self.drained is not None:
+                    self.drained(what)
 
     def _apply_new(self, what: Input) -> None:
         if isinstance(what, WorldEdit):
@@ -433,6 +438,26 @@ class Simulation:
             self._apply_now(what)
         self._advance_to(step)
         self.revision += 1
+
+    def fork(self, to: WorldMoment) -> Simulation:
+        """Return an independent simulation at a moment of this run, also of one that has ended.
+
+        Raises
+        ------
+        ValueError
+            The moment is too long ago (see :attr:`earliest`).
+        """
+        checkpoint, inputs = self._log.find(*to)
+        marks = checkpoint.marks[: checkpoint.mark_count]
+        fork = Simulation(checkpoint.world, history=WorldHistory(), original=self.original)
+        fork._log = InputLog()
+        fork._log.add(replace(checkpoint, marks=marks, inputs=[]))
+        fork._restore(fork._log.last)
+        for at, what in inputs:
+            fork._advance_to(at)
+            fork._apply_now(what)
+        fork._advance_to(to.step)
+        return fork
 
     def _checkpoint(self, between_inputs: bool = False, solids: list[Motion] | None = None) -> None:
         """Record the state, with solids moved to new places if given, and continue from the record."""

@@ -18,6 +18,7 @@ from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import find_bridges
 from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.graph.still import svg
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
@@ -34,6 +35,8 @@ _HELP = """\
 %lrp new NAME         open a bundled program
 %lrp examples         list the bundled programs and worlds
 %lrp pause|resume|step|reset|stop|check|graph|debug [NAME]
+%lrp why WHAT [at SECONDS] [NAME]
+                      why a transition did not fire, a state is active, or the robot moves
 %lrp interrupt [NAME] interrupt the block that does not return
 %lrp save [NAME]      write the lab's text into a new cell
 %lrp versions [NAME]  list the earlier texts, the newest first
@@ -77,6 +80,13 @@ def _hertz(text: str, what: str) -> float:
         return float(text)
     except ValueError:
         raise UsageError(f"{what} is a number of ticks per second, not `{text}`.") from None
+
+
+def _seconds(text: str) -> float:
+    try:
+        return float(text.removesuffix("s"))
+    except ValueError:
+        raise UsageError(f"%lrp why: `{text}` is not a number of seconds.") from None
 
 
 @magics_class
@@ -194,6 +204,21 @@ class LRPMagics(Magics):
         if not connection.session.interrupt():
             print(f"No block of `{connection.name}` is running now, so there is nothing to interrupt.")  # noqa: T201
 
+    def why(self, rest: list[str]) -> None:
+        """Say why a transition did not fire, why a state is active, or why the robot does what it does."""
+        if not rest:
+            raise UsageError(
+                "%lrp why: Write the name of a transition, a state or a command of the robot, as in "
+                "`%lrp why looking` or `%lrp why robot.move at 12.3`."
+            )
+        what, *rest = rest
+        at = None
+        if rest[:1] == ["at"]:
+            if len(rest) < 2:
+                raise UsageError("%lrp why: Write the seconds of the run after `at`, as in `at 12.3`.")
+            at, rest = _seconds(rest[1]), rest[2:]
+        print(_the(rest).session.explain(what, at))  # noqa: T201
+
     def rate(self, rest: list[str]) -> None:
         """Set the ticks per second."""
         if not rest:
@@ -282,7 +307,14 @@ WORDS: Mapping[str, Callable[[LRPMagics, list[str]], object]] = {
     word.__name__: word
     for word in (
         *(LRPMagics.show, LRPMagics.new, LRPMagics.examples, LRPMagics.pause, LRPMagics.resume),
-        *(LRPMagics.step, LRPMagics.reset, LRPMagics.stop, LRPMagics.interrupt, LRPMagics.rate),
+        *(
+            LRPMagics.step,
+            LRPMagics.reset,
+            LRPMagics.stop,
+            LRPMagics.interrupt,
+            LRPMagics.rate,
+            LRPMagics.why,
+        ),
         *(LRPMagics.check, LRPMagics.graph, LRPMagics.save, LRPMagics.versions, LRPMagics.version),
         *(LRPMagics.debug, LRPMagics.bridge),
     )
@@ -304,7 +336,20 @@ def completions(shell: InteractiveShell, event: Any) -> list[str]:
         return [*(() if before else names), "--world", "--bridge", "--rate"]
     if not before:
         return [*WORDS, *names]
+    if before[0] == "why":
+        return _asked() if len(before) == 1 else ["at", *names]
     return {"new": list(programs.names()), "bridge": list(find_bridges())}.get(before[0], names)
+
+
+def _asked() -> list[str]:
+    """Return what one may ask about: the transitions and states of the open programs, and the robot."""
+    elements = [
+        element
+        for connection in registry.running()
+        for element in resolve(connection.session.program).elements()
+        if element.kind in ("transition", "state")
+    ]
+    return [*dict.fromkeys(element.shown[-1] for element in elements), "robot.move"]
 
 
 def open_body(lines: list[str]) -> list[str]:

@@ -567,6 +567,24 @@ class InspectView(TypedDict):
     more: int
 
 
+class WhyLine(TypedDict):
+    """A line of the program that an answer mentions."""
+
+    line: int
+    text: str
+
+
+class WhyView(TypedDict):
+    """Why something happened, or did not; `present`: whether its lines are those of the running text."""
+
+    code: str
+    tick: int
+    time: float
+    sentence: str
+    lines: list[WhyLine]
+    present: bool
+
+
 class ReplyMessage(TypedDict):
     """The one answer to a command or request with this id."""
 
@@ -578,6 +596,7 @@ class ReplyMessage(TypedDict):
     hover: NotRequired[HoverView | None]
     references: NotRequired[ReferencesView | None]
     inspect: NotRequired[InspectView]
+    why: NotRequired[WhyView]
     versions: NotRequired[list[VersionView]]
     svg: NotRequired[str]
     exists: NotRequired[bool]

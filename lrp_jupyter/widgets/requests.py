@@ -17,6 +17,7 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member, MemberError
+from lrp_jupyter.bridges.nodes import RobotMethod
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.language.format import formatting
@@ -27,12 +28,16 @@ from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
 from lrp_jupyter.widgets.protocol import (
+    ElementKind,
     HoverView,
     Option,
     ReferencesView,
+    WhyLine,
+    WhyView,
     edits_view,
     id_of,
     offset_of,
+    path_of,
     range_of,
 )
 
@@ -43,6 +48,7 @@ __all__ = [
     "ReferencesRequest",
     "SaveRequest",
     "VersionsRequest",
+    "WhyRequest",
     "arguments_of",
     "fields_of",
 ]
@@ -107,6 +113,22 @@ class FormatRequest(PageRequest, type="format"):
         except LRPSyntaxError:
             raise LRPError("The text has errors, so it cannot be formatted. Correct them first.") from None
         return {"edits": edits_view(self.text, edits)}
+
+
+@dataclass(frozen=True)
+class WhyRequest(PageRequest, type="why"):
+    """Ask why a transition did not fire, why a state is active, or why the robot does what it does.
+
+    `kind` is ``transition``, ``state`` or ``robot``, whose `path` is the name of a command, or empty for the
+    command that moves it. Answered by `why`.
+    """
+
+    kind: ElementKind
+    path: str
+
+    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
+        """Return the reason."""
+        return {"why": _why(opened.session, self.kind, self.path)}
 
 
 @dataclass(frozen=True)
@@ -382,3 +404,46 @@ def _references(text: str, line: int, column: int) -> ReferencesView | None:
         "definition": definition,
         "references": [definition, *others],
     }
+
+
+def _why(session: Session, kind: ElementKind, path: str) -> WhyView:
+    """Return the answer to a question about now.
+
+    Raises
+    ------
+    LRPError
+        It cannot be answered; the message gives the reason.
+    """
+    try:
+        if kind == "transition":
+            reason = session.why_not(path_of(kind, path))
+        elif kind == "state":
+            reason = session.why(path_of(kind, path))
+        else:
+            reason = session.why(f"robot.{path or _moving(session.bridge)}")
+    except ValueError as error:
+        raise LRPError(str(error)) from None
+    program = session.at(reason.tick).program if reason.code != "not-in-program" else session.program
+    lines: list[WhyLine] = []
+    sources = program.text.splitlines()
+    for line in reason.facts["lines"]:
+        if line <= len(sources):
+            lines.append({"line": line, "text": sources[line - 1].strip()})
+    return {
+        "code": reason.code,
+        "tick": reason.tick,
+        "time": reason.time,
+        "sentence": str(reason),
+        "lines": lines,
+        "present": program.text == session.program.text,
+    }
+
+
+def _moving(bridge: Bridge) -> str:
+    """Return the name of the command that moves a robot."""
+    methods = [
+        node.path for node in bridge.nodes.members() if isinstance(node, RobotMethod) and node.velocity
+    ]
+    if not methods:
+        raise LRPError(f"`{bridge.name}` has no command that moves it.")
+    return "move" if "move" in methods else methods[0]

@@ -14,3 +14,12 @@ def test_the_benchmark_runs_and_prints_ratios():
     assert done.returncode == 0, done.stderr
     assert "| lrp |" in done.stdout
     assert "times real time" in done.stdout
+
+
+@pytest.mark.slow
+def test_the_benchmark_of_the_past_runs_and_prints_ratios():
+    script = Path(__file__).with_name("past.py")
+    done = subprocess.run([sys.executable, script, "--quick"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "| why not, now |" in done.stdout
+    assert "with no difference" in done.stdout

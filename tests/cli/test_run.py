@@ -162,7 +162,7 @@ def test_a_variable_of_a_nested_machine_is_set_by_its_path_or_its_only_name(lrp)
         (["--bridge", "sim", "--host", "10.0.0.1"], "no option `host`"),
         (["--until", "ende"], "Did you mean `end`?"),
         (["--watch"], "--watch needs a file of your own"),
-        (["--trace", "no/such/folder"], "`no/such/folder` cannot be used: No such file or directory."),
+        (["--trace", "no/such/folder"], "`no/such/folder` cannot be written: No such file or directory."),
         (["--on-issue", "panic"], "panic"),
     ],
 )

@@ -149,7 +149,7 @@ def test_many_commands_without_a_tick_are_remembered_as_one():
         i.patch(parse(TIMED.replace("300", str(300 + value))))
         i.teleport_to("m/b" if value % 2 else "m/a")
     records = records_since_the_last_tick(i)
-    assert len(records) < 1_000
+    assert len(records) < 2_000
     assert sum(isinstance(item, SavedState) for item in records) == 1
     i.rewind(0)
     assert (i.variables["n"], i.program.text) == (1, TIMED)
@@ -203,7 +203,7 @@ def test_a_journal_reaches_as_far_as_it_is_bound_and_its_log_stays_as_long():
     for tick in range(95):
         i.step(tick / 10)
         assert i.journal == min(tick + 1, 10)
-        assert len(i._run.journal.log) < 90, "20 ticks, each with one record of three and its end"
+        assert len(i._run.journal.log) < 110, "20 ticks of four items, and what the first one began"
     with pytest.raises(ValueError, match="the journal holds 10"):
         i.rewind(11)
     i.rewind(10)

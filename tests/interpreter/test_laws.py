@@ -1,25 +1,19 @@
 """Laws: whatever the program, the edits, the commands and the inputs."""
 
-import re
 from types import SimpleNamespace
 
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 from reference import Reference
-from wild import command, program
+from wild import command, moment, obey, program
 
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.events import EVENT_KINDS
 from lrp_jupyter.interpreter.interpreter import Interpreter
-from lrp_jupyter.language.parser import parse, scan
+from lrp_jupyter.language.parser import parse
 
 ORDINARY = ("spawned", "discarded", "entered", "left", "fired")
-BLOCK = re.compile(r"\[[^\[\]]*\]|\b[abc]\b")
 slow = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
-
-
-def moment(i):
-    return i.active, {path: value for path, value in i.variables.items() if not callable(value)}
 
 
 @slow
@@ -53,35 +47,6 @@ def active_exists(i):
         for act in root.walk():
             assert i._run.plan.machines[act.machine.path].states[act.state.name] is act.state
             assert act.row.state is act.state
-
-
-def changed(text, number, new):
-    """Put something else into one block, or another name in the place of a state's."""
-    places = [m for m in BLOCK.finditer(text) if m[0].startswith("[") == (len(new) > 1)]
-    if not places:
-        return text
-    place = places[number % len(places)]
-    return text[: place.start()] + (f"[{new}]" if len(new) > 1 else new) + text[place.end() :]
-
-
-def obey(i, robot, order):
-    kind, argument = order
-    if kind == "step":
-        i.step(i.now + argument / 10)
-    elif kind == "light":
-        robot.light = argument
-    elif kind == "patch":
-        i.patch(parse(argument))
-    elif kind == "change":
-        program, _ = scan(changed(i.program.text, *argument))
-        if program is not None:
-            i.patch(program)
-    elif kind in ("set_variable", "rename"):
-        getattr(i, kind)(*argument)
-    elif argument is None:
-        getattr(i, kind)()
-    else:
-        getattr(i, kind)(argument)
 
 
 @slow

@@ -243,3 +243,25 @@ def test_many_inputs_are_bounded_too(monkeypatch):
         simulation.latch()
         simulation.step(10)
     assert seen(simulation) == straight
+
+
+@pytest.mark.parametrize("seed", seeds(4, 20))
+def test_a_fork_is_the_run_as_it_was_and_goes_on_as_it_did(seed):
+    simulation = Simulation(crowded(), seed)
+    simulation.drive(0.4)
+    drive_about(simulation, Random(seed), 140)
+    moment, there = simulation.moment, seen(simulation)
+    drive_about(simulation, Random(-seed), 120)
+    straight = seen(simulation)
+    fork = simulation.fork(moment)
+    assert seen(fork) == there
+    drive_about(fork, Random(-seed), 120)
+    assert seen(fork) == seen(simulation) == straight, "and the run has not noticed"
+
+
+def test_a_world_that_was_closed_can_be_forked():
+    simulation = Simulation(crowded(), 1)
+    drive_about(simulation, Random(1), 30)
+    moment, there = simulation.moment, seen(simulation)
+    simulation.close()
+    assert seen(simulation.fork(moment)) == there

@@ -116,6 +116,14 @@ def test_words_control_the_program(shell, run):
     assert "no findings" in run("check")
 
 
+def test_why_is_answered_about_now_and_about_a_time(shell, run):
+    lab = cell(shell, "mine", "(machine m (state a) (state b) (ontime 60000 a -> b later)) (spawn m a)\n")
+    lab.session.wait_for(lambda frame: frame.time > 0.5, timeout=30)
+    assert "`later` (line 1) did not fire at 0.2 s: 200 of 60000 ms" in run("why later at 0.2")
+    assert "`a` was entered at 0 s" in run("why a mine")
+    assert "`robot.move` has not been called" in run("why robot.move")
+
+
 def test_a_block_that_does_not_return_is_interrupted_by_its_word(shell, run):
     cell(shell, "mine", A)
     assert "nothing to interrupt" in run("interrupt mine")
@@ -183,6 +191,9 @@ def test_there_is_nothing_to_debug_before_a_block_fails(shell, run):
         ("new folower", "There is no bundled program `folower`. Did you mean `follower`? Choose one of"),
         ("new mine", "`wall-follower`, or begin an empty program with `%%lrp mine`."),
         ("new", "Expected one name, not 0. Write `%lrp new NAME`."),
+        ("why", "Write the name of a transition, a state or a command"),
+        ("why a at", "Write the seconds of the run after `at`"),
+        ("why a at noon", "`noon` is not a number of seconds."),
         ("rate", "Write the number of ticks per second"),
         ("rate fast", "The rate is a number of ticks per second, not `fast`."),
         ("rate -1", "A rate is between 0.01 and 1,000,000 ticks"),

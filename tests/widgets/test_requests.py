@@ -214,3 +214,26 @@ def test_completion_runs_no_foreign_code(bench):
     page = bench("(machine m (state a (running []))) (spawn m a)", namespace={"thing": Endless()}).page()
     offered = page.ask("complete", prefix="th", scope="m")
     assert [(option["label"], option["detail"]) for option in offered["options"]] == [("thing", "<Endless>")]
+
+
+def test_why_is_answered_with_the_lines_that_matter(lab, page):
+    no = page.ask("why", kind="transition", path="m:go")["error"]
+    assert no is None
+    lab.session.step()
+    why = page.ask("why", kind="transition", path="m:go")["why"]
+    assert (why["code"], why["tick"], why["present"]) == ("fired", 2, True)
+    assert "`go` (line 7) fired at 0.1 s" in why["sentence"]
+    assert why["lines"][0] == {"line": 7, "text": "(on ready a -> b go))"}
+    state = page.ask("why", kind="state", path="m/b")["why"]
+    assert [line["line"] for line in state["lines"]] == [7, 4]
+    robot = page.ask("why", kind="robot", path="")["why"]
+    assert robot["code"] == "never"
+    assert "no transition" in page.ask("why", kind="transition", path="m:stop")["error"]
+
+
+def test_why_is_refused_before_the_first_tick_and_without_a_robot(bench):
+    lab = bench("(machine m (state a))(spawn m a)", bridge="none")
+    page = lab.page()
+    assert "No tick is recorded yet" in page.ask("why", kind="state", path="m/a")["error"]
+    lab.session.step()
+    assert "has no command that moves it" in page.ask("why", kind="robot", path="")["error"]

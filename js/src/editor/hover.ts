@@ -19,7 +19,7 @@ export function hover(lab: Lab): Extension {
       const card =
         place.wanted === "python"
           ? await ofPython(lab, chain.text, place.scope)
-          : ofProgram(lab, view.state, chain);
+          : await withReason(lab, ofProgram(lab, view.state, chain));
       if (!card) return null;
       return { pos: chain.from, end: chain.to, above: true, create: () => ({ dom: cardOf(card) }) };
     },
@@ -27,11 +27,23 @@ export function hover(lab: Lab): Extension {
   );
 }
 
+/** Add to the card of a state or a transition why it is active, or did not fire. */
+async function withReason(lab: Lab, card: ProgramCard | null): Promise<HoverView | null> {
+  if (!card?.path || (card.kind !== "state" && card.kind !== "transition")) return card;
+  const { why } = await lab.ask({ type: "why", kind: card.kind, path: card.path });
+  return why ? { ...card, doc: `${card.doc}. ${why.sentence}` } : card;
+}
+
+interface ProgramCard extends HoverView {
+  kind?: string;
+  path?: string;
+}
+
 export function ofProgram(
   lab: Lab,
   state: Parameters<typeof outlineOf>[0],
   chain: { text: string; from: number },
-): HoverView | null {
+): ProgramCard | null {
   const form = syntaxTree(state).resolveInner(chain.from, 1).name === "Keyword" && FORMS[chain.text];
   if (form) return { title: form.usage, type: "", value: "", doc: form.doc };
   const found = outlineOf(state);
@@ -43,7 +55,8 @@ export function ofProgram(
     found.inScope("event", scope).find(({ name }) => name === chain.text) ??
     found.inScope("variable", scope).find(({ name }) => name === chain.text);
   if (!item) return null;
-  const card = { title: `${item.kind} ${item.name}`, type: "", value: "", doc: "" };
+  const { kind, path } = item;
+  const card = { title: `${kind} ${item.name}`, type: "", value: "", doc: "", kind, path };
   if (item.kind === "state") {
     const visits = entered[item.path]?.count ?? 0;
     return {

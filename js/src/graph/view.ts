@@ -1,6 +1,7 @@
 /** The state graph of the machine shown: drawing, marks, zoom and pan, menus. */
 
 import { nameOf, parentOf } from "../language/paths";
+import { askWhy } from "../parts/why";
 import type { Layout, StateShape } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
@@ -275,13 +276,13 @@ export function graphView(lab: Lab): HTMLElement {
     const { arrow, state } = hit(target);
     const acts = pencil?.acts;
     if (arrow) {
-      const items = [...transitionMenu(lab, arrow), null, ...(acts?.ofTransition(arrow, at) ?? [])];
+      const items = [...transitionMenu(lab, arrow, at), null, ...(acts?.ofTransition(arrow, at) ?? [])];
       openMenu(lab.root, at, items, `Transition ${arrow}`);
     } else if (state)
       openMenu(
         lab.root,
         at,
-        [...stateMenu(lab, state, () => open(state)), null, ...(acts?.ofState(state, at) ?? [])],
+        [...stateMenu(lab, state, at, () => open(state)), null, ...(acts?.ofState(state, at) ?? [])],
         `State ${state}`,
       );
     return Boolean(arrow ?? state);
@@ -303,7 +304,11 @@ export function graphView(lab: Lab): HTMLElement {
     const frame = target.getBoundingClientRect();
     if (event.key === "Enter" && event.shiftKey) open(hit(target).state ?? "");
     else if (event.key === "Enter" || event.key === " ") choose(target);
-    else if (event.key === "ContextMenu" || (event.key === "F10" && event.shiftKey) || event.key === "m") {
+    else if (event.key === "?") {
+      const { arrow, state } = hit(target);
+      const at = { x: frame.left + frame.width / 2, y: frame.top + frame.height / 2 };
+      if (arrow ?? state) askWhy(lab, arrow ? "transition" : "state", (arrow ?? state)!, at);
+    } else if (event.key === "ContextMenu" || (event.key === "F10" && event.shiftKey) || event.key === "m") {
       menu(target, { x: frame.left + frame.width / 2, y: frame.top + frame.height / 2 });
     } else return;
     event.preventDefault();
@@ -340,11 +345,14 @@ function emptyNote(lab: Lab): HTMLElement {
   return note;
 }
 
-export function stateMenu(lab: Lab, path: string, open: () => void): (MenuItem | null)[] {
+type Point = { x: number; y: number };
+
+export function stateMenu(lab: Lab, path: string, at: Point, open: () => void): (MenuItem | null)[] {
   const nested = lab.store.state.program.machines.some((machine) => machine.parent === path);
   return [
     { label: "Transition here", action: "transition", run: () => void lab.act({ do: "transition", path }) },
     { label: "Teleport here", action: "teleport", run: () => void lab.act({ do: "teleport", path }) },
+    { label: "Why?", action: "why", run: () => askWhy(lab, "state", path, at), hint: "?" },
     null,
     { label: "Open nested machine", action: "open", run: open, disabled: !nested, hint: "⇧⏎" },
     { label: "Inspect", action: "inspect", run: () => lab.inspect("state", path) },
@@ -353,9 +361,10 @@ export function stateMenu(lab: Lab, path: string, open: () => void): (MenuItem |
   ];
 }
 
-export function transitionMenu(lab: Lab, path: string): (MenuItem | null)[] {
+export function transitionMenu(lab: Lab, path: string, at: Point): (MenuItem | null)[] {
   return [
     { label: "Fire now", action: "fire", run: () => void lab.act({ do: "fire", path }) },
+    { label: "Why not?", action: "why", run: () => askWhy(lab, "transition", path, at), hint: "?" },
     null,
     { label: "Inspect", action: "inspect", run: () => lab.inspect("transition", path) },
     { label: "Go to source", action: "source", run: () => lab.goTo("transition", path), hint: "⏎" },

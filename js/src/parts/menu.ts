@@ -3,6 +3,7 @@
 import type { Lab } from "../session/store";
 import type { Layout, Panels } from "../ui/layout";
 import type { MenuItem } from "../ui/menu";
+import { askWhy } from "./why";
 
 interface Choice {
   shown: () => boolean;
@@ -46,6 +47,14 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
     { label: "Versions…", action: "versions", run: choices.versions },
     ...choices.cell(),
     { label: "Inspect the robot", action: "inspect-robot", run: () => lab.inspect("robot", "") },
+    {
+      label: "Why does the robot do this?",
+      action: "why-robot",
+      run: () => {
+        const { left, top } = lab.root.getBoundingClientRect();
+        askWhy(lab, "robot", "", { x: left, y: top });
+      },
+    },
     null,
     {
       label: "Keep running when the active state is edited",

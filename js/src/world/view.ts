@@ -1,6 +1,7 @@
 /** The world of the simulated robot, or the panel of a real one. */
 
 import { saveForm } from "../parts/save";
+import { askWhy } from "../parts/why";
 import type { FromKernel } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
@@ -144,6 +145,14 @@ export function worldView(lab: Lab): WorldPart {
         },
       },
       null,
+      {
+        label: "Why does the robot do this?",
+        action: "why-robot",
+        run: () => {
+          const { left, bottom } = more.getBoundingClientRect();
+          askWhy(lab, "robot", "", { x: left, y: bottom });
+        },
+      },
       { label: "Start here", action: "start-at-robot", run: () => edits.startHere() },
       {
         label: "Undo all edits of this world",

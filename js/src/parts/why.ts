@@ -1,0 +1,97 @@
+/** The card that says why: why a transition did not fire, why a state is active, why the robot does what it does. */
+
+import type { ElementKind, WhyView } from "../protocol";
+import type { Lab } from "../session/store";
+import { button } from "../ui/button";
+import { h, prose } from "../ui/dom";
+import { openPopup } from "../ui/popup";
+import { partInSight } from "../ui/sight";
+
+const EDGE = 6; // px between the card and the edge of what can be seen
+const INTERVAL = 500; // ms between two questions while the program runs
+
+/** Ask, and show the answer beside a point of the window; it follows the program until it is closed. */
+export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: number; y: number }): void {
+  const sentence = h("p", { class: "lrp-why-sentence", role: "status" });
+  const lines = h("div", { class: "lrp-why-lines" });
+  const when = h("span", { class: "lrp-faint" });
+  const card = h(
+    "section",
+    {
+      class: "lrp-why",
+      role: "dialog",
+      "aria-label": titleOf(kind, path),
+      tabindex: "-1",
+      onkeydown: (event: KeyboardEvent) => {
+        if (event.key !== "Escape") return;
+        event.stopPropagation();
+        close(true);
+      },
+    },
+    h(
+      "header",
+      { class: "lrp-head" },
+      h("div", { class: "lrp-title" }, titleOf(kind, path), when),
+      h(
+        "div",
+        { class: "lrp-tools" },
+        button({ icon: "close", title: "Close", action: "close-why", onclick: () => close(true) }),
+      ),
+    ),
+    sentence,
+    lines,
+  );
+  let asked = Number.NEGATIVE_INFINITY;
+  let shown = "";
+  let isOpen = true;
+  const show = (why: WhyView) => {
+    when.textContent = ` at ${why.time.toFixed(1)} s`;
+    card.dataset.code = why.code;
+    const content = JSON.stringify([why.sentence, why.lines, why.present]);
+    if (content === shown) return;
+    shown = content;
+    sentence.replaceChildren(...prose(why.sentence));
+    lines.replaceChildren(
+      ...why.lines.map(({ line, text }) => {
+        const range = { line, column: 1, end_line: line, end_column: 1 };
+        const go = () => lab.goToRange(range, true);
+        return h(
+          "button",
+          { type: "button", class: "lrp-why-line", disabled: !why.present, onclick: go },
+          h("span", { class: "lrp-faint" }, String(line)),
+          h("code", {}, text),
+        );
+      }),
+    );
+  };
+  const ask = async () => {
+    asked = performance.now();
+    const reply = await lab.ask({ type: "why", kind, path });
+    if (!isOpen) return;
+    if (reply.why) show(reply.why);
+    else sentence.replaceChildren(...prose(reply.error ?? "Nothing is known about this."));
+    if (!card.style.left) place();
+  };
+  const place = () => {
+    const frame = lab.root.getBoundingClientRect();
+    const { top, bottom } = partInSight(lab.root);
+    const left = Math.min(at.x - frame.left + EDGE, frame.width - card.offsetWidth - EDGE);
+    const below = Math.min(at.y - frame.top + EDGE, bottom - card.offsetHeight - EDGE);
+    card.style.left = `${Math.max(EDGE, left)}px`;
+    card.style.top = `${Math.max(top + EDGE, below)}px`;
+  };
+  const close = openPopup(lab.root, card, () => {
+    isOpen = false;
+    unwatch();
+  });
+  card.focus({ preventScroll: true });
+  const unwatch = lab.store.watch(["tick", "status", "program"], () => {
+    if (performance.now() - asked > INTERVAL) void ask();
+  });
+}
+
+function titleOf(kind: ElementKind, path: string): string {
+  if (kind === "robot") return "Why does the robot do this?";
+  const name = path.slice(Math.max(path.lastIndexOf("/"), path.indexOf(":")) + 1);
+  return kind === "state" ? `Why ${name}?` : `Why not ${name}?`;
+}

@@ -1,0 +1,103 @@
+"""A robot that only repeats what another one read.
+
+A run with a real robot cannot be repeated: its past is what was recorded. This bridge has the members of the
+other one; its readings are those that it is given tick by tick, and its commands are logged and go nowhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from functools import partial
+from typing import Any
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.message import Twist
+from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
+from lrp_jupyter.errors import NoDataYet
+
+__all__ = ["RecordedBridge", "recorded_members"]
+
+
+class RecordedBridge(Bridge, offered=False):
+    """A robot made of recorded readings.
+
+    Parameters
+    ----------
+    name : str
+        That of the bridge whose readings were recorded.
+    members : iterable of RobotVariable and RobotMethod
+        What it offered.
+
+    Attributes
+    ----------
+    feed : mapping of str to object
+        The readings of the next tick, by path; an error where a reading failed.
+    """
+
+    name = "recorded"
+    hardware = False
+    stop_timeout = None
+
+    def __init__(self, name: str, members: Iterable[RobotVariable | RobotMethod]) -> None:
+        self.recorded_name = name
+        self.feed: Mapping[str, object] = {}
+        self._recorded = tuple(members)
+
+    def add_members(self) -> None:
+        """Add the members of the recorded robot."""
+        for node in self._recorded:
+            if isinstance(node, RobotVariable):
+                self.add_variable(
+                    node.path, partial(self._read, node.path), node.doc, node.unit, type=node.type
+                )
+            else:
+                self.add_method(
+                    node.path,
+                    lambda: None,
+                    node.doc,
+                    message=node.message,
+                    command=node.command,
+                    velocity=node.velocity,
+                    limits=node.limits,
+                )
+                self.nodes.table[node.path].stand_in(node)  # type: ignore[attr-defined]
+
+    def open_interface(self) -> None:
+        """Connect nothing."""
+
+    def _read(self, path: str) -> object:
+        value = self.feed.get(path)
+        if isinstance(value, Exception):
+            raise value
+        if value is None:
+            raise NoDataYet(f"`robot.{path}` was not read in this tick, so its value was not recorded.")
+        return value
+
+
+class _Source(Bridge, offered=False):
+    """Makes members of their descriptions; nothing is ever called on it."""
+
+    name = "source"
+    hardware = False
+
+    def open_interface(self) -> None:
+        """Connect nothing."""
+
+
+def recorded_members(descriptions: Iterable[Mapping[str, Any]]) -> Iterator[RobotVariable | RobotMethod]:
+    """Yield the members of a robot by their descriptions in a recording."""
+    source = _Source()
+    for each in descriptions:
+        if each["kind"] == "variable":
+            source.add_variable(each["name"], lambda: None, each["doc"], each["unit"])
+        else:
+            source.add_method(
+                each["name"],
+                lambda *arguments, **named: None,
+                each["doc"],
+                message=Twist if each["twist"] else None,
+                command=each["command"],
+                velocity=each["velocity"],
+                limits={name: tuple(limit) for name, limit in each["limits"].items()},
+            )
+    yield from source.nodes.members()

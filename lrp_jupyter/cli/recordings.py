@@ -1,0 +1,107 @@
+"""``lrp replay | why``: run a recording again, and ask it why."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NoReturn
+
+import typer
+from rich.text import Text
+
+from lrp_jupyter.cli.events import EventPrinter
+from lrp_jupyter.cli.excerpt import excerpt, finding_text, plain_console
+from lrp_jupyter.cli.options import Assignment, with_initials
+from lrp_jupyter.cli.source import read_source
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.events import TraceEvent
+from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.parser import scan
+from lrp_jupyter.language.program import Program
+from lrp_jupyter.live.recording import Recording, read_recording
+from lrp_jupyter.live.reproduction import Reproduction, reproduce
+
+__all__ = ["prepared", "replay_file", "why_file"]
+
+_SHOWN = frozenset({"entered", "fired", "forced", "restarted", "issue", "paused", "resumed"})
+_ROUNDING = 1e-6  # s
+
+
+def prepared(program: Program, initials: Mapping[str, str]) -> Program:
+    """Return a program with the initial values that a recorded run was started with."""
+    return with_initials(program, [Assignment(as_path(name), text) for name, text in initials.items()])
+
+
+def replay_file(file: str, program: str | None, begin: float, end: float | None) -> int:
+    """Run a recording again, print its events and the first difference; return the exit code."""
+    recording = read_recording(file)
+    console, complaints = plain_console(), plain_console(stderr=True)
+    text = _other_program(program)
+    printer = EventPrinter(console, quiet=False)
+
+    def show(event: TraceEvent) -> None:
+        if event.kind in _SHOWN and event.now >= begin - _ROUNDING:
+            printer.write(event, text or recording.start.text)
+
+    again = _run_again(recording, end, text, show)
+    with again.session as session:
+        frame = session.frame
+        active = ", ".join("/".join(path) for path in frame.active) or "nothing"
+        console.print(f"{recording.name}: {frame.time:.1f} s, {frame.tick} ticks; {active} active")
+        if recording.cut:
+            complaints.print("The file ends in the middle of a line; it was run up to its last whole one.")
+        if again.difference is None:
+            console.print("The run is the recorded one, with no difference.")
+            return 0
+        console.print(Text(str(again.difference), "bold yellow"))
+        return 0 if text is not None else 1
+
+
+def why_file(file: str, name: str, at: float | None, program: str | None) -> int:
+    """Run a recording again up to a time, and print why something happened there or did not."""
+    recording = read_recording(file)
+    text = _other_program(program)
+    again = _run_again(recording, at, text)
+    with again.session as session:
+        if again.difference is not None and text is None:
+            plain_console(stderr=True).print(
+                Text(f"The run is not the recorded one. {again.difference}", "yellow")
+            )
+        try:
+            reason = session.explain(name)
+        except (UnknownElementError, ValueError) as error:
+            raise typer.BadParameter(str(error)) from None
+        console = plain_console()
+        console.print(Text(str(reason)))
+        source = session.program.text
+        for line in reason.facts["lines"]:
+            for row in excerpt(source, line, 1)[:1]:
+                console.print(Text(row))
+        return 0
+
+
+def _other_program(program: str | None) -> str | None:
+    if program is None:
+        return None
+    source = read_source(program)
+    parsed, findings = scan(source.text, source.name)
+    if parsed is None:
+        for finding in findings:
+            plain_console(stderr=True).print(finding_text(source.name, source.text, finding))
+        raise typer.Exit(1)
+    return source.text
+
+
+def _run_again(
+    recording: Recording, until: float | None, text: str | None, show: object = None
+) -> Reproduction:
+    if recording.start.names:
+        listed = ", ".join(f"`{name}`" for name in recording.start.names)
+        _refuse(
+            f"`{recording.name}` was recorded in a notebook, and its blocks use names of that ({listed}). "
+            "Run it again there: `reproduce(read_recording(…), namespace=globals())`."
+        )
+    return reproduce(recording, until, text, show, prepared=prepared)  # type: ignore[arg-type]
+
+
+def _refuse(sentence: str) -> NoReturn:
+    raise typer.BadParameter(sentence)

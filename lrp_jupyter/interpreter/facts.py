@@ -1,0 +1,107 @@
+"""Facts: what happened in a run, as small values that the journal keeps among its undo records.
+
+They cost a tick almost nothing: a transition's fact is made when it fires for the first time, and the journal
+logs a reference to it with every firing. Everything else here is rare.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from lrp_jupyter.interpreter.journal import weightless
+from lrp_jupyter.language.program import Element, Path
+
+__all__ = ["Commanded", "Discarded", "Entered", "Fact", "Faulted", "Fired", "Spawned"]
+
+
+@weightless
+class Fired(NamedTuple):
+    """A transition fired, and its destination was entered.
+
+    Parameters
+    ----------
+    transition : Element
+    label : str
+        How the transition is displayed.
+    machine : path
+        Where it stands, as spawned.
+    source, state : path
+        The states that were left and entered, by path of definition.
+    path : path
+        The entered state, as spawned; in the outer machine, if the transition is an ``exit``.
+    """
+
+    transition: Element
+    label: str
+    machine: Path
+    source: Path
+    state: Path
+    path: Path
+
+
+@weightless
+class Spawned(NamedTuple):
+    """A machine was spawned; `by` is the state whose ``onentry`` did it, as spawned, or empty."""
+
+    machine: Path
+    by: Path
+
+
+@weightless
+class Entered(NamedTuple):
+    """A state was entered other than by a transition: it was spawned or forced."""
+
+    state: Path
+    path: Path
+
+
+@weightless
+class Discarded(NamedTuple):
+    """A nested machine ended, because the state around it was left."""
+
+    machine: Path
+
+
+@weightless
+class Faulted(NamedTuple):
+    """A block raised, or something else was at fault.
+
+    Parameters
+    ----------
+    element : Element
+    ordinal : int
+        Index of the block within the element.
+    kind : str
+        One of the kinds of issues.
+    message : str
+    machine : path
+        If a transition was tested: the machine in which it stands, as spawned.
+    transition : Element or None
+        The transition that was tested.
+    """
+
+    element: Element
+    ordinal: int
+    kind: str
+    message: str
+    machine: Path = ()
+    transition: Element | None = None
+
+
+@weightless
+class Commanded(NamedTuple):
+    """A command was applied between two ticks; what it did comes before it.
+
+    Parameters
+    ----------
+    kind : str
+        ``patched``, ``renamed``, ``restarted``, ``forced``, ``assigned``, ``paused`` or ``resumed``.
+    text : str
+        The reason of a restart, ``transition`` or ``teleport``, the variable that was assigned, …
+    """
+
+    kind: str
+    text: str = ""
+
+
+Fact = Fired | Spawned | Entered | Discarded | Faulted | Commanded

@@ -1,0 +1,364 @@
+"""The recent past of a run: what happened in each tick, and the state after it.
+
+The journal is written for undoing, from the end. Read backward without undoing anything, the same records
+give every earlier state: each says what a variable, an active state or the tree of machines was *before*. So
+the past costs a running program nothing until somebody asks.
+
+A value that was changed in place is shown as it is now: only its variable is in the journal. Who needs its
+earlier content runs the tick again.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from types import CellType
+from typing import Any, NamedTuple
+
+from lrp_jupyter.interpreter.cells import Slot, content
+from lrp_jupyter.interpreter.events import UNSET
+from lrp_jupyter.interpreter.facts import Commanded, Fact, Fired
+from lrp_jupyter.interpreter.journal import Log, SavedState, note, undo_attribute, undo_write, values_of
+from lrp_jupyter.interpreter.run import Run, undo_change, undo_fired
+from lrp_jupyter.interpreter.tree import Activation
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.program import Path, Program
+
+__all__ = ["History", "PastMachine", "PastState", "TickFacts"]
+
+
+_Record = tuple[Any, list[Any]]
+"""A function that undoes a change, and its values; or None, and the time at which a tick ended."""
+
+
+class TickFacts(NamedTuple):
+    """What happened in a tick.
+
+    Parameters
+    ----------
+    tick : int
+        The first is 1.
+    now : float
+        Seconds.
+    before : tuple of Fact
+        What happened between the tick before and this one.
+    facts : tuple of Fact
+        What happened in it, in order.
+    written : frozenset of int
+        The ids of the cells that were written in it.
+    """
+
+    tick: int
+    now: float
+    before: tuple[Fact, ...]
+    facts: tuple[Fact, ...]
+    written: frozenset[int]
+
+    @property
+    def fired(self) -> list[Fired]:
+        """The transitions that fired, in order."""
+        return [fact for fact in self.facts if type(fact) is Fired]
+
+
+@dataclass(frozen=True, slots=True)
+class PastMachine:
+    """A machine that ran.
+
+    Parameters
+    ----------
+    path : path
+        As spawned.
+    state : path
+        Its active state, by path of definition.
+    entered : float
+        When that was entered, in seconds.
+    cells : mapping of str to types.CellType
+        The variables that its blocks can access.
+    own : tuple of str
+        Those that are its own.
+    inside : tuple of PastMachine
+        The machines that the active state had spawned, in order.
+    """
+
+    path: Path
+    state: Path
+    entered: float
+    cells: dict[str, CellType]
+    own: tuple[str, ...]
+    inside: tuple[PastMachine, ...]
+
+    @property
+    def full_path(self) -> Path:
+        """The path of the active state, as spawned."""
+        return (*self.path, self.state[-1])
+
+    def walk(self) -> Iterator[PastMachine]:
+        """Yield itself, then the machines inside, in the order of spawning."""
+        yield self
+        for machine in self.inside:
+            yield from machine.walk()
+
+
+@dataclass(frozen=True, slots=True)
+class PastState:
+    """The state of a run at one moment.
+
+    Parameters
+    ----------
+    program : Program
+        The program that ran.
+    machines : tuple of PastMachine
+        The root machines.
+    cells : mapping of str to types.CellType
+        The global variables.
+    """
+
+    program: Program
+    machines: tuple[PastMachine, ...]
+    cells: dict[str, CellType]
+    values: dict[int, object] = field(repr=False)
+    """The values of the cells, by id of the cell."""
+
+    def value(self, cell: CellType) -> object:
+        """Return the value that a cell had, or UNSET."""
+        return self.values.get(id(cell), UNSET)
+
+    def walk(self) -> Iterator[PastMachine]:
+        """Yield all machines in the order of a tick."""
+        for root in self.machines:
+            yield from root.walk()
+
+    @property
+    def active(self) -> tuple[Path, ...]:
+        """The paths of the innermost active states, as spawned."""
+        return tuple(machine.full_path for machine in self.walk() if not machine.inside)
+
+    @property
+    def variables(self) -> dict[Path, object]:
+        """The values of the variables, by path as spawned."""
+        found: dict[Path, object] = {(name,): self.value(cell) for name, cell in self.cells.items()}
+        for machine in self.walk():
+            found |= {(*machine.path, name): self.value(machine.cells[name]) for name in machine.own}
+        return {path: value for path, value in found.items() if value is not UNSET}
+
+
+class History:
+    """Reads the journal of a run. Used on the thread that ticks, between two ticks.
+
+    Parameters
+    ----------
+    run : Run
+    """
+
+    def __init__(self, run: Run) -> None:
+        self.run = run
+        self._known: dict[int, TickFacts] = {}
+        self._epoch = run.epoch
+        self._programs: dict[object, Program] = {}
+
+    @property
+    def ticks(self) -> range:
+        """The ticks that the journal holds."""
+        run = self.run
+        reach = run.journal.reach(run.ticks) if run.journal is not None else 0
+        return range(run.ticks - reach + 1, run.ticks + 1)
+
+    def facts(self, tick: int) -> TickFacts:
+        """Return what happened in a tick.
+
+        Raises
+        ------
+        KeyError
+            The journal does not hold this tick.
+        """
+        self._read()
+        return self._known[tick]
+
+    def all(self) -> Iterator[TickFacts]:
+        """Yield what happened in every tick that the journal holds, in order."""
+        self._read()
+        return (self._known[tick] for tick in self.ticks)
+
+    def since(self) -> tuple[Fact, ...]:
+        """Return what happened after the last tick."""
+        records = []
+        for function, values in _backward(self.run.journal.log if self.run.journal else []):
+            if function is None:
+                break
+            records.append((function, values))
+        return _facts(records)
+
+    def _read(self) -> None:
+        """Read the ticks that were added to the journal."""
+        run = self.run
+        if run.journal is None:
+            return
+        if self._epoch != run.epoch:  # it was undone, and other ticks may have the same numbers now
+            self._epoch = run.epoch
+            self._known = {tick: facts for tick, facts in self._known.items() if tick <= run.kept}
+        if run.ticks in self._known:
+            return
+        ticks = self.ticks
+        tick, now = run.ticks, 0.0
+        records: list[_Record] | None = None
+        for function, values in _backward(run.journal.log):
+            if function is not None:
+                if records is not None:
+                    records.append((function, values))
+                continue
+            if records is not None:
+                self._known[tick] = _tick_facts(tick, now, records)
+                tick -= 1
+            if tick < ticks.start or tick in self._known:
+                break
+            now, records = values[0], []
+        for old in [old for old in self._known if old < ticks.start]:
+            del self._known[old]
+
+    def state(self, tick: int, *, before: bool = False) -> PastState:
+        """Return the state after a tick; or `before` it, when it began.
+
+        Raises
+        ------
+        ValueError
+            The journal does not hold this tick.
+        """
+        run = self.run
+        ticks = self.ticks
+        if not (tick in ticks or (tick == ticks.start - 1 and not before)):
+            raise ValueError(f"Tick {tick} is not recorded: only {ticks.start} to {ticks.stop - 1} are.")
+        view = _View()
+        assert run.journal is not None
+        number = run.ticks + 1
+        for function, values in _backward(run.journal.log):
+            if function is None:
+                number -= 1
+                if number == tick and not before:
+                    break
+                if number < tick:
+                    break
+                continue
+            if before and number == tick and function is note and type(values[0]) is Commanded:
+                break  # what comes before it happened before the tick began
+            view.undo(function, values)
+        return self._built(view)
+
+    def values_before(self, tick: int) -> Iterator[tuple[int, Callable[[CellType], object]]]:
+        """Yield the ticks before a tick, the last one first, each with what a cell held when it began."""
+        view, number = _View(), self.run.ticks + 1
+        passed = True  # whether the beginning of the tick is behind
+        for function, values in _backward(self.run.journal.log if self.run.journal else []):
+            begins = function is None or (function is note and type(values[0]) is Commanded)
+            if begins and not passed:
+                passed = True
+                if number < tick:
+                    yield number, view.value
+            if function is None:
+                number -= 1
+                passed = False
+            else:
+                view.undo(function, values)
+
+    def _built(self, view: _View) -> PastState:
+        run = self.run
+        source = view.get(run, "source")
+        roots = view.get(run, "roots")
+        home = view.get(run, "globals")
+        own = {name: slot.cell for name, slot in view.get(home, "own").items()}
+        machines = tuple(self._machine(view, act) for act in roots)
+        cells = {id(cell): cell for cell in own.values()}
+        for machine in [each for root in machines for each in root.walk()]:
+            cells.update((id(cell), cell) for cell in machine.cells.values())
+        values = {key: view.value(cell) for key, cell in cells.items()}
+        return PastState(self._program(source), machines, own, values)
+
+    def _machine(self, view: _View, act: Activation) -> PastMachine:
+        visible: dict[str, Slot] = view.get(act, "visible")
+        return PastMachine(
+            view.get(act, "path"),
+            view.get(act, "place"),
+            view.get(act, "entered"),
+            {name: slot.cell for name, slot in visible.items()},
+            tuple(view.get(act, "own")),
+            tuple(self._machine(view, child) for child in view.get(act, "children")),
+        )
+
+    def _program(self, source: tuple[str, str] | Program) -> Program:
+        run = self.run
+        if source == run.source:
+            return run.program
+        if isinstance(source, Program):
+            return source
+        if source not in self._programs:
+            if len(self._programs) > 20:
+                self._programs.clear()
+            self._programs[source] = parse(*source)
+        return self._programs[source]
+
+
+class _View:
+    """The values of attributes and cells at an earlier moment, where they differ from the present ones."""
+
+    def __init__(self) -> None:
+        self._attributes: dict[tuple[int, str], Any] = {}
+        self._cells: dict[int, object] = {}
+
+    def get(self, part: object, name: str) -> Any:
+        key = id(part), name
+        return self._attributes[key] if key in self._attributes else getattr(part, name)
+
+    def value(self, cell: CellType) -> object:
+        return self._cells[id(cell)] if id(cell) in self._cells else content(cell)
+
+    def undo(self, function: object, values: list[Any]) -> None:
+        if function is undo_write:
+            old, cell = values
+            self._cells[id(cell)] = old
+        elif function is undo_change or function is undo_fired:
+            *_, children, entered, place, act = values
+            key = id(act)
+            self._attributes[key, "children"] = children
+            self._attributes[key, "entered"] = entered
+            self._attributes[key, "place"] = place
+        elif function is undo_attribute:
+            value, name, part = values
+            self._attributes[id(part), name] = value
+        elif function is not note:
+            saved: SavedState = values[0]
+            for part, name, value in saved.parts():
+                self._attributes[id(part), name] = value
+            for cell, value in saved.cells():
+                self._cells[id(cell)] = value
+
+
+def _backward(log: Log) -> Iterator[_Record]:
+    """Yield the records of a log, the last one first: a function and its values, or None and a time."""
+    place = len(log) - 1
+    while place >= 0:
+        item = log[place]
+        count = values_of(item)
+        if count is None:
+            yield None, [item]
+            place -= 1
+        else:
+            yield item, log[place - count : place]
+            place -= 1 + count
+
+
+def _facts(records: list[_Record]) -> tuple[Fact, ...]:
+    """Return the facts among records, which are in reverse order."""
+    return tuple(
+        [values[0] for function, values in reversed(records) if function is note or function is undo_fired]
+    )
+
+
+def _tick_facts(tick: int, now: float, records: list[_Record]) -> TickFacts:
+    """Return what happened in a tick; the records are in reverse order."""
+    begin = len(records)
+    for index, (function, values) in enumerate(records):
+        if function is note and type(values[0]) is Commanded:
+            begin = index
+            break
+    inside = records[:begin]
+    written = frozenset([id(values[1]) for function, values in inside if function is undo_write])
+    return TickFacts(tick, now, _facts(records[begin:]), _facts(inside), written)

@@ -1,0 +1,129 @@
+"""Why a transition fired in a tick, or did not: exactly one reason holds for each transition and tick.
+
+Which one follows from what was active when the tick began and what fired and failed in it, as the journal has
+it: a running program pays nothing for it. Paper: §5.1 (the order of a tick).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+from lrp_jupyter.interpreter.facts import Faulted, Fired
+from lrp_jupyter.interpreter.history import History, PastMachine
+from lrp_jupyter.language.program import Element, Machine, Path, Program, Transition
+from lrp_jupyter.language.triggers import Delay
+
+__all__ = ["CODES", "Cause", "ReasonCode", "cause_of", "machine_of", "transition_of"]
+
+ReasonCode = Literal[
+    "fired",
+    "source-inactive",
+    "machine-not-running",
+    "earlier-fired",
+    "outer-fired",
+    "exit-took-parent",
+    "condition-false",
+    "not-boolean",
+    "raised",
+    "no-data",
+    "delay-not-over",
+    "unknown-event",
+    "unknown-destination",
+    "paused",
+    "not-in-program",
+]
+CODES: tuple[ReasonCode, ...] = ReasonCode.__args__  # type: ignore[attr-defined]
+
+_OF_FAULTS: Mapping[str, ReasonCode] = {
+    "no data yet": "no-data",
+    "not boolean": "not-boolean",
+    "unknown event": "unknown-event",
+    "unknown state": "unknown-destination",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """Why a transition fired in a tick, or did not, in terms of the tick.
+
+    Parameters
+    ----------
+    code : str
+    machine : PastMachine or None
+        The machine of the transition when the tick began, if it ran.
+    fired : Fired or None
+        The transition that fired: this one, or the one in the way.
+    fault : Faulted or None
+    """
+
+    code: ReasonCode
+    machine: PastMachine | None = None
+    fired: Fired | None = None
+    fault: Faulted | None = None
+
+
+def cause_of(history: History, element: Element, tick: int) -> Cause:
+    """Return why a transition fired in a tick, or did not.
+
+    Parameters
+    ----------
+    history : History
+    element : Element
+        The transition, by path of definition.
+    tick : int
+
+    Raises
+    ------
+    ValueError
+        The tick is not recorded.
+    """
+    state, facts = history.state(tick, before=True), history.facts(tick)
+    noun = transition_of(state.program, element)
+    if noun is None:
+        return Cause("not-in-program")
+    order = list(state.walk())
+    machine = next((each for each in order if each.state[:-1] == element.path[:-1]), None)
+    if machine is None:
+        return Cause("machine-not-running")
+    if not noun.leaves(machine.state[-1]):
+        return Cause("source-inactive", machine)
+    before = [each.path for each in order[: order.index(machine)]]
+    for fired in facts.fired:
+        if fired.machine == machine.path:
+            if fired.transition == element:
+                return Cause("fired", machine, fired)
+            if _is_earlier(state.program, fired.transition, element):
+                return Cause("earlier-fired", machine, fired)
+        elif fired.machine in before and _is_inside(machine.path, fired.path[:-1]):
+            outer = _is_inside(machine.path, fired.machine)
+            return Cause("outer-fired" if outer else "exit-took-parent", machine, fired)
+    for fault in facts.facts:
+        if isinstance(fault, Faulted) and (fault.transition, fault.machine) == (element, machine.path):
+            return Cause(_OF_FAULTS.get(fault.kind, "raised"), machine, None, fault)
+    return Cause("delay-not-over" if isinstance(noun.trigger, Delay) else "condition-false", machine)
+
+
+def machine_of(program: Program, path: Path) -> Machine | None:
+    """Return a machine by its path of definition."""
+    return next((machine for where, machine in program.walk() if where == path), None)
+
+
+def transition_of(program: Program, element: Element) -> Transition | None:
+    """Return a transition by its path of definition."""
+    machine = machine_of(program, element.path[:-1])
+    if machine is None or element.path[-1] not in machine.ids:
+        return None
+    return machine.transitions[machine.ids.index(element.path[-1])]
+
+
+def _is_earlier(program: Program, one: Element, other: Element) -> bool:
+    """Return whether a transition stands before another one of the same machine."""
+    machine = machine_of(program, one.path[:-1])
+    return machine is not None and machine.ids.index(one.path[-1]) < machine.ids.index(other.path[-1])
+
+
+def _is_inside(path: Path, outer: Path) -> bool:
+    """Return whether a machine as spawned is another one, or inside it."""
+    return path[: len(outer)] == outer

@@ -1,0 +1,182 @@
+"""Snapshots: the whole state of a run as a value, from which any number of independent runs can begin.
+
+Variables are copied deeply, together, with the functions that close over them; what cannot be copied is
+shared, and named. A snapshot belongs to no run: the one that it was taken of can go on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from types import CellType
+from typing import Any, NamedTuple
+
+from lrp_jupyter.interpreter.cells import Slot, content, put
+from lrp_jupyter.interpreter.copies import Packed, pack, unpack
+from lrp_jupyter.interpreter.issues import IssueLog
+from lrp_jupyter.interpreter.run import Run
+from lrp_jupyter.interpreter.tree import Activation, Count, Environment
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.program import Element, Path, Program
+
+__all__ = ["Snapshot", "begin", "take"]
+
+
+class _Machine(NamedTuple):
+    """A running machine: where it is defined, which state is active, and the numbers of its variables."""
+
+    definition: Path
+    parent: int | None  # its number in the order of a tick
+    place: Path
+    entered: float
+    spawn: tuple[str, str] | None
+    own: tuple[tuple[str, int, bool], ...]  # name, number of the cell, and whether it leaks
+
+
+@dataclass(frozen=True, slots=True)
+class Snapshot:
+    """The state of a run between two ticks.
+
+    Parameters
+    ----------
+    source : tuple of str, or Program
+        The text of the program and its file name; the program itself if it has no text.
+    tick : int
+    now : float
+        Seconds.
+    values : Packed
+        The contents of the variables, and values beside them.
+    """
+
+    source: tuple[str, str] | Program
+    tick: int
+    now: float
+    started: bool
+    pending: frozenset[tuple[str, str]]
+    own: tuple[tuple[str, int, bool], ...]
+    machines: tuple[_Machine, ...]
+    counts: Mapping[Element, tuple[int, int]]
+    issues: IssueLog
+    unmeant: Element | None
+    values: Packed
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    """Attributes of the interpreter."""
+
+    @property
+    def program(self) -> Program:
+        """The program that ran, parsed again."""
+        return parse(*self.source) if isinstance(self.source, tuple) else self.source
+
+    @property
+    def shared(self) -> tuple[str, ...]:
+        """The names of the types of what could not be copied."""
+        return self.values.uncopied
+
+
+def take(run: Run, known: Callable[[object], object], beside: object = None) -> Snapshot:
+    """Take a snapshot of a run, between two ticks.
+
+    Parameters
+    ----------
+    run : Run
+    known : callable
+        Returns what stands for an object that every run has for itself, such as its robot; None for any
+        other.
+    beside : object
+        Values that are copied together with the variables.
+    """
+    cells: list[CellType] = []
+
+    def numbered(environment: Environment) -> tuple[tuple[str, int, bool], ...]:
+        first = len(cells)
+        cells.extend(slot.cell for slot in environment.own.values())
+        items = environment.own.items()
+        return tuple((name, first + number, slot.leaked) for number, (name, slot) in enumerate(items))
+
+    own = numbered(run.globals)
+    acts = [act for root in run.roots for act in root.walk()]
+    numbers = {id(act): number for number, act in enumerate(acts)}
+    machines = tuple(
+        _Machine(
+            act.place[:-1],
+            None if act.parent is None else numbers[id(act.parent)],
+            act.place,
+            act.entered,
+            act.spawn,
+            numbered(act),
+        )
+        for act in acts
+    )
+    run.add_firings()
+    values = [content(cell) for cell in cells]
+    return Snapshot(
+        run.source,
+        run.ticks,
+        run.now,
+        run.started,
+        run.pending,
+        own,
+        machines,
+        {element: (count.times, count.tick) for element, count in run.counts.items()},
+        run.issues.copy(),
+        run.unmeant,
+        pack((values, beside), {id(cell): number for number, cell in enumerate(cells)}, known),
+    )
+
+
+def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> Any:
+    """Continue a new run from a snapshot of its program; return the copy of what was `beside`."""
+    cells = [CellType() for _ in range(_count(snapshot))]
+    values, beside = unpack(snapshot.values, cells, find)
+    for cell, value in zip(cells, values, strict=True):
+        put(cell, value)
+    run.ticks, run.now = snapshot.tick, snapshot.now
+    run.started, run.pending = snapshot.started, snapshot.pending
+    _fill(run.globals, snapshot.own, cells, run.base)
+    acts: list[Activation] = []
+    for machine in snapshot.machines:
+        plan = run.plan.machines[machine.definition]
+        parent = None if machine.parent is None else acts[machine.parent]
+        outer = run.live[plan.outer]
+        act = Activation(plan, parent, outer, machine.spawn, plan.states[machine.place[-1]])
+        act.entered = machine.entered
+        _fill(act, machine.own, cells, outer.visible)
+        run.live[plan.path] = act
+        acts.append(act)
+        if parent is None:
+            run.roots += (act,)
+        else:
+            parent.children += (act,)
+    for element, (times, tick) in snapshot.counts.items():
+        run.counts[element] = count = Count()
+        count.times, count.tick = times, tick
+    run.issues, run.unmeant = snapshot.issues.copy(), snapshot.unmeant
+    owned = (snapshot.own, *(machine.own for machine in snapshot.machines))
+    leaking = any(leaked for own in owned for _, _, leaked in own)
+    run.leaking = run.watched = leaking
+    run.attention = leaking or bool(run.pending)
+    run.unordered = run.stale = True
+    if run.journal is not None:
+        run.journal.begin(run.ticks, run.now)
+    for environment in run.live.values():
+        environment.sync()
+    run.refresh()
+    return beside
+
+
+def _count(snapshot: Snapshot) -> int:
+    return len(snapshot.own) + sum(len(machine.own) for machine in snapshot.machines)
+
+
+def _fill(
+    environment: Environment,
+    own: tuple[tuple[str, int, bool], ...],
+    cells: list[CellType],
+    outer: Mapping[str, Slot],
+) -> None:
+    """Give an environment its variables."""
+    environment.own, environment.visible = {}, dict(outer)
+    for name, number, leaked in own:
+        slot = Slot(cells[number])
+        slot.leaked = leaked
+        environment.visible[name] = environment.own[name] = slot

@@ -1,0 +1,244 @@
+"""Breakpoints: pause when a state is entered or left, a transition fires, or a condition becomes True.
+
+A breakpoint belongs to the identity of an element, so it survives edits and renames; while its element is
+missing it is dormant. The tick in which it is hit is completed, then the program pauses. A session without
+breakpoints pays nothing for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from lrp_jupyter.errors import UnknownElementError, did_you_mean, sentence_of
+from lrp_jupyter.interpreter.events import TraceEvent
+from lrp_jupyter.interpreter.frame import Hit
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.program import Element, Path, Program, path_text
+from lrp_jupyter.language.resolution import resolve
+
+__all__ = ["Breakpoint", "BreakpointKind", "Breakpoints", "element_of"]
+
+BreakpointKind = Literal["entered", "left", "fired", "event", "condition"]
+_ELEMENTS = {"entered": "state", "left": "state", "fired": "transition", "event": "event"}
+_WORDS = {
+    "entered": "`{}` was entered",
+    "left": "`{}` was left",
+    "fired": "`{}` fired",
+    "event": "The event `{}` occurred",
+    "condition": "`{}` became True",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Breakpoint:
+    """A condition for a pause.
+
+    Parameters
+    ----------
+    number : int
+        The first is 1.
+    kind : str
+        ``entered``, ``left``, ``fired``, ``event`` or ``condition``.
+    element : Element or None
+        The state, transition or event; None for a condition.
+    expression : str
+        The condition.
+    machine : path
+        The machine in whose scope the condition is evaluated, by path of definition; empty for the top level.
+    enabled : bool
+        Whether it pauses; hits are counted in any case.
+    hits : int
+    after : int
+        The hit from which on it pauses.
+    once : bool
+        Whether it is switched off when it has paused.
+    dormant : bool
+        Whether its element is missing from the program that runs.
+    problem : str
+        A sentence: why its condition could not be evaluated the last time; else empty.
+    """
+
+    number: int
+    kind: BreakpointKind
+    element: Element | None = None
+    expression: str = ""
+    machine: Path = ()
+    enabled: bool = True
+    hits: int = 0
+    after: int = 1
+    once: bool = False
+    dormant: bool = False
+    problem: str = ""
+
+    @property
+    def name(self) -> str:
+        """The name of its element, or its condition."""
+        return self.element.shown[-1] if self.element is not None else self.expression
+
+    def __str__(self) -> str:
+        words = _WORDS[self.kind].format(self.name)
+        state = "" if self.enabled else ", switched off"
+        state += ", dormant" if self.dormant else ""
+        hits = f", hit {self.hits} times" if self.hits != 1 else ", hit once"
+        return f"{self.number}: {words}{hits}{state}"
+
+
+def element_of(program: Program, kind: str, wanted: str | Path) -> Element:
+    """Return a state, transition or event by its name, label or path.
+
+    Raises
+    ------
+    UnknownElementError
+        There is none, or there are several.
+    """
+    path, text = as_path(wanted), path_text(as_path(wanted))
+    known = [element for element in resolve(program).elements() if element.kind == kind]
+    found = [
+        element
+        for element in known
+        if path in (element.path, element.path[-1:])
+        or text in (element.shown[-1], path_text(element.shown), path_text(element.path))
+    ]
+    if not found and kind == "state" and len(path) > 2:
+        defined = (*resolve(program).defined(path[:-1]), path[-1])
+        found = [element for element in known if element.path == defined]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        listed = ", ".join(f"`{path_text(each.path)}`" for each in found)
+        raise UnknownElementError(f"Several {kind}s are called `{text}`. Use one of {listed}.")
+    hint = did_you_mean(path[-1], [element.shown[-1] for element in known])
+    raise UnknownElementError(f"There is no {kind} `{text}`.{hint}")
+
+
+class Breakpoints:
+    """The breakpoints of a session. Used on the thread that ticks.
+
+    Parameters
+    ----------
+    interpreter : Interpreter
+    """
+
+    def __init__(self, interpreter: Interpreter) -> None:
+        self._interpreter = interpreter
+        self._all: dict[int, Breakpoint] = {}
+        self._last = 0
+        self._seen: list[TraceEvent] = []
+        self._held: dict[int, bool] = {}  # what each condition was the last time
+        self._revision = interpreter.revision
+        self._end: Callable[[], None] | None = None
+
+    @property
+    def all(self) -> tuple[Breakpoint, ...]:
+        """All breakpoints, by number."""
+        self._carry()
+        return tuple(self._all.values())
+
+    def add(self, new: Breakpoint) -> Breakpoint:
+        """Add a breakpoint; return it with its number."""
+        self._last += 1
+        new = replace(new, number=self._last)
+        self._carry()
+        self._all[new.number] = new
+        self._held[new.number] = self._holds(new)[0] if new.kind in ("event", "condition") else False
+        if self._end is None:
+            self._end = self._interpreter.observe(self._seen.append)
+        return new
+
+    def change(self, number: int, enabled: bool) -> None:
+        """Switch a breakpoint on or off.
+
+        Raises
+        ------
+        ValueError
+            There is no such breakpoint.
+        """
+        self._all[number] = replace(self._known(number), enabled=enabled)
+
+    def remove(self, number: int) -> None:
+        """Remove a breakpoint.
+
+        Raises
+        ------
+        ValueError
+            There is no such breakpoint.
+        """
+        self._known(number)
+        del self._all[number]
+        if not self._all and self._end is not None:
+            self._end()
+            self._end = None
+            self._seen.clear()
+
+    def _known(self, number: int) -> Breakpoint:
+        if number not in self._all:
+            numbers = ", ".join(map(str, self._all)) or "none"
+            raise ValueError(f"There is no breakpoint {number}. There are: {numbers}.")
+        return self._all[number]
+
+    def check(self) -> Hit | None:
+        """Count what was hit since the last call; return the first one that pauses."""
+        if not self._all:
+            return None
+        self._carry()
+        events, self._seen[:] = [*self._seen], []
+        first: Hit | None = None
+        for number, each in list(self._all.items()):
+            times = self._times(each, events)
+            if not times:
+                continue
+            each = replace(self._all[number], hits=each.hits + times)
+            pauses = each.enabled and each.hits >= each.after
+            if pauses and first is None:
+                first = Hit(number, _WORDS[each.kind].format(each.name), each.hits, self._interpreter.tick)
+            self._all[number] = replace(each, enabled=not (pauses and each.once) and each.enabled)
+        return first
+
+    def _times(self, each: Breakpoint, events: list[TraceEvent]) -> int:
+        if each.kind in ("event", "condition"):
+            held = self._held[each.number]
+            holds, problem = self._holds(each)
+            self._held[each.number] = holds
+            if problem != each.problem:
+                self._all[each.number] = replace(self._all[each.number], problem=problem)
+            return int(holds and not held)
+        wanted = each.element.path if each.element is not None else ()
+        defined = resolve(self._interpreter.program).defined
+        paths = [event.path for event in events if event.kind == each.kind]
+        return sum(path[-1] == wanted[-1] and defined(path[:-1]) == wanted[:-1] for path in paths)
+
+    def _holds(self, each: Breakpoint) -> tuple[bool, str]:
+        """Return whether a condition holds now, and why it could not be evaluated."""
+        expression, machine = each.expression, each.machine
+        if each.element is not None:
+            scope = resolve(self._interpreter.program).by_path.get(each.element.path[:-1])
+            event = scope.events.get(each.element.path[-1]) if scope is not None else None
+            if event is None:
+                return False, ""
+            expression, machine = event.condition.text, each.element.path[:-1]
+        try:
+            return self._interpreter.test(expression, machine), ""
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:
+            return False, sentence_of(error)
+
+    def _carry(self) -> None:
+        """Follow the elements to their new names, and see which of them exist."""
+        interpreter = self._interpreter
+        if interpreter.revision == self._revision:
+            return
+        for revision, successors in interpreter.moved:
+            if revision > self._revision:
+                for number, each in self._all.items():
+                    if each.element is not None:
+                        element = successors.of(each.element) or each.element
+                        self._all[number] = replace(each, element=element)
+        self._revision = interpreter.revision
+        existing = set(resolve(interpreter.program).elements())
+        for number, each in self._all.items():
+            missing = each.element is not None and each.element not in existing
+            self._all[number] = replace(each, dormant=missing)

@@ -1,0 +1,119 @@
+"""Checkpoints of a session: snapshots taken while it runs, from which any later moment can be reached again.
+
+One is taken rarely enough to cost the run a small share of its time, and the older ones are thinned out, so
+that an hour of a run takes no more memory than ten minutes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import perf_counter
+from types import CodeType
+from typing import Any, NamedTuple
+
+from lrp_jupyter.interpreter.linker import Plan
+from lrp_jupyter.interpreter.snapshot import Snapshot
+
+__all__ = ["COPIED", "Checkpoints", "SessionCheckpoint", "names_of"]
+
+_SPACING = 200  # ticks, at least, between two checkpoints
+_SHARE = 60  # of the time: a checkpoint may take a sixtieth of it
+_MOST = 60  # kept
+_BYTES = 50_000_000  # kept, of values
+COPIED = (list, dict, set, bytearray)
+"""The types of objects of a namespace that are copied; others are shared."""
+
+
+class SessionCheckpoint(NamedTuple):
+    """A moment of a session from which a copy can go on.
+
+    Parameters
+    ----------
+    snapshot : Snapshot
+        Of the interpreter, with those objects of the namespace that a block can change.
+    time, due : float
+        Seconds of the run, and when the next tick is due.
+    rate : float
+        Ticks per second.
+    running : bool
+        Whether it was not paused.
+    inputs : int
+        How many inputs had come.
+    moment : object
+        The bridge's own moment.
+    random : tuple
+        The state of Python's own random numbers.
+    """
+
+    snapshot: Snapshot
+    time: float
+    due: float
+    rate: float
+    running: bool
+    inputs: int
+    moment: object
+    random: tuple[Any, ...]
+
+    @property
+    def tick(self) -> int:
+        """The number of completed ticks."""
+        return self.snapshot.tick
+
+
+class Checkpoints:
+    """The checkpoints of a run, in order."""
+
+    def __init__(self) -> None:
+        self.all: list[SessionCheckpoint] = []
+        self.due = 0
+        """The tick after which the next one is wanted, at the earliest."""
+        self._rested = 0.0  # wall time from which on one may be taken
+
+    def add(self, take: Callable[[], SessionCheckpoint]) -> None:
+        """Take a checkpoint, unless the last one was too short a time ago."""
+        start = perf_counter()
+        if start < self._rested:
+            self.due += _SPACING
+            return
+        checkpoint = take()
+        self.all.append(checkpoint)
+        end = perf_counter()
+        self._rested = end + _SHARE * (end - start)
+        self.due = checkpoint.tick + _SPACING
+        if len(self.all) > _MOST or sum(len(each.snapshot.values.data) for each in self.all) > _BYTES:
+            del self.all[1:-1:2]  # every other one, but neither the first nor the last
+
+    def cut(self, tick: int) -> None:
+        """Drop those after a tick."""
+        while self.all and self.all[-1].tick > tick:
+            self.all.pop()
+        self.due = self.all[-1].tick + _SPACING if self.all else tick
+
+    def drop(self, inputs: int) -> None:
+        """Drop those after which not all inputs are known any more: the ones up to this number are lost."""
+        self.all = [each for each in self.all if each.inputs >= inputs]
+
+    def clear(self) -> None:
+        """Drop all."""
+        self.all.clear()
+        self.due = 0
+
+    def before(self, tick: int) -> SessionCheckpoint | None:
+        """Return the last one that is not after a tick."""
+        return next((each for each in reversed(self.all) if each.tick <= tick), None)
+
+
+def names_of(plan: Plan) -> frozenset[str]:
+    """Return the global names that the blocks of a program use, such as those of a notebook."""
+    names: set[str] = set()
+
+    def inside(code: CodeType) -> None:
+        names.update(code.co_names)
+        for constant in code.co_consts:
+            if isinstance(constant, CodeType):
+                inside(constant)
+
+    for block in plan.blocks:
+        if isinstance(block.code, CodeType):
+            inside(block.code)
+    return frozenset(names)

@@ -1,0 +1,98 @@
+"""The inputs of a session: everything that came from outside, in order, each with its tick and its time.
+
+A run is a function of its program, its robot and these inputs. They are rare, so recording them costs a tick
+nothing; what a simulated robot senses follows from them.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import NamedTuple
+
+__all__ = ["Input", "Inputs", "Paused", "Resumed", "RunEnded"]
+
+
+@dataclass(frozen=True, slots=True)
+class Paused:
+    """The program was paused, for a reason: a sentence, or empty."""
+
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Resumed:
+    """The program was started, or continued."""
+
+
+@dataclass(frozen=True, slots=True)
+class RunEnded:
+    """A run in virtual time was over: what follows is paused, though the program was not told."""
+
+
+class Input(NamedTuple):
+    """An input of a session.
+
+    Parameters
+    ----------
+    number : int
+        In the order of application; the first is 1.
+    tick : int
+        How many ticks were completed before it.
+    time : float
+        Seconds of the run at which it was applied.
+    what : object
+        :class:`Paused`, :class:`Resumed`, a command, or an input of the robot's world.
+    """
+
+    number: int
+    tick: int
+    time: float
+    what: object
+
+
+_MOST = 20_000  # inputs kept
+_LETTERS = 4_000_000  # of texts kept
+
+
+class Inputs:
+    """The last inputs, bounded in number and in what their texts take."""
+
+    def __init__(self) -> None:
+        self._all: deque[tuple[Input, int]] = deque()
+        self._letters = 0
+        self.count = 0
+        """How many there were."""
+        self.lost = 0
+        """The number of the last one that is not kept any more."""
+
+    def __iter__(self) -> Iterator[Input]:
+        return (entry for entry, _ in self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+    def next(self, tick: int, time: float, what: object) -> Input:
+        """Return an input with the next number; it is not kept yet."""
+        self.count += 1
+        return Input(self.count, tick, time, what)
+
+    def keep(self, entry: Input, letters: int = 0) -> None:
+        """Keep an input, whose text has so many characters; drop the oldest ones beyond the bounds."""
+        self._all.append((entry, letters))
+        self._letters += letters
+        while len(self._all) > _MOST or self._letters > _LETTERS:
+            oldest, weight = self._all.popleft()
+            self._letters -= weight
+            self.lost = oldest.number
+
+    def undo(self, tick: int) -> None:
+        """Drop those that came after a tick."""
+        while self._all and self._all[-1][0].tick >= tick:
+            self._letters -= self._all.pop()[1]
+
+    def clear(self) -> None:
+        """Drop all."""
+        self._all.clear()
+        self._letters = 0

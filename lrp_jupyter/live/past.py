@@ -1,0 +1,154 @@
+"""Frames of the past: what a session was at an earlier tick, without running anything again."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Iterable, Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+from lrp_jupyter.interpreter.by_path import ByPath
+from lrp_jupyter.interpreter.facts import Entered, Fact, Faulted, Fired
+from lrp_jupyter.interpreter.frame import Frame
+from lrp_jupyter.interpreter.history import History
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.issues import Issue
+from lrp_jupyter.interpreter.rendering import of_type, render
+from lrp_jupyter.interpreter.tree import Count
+from lrp_jupyter.language.identity import Successors
+from lrp_jupyter.language.program import Element, Path
+from lrp_jupyter.live.loop import Loop
+
+__all__ = ["frame_at"]
+
+
+def frame_at(loop: Loop, tick: int) -> Frame:
+    """Return the frame of a tick that is recorded.
+
+    Raises
+    ------
+    ValueError
+        It is not recorded.
+    """
+    interpreter, bridge = loop.interpreter, loop.bridge
+    history = interpreter.history
+    state = history.state(tick)
+    variables = state.variables
+    time, moment, sensed = loop.moments[tick - interpreter.tick - 1]
+    visits, firings = _counts_at(interpreter, tick)
+    after = loop.moments[tick - interpreter.tick][1] if tick < interpreter.tick else bridge.moment()
+    return replace(
+        loop.make_frame(),
+        status="paused",
+        reason=f"Looking at {time:.1f} s, {loop.now - time:.1f} s ago.",
+        tick=tick,
+        time=time,
+        active=state.active,
+        values=ByPath(variables),
+        variables=ByPath({path: _text(value) for path, value in variables.items()}),
+        numbers=ByPath(
+            {path: float(value) for path, value in variables.items() if type(value) in (int, float)}  # type: ignore[arg-type]
+        ),
+        visits=MappingProxyType({path: times for path, (times, _) in visits.items()}),
+        visited_at=MappingProxyType({path: last for path, (_, last) in visits.items()}),
+        fired=MappingProxyType({path: times for path, (times, _) in firings.items()}),
+        fired_at=MappingProxyType({path: last for path, (_, last) in firings.items()}),
+        events=MappingProxyType({}),
+        issues=tuple(_issues_at(history, tick, interpreter.issues)),
+        program=state.program,
+        readings=bridge.readings_of(sensed),
+        robot=bridge.picture_after(moment, after),
+        hung=None,
+    )
+
+
+def _text(value: object) -> str:
+    """Return the text of a value of the past; one that can be changed in place may be another by now."""
+    return render(value, of_type)
+
+
+class _Names:
+    """The names that elements had at one tick.
+
+    Parameters
+    ----------
+    moves : sequence of (int, Successors)
+        For each edit that gave elements other paths: after which tick, and the map.
+    tick : int
+    """
+
+    def __init__(self, moves: Iterable[tuple[int, Successors]], tick: int) -> None:
+        self._tick = tick
+        self._later = [
+            (after, {new: old for old, new in successors.moved.items()})
+            for after, successors in moves
+            if after >= tick
+        ]
+        self._earlier = [(after, dict(successors.moved)) for after, successors in moves if after < tick]
+
+    def of(self, kind: str, path: Path, at: float) -> Path:
+        """Return the path, at this tick, of what had another one right after tick `at`."""
+        element = Element(kind, path)
+        for after, moved in reversed(self._later):
+            if after < at:
+                element = moved.get(element, element)
+        for after, moved in self._earlier:
+            if after >= at:
+                element = moved.get(element, element)
+        return element.path
+
+
+def _counts_at(
+    interpreter: Interpreter, tick: int
+) -> tuple[dict[Path, tuple[int, int]], dict[Path, tuple[int, int]]]:
+    """Return how often states were entered and transitions fired up to a tick, and in which tick last."""
+    history, names = interpreter.history, _Names(interpreter.moves, tick)
+    ticks: dict[str, dict[Path, list[float]]] = {"state": {}, "transition": {}}
+
+    def note(facts: Iterable[Fact], at: float) -> None:
+        for fact in facts:
+            if isinstance(fact, (Fired, Entered)):
+                ticks["state"].setdefault(names.of("state", fact.state, at), []).append(at)
+            if isinstance(fact, Fired):
+                path = names.of("transition", fact.transition.path, at)
+                ticks["transition"].setdefault(path, []).append(at)
+
+    for each in history.all():
+        note(each.before, each.tick - 0.5)
+        note(each.facts, each.tick)
+    note(history.since(), history.ticks.stop - 0.5)
+
+    def until(kind: str, present: Mapping[Path, Count]) -> dict[Path, tuple[int, int]]:
+        now = {names.of(kind, path, math.inf): count for path, count in present.items()}
+        counts = {}
+        for path in now.keys() | ticks[kind].keys():
+            known = ticks[kind].get(path, [])
+            here = bisect_right(known, tick)
+            times = now[path].times - (len(known) - here) if path in now else here
+            if times > 0:
+                counts[path] = times, int(known[here - 1]) if here else min(now[path].tick, tick)
+        return counts
+
+    return until("state", interpreter.visits), until("transition", interpreter.firings)
+
+
+def _issues_at(history: History, tick: int, issues: Iterable[Issue]) -> Iterable[Issue]:
+    """Yield the issues that had occurred by a tick, as they were then as far as that is recorded."""
+    ticks: dict[tuple[Element, str], list[int]] = {}
+    for each in history.all():
+        for fact in each.facts:
+            if isinstance(fact, Faulted):
+                ticks.setdefault((fact.element, fact.kind), []).append(each.tick)
+    for issue in issues:
+        if issue.first_tick > tick:
+            continue
+        known = ticks.get((issue.element, issue.kind), [])
+        here = bisect_right(known, tick)
+        if here == len(known):
+            yield issue
+        else:
+            last = known[here - 1] if here else issue.first_tick
+            yield replace(
+                issue, last_tick=last, count=max(1, issue.count - len(known) + here), resolved=False
+            )

@@ -1,0 +1,528 @@
+r"""Recordings: a session in a file, from which it is reproduced in another process.
+
+A recording (``.lrplog``; compressed if its name ends with ``.gz``) is JSON Lines. The first line says where
+the run began::
+
+    {"lrplog":1,"text":"(var n := …","filename":"follower.lrp","bridge":"sim","world":{…},"rate":10,…}
+
+Then come, as they happened, what came from outside, and what followed. Every line has ``tick`` and ``time``
+(seconds). Inputs say how many ticks were completed before them::
+
+    {"tick":12,"time":1.13,"input":"edit","text":"…"}
+    {"tick":12,"time":1.13,"input":"place","pose":[0.5,1.0,0.0],"robot":0}
+
+What followed are the lines of a trace, the commands of the robot with the block that gave them, and the
+readings of every tick::
+
+    {"tick":13,"time":1.2,"event":"entered","state":"follower/looking"}
+    {"tick":13,"time":1.2,"command":"move","arguments":{…},"sent":true,"block":"looking.running","line":12}
+    {"tick":13,"time":1.2,"readings":{"light.data":255}}
+
+With a simulated robot, or none, the inputs reproduce the run bit for bit; what followed is compared, and the
+first difference is told. The readings of a real robot are fed to the program again. A file that was cut off
+is good up to its last whole line.
+"""
+
+from __future__ import annotations
+
+import ast
+import json
+import math
+import os
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+from typing import Any, NamedTuple
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
+from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped, WorldLoaded
+from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
+from lrp_jupyter.bridges.safety import CommandRecord
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import BridgeError, FileError, NoDataYet, ended, sentence_of
+from lrp_jupyter.files import shown
+from lrp_jupyter.interpreter.rendering import render
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.program import Element, Program
+from lrp_jupyter.language.unmeant import Unmeant
+from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.inputs import Input, Paused, Resumed, RunEnded
+from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.replay import Entry, Ticked
+from lrp_jupyter.live.trace import Trace
+from lrp_jupyter.sim.edits import Become, Draw, WorldEdit
+from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
+from lrp_jupyter.sim.worlds import load
+
+__all__ = ["Recorder", "Recording", "RunStart", "read_recording", "start_of"]
+
+VERSION = 1
+_BEYOND = "beyond"  # in the place of a value that no file can hold
+
+Line = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class RunStart:
+    """Where a recorded session began.
+
+    Parameters
+    ----------
+    text, filename : str
+        The program.
+    bridge : str
+        The name of the bridge.
+    world : mapping or None
+        The simulated world in its JSON form, noise and seed included.
+    members : sequence of mapping
+        What `robot` offered, if it was not a simulated one.
+    rate : float
+    on_active_edit, on_issue : str
+    names : list of str
+        The names that the blocks use and that neither the program nor Python defines: a notebook's.
+    random : int or None
+        The seed of Python's own random numbers, if they were seeded for the recording.
+    initials : mapping of str to str
+        Other initial values than those of the text.
+    """
+
+    text: str
+    filename: str
+    bridge: str
+    world: Mapping[str, Any] | None = None
+    members: Sequence[Mapping[str, Any]] = field(default_factory=list)
+    rate: float = 10.0
+    on_active_edit: str = "restart"
+    on_issue: str = "record"
+    names: list[str] = field(default_factory=list)
+    random: int | None = None
+    initials: Mapping[str, str] = field(default_factory=dict)
+
+    def make_bridge(self) -> Bridge:
+        """Return a robot for a replay: simulated as before, or made of recorded readings."""
+        if self.bridge == "none":
+            return Bridge.registry["none"]()
+        if self.world is not None:
+            return SimBridge(self.world)
+        bridge = RecordedBridge(self.bridge, recorded_members(self.members))
+        bridge.open()
+        return bridge
+
+
+class Recorder:
+    """Writes the recording of a session. Its methods are called on the thread that ticks.
+
+    Parameters
+    ----------
+    loop : Loop
+        Before its first tick.
+    write : callable
+        Receives every line, with its newline.
+    start : RunStart
+    """
+
+    def __init__(self, loop: Loop, write: Callable[[str], object], start: RunStart | None = None) -> None:
+        self._loop = loop
+        self._lines = Trace(write)
+        if start is not None:
+            parts = {name: getattr(start, name) for name in RunStart.__dataclass_fields__}
+            self._lines.line({"lrplog": VERSION, **parts})
+        loop.record = self._input
+        loop.after_tick.append(self._tick)
+        loop.bridge.safety.recorded = self._command
+        self._end = loop.interpreter.observe(self._lines)
+
+    def end(self) -> None:
+        """Write the time of the end, and nothing more."""
+        self._end()
+        loop = self._loop
+        self._input(Input(0, loop.interpreter.tick, loop.now, RunEnded()))
+        loop.record = loop.bridge.safety.recorded = None
+        loop.after_tick.remove(self._tick)
+
+    def _input(self, entry: Input) -> None:
+        line = {"tick": entry.tick, "time": entry.time, **_encoded(entry.what, self._loop)}
+        self._lines.line(line)
+
+    def _tick(self) -> None:
+        time, _, sensed = self._loop.moments[-1]
+        readings = {name: plain(value) for name, value in self._loop.bridge.readings_of(sensed).items()}
+        self._lines.line({"tick": self._loop.interpreter.tick, "time": time, "readings": readings})
+
+    def _command(self, record: CommandRecord) -> None:
+        origin = record.origin
+        self._lines.line(
+            {
+                "tick": origin.tick,
+                "time": record.now,
+                "command": record.name,
+                "arguments": plain(record.arguments),
+                "sent": record.sent,
+                "block": origin.block,
+                "line": origin.line,
+            }
+        )
+
+
+def start_of(
+    loop: Loop, bridge: Bridge, seed: int | None = None, initials: Mapping[str, str] | None = None
+) -> RunStart:
+    """Return where a session begins that has not ticked yet."""
+    interpreter = loop.interpreter
+    world = dict(bridge.world.to_dict()) if isinstance(bridge, SimBridge) else None
+    members = [] if world is not None else [_member(node) for node in bridge.nodes.members()]
+    return RunStart(
+        interpreter.program.text,
+        interpreter.program.filename,
+        bridge.name,
+        world,
+        members,
+        loop.rate,
+        interpreter.on_active_edit,
+        interpreter.on_issue,
+        sorted(name for name in loop.names_used() if name in interpreter.namespace),
+        seed,
+        dict(initials or {}),
+    )
+
+
+def _member(node: RobotVariable | RobotMethod) -> Line:
+    if isinstance(node, RobotVariable):
+        return {"name": node.path, "kind": "variable", "unit": node.unit, "doc": node.doc}
+    return {
+        "name": node.path,
+        "kind": "method",
+        "doc": node.doc,
+        "command": node.command,
+        "velocity": node.velocity,
+        "twist": node.message is not None and node.message.__name__ == "Twist",
+        "limits": {name: list(limit) for name, limit in node.limits.items()},
+    }
+
+
+# -- reading -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """A recorded session.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    start : RunStart
+    entries : tuple
+        Its ticks and inputs, in order.
+    followed : tuple of dict
+        What followed from them.
+    cut : bool
+        Whether the file ended in the middle of a line.
+    """
+
+    name: str
+    start: RunStart
+    entries: tuple[Entry, ...]
+    followed: tuple[Line, ...]
+    cut: bool = False
+
+    @property
+    def ticks(self) -> int:
+        """The number of its ticks, those that were undone included."""
+        return sum(isinstance(entry, Ticked) for entry in self.entries)
+
+    @property
+    def seconds(self) -> float:
+        """The time of its last entry."""
+        return max((entry.time for entry in self.entries), default=0.0)
+
+
+class _At(NamedTuple):
+    name: str
+    line: int
+
+    def error(self, what: str) -> FileError:
+        return FileError(f"`{self.name}`, line {self.line}: {what}")
+
+
+def read_recording(
+    path: str | os.PathLike[str], prepared: Callable[[Program, Mapping[str, str]], Program] | None = None
+) -> Recording:
+    """Read a recording.
+
+    Parameters
+    ----------
+    path : str or path
+    prepared : callable, optional
+        Returns a program with other initial values.
+
+    Raises
+    ------
+    FileError
+        It cannot be read, is no recording, or has a mistake; the message names the line.
+    """
+    name = shown(path)
+    try:
+        data = FilePath(path).read_bytes()
+        data = gunzipped(data) if FilePath(path).suffix == ".gz" else data
+    except OSError as error:
+        raise FileError(f"`{name}` cannot be read: {ended(error.strerror or str(error))}") from None
+    *whole, rest = data.split(b"\n")
+    if not whole:
+        raise FileError(f"`{name}` is not a recording: it has no whole line.")
+    start: RunStart | None = None
+    entries: list[Entry] = []
+    followed: list[Line] = []
+    number = 0
+    for index, raw in enumerate(whole, 1):
+        at = _At(name, index)
+        try:
+            line = json.loads(raw)
+        except ValueError:
+            raise at.error("This is not JSON.") from None
+        if not isinstance(line, dict):
+            raise at.error("This is not an object.")
+        if start is None:
+            start = _start(line, at)
+            continue
+        try:
+            if "input" in line:
+                number += 1
+                what = _decoded(line, start, prepared)
+                entries.append(Input(number, line["tick"], float(line["time"]), what))
+                continue
+            followed.append(line)
+            if "readings" in line:
+                readings = {name: unplain(value) for name, value in line["readings"].items()}
+                entries.append(Ticked(line["tick"], float(line["time"]), readings))
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise at.error(f"A field is missing or wrong ({sentence_of(error).rstrip('.')}).") from None
+    assert start is not None
+    return Recording(name, start, tuple(entries), tuple(followed), bool(rest))
+
+
+def gunzipped(data: bytes) -> bytes:
+    """Return the content of a compressed file; of one that was cut off, what is there."""
+    reader = zlib.decompressobj(wbits=31)
+    try:
+        return reader.decompress(data) + reader.flush()
+    except zlib.error as error:
+        raise OSError(f"It is not compressed ({error}).") from None
+
+
+def _start(line: Line, at: _At) -> RunStart:
+    if line.get("lrplog") != VERSION:
+        found = line.get("lrplog")
+        if found is None:
+            raise at.error("This is not a recording. One begins with a line that has `lrplog`.")
+        raise at.error(f"Recordings of version {found!r} cannot be read, only those of version {VERSION}.")
+    known = RunStart.__dataclass_fields__
+    try:
+        return RunStart(**{name: value for name, value in line.items() if name in known})
+    except TypeError as error:
+        raise at.error(f"The start of the run is not complete ({error}).") from None
+
+
+# -- inputs as lines -----------------------------------------------------------------------------
+
+
+def _encoded(what: object, loop: Loop) -> Line:
+    match what:
+        case Paused(reason):
+            return {"input": "pause", "reason": reason}
+        case Resumed():
+            return {"input": "resume"}
+        case RunEnded():
+            return {"input": "rest"}
+        case do.ReplaceProgram(program, unmeant):
+            return {
+                "input": "edit",
+                "text": program.text,
+                **({} if unmeant is None else {"unmeant": _unmeant(unmeant)}),
+            }
+        case do.Rename(kind, path, new_name):
+            return {"input": "rename", "kind": kind, "path": path, "name": new_name}
+        case do.Force(path, teleport):
+            return {"input": "force", "path": path, "teleport": teleport}
+        case do.SetVariable(path, expression):
+            return {"input": "set", "path": path, "expression": expression}
+        case do.Assign(path, value):
+            return {"input": "assign", "path": path, "value": _literal(value)}
+        case do.Rewind(ticks):
+            return {"input": "rewind", "ticks": ticks}
+        case do.Reset():
+            return {"input": "reset"}
+        case do.Renew(program):
+            return {"input": "renew", "text": program.text}
+        case do.SetRate(rate):
+            return {"input": "rate", "rate": rate}
+        case do.SetPolicy(name, value):
+            return {"input": "policy", "name": name, "value": value}
+        case RobotStopped():
+            return {"input": "stop"}
+        case RobotCommanded(name, arguments):
+            return {"input": "command", "name": name, "arguments": plain(arguments)}
+        case WorldLoaded(world):
+            return {"input": "world", "world": world}
+        case PlaceRobot(pose, robot):
+            return {"input": "place", "pose": pose, "robot": robot}
+        case PlaceSolid(pose, solid):
+            return {"input": "place solid", "pose": pose, "solid": solid}
+        case ResetWorld():
+            return {"input": "reset world"}
+        case Draw(path, width, grey):
+            return {"input": "draw", "path": path, "width": width, "grey": grey}
+        case WorldEdit() if isinstance(loop.bridge, SimBridge):
+            return {"input": "edit world", "world": loop.bridge.world.to_dict()}
+    return {"input": _BEYOND, "what": render(what)}
+
+
+def _decoded(
+    line: Line, start: RunStart, prepared: Callable[[Program, Mapping[str, str]], Program] | None
+) -> object:
+    def program(text: str) -> Program:
+        parsed = parse(text, start.filename)
+        return prepared(parsed, start.initials) if prepared is not None and start.initials else parsed
+
+    match line["input"]:
+        case "pause":
+            return Paused(line["reason"])
+        case "resume":
+            return Resumed()
+        case "rest":
+            return RunEnded()
+        case "edit":
+            found = line.get("unmeant")
+            unmeant = found and Unmeant(
+                program(found["instead"]),
+                found["reason"],
+                found["always"],
+                found["element"] and Element(found["element"][0], tuple(found["element"][1])),
+            )
+            return do.ReplaceProgram(program(line["text"]), unmeant)
+        case "rename":
+            return do.Rename(line["kind"], tuple(line["path"]), line["name"])
+        case "force":
+            return do.Force(tuple(line["path"]), line["teleport"])
+        case "set":
+            return do.SetVariable(tuple(line["path"]), line["expression"])
+        case "assign":
+            return do.Assign(tuple(line["path"]), ast.literal_eval(line["value"]))
+        case "rewind":
+            return do.Rewind(line["ticks"])
+        case "reset":
+            return do.Reset()
+        case "renew":
+            return do.Renew(program(line["text"]))
+        case "rate":
+            return do.SetRate(line["rate"])
+        case "policy":
+            return do.SetPolicy(line["name"], line["value"])
+        case "stop":
+            return RobotStopped()
+        case "command":
+            return RobotCommanded(line["name"], unplain(line["arguments"]))
+        case "world":
+            return WorldLoaded(line["world"])
+        case "place":
+            x, y, angle = line["pose"]
+            return PlaceRobot((x, y, angle), line["robot"])
+        case "place solid":
+            x, y, angle = line["pose"]
+            return PlaceSolid((x, y, angle), line["solid"])
+        case "reset world":
+            return ResetWorld()
+        case "draw":
+            return Draw(tuple((x, y) for x, y in line["path"]), line["width"], line["grey"])
+        case "edit world":
+            return Become(load(line["world"]))
+    raise ValueError(f"An input `{line['input']}` cannot be repeated.")
+
+
+def _unmeant(unmeant: Unmeant) -> Line:
+    element = unmeant.element
+    return {
+        "instead": unmeant.instead.text,
+        "reason": unmeant.reason,
+        "always": unmeant.always,
+        "element": None if element is None else [element.kind, element.path],
+    }
+
+
+def _literal(value: object) -> str:
+    """Return a value as an expression of Python; one that has none becomes None."""
+    text = repr(value)
+    try:
+        if ast.literal_eval(text) == value:
+            return text
+    except (ValueError, SyntaxError, MemoryError, RecursionError):
+        pass
+    return "None"
+
+
+# -- values as JSON ------------------------------------------------------------------------------
+
+
+def plain(value: object) -> Any:
+    """Return a reading, or an argument of a command, as JSON; parts of an object by their names."""
+    if value is None or type(value) in (bool, int, str):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else {"float": repr(value)}
+    if isinstance(value, (int, str)):
+        return value.real if isinstance(value, int) else str(value)
+    if isinstance(value, NoDataYet):
+        return {"no data": str(value)}
+    if isinstance(value, Exception):
+        return {"error": str(value)}
+    if isinstance(value, Mapping):
+        return {"dict": {str(key): plain(part) for key, part in value.items()}}
+    parts = getattr(value, "_fields", None)
+    if isinstance(value, (list, tuple)) and parts is None:
+        return [plain(part) for part in value]
+    if parts is None:
+        slots = getattr(type(value), "__slots__", ())
+        parts = [*((slots,) if isinstance(slots, str) else slots), *getattr(value, "__dict__", ())]
+    public = [name for name in parts if not name.startswith("_") and hasattr(value, name)]
+    if not public:
+        return {"text": render(value)}
+    return {"fields": {name: plain(getattr(value, name)) for name in public}}
+
+
+class Fields:
+    """An object of a reading, with the fields that were recorded."""
+
+    def __init__(self, fields: Mapping[str, Any]) -> None:
+        vars(self).update(fields)
+
+    def __repr__(self) -> str:
+        return f"({', '.join(f'{name}={value!r}' for name, value in vars(self).items())})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Fields) and vars(self) == vars(other)
+
+    def __hash__(self) -> int:
+        return hash(tuple(vars(self)))
+
+
+def unplain(value: Any) -> Any:
+    """Return what :func:`plain` had made of a value; an object has only its fields."""
+    if isinstance(value, list):
+        return tuple(unplain(part) for part in value)
+    if not isinstance(value, dict):
+        return value
+    ((kind, content),) = value.items()
+    match kind:
+        case "float":
+            return float(content)
+        case "no data":
+            return NoDataYet(content)
+        case "error":
+            return BridgeError(content)
+        case "dict":
+            return {key: unplain(part) for key, part in content.items()}
+        case "fields":
+            return Fields({name: unplain(part) for name, part in content.items()})
+    return content

@@ -1,0 +1,133 @@
+"""Repeat recorded ticks and inputs: the one way in which a run is reproduced.
+
+A loop is taken to the time of each entry and does there what was done before. With a simulated robot, or
+none, the run is the same, bit for bit; with the readings of a real one it is as far as the program depends on
+them.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator
+from typing import NamedTuple, cast
+
+from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped, WorldLoaded
+from lrp_jupyter.bridges.recorded import RecordedBridge
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.language.expressions import Evaluation
+from lrp_jupyter.language.program import Element
+from lrp_jupyter.live.commands import Rename, RepeatEdit, ReplaceProgram
+from lrp_jupyter.live.inbox import Command
+from lrp_jupyter.live.inputs import Input, Paused, Resumed, RunEnded
+from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.sim.inputs import Input as WorldInput
+
+__all__ = ["Entry", "Ticked", "merged", "play", "repeat", "tested_again", "without_edits"]
+
+
+class Ticked(NamedTuple):
+    """A tick of a recorded run.
+
+    Parameters
+    ----------
+    tick : int
+        The first is 1.
+    time : float
+        Seconds of the run.
+    readings : mapping of str to object
+        What the program read, where the robot cannot be reproduced.
+    """
+
+    tick: int
+    time: float
+    readings: object = None
+
+
+Entry = Ticked | Input
+
+
+def merged(ticks: Iterable[Ticked], inputs: Iterable[Input]) -> Iterator[Entry]:
+    """Yield ticks and inputs in the order in which they happened."""
+    waiting = list(reversed(list(inputs)))
+    for tick in ticks:
+        while waiting and waiting[-1].tick < tick.tick:
+            yield waiting.pop()
+        yield tick
+    yield from reversed(waiting)
+
+
+def without_edits(entries: Iterable[Entry]) -> Iterator[Entry]:
+    """Leave out the inputs that change the program."""
+    return (
+        entry
+        for entry in entries
+        if not (isinstance(entry, Input) and isinstance(entry.what, (ReplaceProgram, RepeatEdit, Rename)))
+    )
+
+
+def play(
+    loop: Loop, script: deque[Entry], end: float, after_tick: Callable[[], object] | None = None
+) -> bool:
+    """Repeat the entries up to a time, in seconds of the run; return whether `after_tick` ended that."""
+    while script and script[0].time <= end + 1e-9:
+        entry = script.popleft()
+        repeat(loop, entry)
+        if isinstance(entry, Ticked) and after_tick is not None and after_tick():
+            return True
+    if script:
+        due = script[0].time
+        loop.go_to(min(end, due))
+        loop.due = due
+    else:
+        loop.rest()
+    return False
+
+
+def repeat(loop: Loop, entry: Entry) -> None:
+    """Do in a loop what was recorded, at the time at which it was done."""
+    loop.go_to(entry.time)
+    if isinstance(entry, Ticked):
+        if isinstance(loop.bridge, RecordedBridge) and isinstance(entry.readings, dict):
+            loop.bridge.feed = entry.readings
+        loop.tick()
+    else:
+        _apply(loop, entry.what)
+
+
+def _apply(loop: Loop, what: object) -> None:
+    bridge = loop.bridge
+    match what:
+        case Paused(reason):
+            loop.pause(reason)
+        case Resumed():
+            loop.resume()
+        case RunEnded():
+            loop.rest()
+        case Command():
+            loop.apply(what)
+        case RobotStopped():
+            bridge.stop_all()
+        case RobotCommanded(name, arguments):
+            bridge.nodes.table[name](**arguments)  # type: ignore[operator]
+        case WorldLoaded(world):
+            if isinstance(bridge, SimBridge):
+                bridge.load_world(world)
+        case _:
+            if not isinstance(bridge, SimBridge):
+                raise BridgeError(f"`{bridge.name}` has no world to which {what!r} could be done.")
+            bridge.apply(cast(WorldInput, what))
+
+
+def tested_again(loop: Loop, script: deque[Entry], element: Element) -> Evaluation | Exception | None:
+    """Repeat what comes up to the end of the next tick; return how a transition was tested in it.
+
+    None if it was not tested, or its test is not one expression.
+    """
+    while script and not isinstance(script[0], Ticked):
+        repeat(loop, script.popleft())
+    seen: list[Evaluation | Exception] = []
+    loop.interpreter.watch_test(element, seen.append)
+    if script:
+        repeat(loop, script.popleft())
+    return seen[-1] if seen else None

@@ -1,0 +1,128 @@
+"""`lrp run --record`, `lrp replay` and `lrp why`."""
+
+import json
+
+import pytest
+
+TEXT = """; world: line
+(var limit := [100])
+(var n := [0])
+(machine m
+  (state drive (running [robot.move(linear=0.2)] [n += 1]))
+  (state stop (onentry [robot.stop()]))
+  (on [robot.light.data > 300] drive -> stop bright)
+  (on [n > limit] drive -> stop far))
+(spawn m drive)
+"""
+
+
+@pytest.fixture
+def recorded(lrp, program, tmp_path):
+    """A recording of a run."""
+
+    def record(*options, text=TEXT, name="run.lrplog"):
+        path = tmp_path / name
+        done = lrp("run", program(text), "--speed", "max", "--for", "5", "--record", path, *options)
+        assert done.exit_code == 0
+        return path
+
+    return record
+
+
+def test_a_run_is_recorded_and_run_again(lrp, recorded):
+    path = recorded("--noise", "light=5", "--set", "limit=20")
+    done = lrp("replay", path)
+    assert done.exit_code == 0
+    assert "5.0 s, 50 ticks; m/stop active" in done.stdout
+    assert "The run is the recorded one, with no difference." in done.stdout
+    assert "m/stop  (far)" in done.stdout
+
+
+def test_a_part_of_a_run_is_printed(lrp, recorded):
+    done = lrp("replay", recorded("--set", "limit=20"), "--from", "1", "--until", "3")
+    assert "m/drive" not in done.stdout
+    assert "m/stop  (far)" in done.stdout
+    assert "3.0 s, 31 ticks" in done.stdout
+
+
+def test_another_program_is_run_with_the_recorded_inputs(lrp, recorded, program):
+    path = recorded()
+    done = lrp("replay", path, "--program", program(TEXT.replace("[100]", "[10]"), "other.lrp"))
+    assert done.exit_code == 0
+    assert "Recorded: `limit` became 100. Now: `limit` became 10." in done.stdout
+    broken = lrp("replay", path, "--program", program("(machine", "broken.lrp"))
+    assert broken.exit_code == 1
+    assert "LRP1" in broken.stderr
+
+
+def test_a_run_that_is_another_one_now_is_told(lrp, recorded):
+    path = recorded()
+    lines = path.read_text(encoding="utf-8").splitlines()
+    changed = [line.replace('"value":7}', '"value":8}') for line in lines]
+    assert changed != lines
+    path.write_text("\n".join(changed) + "\n", encoding="utf-8")
+    done = lrp("replay", path)
+    assert done.exit_code == 1
+    assert "Recorded: `n` became 8. Now: `n` became 7." in done.stdout
+
+
+def test_a_recording_is_asked_why(lrp, recorded):
+    path = recorded(name="run.lrplog.gz")
+    done = lrp("why", path, "bright", "--at", "2")
+    assert done.exit_code == 0
+    assert "`bright` (line 7) did not fire at 2 s: `robot.light.data > 300` was False" in done.stdout
+    assert "7 |   (on [robot.light.data > 300] drive -> stop bright)" in done.stdout
+    assert "`drive` was entered at 0 s when the program started" in lrp("why", path, "drive").stdout
+    assert "`drive.running` (line 5)" in lrp("why", path, "robot.move", "--at", "1.5").stdout
+
+
+def test_random_numbers_are_recorded_by_their_seed(lrp, recorded):
+    text = TEXT.replace("n += 1", "import random; n = random.random()")
+    assert "no difference" in lrp("replay", recorded(text=text)).stdout
+
+
+def test_what_cannot_be_run_again_is_refused(lrp, recorded, tmp_path):
+    path = recorded()
+    assert "no transition, state or command `brigt`. Did you mean `bright`?" in " ".join(
+        lrp("why", path, "brigt").stderr.replace("│", " ").split()
+    )
+    assert lrp("replay", tmp_path / "missing.lrplog").exit_code == 2
+    start, *rest = path.read_text(encoding="utf-8").splitlines()
+    foreign = json.loads(start) | {"names": ["draw"]}
+    path.write_text("\n".join([json.dumps(foreign), *rest]), encoding="utf-8")
+    assert "recorded in a notebook" in " ".join(lrp("replay", path).stderr.replace("│", " ").split())
+
+
+def test_a_trace_is_the_part_of_a_recording_that_followed(lrp, program, tmp_path):
+    trace, log = tmp_path / "t.jsonl", tmp_path / "r.lrplog"
+    lrp("run", program(TEXT), "--speed", "max", "--for", "3", "--trace", trace, "--record", log)
+    lines = [line for line in log.read_text(encoding="utf-8").splitlines() if '"event"' in line]
+    assert lines == trace.read_text(encoding="utf-8").splitlines()
+
+
+def test_a_breakpoint_ends_a_run_without_a_keyboard(lrp, program):
+    done = lrp("run", program(TEXT), "--speed", "max", "--for", "5", "--set", "limit=20", "--break", "stop")
+    assert done.exit_code == 1
+    assert "Paused: `stop` was entered (breakpoint 1, 1st time)." in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("what", "said"),
+    [
+        ("far", "`far` fired"),
+        ("left drive", "`drive` was left"),
+        ("when n > 10", "`n > 10` became True"),
+    ],
+)
+def test_a_run_can_wait_for_other_things(lrp, program, what, said):
+    done = lrp("run", program(TEXT), "--speed", "max", "--for", "5", "--set", "limit=20", "--break", what)
+    assert said in done.stdout
+
+
+@pytest.mark.parametrize(
+    ("what", "said"), [("stopp", "There is no transition `stopp`"), ("when n +", "--break")]
+)
+def test_a_breakpoint_that_cannot_be_set_is_refused(lrp, program, what, said):
+    done = lrp("run", program(TEXT), "--for", "1", "--break", what)
+    assert done.exit_code == 2
+    assert said in " ".join(done.stderr.replace("│", " ").split())

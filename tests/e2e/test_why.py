@@ -1,0 +1,40 @@
+"""Asking why, where the question arises: in the graph, in the text, at the robot."""
+
+from e2e.programs import COUNTER, FOLLOWER
+
+
+def card(lab):
+    """The open card."""
+    lab.sees(".lrp-why .lrp-why-sentence code")
+    return lab.find(".lrp-why")
+
+
+def test_a_transition_is_asked_why_it_did_not_fire(open_lab):
+    lab = open_lab(COUNTER)
+    lab.goes_on()
+    lab.find('[data-lrp-transition="m:tfull"]').first.focus()
+    lab.page.keyboard.press("?")
+    answer = card(lab)
+    assert "tfull (line 7) did not fire at" in answer.inner_text()
+    assert "n > limit (line 4) was False" in answer.inner_text()
+    before = answer.locator(".lrp-why-sentence").inner_text()
+    lab.until("(element, text) => element.textContent !== text", ".lrp-why-sentence", before)
+    answer.locator(".lrp-why-line", has_text="event full").click()
+    lab.sees(".cm-activeLine:has-text('event full')")
+    lab.find(".lrp-why").focus()
+    lab.page.keyboard.press("Escape")
+    lab.misses(".lrp-why")
+
+
+def test_a_state_is_asked_by_its_menu_and_the_robot_by_that_of_the_lab(open_lab):
+    lab = open_lab(FOLLOWER, "follower --world line")
+    lab.is_active("follower/moving")
+    lab.pause()
+    lab.state("follower/moving").click(button="right")
+    lab.choose("why")
+    assert "moving was entered at" in card(lab).inner_text()
+    lab.page.keyboard.press("Escape")
+    lab.do("menu")
+    lab.choose("why-robot")
+    assert "The last command was robot.move(" in card(lab).inner_text()
+    assert "(line " in lab.find(".lrp-why-sentence").inner_text()

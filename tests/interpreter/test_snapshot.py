@@ -1,0 +1,128 @@
+"""A run that begins from a snapshot goes on as the run that it was taken of; neither notices the other."""
+
+from types import SimpleNamespace
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from story import started
+from wild import command, moment, obey, program
+
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.parser import parse
+
+slow = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+REFUSED = (UnknownElementError, SyntaxError, NameError, ValueError)
+
+
+def copied(i, robot=None):
+    copy = Interpreter(i.program, robot)
+    copy.begin(i.snapshot())
+    return copy
+
+
+def followed(i, robot, orders):
+    """What is seen after each order."""
+    moments = []
+    for order in orders:
+        try:
+            obey(i, robot, order)
+        except REFUSED as error:
+            moments.append(type(error))
+        moments.append((*moment(i), i.tick, i.now, {path: c.times for path, c in i.visits.items()}))
+    return moments
+
+
+@slow
+@given(program, st.lists(command, max_size=20), st.lists(command, max_size=20))
+def test_a_copy_goes_on_as_the_run_does(text, before, after):
+    after = [order for order in after if order[0] != "rewind"]
+    robots = SimpleNamespace(light=0), SimpleNamespace(light=0)
+    i = Interpreter(parse(text), robots[0])
+    followed(i, robots[0], before)
+    robots[1].light = robots[0].light
+    copy = copied(i, robots[1])
+    present = moment(i)
+    assert moment(copy) == present
+    way = followed(copy, robots[1], after)
+    assert moment(i) == present, "the run does not notice"
+    assert followed(i, robots[0], after) == way
+
+
+def test_a_list_is_copied_with_what_shares_it():
+    i = started("(var a := [[1]])(var b := [(a,)])(machine m (state s (running [a.append(2)])))(spawn m s)")
+    copy = copied(i)
+    i.step(0.1)
+    assert (i.variables["a"], copy.variables["a"]) == ([1, 2], [1])
+    copy.step(0.1)
+    copy.step(0.2)
+    assert copy.variables["b"] == ([1, 2, 2],)
+    assert copy.variables["b"][0] is copy.variables["a"]
+    assert i.variables["a"] == [1, 2]
+
+
+def test_a_function_writes_the_variables_of_its_own_run():
+    i = started(
+        """(var n := [0])(var f := [None])
+        (machine m (state s
+          (onentry [
+            def f():
+              nonlocal n
+              n += 1])
+          (running [f()])))
+        (spawn m s)"""
+    )
+    copy = copied(i)
+    for tick in (1, 2, 3):
+        copy.step(tick / 10)
+    assert (copy.variables["n"], i.variables["n"]) == (3, 0)
+    copy.rewind(2)
+    assert copy.variables["n"] == 1, "the copy of a variable that a function writes is compared, too"
+
+
+def test_a_function_that_calls_itself_is_copied():
+    i = started(
+        """(var f := [
+          def fac(k):
+            return 1 if k == 0 else k * fac(k - 1)
+          fac])(var n := [0])
+        (machine m (state s (running [n = f(5)])))(spawn m s)"""
+    )
+    copy = copied(i)
+    copy.step(0.1)
+    assert copy.variables["n"] == 120
+
+
+def test_what_cannot_be_copied_is_shared_and_named():
+    i = started("(var g := [(k for k in 'abc')])(var n := [[]])(machine m (state s))(spawn m s)")
+    snapshot = i.snapshot()
+    assert snapshot.shared == ("generator",)
+    copy = copied(i)
+    assert copy.variables["g"] is i.variables["g"]
+    assert copy.variables["n"] is not i.variables["n"]
+
+
+def test_the_robot_is_that_of_the_copy():
+    i = started("(var r := [robot])(machine m (state s (running [r.light])))(spawn m s)")
+    other = SimpleNamespace(light=1)
+    assert copied(i, other).variables["r"] is other
+
+
+def test_one_snapshot_serves_many_runs():
+    i = started("(var a := [[]])(machine m (state s (running [a.append(1)])))(spawn m s)", 2)
+    snapshot = i.snapshot()
+    i.step(0.2)
+    for ticks in (1, 3):
+        copy = Interpreter(i.program)
+        copy.begin(snapshot)
+        for tick in range(ticks):
+            copy.step(0.3 + tick / 10)
+        assert copy.variables["a"] == [1] * (1 + ticks)
+
+
+def test_going_back_ends_at_the_snapshot():
+    copy = copied(started("(machine m (state s))(spawn m s)", 5))
+    copy.step(0.5)
+    assert (copy.tick, copy.journal, list(copy.history.ticks)) == (6, 1, [6])
+    copy.rewind(1)
+    assert copy.tick == 5

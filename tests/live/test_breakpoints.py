@@ -1,0 +1,209 @@
+"""Breakpoints pause after the tick in which they are hit, and follow their element."""
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from wild import program
+
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.live.breakpoints import element_of
+from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.session import Session
+
+TEXT = """(var n := [0])
+(event odd [n % 2 == 1])
+(machine m
+  (var own := [0])
+  (state a (running [n += 1]))
+  (state b (onentry [own += 1] (spawn inner s))
+    (machine inner (state s) (state t) (ontime 100 s -> t deep)))
+  (ontime 300 a -> b there)
+  (ontime 300 b -> a back))
+(spawn m a)"""
+
+
+@pytest.fixture
+def live():
+    with Session(TEXT, clock=VirtualClock()) as session:
+        yield session
+
+
+def pauses(session, seconds=5.0):
+    """The ticks after which the program pauses."""
+    ticks, end = [], session.frame.time + seconds
+    while session.frame.time < end - 1e-6:
+        session.run(end - session.frame.time)
+        if session.frame.paused_by is not None:
+            ticks.append(session.frame.tick)
+            session.resume()
+    return ticks
+
+
+def test_the_tick_in_which_a_state_is_entered_is_completed(live):
+    live.pause_when("b")
+    live.run(5)
+    frame = live.frame
+    assert (frame.tick, frame.status, frame.is_active("b")) == (4, "paused", True)
+    assert frame.reason == "`b` was entered (breakpoint 1, 1st time)."
+    assert (frame.paused_by.number, frame.paused_by.count, frame.paused_by.tick) == (1, 1, 4)
+    live.run(5)
+    assert (live.frame.tick, live.frame.paused_by.count) == (10, 2)
+
+
+@pytest.mark.parametrize(
+    ("when", "tick"),
+    [
+        ({"left": "a"}, 4),
+        ({"fires": "back"}, 7),
+        ({"fires": "m/there"}, 4),
+        ({"fires": "deep"}, 5),
+        ({"entered": "m/b/inner/t"}, 5),
+        ({"event": "odd"}, 2),
+        ({"condition": "n == 3"}, 8),
+        ({"condition": "own == 1", "machine": "m"}, 4),
+    ],
+)
+def test_what_can_be_waited_for(live, when, tick):
+    live.pause_when(**when)
+    live.run(5)
+    assert live.frame.tick == tick
+
+
+def test_only_what_becomes_true_is_a_hit(live):
+    live.pause_when(condition="n >= 2")
+    assert pauses(live) == [3]
+
+
+def test_a_breakpoint_can_wait_for_the_third_time_and_pause_once(live):
+    live.pause_when("b", after=3, once=True)
+    assert pauses(live) == [16]
+    (known,) = live.breakpoints
+    assert (known.hits, known.enabled) == (8, False)
+
+
+def test_breakpoints_are_listed_switched_off_and_removed(live):
+    live.pause_when("b")
+    live.pause_when(fires="back")
+    live.set_breakpoint(1, False)
+    assert [str(each) for each in live.breakpoints] == [
+        "1: `b` was entered, hit 0 times, switched off",
+        "2: `back` fired, hit 0 times",
+    ]
+    assert pauses(live, 1) == [7]
+    assert live.breakpoints[0].hits == 2, "it is counted though it is switched off"
+    live.remove_breakpoint(2)
+    live.remove_breakpoint(1)
+    assert live.breakpoints == ()
+    assert pauses(live, 2) == []
+    with pytest.raises(ValueError, match="There is no breakpoint 1"):
+        live.remove_breakpoint(1)
+
+
+def test_a_forced_state_is_entered_too(live):
+    live.pause_when("b")
+    live.run(0.1)
+    live.resume()
+    live.transition_to("b")
+    assert (live.frame.status, str(live.frame.paused_by)) == (
+        "paused",
+        "`b` was entered (breakpoint 1, 1st time).",
+    )
+
+
+def test_single_steps_show_what_was_hit(live):
+    live.pause_when("b")
+    for _ in range(4):
+        live.step()
+    assert live.frame.paused_by.count == 1
+    live.step()
+    assert live.frame.paused_by is None
+
+
+def test_a_breakpoint_follows_its_element_over_renames_and_edits(live):
+    live.pause_when("b")
+    live.rename("state", "m/b", "beside")
+    assert live.breakpoints[0].name == "beside"
+    live.edit(live.text.replace("(ontime 300 a", "(ontime 500 a"))
+    live.run(5)
+    assert (live.frame.tick, live.frame.paused_by.what) == (6, "`beside` was entered")
+    live.rewind(6)
+    live.edit(TEXT)
+    assert not live.breakpoints[0].dormant
+
+
+def test_a_breakpoint_of_a_removed_element_is_dormant_until_it_comes_back(live):
+    live.pause_when(fires="back")
+    live.edit(TEXT.replace("(ontime 300 b -> a back)", ""))
+    assert str(live.breakpoints[0]) == "1: `back` fired, hit 0 times, dormant"
+    live.edit(TEXT)
+    assert pauses(live, 1) == [7]
+
+
+def test_a_condition_that_raises_is_a_problem_of_the_breakpoint(live):
+    live.pause_when(condition="nope > 3")
+    live.run(1)
+    assert live.breakpoints[0].problem.startswith("NameError")
+    assert (live.frame.tick, live.issues) == (10, ())
+
+
+@pytest.mark.parametrize(
+    ("when", "error", "message"),
+    [
+        ({"entered": "c"}, UnknownElementError, "There is no state `c`"),
+        ({"fires": "bak"}, UnknownElementError, "Did you mean `back`"),
+        ({"event": "even"}, UnknownElementError, "There is no event `even`"),
+        ({"condition": "n ="}, SyntaxError, ""),
+        ({"condition": "n > 1", "machine": "k"}, UnknownElementError, "There is no machine `k`"),
+        ({}, TypeError, "Pass one of"),
+        ({"entered": "a", "left": "b"}, TypeError, "Pass one of"),
+        ({"entered": "a", "after": 0}, ValueError, "after"),
+    ],
+)
+def test_a_mistake_is_refused_at_once(live, when, error, message):
+    with pytest.raises(error, match=message or None):
+        live.pause_when(**when)
+    assert live.breakpoints == ()
+
+
+def test_a_running_thread_is_paused():
+    with Session(TEXT, rate=50) as live:
+        live.pause_when("b")
+        live.start()
+        frame = live.wait_for(lambda frame: frame.paused_by is not None, timeout=30)
+        assert frame.paused_by.what == "`b` was entered"
+
+
+def defined_in(session):
+    """The function from a state as spawned to its path of definition."""
+    return lambda path: (*resolve(session.program).defined(path[:-1]), path[-1])
+
+
+@settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
+@given(program, st.data())
+def test_it_pauses_exactly_when_the_state_is_entered(text, data):
+    states = [element for element in resolve(parse(text)).elements() if element.kind == "state"]
+    wanted = data.draw(st.sampled_from(states))
+    robot = {"robot": None}
+    entered = []
+    with Session(text, clock=VirtualClock(), namespace=robot) as watched:
+        defined = defined_in(watched)
+        watched.observe(
+            lambda event: (
+                entered.append(event.tick)
+                if event.kind == "entered" and defined(event.path) == wanted.path
+                else None
+            )
+        )
+        watched.run(2)
+    with Session(text, clock=VirtualClock(), namespace=robot) as live:
+        live.pause_when(wanted.path)
+        assert element_of(live.program, "state", wanted.path) == wanted
+        paused = []
+        for _ in range(20):
+            live.step()
+            if live.frame.paused_by is not None:
+                paused.append(live.frame.tick)
+        assert paused == sorted(set(entered))
+        assert live.breakpoints[0].hits == len(entered)

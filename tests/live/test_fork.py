@@ -1,0 +1,136 @@
+"""A fork is the session as it was, goes on as it did, and the session does not notice."""
+
+import random
+
+import pytest
+import wandering
+from seeds import seeds
+
+from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.session import Session
+
+COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
+
+
+def walk(seed, bridge, moves=25, rewinds=True):
+    """A session after random things."""
+    draw = random.Random(seed)
+    session = wandering.session(seed, bridge)
+    session.run(1)
+    for _ in range(moves):
+        wandering.act(draw, session, rewinds)
+    return session
+
+
+@pytest.mark.parametrize("bridge", ["sim", "none"])
+@pytest.mark.parametrize("seed", seeds(6, 60))
+def test_a_fork_of_now_is_the_session_and_goes_on_as_it_does(seed, bridge):
+    with walk(seed, bridge) as session:
+        present = wandering.seen(session)
+        with session.fork() as fork:
+            assert wandering.seen(fork) == present
+            fork.run(5)
+            assert wandering.seen(session) == present, "the session does not notice"
+            session.run(5)
+            assert wandering.seen(fork) == wandering.seen(session)
+
+
+@pytest.mark.parametrize("bridge", ["sim", "none"])
+@pytest.mark.parametrize("seed", seeds(6, 60))
+def test_a_fork_of_the_past_with_its_inputs_comes_to_the_present(seed, bridge):
+    draw = random.Random(-seed)
+    with walk(seed, bridge, rewinds=False) as session:
+        session.run(1)
+        present = wandering.seen(session)
+        for _ in range(3):
+            tick = draw.randint(session._loop.checkpoints.all[0].tick, session.frame.tick)
+            with session.fork(tick, inputs=True) as fork:
+                assert fork.frame.tick == tick
+                fork.run(session.frame.time - fork.frame.time)
+                while fork._script:
+                    fork.run(0.1)
+                assert wandering.seen(fork) == present, f"from tick {tick}"
+        assert wandering.seen(session) == present
+
+
+@pytest.mark.parametrize("seed", seeds(4, 30))
+def test_the_frame_of_a_past_tick_is_the_frame_that_was(seed):
+    session, frames, draw = wandering.session(seed), {}, random.Random(seed)
+    with session:
+        session.run(1)
+        for _ in range(20):
+            wandering.act(draw, session, rewinds=False, removals=False)
+            session.step()
+            frames[session.frame.tick] = session.frame, session._loop.period
+        for tick, (frame, period) in frames.items():
+            past = session.at(tick)
+            assert past.active == frame.active
+            assert dict(past.numbers) == dict(frame.numbers)
+            assert dict(past.visits) == dict(frame.visits), tick
+            assert dict(past.fired) == dict(frame.fired)
+            assert past.program.text == frame.program.text
+            assert dict(past.readings) == dict(frame.readings)
+            assert past.time == pytest.approx(frame.time - period)
+
+
+def test_a_fork_with_another_program_keeps_the_state():
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.run(2)
+        with session.fork(
+            10, COUNTER.replace("n += 1", "n -= 1").replace("(running", "(onexit [n])(running")
+        ) as fork:
+            assert fork.frame.restarts == 1
+        session.on_active_edit = "keep"
+        session.run(0.1)
+        with session.fork(21, COUNTER.replace("n += 1", "n -= 1")) as fork:
+            fork.run(0.5)
+            assert (fork.frame.values["n"], session.frame.values["n"]) == (16, 20)
+
+
+def test_random_numbers_of_a_fork_are_those_of_the_session():
+    program = """(var r := [0])
+      (machine m (state a (running [import random; r = random.random() + draw()])))
+      (spawn m a)"""
+    names = {"draw": random.random}
+    with Session(program, clock=VirtualClock(), namespace=names) as session:
+        session.run(1)
+        state = random.getstate()
+        with session.fork() as fork:
+            fork.run(1)
+            assert random.getstate() == state, "the fork draws from a generator of its own"
+            session.run(1)
+            assert fork.frame.values["r"] == session.frame.values["r"]
+
+
+def test_what_a_notebook_has_defined_is_copied_where_a_block_can_change_it():
+    names = {"found": [], "limit": 3}
+    program = "(machine m (state a (running [found.append(limit)])))(spawn m a)"
+    with Session(program, clock=VirtualClock(), namespace=names) as session:
+        session.run(1)
+        assert len(names["found"]) == 9
+        with session.fork(5) as fork:
+            assert len(fork.namespace["found"]) == 4
+            fork.run(1)
+        assert len(names["found"]) == 9
+
+
+def test_what_a_fork_prints_is_its_own():
+    program = "(machine m (state a (running [print('tick')])))(spawn m a)"
+    with Session(program, clock=VirtualClock()) as session:
+        session.run(1)
+        with session.fork() as fork:
+            fork.run(1)
+            assert (fork.output.count, session.output.count) == (10, 9)
+
+
+def test_only_recorded_ticks_can_be_forked_or_looked_at():
+    with Session(COUNTER, clock=VirtualClock(), journal=5) as session:
+        session.run(2)
+        with pytest.raises(ValueError, match="only"):
+            session.fork(21)
+        with pytest.raises(ValueError, match="only 16 to 20"):
+            session.at(3)
+    with Session(COUNTER, clock=VirtualClock(), journal=0) as session:
+        session.run(2)
+        with pytest.raises(ValueError, match="only"):
+            session.fork(3)

@@ -1,0 +1,223 @@
+"""A recorded session is the same in another process: bit for bit, or the first difference is told."""
+
+import gzip
+import json
+import random
+import subprocess
+import sys
+from hashlib import sha256
+from pathlib import Path
+
+import pytest
+import wandering
+from seeds import seeds
+
+from lrp_jupyter.bridges.bridge import Bridge, Twist
+from lrp_jupyter.errors import FileError, NoDataYet
+from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.recording import plain, read_recording, unplain
+from lrp_jupyter.live.reproduction import reproduce
+from lrp_jupyter.live.session import Session
+
+COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
+AGAIN = """
+import sys; sys.path.insert(0, {tests!r})
+import wandering
+from hashlib import sha256
+from lrp_jupyter.live.recording import read_recording
+from lrp_jupyter.live.reproduction import reproduce
+for path in sys.argv[1:]:
+    again = reproduce(read_recording(path))
+    print(again.difference, sha256(repr(wandering.seen(again.session)).encode()).hexdigest())
+"""
+
+
+def recorded(path, seed, bridge, moves=20):
+    """Record a session in which everything happens; return what was seen of it at the end."""
+    draw = random.Random(seed)
+    session = wandering.session(seed, bridge)
+    with session, session.record(path):
+        session.run(1)
+        for _ in range(moves):
+            wandering.act(draw, session)
+        session.run(1)
+        return wandering.seen(session)
+
+
+@pytest.mark.parametrize("bridge", ["sim", "none"])
+@pytest.mark.parametrize("seed", seeds(5, 100))
+def test_a_session_is_reproduced_bit_for_bit(tmp_path, seed, bridge):
+    path = tmp_path / "run.lrplog"
+    there = recorded(path, seed, bridge)
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    assert wandering.seen(again.session) == there
+    again.session.close()
+
+
+def test_sessions_are_reproduced_in_another_process(tmp_path):
+    paths, there = [], []
+    for seed, bridge in [(1, "sim"), (2, "sim"), (3, "none")]:
+        paths.append(tmp_path / f"{seed}.lrplog")
+        seen = repr(recorded(paths[-1], seed, bridge))
+        there.append(f"None {sha256(seen.encode()).hexdigest()}")
+    command = [
+        sys.executable,
+        "-c",
+        AGAIN.format(tests=str(Path(wandering.__file__).parent)),
+        *map(str, paths),
+    ]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.stdout.splitlines(), done.stderr) == (there, "")
+
+
+def test_a_recording_of_another_program_tells_the_first_difference(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+    again = reproduce(read_recording(path), program=COUNTER.replace("n += 1", "n += 1 + (n > 4)"))
+    assert again.difference.tick == 7
+    assert again.difference.recorded == {
+        "tick": 7,
+        "time": 0.6,
+        "event": "changed",
+        "variable": "n",
+        "value": 6,
+    }
+    assert again.difference.now["value"] == 7
+    assert again.session.frame.values["n"] == 13, "and the run goes on to its end"
+
+
+def test_a_run_that_depends_on_something_else_is_told_where(tmp_path):
+    path, names = tmp_path / "run.lrplog", {"clock": iter(range(100)).__next__}
+    text = COUNTER.replace("n += 1", "n = clock()")
+    with Session(text, clock=VirtualClock(), namespace=names) as session, session.record(path):
+        session.run(1)
+    recording = read_recording(path)
+    assert recording.start.names == ["clock"]
+    again = reproduce(recording, namespace={"clock": iter([0, 1, 2, 7, 8]).__next__})
+    assert (again.difference.tick, again.difference.now["value"]) == (5, 7)
+    assert str(again.difference).endswith("Recorded: `n` became 3. Now: `n` became 7.")
+
+
+def test_a_recording_can_be_run_again_up_to_a_time(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, clock=VirtualClock()) as session, session.record(path):
+        session.run(3)
+    again = reproduce(read_recording(path), until=1.25)
+    assert (again.session.frame.tick, again.difference) == (13, None)
+    assert str(again.session.why_not) is not None
+
+
+def test_a_compressed_and_a_cut_off_file_are_read_up_to_the_last_whole_line(tmp_path):
+    path = tmp_path / "run.lrplog.gz"
+    with Session(COUNTER, clock=VirtualClock()) as session, session.record(path):
+        session.run(50)
+    whole = read_recording(path)
+    assert (whole.ticks, whole.cut) == (500, False)
+    short = tmp_path / "short.lrplog.gz"
+    short.write_bytes(path.read_bytes()[:-400])
+    cut = read_recording(short)
+    assert 0 < cut.ticks < 500
+    assert reproduce(cut).difference is None
+    text = gzip.decompress(path.read_bytes())
+    (tmp_path / "plain.lrplog").write_bytes(text[:-10])
+    assert read_recording(tmp_path / "plain.lrplog").cut
+
+
+@pytest.mark.parametrize(
+    ("lines", "message"),
+    [
+        ("", "it has no whole line"),
+        ("hello\n", "line 1: This is not JSON"),
+        ("[1]\n", "line 1: This is not an object"),
+        ('{"tick":1,"event":"started"}\n', "line 1: This is not a recording"),
+        ('{"lrplog":99}\n', "Recordings of version 99 cannot be read"),
+        ('{"lrplog":1,"text":""}\n', "not complete"),
+        (
+            '{"lrplog":1,"text":"","filename":"x","bridge":"none"}\n{"input":"dance","tick":0,"time":0}\n',
+            "line 2",
+        ),
+        (
+            '{"lrplog":1,"text":"","filename":"x","bridge":"none"}\n{"input":"edit","tick":0,"time":0}\n',
+            "line 2",
+        ),
+    ],
+)
+def test_what_is_no_recording_is_refused_with_its_line(tmp_path, lines, message):
+    path = tmp_path / "run.lrplog"
+    path.write_text(lines, encoding="utf-8")
+    with pytest.raises(FileError, match=message):
+        read_recording(path)
+
+
+def test_a_missing_file_and_a_session_that_has_run_are_refused(tmp_path):
+    with pytest.raises(FileError, match="cannot be read"):
+        read_recording(tmp_path / "none.lrplog")
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.run(1)
+        with pytest.raises(ValueError, match="has run already"), session.record(tmp_path / "run.lrplog"):
+            pass
+        with (
+            pytest.raises(FileError, match="cannot be written"),
+            session.record(tmp_path / "no" / "run.lrplog"),
+        ):
+            pass
+
+
+class Rover(Bridge):
+    """A robot whose readings depend on the time."""
+
+    name = "rover"
+    hardware = True
+    stop_timeout = None
+
+    def open_interface(self):
+        self.now, self.driven = 0.0, []
+        self.add_variable("range", self.range)
+        self.add_variable("pose", lambda: Pose(self.now, (1, 2)))
+        self.add_method("move", self.driven.append, message=Twist, limits={"linear": 0.5})
+
+    def sense(self, now):
+        self.now = now
+
+    def range(self):
+        if self.now < 0.3:
+            raise NoDataYet("not yet")
+        return 2.0 - self.now
+
+
+class Pose:
+    def __init__(self, x, other):
+        self.x, self.other = x, other
+
+
+ROVER = """(machine m
+  (state go (running [robot.move(linear=2)]))
+  (state stop (onentry [robot.move(linear=0, angular=robot.pose.x)]))
+  (on [robot.range < 1] go -> stop near))
+(spawn m go)"""
+
+
+def test_the_readings_of_a_real_robot_are_fed_to_the_program_again(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(ROVER, Rover, clock=VirtualClock()) as session, session.record(path):
+        session.bridge.arm()
+        session.run(2)
+        assert len(session.bridge.driven) == 12
+    recording = read_recording(path)
+    again = reproduce(recording)
+    assert again.difference is None
+    assert again.session.frame.active == (("m", "stop"),)
+    answer = again.session.why_not("near", at=8)
+    assert answer.facts["values"] == {"robot.range": 1.3}
+    assert again.session.why("robot.move").facts["arguments"] == {"angular.z": 1.1}
+    other = reproduce(recording, program=ROVER.replace("< 1", "< 1.5"))
+    assert other.difference.tick == 7
+
+
+def test_values_are_the_same_as_json():
+    for value in [1, True, None, "x", 0.1, float("inf"), (1, (2.5, "y")), {"a": (1,)}]:
+        assert unplain(json.loads(json.dumps(plain(value)))) == value
+    pose = unplain(json.loads(json.dumps(plain(Pose(0.5, Pose(1, None))))))
+    assert (pose.x, pose.other.x, pose.other.other) == (0.5, 1, None)
