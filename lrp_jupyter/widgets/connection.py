@@ -23,10 +23,11 @@ from typing import Any
 from lrp_jupyter.errors import BridgeError, SessionClosedError
 from lrp_jupyter.language.unmeant import Cursor
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets import commands as commands  # these four define messages that `decode` knows
+from lrp_jupyter.widgets import commands as commands  # these define messages that `decode` knows
 from lrp_jupyter.widgets import drawing as drawing
 from lrp_jupyter.widgets import inspection as inspection
 from lrp_jupyter.widgets import requests as requests
+from lrp_jupyter.widgets import timeline as timeline
 from lrp_jupyter.widgets import world_commands as world_commands
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.messages import (

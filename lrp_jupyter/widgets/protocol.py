@@ -416,6 +416,7 @@ class ViewState(TypedDict):
     ``hung``      None unless a block does not return
     ``layouts``   machine path -> layout
     ``moved``     revision of the run -> elements that have another path since; the last ones
+    ``looking``   the earlier moment that everything here shows, or None for now
     ``unkept``    why the text is not kept in its file; empty if it is
     ============= =======================================================================================
     """
@@ -445,6 +446,7 @@ class ViewState(TypedDict):
     panel: PanelView | None
     settings: SettingsView
     conflict: ConflictView | None
+    looking: LookingView | None
     unkept: str
 
 
@@ -585,6 +587,119 @@ class WhyView(TypedDict):
     present: bool
 
 
+HappeningKind = Literal["entered", "ended", "edit", "restart", "issue", "pause", "command", "hand"]
+
+
+class HappeningView(TypedDict):
+    """Something that happened in a run, for the timeline.
+
+    ============ =====================================================================================
+    ``entered``  the state with path `state` was entered in the machine `lane` (its path as spawned);
+                 `by` is the transition, empty if it was spawned or forced
+    ``ended``    the machine `lane` ended
+    ``edit``     another program ran from here on; ``restart``: from the beginning
+    ``issue``    an element failed for the first time, or again after it was well
+    ``pause``    the program paused, by a breakpoint or an issue
+    ``command``  the robot got another command; `by` is its name, such as ``move``
+    ``hand``     the world was changed by hand, a variable was set or a state forced
+    ============ =====================================================================================
+
+    `time` is that of the tick, in seconds, and `text` says it in words.
+    """
+
+    tick: int
+    time: float
+    kind: HappeningKind
+    lane: str
+    state: str
+    by: str
+    text: str
+
+
+class ThresholdView(TypedDict):
+    """What a condition compares a plotted name with: a value for each sample; None where it had none."""
+
+    text: str
+    values: list[float | None]
+
+
+class PlotView(TypedDict):
+    """The samples of a variable or reading, one for each tick of `times`: numbers, or 0 and 1 of truth values.
+
+    None where it had no value, or none that can be plotted.
+    """
+
+    name: str
+    kind: Literal["number", "truth"]
+    times: list[float]
+    values: list[float | None]
+    thresholds: list[ThresholdView]
+
+
+class TimelineView(TypedDict):
+    """What happened since a moment that the page knows.
+
+    Ticks `first` to `last`, from `begin` to `end` s, are recorded. What the page holds of ticks after `kept`
+    was undone, or is told again: it is replaced by `happenings` and `plots`. `names` can be plotted.
+    """
+
+    epoch: int
+    first: int
+    last: int
+    begin: float
+    end: float
+    kept: int
+    happenings: list[HappeningView]
+    plots: list[PlotView]
+    names: list[str]
+
+
+class LookingView(TypedDict):
+    """An earlier moment that the lab shows. `ago` is in seconds; `edited`: the program was edited there.
+
+    `edited` programs run on from the moment at which the first edit was made.
+    """
+
+    tick: int
+    time: float
+    ago: float
+    edited: bool
+
+
+class CourseView(TypedDict):
+    """How a run went: what happened, and the way of the robot as (time, x, y, theta), one for each tick."""
+
+    happenings: list[HappeningView]
+    way: list[list[float]]
+
+
+class DivergenceView(TypedDict):
+    """The first difference between two runs."""
+
+    tick: int
+    time: float
+    text: str
+
+
+class WhatIfView(TypedDict):
+    """What happens from a moment on if another program runs, or the present one runs on.
+
+    `recorded` is how it went, as far as it did, and `changed` how it would go; `collision` is a sentence about
+    the first time that the robot would touch a solid, at `collision_at` s. `open_loop`: a real robot's recorded
+    readings were fed, whatever the program commanded.
+    """
+
+    tick: int
+    begin: float
+    end: float
+    recorded: CourseView
+    changed: CourseView
+    divergence: DivergenceView | None
+    collision: str
+    collision_at: float | None
+    open_loop: bool
+
+
 class ReplyMessage(TypedDict):
     """The one answer to a command or request with this id."""
 
@@ -597,6 +712,8 @@ class ReplyMessage(TypedDict):
     references: NotRequired[ReferencesView | None]
     inspect: NotRequired[InspectView]
     why: NotRequired[WhyView]
+    timeline: NotRequired[TimelineView]
+    what_if: NotRequired[WhatIfView]
     versions: NotRequired[list[VersionView]]
     svg: NotRequired[str]
     exists: NotRequired[bool]

@@ -143,6 +143,7 @@ class ViewStates:
                 "pause_on_issue": session.on_issue == "pause",
             },
             "conflict": texts.conflict,
+            "looking": None,
             "unkept": texts.problem,
         }
 
