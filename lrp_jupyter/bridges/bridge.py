@@ -221,9 +221,14 @@ class Bridge(Interface, ABC):
         return None
 
     @property
-    def position(self) -> tuple[float, float] | None:
-        """Where the robot is, in metres; None where that is not known."""
+    def pose(self) -> tuple[float, float, float] | None:
+        """Where the robot is, in metres, and its heading in radians; None where that is not known."""
         return None
+
+    @property
+    def touched(self) -> frozenset[str]:
+        """Names of the solids that the robot touched in the tick before the last reading of its sensors."""
+        return frozenset()
 
     def picture_after(self, moment: object, next_moment: object) -> object:
         """Return the picture of the robot right after an earlier tick; None where it is not recorded.

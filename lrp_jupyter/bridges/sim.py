@@ -335,9 +335,16 @@ class SimBridge(Bridge):
         return _picture(self.simulation)
 
     @property
-    def position(self) -> tuple[float, float]:
-        """The middle of the robot, in metres."""
-        return self.simulation.robot.pose[:2]
+    def pose(self) -> tuple[float, float, float]:
+        """The middle of the robot, in metres, and its heading in radians."""
+        return self.simulation.robot.pose
+
+    @property
+    def touched(self) -> frozenset[str]:
+        """See :class:`Bridge`; ``edge`` is the edge of the world, ``robot`` another robot."""
+        solids = self.world.solids
+        names = {-1: "edge"} | {index: solid.name or f"solid {index}" for index, solid in enumerate(solids)}
+        return frozenset(names.get(index, "robot") for index in self.simulation.robot.memory.touched)
 
     def picture_after(self, moment: object, next_moment: object) -> SimPicture | None:
         """See :class:`Bridge`."""

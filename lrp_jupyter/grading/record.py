@@ -84,10 +84,6 @@ class RunRecord:
         """Record the tick that has just ended; must be called on the loop's thread."""
         robot = bridge.simulation.robot
         x, y, heading = robot.pose
-        names = {-1: "edge"} | {
-            index: getattr(solid, "name", "") or f"solid {index}"
-            for index, solid in enumerate(self.world.solids)
-        }
         sample = Sample(
             interpreter.now,
             x,
@@ -95,7 +91,7 @@ class RunRecord:
             heading,
             robot.readings.lights,
             bool(robot.readings.bumper),
-            frozenset(names.get(index, "robot") for index in robot.memory.touched),
+            bridge.touched,
             tuple(thing.pose for thing in bridge.simulation.solids),
             interpreter.active,
             robot.command,

@@ -10,7 +10,7 @@ earlier content runs the tick again.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
 from types import CellType
 from typing import Any, NamedTuple
@@ -242,6 +242,45 @@ class History:
                 break  # what comes before it happened before the tick began
             view.undo(function, values)
         return self._built(view)
+
+    def followed(self, paths: Iterable[Path], after: int = 0) -> Iterator[tuple[int, dict[Path, object]]]:
+        """Yield the ticks after a tick, the last one first, each with the values of variables at its end.
+
+        Parameters
+        ----------
+        paths : iterable of path
+            As spawned; one that did not exist then is missing.
+        after : int
+        """
+        wanted = list(paths)
+        view, number, first = _View(), self.run.ticks, max(after + 1, self.ticks.start)
+        cells: dict[Path, CellType] | None = self._cells(view, wanted)
+        begun = False  # what was done since the last tick comes first
+        for function, values in _backward(self.run.journal.log if self.run.journal else []):
+            if function is None:
+                if begun:
+                    number -= 1
+                begun = True
+                if number < first:
+                    return
+                if cells is None:
+                    cells = self._cells(view, wanted)
+                found = {path: view.value(cell) for path, cell in cells.items()}
+                yield number, {path: value for path, value in found.items() if value is not UNSET}
+                continue
+            view.undo(function, values)
+            if function is not undo_write and function is not note:
+                cells = None
+
+    def _cells(self, view: _View, paths: Iterable[Path]) -> dict[Path, CellType]:
+        """Return the cells of those variables that exist in a view."""
+        own: dict[Path, dict[str, Slot]] = {(): view.get(view.get(self.run, "globals"), "own")}
+        waiting = list(view.get(self.run, "roots"))
+        while waiting:
+            act = waiting.pop()
+            own[view.get(act, "path")] = view.get(act, "own")
+            waiting += view.get(act, "children")
+        return {path: slots[path[-1]].cell for path in paths if path[-1] in (slots := own.get(path[:-1], {}))}
 
     def values_before(self, tick: int) -> Iterator[tuple[int, Callable[[CellType], object]]]:
         """Yield the ticks before a tick, the last one first, each with what a cell held when it began."""

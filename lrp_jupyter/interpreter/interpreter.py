@@ -596,6 +596,7 @@ class Interpreter:
         before, self._run = self._run, self._new_run(program)
         run = self._run
         run.now = now
+        run.epoch = before.epoch + 1
         run.observers = before.observers
         run.watched = run.attention = bool(run.observers)
         if before.event_values is not None:
@@ -609,16 +610,17 @@ class Interpreter:
         self._report_duplicates()
         self._done()
 
-    def pause(self, now: float | None = None) -> None:
+    def pause(self, now: float | None = None, reason: str = "") -> None:
         """Run the ``onpause`` actions, if anything is active. Paper: §6.3.
 
-        A paused interpreter still steps when :meth:`step` is called: the caller decides.
+        A paused interpreter still steps when :meth:`step` is called: the caller decides. The reason, a
+        sentence, is recorded.
         """
         self._advance(now)
         if not self.paused:
             self.paused = True
             self._between(self._run.plan.onpause)
-            self._note("paused")
+            self._note("paused", reason)
             self._run.emit("paused", ())
         self._done()
 

@@ -18,7 +18,7 @@ from types import BuiltinFunctionType, CellType, FunctionType, ModuleType
 from typing import Any
 
 from lrp_jupyter.bridges.nodes import RobotMethod
-from lrp_jupyter.errors import NotAValue, UnknownElementError, did_you_mean, sentence_of
+from lrp_jupyter.errors import UnknownElementError, did_you_mean, sentence_of
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Fact, Fired, Spawned
 from lrp_jupyter.interpreter.history import PastMachine, PastState
@@ -39,8 +39,9 @@ from lrp_jupyter.language.resolution import Arrow, resolve
 from lrp_jupyter.language.triggers import Delay, Epsilon
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.recorded_robot import RecordedRobot
 
-__all__ = ["Again", "Answers", "condition_of", "tick_of"]
+__all__ = ["Again", "Answers", "call_text", "condition_of", "tick_of"]
 
 Again = Callable[[int, Element], "Evaluation | Exception | None"]
 """Runs a tick again in a fork and returns how a transition was tested there; None if that is impossible."""
@@ -424,7 +425,7 @@ class Answers:
 
         def lookup(name: str) -> Any:
             if name == "robot":
-                return _Recorded("", readings, nodes)
+                return RecordedRobot(readings, nodes)
             if name in cells:
                 if id(cells[name]) in written:
                     raise UnknownValueError(f"`{name}` was also assigned in this tick.")
@@ -724,8 +725,7 @@ class Answers:
             return draft.reason("never", tick, time)
         last = records[-1]
         origin = last.origin if last.origin.tick <= tick else last.first
-        arguments = ", ".join(f"{key}={_plain(value)}" for key, value in _flat(last.arguments))
-        call = f"`robot.{last.name}({arguments})`"
+        call = call_text(last.name, last.arguments)
         state = origin.block.partition(".")[0]
         where = f"`{origin.block}` (line {origin.line})" if origin.block else "a command given by hand"
         since = f", as since {self._time(last.first.tick):g} s" if last.first.tick < origin.tick else ""
@@ -796,24 +796,6 @@ _WRITERS: dict[str, Callable[..., None]] = {
     "outer-fired": Answers._other_fired,
     "exit-took-parent": Answers._other_fired,
 }
-
-
-class _Recorded(NotAValue):
-    """A robot that has only the readings of one tick."""
-
-    def __init__(self, prefix: str, readings: Mapping[str, object], nodes: Mapping[str, object]) -> None:
-        self._prefix, self._readings, self._nodes = prefix, readings, nodes
-
-    def __getattr__(self, name: str) -> Any:
-        path = self._prefix + name
-        if path in self._readings:
-            value = self._readings[path]
-            if isinstance(value, Exception):
-                raise value
-            return value
-        if any(each.startswith(f"{path}.") for each in self._nodes):
-            return _Recorded(f"{path}.", self._readings, self._nodes)
-        raise UnknownValueError(f"`robot.{path}` was not read in this tick.")
 
 
 def _cells(state: PastState, machine: Path) -> Mapping[str, CellType]:
@@ -899,6 +881,11 @@ def _plain(value: object) -> object:
 
 def _number(value: float) -> str:
     return f"{round(value, 3):g}" if abs(value) < 1e6 else f"{value:.0f}"
+
+
+def call_text(name: str, arguments: Mapping[str, Any]) -> str:
+    """Return a command of the robot as a program writes it."""
+    return f"`robot.{name}({', '.join(f'{key}={_plain(value)}' for key, value in _flat(arguments))})`"
 
 
 def _flat(arguments: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:

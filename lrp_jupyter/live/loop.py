@@ -695,7 +695,7 @@ class Loop:
         """Pause program, time and robot; the reason is a sentence, or empty. Paper: §6.3."""
         if self.status == "running":
             with self._deriving():
-                self.interpreter.pause(self.now)
+                self.interpreter.pause(self.now, reason)
                 self._stand_still(reason)
             self._note(Paused(reason))
         elif self.status in ("ready", "paused") and reason:

@@ -16,9 +16,9 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.interpreter.tree import Count
-from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.renamed import Names
 
 __all__ = ["frame_at"]
 
@@ -68,42 +68,11 @@ def _text(value: object) -> str:
     return render(value, of_type)
 
 
-class _Names:
-    """The names that elements had at one tick.
-
-    Parameters
-    ----------
-    moves : sequence of (int, Successors)
-        For each edit that gave elements other paths: after which tick, and the map.
-    tick : int
-    """
-
-    def __init__(self, moves: Iterable[tuple[int, Successors]], tick: int) -> None:
-        self._tick = tick
-        self._later = [
-            (after, {new: old for old, new in successors.moved.items()})
-            for after, successors in moves
-            if after >= tick
-        ]
-        self._earlier = [(after, dict(successors.moved)) for after, successors in moves if after < tick]
-
-    def of(self, kind: str, path: Path, at: float) -> Path:
-        """Return the path, at this tick, of what had another one right after tick `at`."""
-        element = Element(kind, path)
-        for after, moved in reversed(self._later):
-            if after < at:
-                element = moved.get(element, element)
-        for after, moved in self._earlier:
-            if after >= at:
-                element = moved.get(element, element)
-        return element.path
-
-
 def _counts_at(
     interpreter: Interpreter, tick: int
 ) -> tuple[dict[Path, tuple[int, int]], dict[Path, tuple[int, int]]]:
     """Return how often states were entered and transitions fired up to a tick, and in which tick last."""
-    history, names = interpreter.history, _Names(interpreter.moves, tick)
+    history, names = interpreter.history, Names(interpreter.moves, tick)
     ticks: dict[str, dict[Path, list[float]]] = {"state": {}, "transition": {}}
 
     def note(facts: Iterable[Fact], at: float) -> None:

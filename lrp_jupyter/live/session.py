@@ -53,7 +53,7 @@ from functools import partial
 from pathlib import Path as FilePath
 from time import monotonic
 from types import NoneType
-from typing import Any, Literal, Self
+from typing import Any, Literal, Self, cast
 
 from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_callable, check_choice, check_number, check_type
@@ -93,9 +93,11 @@ from lrp_jupyter.live.fork import ForkStart, fork_start, private_namespace
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
 from lrp_jupyter.live.past import frame_at
+from lrp_jupyter.live.plots import Plot, plots_of
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recording import Recorder, start_of
 from lrp_jupyter.live.replay import Entry, play, repeat, tested_again, without_edits
+from lrp_jupyter.live.timeline import Timeline, TimelineCursor, timeline_of
 from lrp_jupyter.live.trials import Trial, Trials
 from lrp_jupyter.live.variables import LiveVariables
 
@@ -893,6 +895,27 @@ class Session:
         frame: Frame = self.call(partial(frame_at, self._loop, tick))
         return frame
 
+    def timeline(self, since: TimelineCursor | None = None) -> Timeline:
+        """Return what happened, in order: states entered, edits, issues, pauses, commands, interventions.
+
+        Parameters
+        ----------
+        since : TimelineCursor, optional
+            The `cursor` of an earlier answer: only what came after it is returned.
+        """
+        return cast(Timeline, self.call(partial(timeline_of, self._loop, since)))
+
+    def plots(self, names: Iterable[str]) -> list[Plot]:
+        """Return the recorded samples of variables and readings, with what conditions compare them with.
+
+        Parameters
+        ----------
+        names : iterable of str
+            Paths of variables as spawned, ``robot.`` and the names of readings.
+        """
+        wanted = dict.fromkeys(names, 0)
+        return cast("list[Plot]", self.call(partial(plots_of, self._loop, wanted)))
+
     def why_not(self, transition: str | Path, at: int | None = None) -> Reason:
         """Return why a transition did not fire in a tick, or that it did.
 
@@ -1140,9 +1163,9 @@ def _tried(
     ends = None if until is None else fork._watch(until)
 
     def after_tick() -> bool:
-        place = fork.bridge.position
-        if place is not None:
-            way.append(place)
+        pose = fork.bridge.pose
+        if pose is not None:
+            way.append(pose[:2])
         return ends is not None and ends()
 
     reached = fork.run(seconds, after_tick=after_tick)

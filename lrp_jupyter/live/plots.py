@@ -1,0 +1,208 @@
+"""Plots: variables and readings over time, with what the conditions of the program compare them with."""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from lrp_jupyter.language.expressions import UnknownValueError, evaluate, expression_of, names_in
+from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.language.resolution import Scope, resolve
+from lrp_jupyter.live.answers import condition_of
+from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.recorded_robot import RecordedRobot
+
+__all__ = ["Plot", "Threshold", "plots_of", "plottable"]
+
+_ROBOT = "robot."
+_MOST = 6  # thresholds of a plot
+
+
+@dataclass(frozen=True, slots=True)
+class Threshold:
+    """What a condition compares a plotted name with.
+
+    Parameters
+    ----------
+    text : str
+        As it is written.
+    values : tuple of float or None
+        For every sample; None where it is not known.
+    """
+
+    text: str
+    values: tuple[float | None, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Plot:
+    """The samples of a variable or a reading, one for each tick.
+
+    Parameters
+    ----------
+    name : str
+        The path of a variable, or ``robot.`` and that of a reading.
+    kind : str
+        ``number`` or ``truth`` (then values are 0 and 1).
+    times : tuple of float
+        Seconds of the run.
+    values : tuple of float or None
+        None where it had no value, or no number.
+    thresholds : tuple of Threshold
+    """
+
+    name: str
+    kind: Literal["number", "truth"]
+    times: tuple[float, ...]
+    values: tuple[float | None, ...]
+    thresholds: tuple[Threshold, ...] = ()
+
+
+def plottable(loop: Loop) -> list[str]:
+    """Return the names of what has a number or a truth value now; between two ticks."""
+    variables = [path_text(path) for path, value in loop.frame.values.items() if _is_number(value)]
+    readings = loop.bridge.readings_of(loop.moments[-1][2]) if loop.moments else {}
+    return variables + [_ROBOT + name for name, value in readings.items() if _is_number(value)]
+
+
+def plots_of(loop: Loop, wanted: Mapping[str, int]) -> list[Plot]:
+    """Return the samples of names; between two ticks.
+
+    Parameters
+    ----------
+    loop : Loop
+    wanted : mapping of str to int
+        For each name the tick after which samples are wanted.
+    """
+    if not wanted:
+        return []
+    program, first = loop.interpreter.program, min(wanted.values())
+    compared = {name: list(_compared(program, name)) for name in wanted}
+    paths = {as_path(name) for name in wanted if not name.startswith(_ROBOT)}
+    paths |= {path for each in compared.values() for other in each for path in other.variables.values()}
+    samples = list(_samples(loop, paths, first))
+    samples.reverse()
+    plots = []
+    for name, after in wanted.items():
+        here = [sample for sample in samples if sample.tick > after]
+        values = [sample.value(name) for sample in here]
+        numbers = tuple(map(_number, values))
+        known = [value for value in values if value is not None]
+        is_truth = bool(known) and all(isinstance(value, bool) for value in known)
+        thresholds = () if is_truth else tuple(Threshold(each.text, each.of(here)) for each in compared[name])
+        times = tuple(sample.time for sample in here)
+        plots.append(Plot(name, "truth" if is_truth else "number", times, numbers, thresholds))
+    return plots
+
+
+class _Sample(NamedTuple):
+    tick: int
+    time: float
+    variables: Mapping[Path, object]
+    readings: Mapping[str, object]
+    nodes: Mapping[str, object]
+
+    def value(self, name: str) -> object:
+        if name.startswith(_ROBOT):
+            return self.readings.get(name.removeprefix(_ROBOT))
+        return self.variables.get(as_path(name))
+
+
+def _samples(loop: Loop, paths: set[Path], after: int) -> Iterator[_Sample]:
+    """Yield the values of variables and the readings in the ticks after a tick, the last one first."""
+    bridge, now = loop.bridge, loop.interpreter.tick
+    nodes = bridge.nodes.table
+    for tick, variables in loop.interpreter.history.followed(paths, after):
+        place = tick - now - 1
+        if -place > len(loop.moments):
+            return
+        time, _, sensed = loop.moments[place]
+        yield _Sample(tick, time, variables, bridge.readings_of(sensed), nodes)
+
+
+class _Compared(NamedTuple):
+    """An expression with which a condition compares a name."""
+
+    text: str
+    tree: ast.expr
+    variables: dict[str, Path]
+
+    def of(self, samples: list[_Sample]) -> tuple[float | None, ...]:
+        """Return its values."""
+        if isinstance(self.tree, ast.Constant):
+            return (_number(self.tree.value),) * len(samples)
+        return tuple([self._at(sample) for sample in samples])
+
+    def _at(self, sample: _Sample) -> float | None:
+        def lookup(name: str) -> object:
+            if name == "robot":
+                return RecordedRobot(sample.readings, sample.nodes)
+            path = self.variables.get(name)
+            if path is None or path not in sample.variables:
+                raise UnknownValueError(name)
+            return sample.variables[path]
+
+        try:
+            return _number(evaluate(self.tree, lookup).value)
+        except Exception:  # whatever the expression of the user raises
+            return None
+
+
+def _compared(program: Program, name: str) -> Iterator[_Compared]:
+    """Yield what the conditions of a program compare a name with."""
+    is_reading, path = name.startswith(_ROBOT), as_path(name)
+    written = name if is_reading else path[-1]
+    scopes = resolve(program)
+    seen: set[object] = set()
+    for element in scopes.elements():
+        test = condition_of(program, element) if element.kind == "transition" else None
+        tree = expression_of(test.block.text) if test is not None and test.block is not None else None
+        scope = scopes.by_path.get(test.machine, scopes.top) if test is not None else scopes.top
+        if tree is None or not (is_reading or _means(scope, path)):
+            continue
+        for other in _others(tree, written):
+            variables = {
+                each: (*scope.visible[each].path, each) for each in names_in(other) if each in scope.visible
+            }
+            key = ast.unparse(other), tuple(sorted(variables.items()))
+            if key not in seen and len(seen) < _MOST:
+                seen.add(key)
+                yield _Compared(key[0], other, variables)
+
+
+def _means(scope: Scope, path: Path) -> bool:
+    """Return whether the bare name of a variable means it in a scope."""
+    owner = scope.visible.get(path[-1])
+    return owner is not None and owner.path == path[:-1]
+
+
+def _others(tree: ast.expr, written: str) -> Iterator[ast.expr]:
+    """Yield what stands on the other side of comparisons with a name."""
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Compare):
+            continue
+        sides = [node.left, *node.comparators]
+        texts = [ast.unparse(side) for side in sides]
+        for index, text in enumerate(texts):
+            for beside in (index - 1, index + 1):
+                if text == written and 0 <= beside < len(sides) and texts[beside] != written:
+                    yield sides[beside]
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (bool, int, float))
+
+
+def _number(value: object) -> float | None:
+    """Return a value as a number that can be drawn."""
+    if not _is_number(value):
+        return None
+    try:
+        number = float(value)  # type: ignore[arg-type]
+    except OverflowError:
+        return None
+    return number if math.isfinite(number) else None

@@ -1,0 +1,39 @@
+"""A robot that has the readings of one earlier tick, so that a condition can be evaluated again."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from lrp_jupyter.errors import NotAValue
+from lrp_jupyter.language.expressions import UnknownValueError
+
+__all__ = ["RecordedRobot"]
+
+
+class RecordedRobot(NotAValue):
+    """A robot that has only the readings of one tick.
+
+    Parameters
+    ----------
+    readings : mapping of str to object
+        By path, with the error where a reading failed.
+    nodes : mapping of str to object
+        The members of the robot.
+    prefix : str
+        The part of the robot that this is: ``"light."``.
+    """
+
+    def __init__(self, readings: Mapping[str, object], nodes: Mapping[str, object], prefix: str = "") -> None:
+        self._readings, self._nodes, self._prefix = readings, nodes, prefix
+
+    def __getattr__(self, name: str) -> Any:
+        path = self._prefix + name
+        if path in self._readings:
+            value = self._readings[path]
+            if isinstance(value, Exception):
+                raise value
+            return value
+        if any(each.startswith(f"{path}.") for each in self._nodes):
+            return RecordedRobot(self._readings, self._nodes, f"{path}.")
+        raise UnknownValueError(f"`robot.{path}` was not read in this tick.")

@@ -1,0 +1,42 @@
+"""The names that elements had at another time: edits and renames change them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lrp_jupyter.language.identity import Successors
+from lrp_jupyter.language.program import Element, Path
+
+__all__ = ["Names"]
+
+
+class Names:
+    """The names that elements had at one tick.
+
+    Parameters
+    ----------
+    moves : sequence of (int, Successors)
+        For each edit that gave elements other paths: after which tick, and the map.
+    tick : float
+        Infinity for the present.
+    """
+
+    def __init__(self, moves: Iterable[tuple[int, Successors]], tick: float) -> None:
+        self._tick = tick
+        self._later = [
+            (after, {new: old for old, new in successors.moved.items()})
+            for after, successors in moves
+            if after >= tick
+        ]
+        self._earlier = [(after, dict(successors.moved)) for after, successors in moves if after < tick]
+
+    def of(self, kind: str, path: Path, at: float) -> Path:
+        """Return the path, at this tick, of what had another one right after tick `at`."""
+        element = Element(kind, path)
+        for after, moved in reversed(self._later):
+            if after < at:
+                element = moved.get(element, element)
+        for after, moved in self._earlier:
+            if after >= at:
+                element = moved.get(element, element)
+        return element.path

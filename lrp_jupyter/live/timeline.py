@@ -1,0 +1,265 @@
+"""The timeline: what happened in a run, in order, as it is drawn.
+
+It is read from the journal, the inputs and the log of commands when somebody looks; who has seen a part of it
+asks for the rest.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from typing import Literal, NamedTuple
+
+from lrp_jupyter.bridges.outside import RobotCommanded, WorldLoaded
+from lrp_jupyter.bridges.safety import CommandRecord
+from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Fact, Faulted, Fired
+from lrp_jupyter.interpreter.history import History, PastState
+from lrp_jupyter.language.program import Path, path_text
+from lrp_jupyter.live.answers import call_text
+from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.renamed import Names
+from lrp_jupyter.sim.edits import WorldEdit
+from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
+
+__all__ = ["Happening", "HappeningKind", "Timeline", "TimelineCursor", "happenings", "timeline_of"]
+
+HappeningKind = Literal["entered", "ended", "edit", "restart", "issue", "pause", "command", "hand"]
+
+
+@dataclass(frozen=True, slots=True)
+class Happening:
+    """Something that happened in a run.
+
+    Parameters
+    ----------
+    tick : int
+        In which tick, or after which.
+    time : float
+        That of the tick, in seconds.
+    kind : str
+        ``entered`` (a state), ``ended`` (a machine), ``edit``, ``restart``, ``issue``, ``pause``, ``command``
+        (of the robot) or ``hand`` (something was done by hand).
+    lane : path
+        The machine, as spawned.
+    state : path
+        The state that was entered, by path of definition.
+    by : path
+        The transition that entered it; or the name of the command.
+    text : str
+        In words.
+    """
+
+    tick: int
+    time: float
+    kind: HappeningKind
+    lane: Path = ()
+    state: Path = ()
+    by: Path = ()
+    text: str = ""
+
+
+class TimelineCursor(NamedTuple):
+    """How much of a timeline somebody has: up to which tick, in the run of which epoch."""
+
+    epoch: int = -1
+    tick: int = -1
+
+
+@dataclass(frozen=True, slots=True)
+class Timeline:
+    """What happened since a moment.
+
+    Parameters
+    ----------
+    epoch : int
+        Another one when ticks were undone, or elements got other names.
+    first, last : int
+        The ticks that are recorded.
+    begin, end : float
+        Their times in seconds.
+    kept : int
+        What is known of ticks up to this one stays as it is; what follows is in `happenings`.
+    happenings : tuple of Happening
+        In order.
+    """
+
+    epoch: int
+    first: int
+    last: int
+    begin: float
+    end: float
+    kept: int
+    happenings: tuple[Happening, ...]
+
+    @property
+    def cursor(self) -> TimelineCursor:
+        """What somebody has who has this."""
+        return TimelineCursor(self.epoch, self.last)
+
+
+def timeline_of(loop: Loop, cursor: TimelineCursor | None = None) -> Timeline:
+    """Return what happened since a moment; between two ticks.
+
+    Parameters
+    ----------
+    loop : Loop
+    cursor : TimelineCursor, optional
+        What is known; by default nothing.
+    """
+    interpreter, history = loop.interpreter, loop.interpreter.history
+    renamed = interpreter.moved[-1][0] if interpreter.moved else 0  # at which revision
+    epoch = history.run.epoch + renamed  # both only increase
+    ticks = history.ticks
+    known = cursor is not None and cursor.epoch == epoch and ticks.start <= cursor.tick < ticks.stop
+    kept = cursor.tick - 1 if known and cursor is not None else -1
+    begin = history.facts(ticks.start).now if ticks else loop.now
+    return Timeline(
+        epoch,
+        ticks.start,
+        ticks.stop - 1,
+        begin,
+        loop.now,
+        kept,
+        tuple(happenings(loop, kept if known else None)),
+    )
+
+
+def happenings(loop: Loop, after: int | None = None) -> list[Happening]:
+    """Return what happened after a tick, in order; between two ticks.
+
+    Parameters
+    ----------
+    loop : Loop
+    after : int, optional
+        By default all that is recorded, with the states that were active when it began.
+    """
+    history = loop.interpreter.history
+    ticks = history.ticks
+    found: list[Happening] = []
+    if after is None:
+        after = ticks.start - 1
+        time = history.facts(ticks.start).now if ticks else loop.now
+        found += _present(history.state(after), after, time)
+    first = max(after + 1, ticks.start)
+    failing = _failing(history, first - 1)
+    for tick in range(first, ticks.stop):
+        each = history.facts(tick)
+        if tick > first:  # what came before belongs to the tick before
+            found += _of(each.before, tick - 1, history.facts(tick - 1).now, set())
+        found += _of(each.facts, tick, each.now, failing)
+        failing = _faults(each.facts)
+    if ticks:
+        found += _of(history.since(), ticks.stop - 1, history.facts(ticks.stop - 1).now, set())
+    names = Names(loop.interpreter.moves, math.inf)
+    found = [_renamed(each, names) for each in found]
+    if ticks:
+        found += _commands(history, loop.bridge.safety.commands, first)
+        found += _by_hand(loop, first)
+    return sorted(found, key=lambda each: each.tick)  # stable: within a tick as listed
+
+
+def _renamed(each: Happening, names: Names) -> Happening:
+    """Return what happened with the present names."""
+    if not each.lane:
+        return each
+    return replace(
+        each,
+        lane=names.of("machine", each.lane, each.tick),
+        state=names.of("state", each.state, each.tick) if each.state else (),
+        by=names.of("transition", each.by, each.tick) if each.by else (),
+    )
+
+
+def _present(state: PastState, tick: int, time: float) -> Iterator[Happening]:
+    """Yield the entries of the states that are active already."""
+    for machine in state.walk():
+        yield Happening(tick, min(machine.entered, time), "entered", machine.path, machine.state)
+
+
+def _of(facts: Iterable[Fact], tick: int, time: float, failing: set[object]) -> Iterator[Happening]:
+    for fact in facts:
+        match fact:
+            case Fired():
+                lane = fact.path[:-1]
+                yield Happening(
+                    tick, time, "entered", lane, fact.state, fact.transition.path, f"`{fact.label}` fired."
+                )
+            case Entered():
+                yield Happening(tick, time, "entered", fact.path[:-1], fact.state)
+            case Discarded():
+                yield Happening(tick, time, "ended", fact.machine)
+            case Faulted():
+                if (fact.element, fact.kind) not in failing:
+                    yield Happening(tick, time, "issue", fact.machine, text=fact.message)
+            case Commanded("patched" | "renamed"):
+                yield Happening(tick, time, "edit", text=_EDITED[fact.kind])
+            case Commanded("restarted", reason):
+                yield Happening(tick, time, "restart", text=_restarted(reason))
+            case Commanded("paused", reason) if reason:
+                yield Happening(tick, time, "pause", text=reason)
+            case Commanded("forced", how):
+                yield Happening(tick, time, "hand", text=_FORCED.get(how, "A state was forced."))
+            case Commanded("assigned", name):
+                yield Happening(tick, time, "hand", text=f"`{name}` was set.")
+
+
+_EDITED = {"patched": "The program was edited.", "renamed": "An element was renamed."}
+_FORCED = {
+    "transition": "A transition was forced.",
+    "teleport": "A state was made active without any action.",
+}
+
+
+def _restarted(reason: str) -> str:
+    return "The program was reset." if reason in ("", "reset") else f"The program restarted: {reason}"
+
+
+def _failing(history: History, tick: int) -> set[object]:
+    """Return what failed in a tick."""
+    return _faults(history.facts(tick).facts) if tick in history.ticks else set()
+
+
+def _faults(facts: Iterable[Fact]) -> set[object]:
+    return {(fact.element, fact.kind) for fact in facts if isinstance(fact, Faulted)}
+
+
+def _commands(history: History, commands: Iterable[CommandRecord], first: int) -> Iterator[Happening]:
+    """Yield the commands of the robot that differ from those before."""
+    for command in commands:
+        origin = command.first
+        if origin.tick not in history.ticks or origin.tick < first:
+            continue
+        said = call_text(command.name, command.arguments)
+        where = f", line {origin.line}" if origin.line else ""
+        sent = "" if command.sent else ", not sent because the robot is disarmed"
+        time = history.facts(origin.tick).now
+        yield Happening(
+            origin.tick, time, "command", by=tuple(command.name.split(".")), text=f"{said}{where}{sent}."
+        )
+
+
+def _by_hand(loop: Loop, first: int) -> Iterator[Happening]:
+    """Yield what was done to the robot and its world from outside."""
+    ticks = loop.interpreter.history.ticks
+    for entry in loop.inputs:
+        text = _hand(entry.what)
+        if text and first <= entry.tick < ticks.stop:
+            yield Happening(entry.tick, loop.interpreter.history.facts(entry.tick).now, "hand", text=text)
+
+
+def _hand(what: object) -> str:
+    match what:
+        case PlaceRobot():
+            return "The robot was moved by hand."
+        case PlaceSolid():
+            return "A solid was moved by hand."
+        case ResetWorld():
+            return "The world was reset."
+        case WorldEdit():
+            return "The world was edited."
+        case WorldLoaded():
+            return "Another world was loaded."
+        case RobotCommanded(name):
+            return f"`robot.{path_text((name,))}` was commanded by hand."
+    return ""
