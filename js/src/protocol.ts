@@ -635,7 +635,7 @@ export interface RunFromCommand {
   do: "run_from";
 }
 
-/** Ask how the present program would go on, from the moment looked at, or from now, for some seconds. */
+/** Ask how the present program goes on from the moment looked at, or from now, for some seconds. */
 export interface WhatIfRequest {
   view: string;
   id: number;
@@ -934,7 +934,7 @@ export interface ConflictView {
   keep: string;
 }
 
-/** An earlier moment that the lab shows. `ago` is in seconds; `edited`: the program was edited there. */
+/** An earlier moment that the lab shows, `ago` seconds ago; `edited`: the program was edited meanwhile. */
 export interface LookingView {
   tick: number;
   time: number;
@@ -1185,7 +1185,7 @@ export interface ThresholdView {
   values: number | null[];
 }
 
-/** The samples of a variable or reading, one for each tick of `times`: numbers, or 0 and 1 of truth values. */
+/** The samples of a variable or reading, one for each tick: numbers, or 0 and 1 of truth values. */
 export interface PlotView {
   name: string;
   kind: "number" | "truth";

@@ -33,6 +33,10 @@ def frame_at(loop: Loop, tick: int) -> Frame:
     """
     interpreter, bridge = loop.interpreter, loop.bridge
     history = interpreter.history
+    least = interpreter.tick - min(len(loop.moments), len(history.ticks)) + 1
+    if not least <= tick <= interpreter.tick:
+        known = f"only {least} to {interpreter.tick} are" if least <= interpreter.tick else "none is yet"
+        raise ValueError(f"Tick {tick} is not recorded: {known}.")
     state = history.state(tick)
     variables = state.variables
     time, moment, sensed = loop.moments[tick - interpreter.tick - 1]

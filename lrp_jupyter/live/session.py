@@ -100,6 +100,7 @@ from lrp_jupyter.live.replay import Entry, play, repeat, tested_again, without_e
 from lrp_jupyter.live.timeline import Timeline, TimelineCursor, timeline_of
 from lrp_jupyter.live.trials import Trial, Trials
 from lrp_jupyter.live.variables import LiveVariables
+from lrp_jupyter.live.what_if import Course, Observation, WhatIf, divergence
 
 __all__ = ["Session", "Until"]
 
@@ -881,29 +882,42 @@ class Session:
 
     # -- the past, and what if -------------------------------------------------------------------
 
-    def at(self, tick: int) -> Frame:
-        """Return the frame of an earlier tick: active states, variables, readings, counts, the robot.
+    def at(self, tick: int | float) -> Frame:
+        """Return the frame of an earlier moment: active states, variables, readings, counts, the robot.
 
         A value that was changed in place is shown as it is now.
+
+        Parameters
+        ----------
+        tick : int or float
+            A tick; or a time in seconds, as a float: then the last tick that was not after it.
 
         Raises
         ------
         ValueError
             The tick is not recorded (any more).
         """
-        check_type("tick", tick, int, "the number of a tick")
-        frame: Frame = self.call(partial(frame_at, self._loop, tick))
-        return frame
+        check_type("tick", tick, (int, float), "the number of a tick, or a time in seconds")
+        loop = self._loop
 
-    def timeline(self, since: TimelineCursor | None = None) -> Timeline:
+        def frame() -> Frame:
+            return frame_at(loop, tick if isinstance(tick, int) else tick_of(loop, tick))
+
+        return cast(Frame, self.call(frame))
+
+    def timeline(
+        self, since: TimelineCursor | None = None, plots: Mapping[str, int] | None = None
+    ) -> Timeline:
         """Return what happened, in order: states entered, edits, issues, pauses, commands, interventions.
 
         Parameters
         ----------
         since : TimelineCursor, optional
             The `cursor` of an earlier answer: only what came after it is returned.
+        plots : mapping of str to int, optional
+            Names to plot as for :meth:`plots`, each with the tick up to which its samples are known.
         """
-        return cast(Timeline, self.call(partial(timeline_of, self._loop, since)))
+        return cast(Timeline, self.call(partial(timeline_of, self._loop, since, plots)))
 
     def plots(self, names: Iterable[str]) -> list[Plot]:
         """Return the recorded samples of variables and readings, with what conditions compare them with.
@@ -1024,6 +1038,49 @@ class Session:
                 copy._loop.rest()
             copy._loop.publish()
         return copy
+
+    def what_if(
+        self, at: int | None = None, program: str | Program | None = None, seconds: float = 60.0
+    ) -> WhatIf:
+        """Return how another program would go on from a moment, beside how it went; nothing changes here.
+
+        What came from outside later is repeated in both; edits only in the recorded course.
+
+        Parameters
+        ----------
+        at : int, optional
+            A tick; by default now.
+        program : str or Program, optional
+            By default the one that runs now.
+        seconds : float
+            How long, in seconds of the run.
+
+        Raises
+        ------
+        ValueError
+            The tick is not recorded (any more).
+        LRPSyntaxError
+            The text is not a valid program.
+        """
+        check_number("seconds", seconds, "a number of seconds", above=0)
+        if program is None and at is not None:
+            program = self.program
+        with self.fork(at, program, inputs=True) as fork:
+            tick, begin = fork.frame.tick, fork.frame.time
+            changed, end, open_loop = fork._observed(tick, seconds)
+        if at is None and program is None:
+            recorded = changed
+        else:
+            with self.fork(at, inputs=True) as fork:
+                recorded, _, _ = fork._observed(tick, seconds)
+        return WhatIf(tick, begin, end, recorded, changed, divergence(recorded, changed), open_loop)
+
+    def _observed(self, tick: int, seconds: float) -> tuple[Course, float, bool]:
+        """Run a fork, and return its course, its end in seconds, and whether readings were fed."""
+        observation = Observation(self._loop, tick)
+        self.run(seconds, after_tick=observation.watch)
+        open_loop = isinstance(self.bridge, RecordedBridge)
+        return observation.course(), self._loop.now, open_loop
 
     def try_values(
         self,

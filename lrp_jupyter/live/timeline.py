@@ -7,7 +7,7 @@ asks for the rest.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -18,11 +18,12 @@ from lrp_jupyter.interpreter.history import History, PastState
 from lrp_jupyter.language.program import Path, path_text
 from lrp_jupyter.live.answers import call_text
 from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.plots import Plot, plots_of, plottable
 from lrp_jupyter.live.renamed import Names
 from lrp_jupyter.sim.edits import WorldEdit
 from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
 
-__all__ = ["Happening", "HappeningKind", "Timeline", "TimelineCursor", "happenings", "timeline_of"]
+__all__ = ["Happening", "HappeningKind", "Timeline", "TimelineCursor", "happenings", "present", "timeline_of"]
 
 HappeningKind = Literal["entered", "ended", "edit", "restart", "issue", "pause", "command", "hand"]
 
@@ -82,6 +83,10 @@ class Timeline:
         What is known of ticks up to this one stays as it is; what follows is in `happenings`.
     happenings : tuple of Happening
         In order.
+    plots : tuple of Plot
+        Of the wanted names.
+    names : tuple of str
+        What can be plotted now.
     """
 
     epoch: int
@@ -91,6 +96,8 @@ class Timeline:
     end: float
     kept: int
     happenings: tuple[Happening, ...]
+    plots: tuple[Plot, ...]
+    names: tuple[str, ...]
 
     @property
     def cursor(self) -> TimelineCursor:
@@ -98,7 +105,9 @@ class Timeline:
         return TimelineCursor(self.epoch, self.last)
 
 
-def timeline_of(loop: Loop, cursor: TimelineCursor | None = None) -> Timeline:
+def timeline_of(
+    loop: Loop, cursor: TimelineCursor | None = None, plots: Mapping[str, int] | None = None
+) -> Timeline:
     """Return what happened since a moment; between two ticks.
 
     Parameters
@@ -106,6 +115,8 @@ def timeline_of(loop: Loop, cursor: TimelineCursor | None = None) -> Timeline:
     loop : Loop
     cursor : TimelineCursor, optional
         What is known; by default nothing.
+    plots : mapping of str to int, optional
+        Names to plot, each with the tick up to which its samples are known.
     """
     interpreter, history = loop.interpreter, loop.interpreter.history
     renamed = interpreter.moved[-1][0] if interpreter.moved else 0  # at which revision
@@ -122,10 +133,12 @@ def timeline_of(loop: Loop, cursor: TimelineCursor | None = None) -> Timeline:
         loop.now,
         kept,
         tuple(happenings(loop, kept if known else None)),
+        tuple(plots_of(loop, (plots or {}) if known else dict.fromkeys(plots or {}, 0))),
+        tuple(plottable(loop)),
     )
 
 
-def happenings(loop: Loop, after: int | None = None) -> list[Happening]:
+def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> list[Happening]:
     """Return what happened after a tick, in order; between two ticks.
 
     Parameters
@@ -133,6 +146,8 @@ def happenings(loop: Loop, after: int | None = None) -> list[Happening]:
     loop : Loop
     after : int, optional
         By default all that is recorded, with the states that were active when it began.
+    gap : bool
+        Whether what was done between this tick and the next belongs to it.
     """
     history = loop.interpreter.history
     ticks = history.ticks
@@ -140,13 +155,14 @@ def happenings(loop: Loop, after: int | None = None) -> list[Happening]:
     if after is None:
         after = ticks.start - 1
         time = history.facts(ticks.start).now if ticks else loop.now
-        found += _present(history.state(after), after, time)
+        found += present(history.state(after), after, time)
     first = max(after + 1, ticks.start)
     failing = _failing(history, first - 1)
     for tick in range(first, ticks.stop):
         each = history.facts(tick)
-        if tick > first:  # what came before belongs to the tick before
-            found += _of(each.before, tick - 1, history.facts(tick - 1).now, set())
+        if tick > first or gap:  # what came before belongs to the tick before
+            then = history.facts(tick - 1).now if tick - 1 in ticks else each.now
+            found += _of(each.before, tick - 1, then, set())
         found += _of(each.facts, tick, each.now, failing)
         failing = _faults(each.facts)
     if ticks:
@@ -171,10 +187,12 @@ def _renamed(each: Happening, names: Names) -> Happening:
     )
 
 
-def _present(state: PastState, tick: int, time: float) -> Iterator[Happening]:
-    """Yield the entries of the states that are active already."""
-    for machine in state.walk():
-        yield Happening(tick, min(machine.entered, time), "entered", machine.path, machine.state)
+def present(state: PastState, tick: int, time: float) -> list[Happening]:
+    """Return the entries of the states that are active already at a time, in seconds."""
+    return [
+        Happening(tick, min(machine.entered, time), "entered", machine.path, machine.state)
+        for machine in state.walk()
+    ]
 
 
 def _of(facts: Iterable[Fact], tick: int, time: float, failing: set[object]) -> Iterator[Happening]:

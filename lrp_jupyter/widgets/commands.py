@@ -87,6 +87,8 @@ class StepBackCommand(InterruptingCommand, do="step_back"):
 class ResetCommand(InterruptingCommand, do="reset"):
     """Start the program from scratch."""
 
+    is_present: ClassVar[bool] = True
+
     def apply(self, opened: OpenProgram) -> Applied:
         session = opened.session
         if session.status == "broken":
@@ -299,6 +301,8 @@ class RenameCommand(InterruptingCommand, do="rename"):
 class TransitionCommand(InterruptingCommand, do="transition"):
     """Go to a state as if a transition led there."""
 
+    is_present: ClassVar[bool] = True
+
     path: str
 
     def apply(self, opened: OpenProgram) -> Applied:
@@ -309,6 +313,8 @@ class TransitionCommand(InterruptingCommand, do="transition"):
 class TeleportCommand(InterruptingCommand, do="teleport"):
     """Make a state active without running any action."""
 
+    is_present: ClassVar[bool] = True
+
     path: str
 
     def apply(self, opened: OpenProgram) -> Applied:
@@ -318,6 +324,8 @@ class TeleportCommand(InterruptingCommand, do="teleport"):
 @dataclass(frozen=True)
 class FireCommand(InterruptingCommand, do="fire"):
     """Fire a transition now: its source must be active."""
+
+    is_present: ClassVar[bool] = True
 
     path: str
 
@@ -338,6 +346,8 @@ class FireCommand(InterruptingCommand, do="fire"):
 @dataclass(frozen=True)
 class SetVariableCommand(PageCommand, do="set_variable"):
     """Assign the value of an expression."""
+
+    is_present: ClassVar[bool] = True
 
     path: str
     expression: str

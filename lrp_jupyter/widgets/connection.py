@@ -30,6 +30,7 @@ from lrp_jupyter.widgets import requests as requests
 from lrp_jupyter.widgets import timeline as timeline
 from lrp_jupyter.widgets import world_commands as world_commands
 from lrp_jupyter.widgets.layouts import Layouts
+from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.messages import (
     ByeMessage,
     CreditMessage,
@@ -77,6 +78,7 @@ class PageConnection:
         self.name = session.name
         self.texts = texts
         self.layouts = Layouts()
+        self.looking = Looking()
         self.options = dict(options or {})
         self._reopen = reopen
         self._free_name = free_name
@@ -87,7 +89,7 @@ class PageConnection:
         self._lock = threading.RLock()  # of `closed` and the worker, and of which session it is
         self._changing = threading.Lock()  # held while another bridge is opened, which may take long
         self._worker: ThreadPoolExecutor | None = None
-        self._publisher = Publisher(session, texts, self.layouts, self.report, clock)
+        self._publisher = Publisher(session, texts, self.layouts, self.looking, self.report, clock)
 
     @property
     def session(self) -> Session:
@@ -113,6 +115,8 @@ class PageConnection:
             elif isinstance(message, TextMessage):
                 self.texts.write(message.text, message.view, message.seq, _cursor(message))
             elif isinstance(message, PageCommand):
+                if message.is_present:
+                    self.looking.leave()
                 self._reply(message, partial(message.apply, self), message.patience)
             elif isinstance(message, PageRequest):
                 self._reply(message, partial(self.work, partial(message.answer, self)), fields_of=dict)

@@ -20,6 +20,7 @@ from typing import Annotated, Any, ClassVar, Literal, Protocol, get_args, get_or
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.layouts import Layouts
+from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.protocol import PartName, ViewState
 from lrp_jupyter.widgets.texts import Texts
 
@@ -47,6 +48,7 @@ class OpenProgram(Protocol):
 
     texts: Texts
     layouts: Layouts
+    looking: Looking
 
     @property
     def session(self) -> Session:
@@ -137,6 +139,9 @@ class PageCommand(PageMessage, ABC, type="command"):
 
     patience: ClassVar[float] = 1.0
     """Wall seconds after which a command that is not applied yet is answered with the reason."""
+
+    is_present: ClassVar[bool] = False
+    """Whether it changes the run or the world as it is now; views that show the past then return from it."""
 
     @abstractmethod
     def apply(self, opened: OpenProgram) -> Future[Any] | None:

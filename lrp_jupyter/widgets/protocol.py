@@ -624,7 +624,7 @@ class ThresholdView(TypedDict):
 
 
 class PlotView(TypedDict):
-    """The samples of a variable or reading, one for each tick of `times`: numbers, or 0 and 1 of truth values.
+    """The samples of a variable or reading, one for each tick: numbers, or 0 and 1 of truth values.
 
     None where it had no value, or none that can be plotted.
     """
@@ -655,10 +655,7 @@ class TimelineView(TypedDict):
 
 
 class LookingView(TypedDict):
-    """An earlier moment that the lab shows. `ago` is in seconds; `edited`: the program was edited there.
-
-    `edited` programs run on from the moment at which the first edit was made.
-    """
+    """An earlier moment that the lab shows, `ago` seconds ago; `edited`: the program was edited meanwhile."""
 
     tick: int
     time: float
@@ -684,9 +681,9 @@ class DivergenceView(TypedDict):
 class WhatIfView(TypedDict):
     """What happens from a moment on if another program runs, or the present one runs on.
 
-    `recorded` is how it went, as far as it did, and `changed` how it would go; `collision` is a sentence about
-    the first time that the robot would touch a solid, at `collision_at` s. `open_loop`: a real robot's recorded
-    readings were fed, whatever the program commanded.
+    `recorded` is how it went, or would go on, and `changed` how it goes with the other program. `collision`
+    is a sentence about the first time that the robot touches a solid then, at `collision_at` s. With
+    `open_loop` a real robot's recorded readings were fed, whatever the program commanded.
     """
 
     tick: int

@@ -30,6 +30,7 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.worlds import BUNDLED
 from lrp_jupyter.widgets.layouts import Layouts
+from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.protocol import ViewState
 from lrp_jupyter.widgets.texts import Texts, Written
 from lrp_jupyter.widgets.view_state import ViewStates, difference, is_urgent
@@ -170,6 +171,7 @@ class Publisher:
     session : Session
     texts : Texts
     layouts : Layouts
+    looking : Looking
     report : callable
         Called with the traceback of a fault of the lab itself.
     clock : callable
@@ -181,11 +183,13 @@ class Publisher:
         session: Session,
         texts: Texts,
         layouts: Layouts,
+        looking: Looking,
         report: Callable[[str], None],
         clock: Callable[[], float] = monotonic,
     ) -> None:
         self._texts = texts
         self._layouts = layouts
+        self._looking = looking
         self._report = report
         self._clock = clock
         self._lock = threading.RLock()  # of the views and what was sent to them
@@ -210,7 +214,7 @@ class Publisher:
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # a request to another session may never be answered
             self._texts.attach(session, self.wake, self._clock)
-            self._view_states = ViewStates(session, self._texts, self._layouts)
+            self._view_states = ViewStates(session, self._texts, self._layouts, self._looking)
             for view in self._views.values():
                 self._snapshot(view)
 
@@ -365,9 +369,14 @@ class Publisher:
                 self._report(view.fault)
 
     def _send_worlds(self, now: float) -> None:
+        bridge, picture = self.session.bridge, self._picture()
         for view in self._views.values():
-            if view.world is not None and view.has_credit and view.world.must_describe(self.session, now):
-                view.send({"type": "world", "world": view.world.describe(self.session, now)})
+            if view.world is not None and view.has_credit and view.world.must_describe(bridge, picture, now):
+                view.send({"type": "world", "world": view.world.describe(bridge, picture, now)})
+
+    def _picture(self) -> object:
+        """Return the picture of the robot that views show."""
+        return self._looking.frame(self.session).robot
 
     def _send_frames(self, now: float) -> None:
         due = [view for view in self._views.values() if view.may(now) and now - view.framed >= _URGENT]
@@ -375,14 +384,15 @@ class Publisher:
         if not due:
             return
         state = self._view_states.current()
+        bridge, picture = self.session.bridge, self._picture()
         for view in due:
             changes, buffers = difference(view.sent or {}, state), None
-            world = view.world if view.world is not None and view.world.has_moved(self.session) else None
+            world = view.world if view.world is not None and view.world.has_moved(picture) else None
             urgent = is_urgent(changes) or (world and self.session.status != "running")  # it is dragged
             if not urgent and now - view.framed < (_CALM if changes or world else _HEARTBEAT):
                 continue  # what is calm comes with the next tick
             if world is not None:
-                ink, buffers = world.advance(self.session)
+                ink, buffers = world.advance(bridge, picture)
                 changes |= ink
             view.sent, view.framed = state, now
             view.send({"type": "frame", "frame": view.number(), **changes}, buffers)
@@ -391,7 +401,11 @@ class Publisher:
         """Send everything; the view then knows the present view state."""
         view.sent = state = self.view_state()
         view.framed = self._clock()
-        world = None if view.world is None else view.world.describe(self.session, float("-inf"))
+        world = (
+            None
+            if view.world is None
+            else view.world.describe(self.session.bridge, self._picture(), float("-inf"))
+        )
         view.send(
             {
                 "type": "snapshot",

@@ -128,7 +128,7 @@ class WhyRequest(PageRequest, type="why"):
 
     def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
         """Return the reason."""
-        return {"why": _why(opened.session, self.kind, self.path)}
+        return {"why": _why(opened, self.kind, self.path)}
 
 
 @dataclass(frozen=True)
@@ -406,21 +406,23 @@ def _references(text: str, line: int, column: int) -> ReferencesView | None:
     }
 
 
-def _why(session: Session, kind: ElementKind, path: str) -> WhyView:
-    """Return the answer to a question about now.
+def _why(opened: OpenProgram, kind: ElementKind, path: str) -> WhyView:
+    """Return the answer to a question about the moment that the views show.
 
     Raises
     ------
     LRPError
         It cannot be answered; the message gives the reason.
     """
+    session = opened.session
+    at = opened.looking.tick(session)
     try:
         if kind == "transition":
-            reason = session.why_not(path_of(kind, path))
+            reason = session.why_not(path_of(kind, path), at)
         elif kind == "state":
-            reason = session.why(path_of(kind, path))
+            reason = session.why(path_of(kind, path), at)
         else:
-            reason = session.why(f"robot.{path or _moving(session.bridge)}")
+            reason = session.why(f"robot.{path or _moving(session.bridge)}", at)
     except ValueError as error:
         raise LRPError(str(error)) from None
     program = session.at(reason.tick).program if reason.code != "not-in-program" else session.program

@@ -1,13 +1,19 @@
-"""The messages of the timeline: what happened, looking at an earlier moment, running on from there, what if."""
+"""The messages of the timeline: what happened, look at an earlier moment, run on from there, what if."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
+from typing import Annotated, Any
 
+from lrp_jupyter.language.program import path_text
+from lrp_jupyter.live.plots import Plot
+from lrp_jupyter.live.timeline import Happening, TimelineCursor
+from lrp_jupyter.live.what_if import Course
 from lrp_jupyter.widgets.commands import Applied, InterruptingCommand
-from lrp_jupyter.widgets.messages import OpenProgram, PageCommand, PageRequest
+from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand, PageRequest
+from lrp_jupyter.widgets.protocol import CourseView, HappeningView, PlotView, TimelineView, WhatIfView, id_of
 
 __all__ = ["LookCommand", "RunFromCommand", "TimelineRequest", "WhatIfRequest"]
 
@@ -16,8 +22,8 @@ __all__ = ["LookCommand", "RunFromCommand", "TimelineRequest", "WhatIfRequest"]
 class TimelineRequest(PageRequest, type="timeline"):
     """Ask what happened since a tick that the page knows, in the run of this `epoch`, 0 for none.
 
-    `plots` are the names to plot, such as ``robot.light.data`` or ``follower/lightlim``, each with the tick up
-    to which the page has its samples. Answered by `timeline`.
+    `plots` are the names to plot, such as ``robot.light.data`` or ``follower/lightlim``, each with the tick
+    up to which the page has its samples. Answered by `timeline`.
     """
 
     epoch: int
@@ -26,7 +32,20 @@ class TimelineRequest(PageRequest, type="timeline"):
 
     def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
         """Return what happened."""
-        raise NotImplementedError
+        since = TimelineCursor(self.epoch - 1, self.tick) if self.epoch else None
+        told = opened.session.timeline(since, self.plots)
+        view: TimelineView = {
+            "epoch": told.epoch + 1,
+            "first": told.first,
+            "last": told.last,
+            "begin": told.begin,
+            "end": told.end,
+            "kept": told.kept,
+            "happenings": _happening_views(told.happenings),
+            "plots": [_plot_view(plot) for plot in told.plots],
+            "names": list(told.names),
+        }
+        return {"timeline": view}
 
 
 @dataclass(frozen=True)
@@ -37,7 +56,18 @@ class LookCommand(PageCommand, do="look"):
     time: float | None = None
 
     def apply(self, opened: OpenProgram) -> Applied:
-        raise NotImplementedError
+        """See the base class."""
+        at = self.tick if self.tick is not None else self.time
+        session, looking = opened.session, opened.looking
+
+        def look() -> None:
+            if at is None:
+                looking.back(session)
+            else:
+                looking.look(session, at)
+            opened.wake()
+
+        return opened.work(look)
 
 
 @dataclass(frozen=True)
@@ -45,18 +75,67 @@ class RunFromCommand(InterruptingCommand, do="run_from"):
     """Go back to the moment looked at, and run on from there; with the edited program, if it was edited."""
 
     def apply(self, opened: OpenProgram) -> Applied:
-        raise NotImplementedError
+        """See the base class."""
+        return opened.work(partial(opened.looking.run_on, opened.session))
 
 
 @dataclass(frozen=True)
 class WhatIfRequest(PageRequest, type="what_if"):
-    """Ask how the present program would go on, from the moment looked at, or from now, for some seconds.
+    """Ask how the present program goes on from the moment looked at, or from now, for some seconds.
 
     Answered by `what_if`.
     """
 
-    seconds: float
+    seconds: Annotated[float, Between(0.1, 600)]
 
     def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
         """Return both courses."""
-        raise NotImplementedError
+        session = opened.session
+        what_if = session.what_if(opened.looking.tick(session), seconds=self.seconds)
+        difference, touch = what_if.divergence, what_if.changed.touch
+        view: WhatIfView = {
+            "tick": what_if.tick,
+            "begin": what_if.begin,
+            "end": what_if.end,
+            "recorded": _course_view(what_if.recorded),
+            "changed": _course_view(what_if.changed),
+            "divergence": None
+            if difference is None
+            else {"tick": difference.tick, "time": difference.time, "text": difference.text},
+            "collision": "" if touch is None else str(touch),
+            "collision_at": None if touch is None else touch.time,
+            "open_loop": what_if.open_loop,
+        }
+        return {"what_if": view}
+
+
+def _happening_views(happenings: Iterable[Happening]) -> list[HappeningView]:
+    return [
+        {
+            "tick": each.tick,
+            "time": round(each.time, 3),
+            "kind": each.kind,
+            "lane": path_text(each.lane),
+            "state": path_text(each.state),
+            "by": id_of("transition", each.by) if each.by and each.kind == "entered" else path_text(each.by),
+            "text": each.text,
+        }
+        for each in happenings
+    ]
+
+
+def _course_view(course: Course) -> CourseView:
+    return {
+        "happenings": _happening_views(course.happenings),
+        "way": [[round(number, 4) for number in point] for point in course.way],
+    }
+
+
+def _plot_view(plot: Plot) -> PlotView:
+    return {
+        "name": plot.name,
+        "kind": plot.kind,
+        "times": [round(time, 3) for time in plot.times],
+        "values": list(plot.values),
+        "thresholds": [{"text": each.text, "values": list(each.values)} for each in plot.thresholds],
+    }

@@ -22,6 +22,7 @@ from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.layouts import Layouts
+from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.protocol import (
     BridgeView,
     ElementKind,
@@ -69,10 +70,12 @@ class ViewStates:
     session : Session
     texts : Texts
     layouts : Layouts
+    looking : Looking
     """
 
-    def __init__(self, session: Session, texts: Texts, layouts: Layouts) -> None:
+    def __init__(self, session: Session, texts: Texts, layouts: Layouts, looking: Looking) -> None:
         self._session = session
+        self._looking = looking
         self._texts = texts
         self._layouts = layouts
         self._program = Program()
@@ -90,7 +93,7 @@ class ViewStates:
         """Return what a view may show now: the program is the newest one that is laid out."""
         session, texts = self._session, self._texts
         shown, layouts = self._layouts.current
-        frame = session.frame
+        frame = self._looking.frame(session)
         if frame.program is not self._program:
             self._program, self._paths = frame.program, DefinedPaths(frame.program)
         if shown is not self._shown:
@@ -130,7 +133,7 @@ class ViewStates:
                 for path, text in frame.variables.items()
             },
             "events": {path_text(path): value for path, value in frame.events.items() if value is not None},
-            "members": _member_values(members),
+            "members": _member_values(members, frame.readings if self._looking.tick(session) else {}),
             "issues": self._issues(frame, revision),
             "printed": self._lines(),
             "restarts": self._last_restarts(frame),
@@ -143,7 +146,7 @@ class ViewStates:
                 "pause_on_issue": session.on_issue == "pause",
             },
             "conflict": texts.conflict,
-            "looking": None,
+            "looking": self._looking.view(session),
             "unkept": texts.problem,
         }
 
@@ -338,13 +341,14 @@ def _bridge_view(bridge: Bridge, members: Iterable[Member]) -> BridgeView:
     }
 
 
-def _member_values(members: Iterable[Member]) -> dict[str, str]:
-    """Return the last reading of every variable of the robot, as text."""
-    return {
-        member.name: "waiting" if member.value is None else _short(member.value)
+def _member_values(members: Iterable[Member], past: Mapping[str, object]) -> dict[str, str]:
+    """Return the last reading of every variable of the robot, or one of the past, as text."""
+    values = {
+        member.name: past.get(member.name, member.value)
         for member in members
         if member.kind == "variable" and not member.fields
     }
+    return {name: "waiting" if value is None else _short(value) for name, value in values.items()}
 
 
 def listed_members(bridge: Bridge) -> Iterator[Member]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+from abc import ABC
 from collections.abc import Mapping
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError, LRPError
@@ -51,8 +52,14 @@ def _edit(opened: OpenProgram, edit: WorldEdit) -> Applied:
 # -- acts that a reset undoes ------------------------------------------------------------------------
 
 
+class WorldChange(PageCommand, ABC):
+    """Base class of commands that change the world, which is the present one."""
+
+    is_present: ClassVar[bool] = True
+
+
 @dataclass(frozen=True)
-class DragRobotCommand(PageCommand, do="drag_robot"):
+class DragRobotCommand(WorldChange, do="drag_robot"):
     """Move a robot; sent while it is dragged."""
 
     index: Index
@@ -64,7 +71,7 @@ class DragRobotCommand(PageCommand, do="drag_robot"):
 
 
 @dataclass(frozen=True)
-class DragSolidCommand(PageCommand, do="drag_solid"):
+class DragSolidCommand(WorldChange, do="drag_solid"):
     """Move a solid; sent while it is dragged, before a `put_solid` at its new place."""
 
     index: Index
@@ -76,7 +83,7 @@ class DragSolidCommand(PageCommand, do="drag_solid"):
 
 
 @dataclass(frozen=True)
-class ResetPoseCommand(PageCommand, do="reset_pose"):
+class ResetPoseCommand(WorldChange, do="reset_pose"):
     """Return a robot to its start."""
 
     index: Index
@@ -90,7 +97,7 @@ class ResetPoseCommand(PageCommand, do="reset_pose"):
 
 
 @dataclass(frozen=True)
-class ResetWorldCommand(PageCommand, do="reset_world"):
+class ResetWorldCommand(WorldChange, do="reset_world"):
     """Reset the world to its start, without trails; with `drawings` also without what was edited."""
 
     drawings: bool = False
@@ -104,7 +111,7 @@ class ResetWorldCommand(PageCommand, do="reset_world"):
 
 
 @dataclass(frozen=True)
-class StrokeCommand(PageCommand, do="stroke"):
+class StrokeCommand(WorldChange, do="stroke"):
     """Draw a line on the floor, in metres."""
 
     points: list[Point]
@@ -117,7 +124,7 @@ class StrokeCommand(PageCommand, do="stroke"):
 
 
 @dataclass(frozen=True)
-class EraseCommand(PageCommand, do="erase"):
+class EraseCommand(WorldChange, do="erase"):
     """Paint with the floor's own grey."""
 
     points: list[Point]
@@ -129,7 +136,7 @@ class EraseCommand(PageCommand, do="erase"):
 
 
 @dataclass(frozen=True)
-class PutSolidCommand(PageCommand, do="put_solid"):
+class PutSolidCommand(WorldChange, do="put_solid"):
     """Add a solid, a `box` or a `circle`, or replace the one with this index."""
 
     index: int | None = None
@@ -147,7 +154,7 @@ class PutSolidCommand(PageCommand, do="put_solid"):
 
 
 @dataclass(frozen=True)
-class RemoveSolidCommand(PageCommand, do="remove_solid"):
+class RemoveSolidCommand(WorldChange, do="remove_solid"):
     """Remove a solid."""
 
     index: Index
@@ -157,7 +164,7 @@ class RemoveSolidCommand(PageCommand, do="remove_solid"):
 
 
 @dataclass(frozen=True)
-class PutZoneCommand(PageCommand, do="put_zone"):
+class PutZoneCommand(WorldChange, do="put_zone"):
     """Add a zone, a `box` or a `circle`, or replace the one called `former`, by default of the same name."""
 
     name: str
@@ -171,7 +178,7 @@ class PutZoneCommand(PageCommand, do="put_zone"):
 
 
 @dataclass(frozen=True)
-class RemoveZoneCommand(PageCommand, do="remove_zone"):
+class RemoveZoneCommand(WorldChange, do="remove_zone"):
     """Remove a zone."""
 
     name: str
@@ -181,7 +188,7 @@ class RemoveZoneCommand(PageCommand, do="remove_zone"):
 
 
 @dataclass(frozen=True)
-class SetStartCommand(PageCommand, do="set_start"):
+class SetStartCommand(WorldChange, do="set_start"):
     """Set the pose in which a robot starts."""
 
     index: Index
@@ -192,7 +199,7 @@ class SetStartCommand(PageCommand, do="set_start"):
 
 
 @dataclass(frozen=True)
-class UndoWorldCommand(PageCommand, do="undo_world"):
+class UndoWorldCommand(WorldChange, do="undo_world"):
     """Undo the last edit of the world."""
 
     def apply(self, opened: OpenProgram) -> Applied:
@@ -200,7 +207,7 @@ class UndoWorldCommand(PageCommand, do="undo_world"):
 
 
 @dataclass(frozen=True)
-class RedoWorldCommand(PageCommand, do="redo_world"):
+class RedoWorldCommand(WorldChange, do="redo_world"):
     """Redo the edit of the world that was undone last."""
 
     def apply(self, opened: OpenProgram) -> Applied:
@@ -215,7 +222,7 @@ def _shape(box: Box | None, circle: Pose | None) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class WorldCommand(PageCommand, do="world"):
+class WorldCommand(WorldChange, do="world"):
     """Continue in another world: a bundled one, or that of a file."""
 
     name: str
@@ -225,7 +232,7 @@ class WorldCommand(PageCommand, do="world"):
 
 
 @dataclass(frozen=True)
-class WorldTextCommand(PageCommand, do="world_text"):
+class WorldTextCommand(WorldChange, do="world_text"):
     """Continue in the world that a JSON text describes."""
 
     text: str

@@ -13,7 +13,6 @@ from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.sim import SimBridge, SimPicture
-from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.floor import Mark, Paint
 from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, Solid, Stroke, Zone
 from lrp_jupyter.widgets.protocol import InkView, SolidView, StrokeView, WorldView, ZoneView
@@ -33,42 +32,41 @@ class WorldCursor:
         self._marks = 0
         self._strokes = 0
 
-    def describe(self, session: Session, now: float) -> WorldView | None:
+    def describe(self, bridge: Bridge, picture: object, now: float) -> WorldView | None:
         """Return the whole world; its poses and ink are then sent from the beginning."""
-        self._scene, self._described = _scene_of(session), now
+        self._scene, self._described = _scene_of(bridge, picture), now
         self._marks = self._strokes = 0
         self._picture = None
-        return world_view(session.bridge, session.frame.robot)
+        return world_view(bridge, picture)
 
-    def must_describe(self, session: Session, now: float) -> bool:
+    def must_describe(self, bridge: Bridge, picture: object, now: float) -> bool:
         """Whether the world changed other than by movement and ink, and long enough after the last time."""
-        return _scene_of(session) != self._scene and now - self._described >= _DISTANCE
+        return _scene_of(bridge, picture) != self._scene and now - self._described >= _DISTANCE
 
-    def has_moved(self, session: Session) -> bool:
+    def has_moved(self, picture: object) -> bool:
         """Return whether something moved or was drawn."""
-        picture = session.frame.robot
         return isinstance(picture, SimPicture) and picture != self._picture
 
-    def advance(self, session: Session) -> tuple[dict[str, InkView], list[bytes]]:
+    def advance(self, bridge: Bridge, picture: object) -> tuple[dict[str, InkView], list[bytes]]:
         """Return the movement for a frame: a field for new ink, and the buffer of the poses."""
-        bridge, picture = session.bridge, session.frame.robot
         assert isinstance(bridge, SimBridge)
         assert isinstance(picture, SimPicture)
         self._picture = picture
         if picture.marks == self._marks:
             return {}, [_poses(picture)]
+        if picture.marks < self._marks:  # an earlier moment is looked at
+            self._marks = self._strokes = 0
         strokes = _strokes_of(bridge.simulation.floor.marks[self._marks : picture.marks])
         ink: InkView = {"first": self._strokes, "strokes": strokes}
         self._marks, self._strokes = picture.marks, self._strokes + len(strokes)
         return {"ink": ink}, [_poses(picture)]
 
 
-def _scene_of(session: Session) -> object:
+def _scene_of(bridge: Bridge, picture: object) -> object:
     """Return a value that changes when the world must be described again; None without a world."""
-    bridge = session.bridge
     if not isinstance(bridge, SimBridge):
         return None
-    return id(bridge.simulation), getattr(session.frame.robot, "revision", 0)
+    return id(bridge.simulation), getattr(picture, "revision", 0)
 
 
 def world_view(bridge: Bridge, picture: object) -> WorldView | None:

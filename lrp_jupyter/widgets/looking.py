@@ -1,0 +1,119 @@
+"""The earlier moment that all views of a session show, if a person looks at one.
+
+A simulated robot pauses meanwhile; a real one is never touched, and its program goes on. Whatever lets a
+simulated robot move again leads back to the present.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from lrp_jupyter.interpreter.frame import Frame
+from lrp_jupyter.language.program import Program
+from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.protocol import LookingView
+
+__all__ = ["Looking"]
+
+
+@dataclass(frozen=True)
+class _Moment:
+    session: Session
+    past: Frame
+    present: int  # the tick at which the session has been paused
+    program: Program  # that ran when the person began to look
+    resumes: bool
+
+
+class Looking:
+    """See the head of this module. Its moment is one reference, so that any thread may read it."""
+
+    def __init__(self) -> None:
+        self._moment: _Moment | None = None
+
+    # -- what is shown -------------------------------------------------------------------------------
+
+    def frame(self, session: Session) -> Frame:
+        """Return the frame that views show: of the moment looked at, or the newest."""
+        moment, now = self._of(session), session.frame
+        if moment is None:
+            return now
+        return replace(moment.past, status=now.status, hung=now.hung, issues=moment.past.issues)
+
+    def tick(self, session: Session) -> int | None:
+        """Return the tick looked at, or None for the present."""
+        moment = self._of(session)
+        return None if moment is None else moment.past.tick
+
+    def view(self, session: Session) -> LookingView | None:
+        """Return what views show of the moment itself."""
+        moment = self._of(session)
+        if moment is None:
+            return None
+        past, now = moment.past, session.frame
+        return {
+            "tick": past.tick,
+            "time": round(past.time, 3),
+            "ago": round(max(0.0, now.time - past.time), 1),
+            "edited": now.program is not moment.program,
+        }
+
+    def _of(self, session: Session) -> _Moment | None:
+        """Return the moment, unless the session shows that it is over."""
+        moment = self._moment
+        if moment is None or moment.session is not session:
+            return None
+        frame = session.frame
+        goes_on = frame.tick != moment.present or frame.status not in ("paused", "ready", "hung")
+        return None if goes_on and not session.bridge.hardware else moment
+
+    # -- what a person does: on the worker's thread -----------------------------------------------------
+
+    def look(self, session: Session, at: int | float) -> None:
+        """Show the moment after a tick, or at a time in seconds.
+
+        Raises
+        ------
+        ValueError
+            It is not recorded.
+        """
+        before = self._of(session)
+        running = session.status == "running" and not session.bridge.hardware
+        if running:
+            session.ask(do.Pause()).result()
+        past = session.at(at)
+        if before is None:
+            self._moment = _Moment(session, past, session.frame.tick, session.program, running)
+        else:
+            self._moment = replace(before, past=past)
+
+    def leave(self) -> None:
+        """Show the present again, with the robot as it is; from any thread."""
+        self._moment = None
+
+    def back(self, session: Session) -> None:
+        """Show the present again; a robot that was paused for looking drives on."""
+        moment, self._moment = self._of(session), None
+        if moment is not None and moment.resumes:
+            session.ask(do.Resume()).result()
+
+    def run_on(self, session: Session) -> None:
+        """Go back to the moment looked at, and run on from there; with what was edited meanwhile.
+
+        Raises
+        ------
+        ValueError
+            Nothing earlier is looked at.
+        BridgeError
+            A real robot is armed.
+        """
+        moment = self._of(session)
+        if moment is None:
+            raise ValueError("The lab shows the present. Look at an earlier moment first.")
+        program = session.program
+        session.rewind(session.frame.tick - moment.past.tick)
+        self._moment = None
+        if program is not moment.program:
+            session.edit(program.text)
+        session.start()
