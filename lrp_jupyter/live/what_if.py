@@ -16,6 +16,13 @@ Waypoint = tuple[float, float, float, float]
 
 _NAMES = {"edge": "the edge of the world", "robot": "another robot"}
 _SAME = 1e-9  # m, rad
+_NOW = {"entered": "is entered", "ended": "ends", "command": "is commanded", "restart": "restarts"}
+_NO_LONGER = {
+    "entered": "is no longer entered",
+    "ended": "no longer ends",
+    "command": "is no longer commanded",
+    "restart": "no longer restarts",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,22 +165,17 @@ def _told(each: Happening) -> _Told:
 
 
 def _first_event(recorded: Iterable[Happening], changed: Iterable[Happening]) -> Divergence | None:
-    kinds = ("entered", "ended", "command", "restart")
-    before = [each for each in recorded if each.kind in kinds]
-    after = [each for each in changed if each.kind in kinds]
+    before = [each for each in recorded if each.kind in _NOW]
+    after = [each for each in changed if each.kind in _NOW]
     for old, new in zip_longest(before, after):
         if old is not None and new is not None and _told(old) == _told(new):
             continue
         if new is None or (old is not None and old.tick < new.tick):
-            return Divergence(old.tick, old.time, _said(old, "{} {} no longer."))
+            return Divergence(old.tick, old.time, f"{_what(old)} {_NO_LONGER[old.kind]}.")
         if old is None or new.tick < old.tick or (old.kind, old.lane) != (new.kind, new.lane):
-            return Divergence(new.tick, new.time, _said(new, "{} {}, unlike before."))
-        return Divergence(new.tick, new.time, f"{_what(new)} {_verb(new)} instead of {_what(old)}.")
+            return Divergence(new.tick, new.time, f"{_what(new)} {_NOW[new.kind]}, unlike before.")
+        return Divergence(new.tick, new.time, f"{_what(new)} {_NOW[new.kind]} instead of {_what(old)}.")
     return None
-
-
-def _said(each: Happening, sentence: str) -> str:
-    return sentence.format(_what(each), _verb(each))
 
 
 def _what(each: Happening) -> str:
@@ -185,7 +187,3 @@ def _what(each: Happening) -> str:
         case "command":
             return f"`{each.text.split('`')[1]}`"
     return "The program"
-
-
-def _verb(each: Happening) -> str:
-    return {"entered": "is entered", "ended": "ends", "command": "is commanded"}.get(each.kind, "restarts")

@@ -1,0 +1,95 @@
+"""Plots of variables and readings over time."""
+
+import pytest
+
+from lrp_jupyter import programs
+from lrp_jupyter.live.session import Session
+
+PROGRAM = """\
+(var limit := [5])
+(machine m
+  (var n := [0]) (var big := [False]) (var name := ["x"])
+  (event over [n > limit * 2])
+  (state a (running [n += 1; big = n > 8; limit = 6 if n > 4 else 5; name += "y"]))
+  (state b)
+  (on over a -> b)
+  (on [3 < n <= 99] b -> a))
+(spawn m a)
+"""
+
+
+def test_the_samples_are_the_values_that_each_tick_left():
+    with Session(PROGRAM) as session:
+        seen = []
+        session.run(1.5, after_tick=lambda: seen.append(session.interpreter.variables["m", "n"]) and False)
+        (plot,) = session.plots(["m/n"])
+        assert list(plot.values) == seen
+        assert plot.times[:3] == (0.0, 0.1, 0.2)
+
+
+def test_truth_values_are_told_from_numbers_and_texts_cannot_be_drawn():
+    with Session(PROGRAM) as session:
+        session.run(1.5)
+        truth, text, number = session.plots(["m/big", "m/name", "limit"])
+        assert (truth.kind, truth.values[0], truth.values[-1]) == ("truth", 0.0, 1.0)
+        assert set(text.values) == {None}
+        assert number.kind == "number"
+        assert "m/name" not in session.timeline().names
+        assert {"m/n", "m/big", "limit"} <= set(session.timeline().names)
+
+
+def test_what_conditions_compare_with_is_evaluated_in_every_tick():
+    with Session(PROGRAM) as session:
+        session.run(1.5)
+        (plot,) = session.plots(["m/n"])
+        by_text = {each.text: each.values for each in plot.thresholds}
+        assert by_text.keys() == {"limit * 2", "3", "99"}
+        assert by_text["limit * 2"][:7] == (10, 10, 10, 10, 10, 12, 12)
+
+
+def test_readings_of_the_robot_are_plotted_with_their_limits():
+    with Session(programs.load("follower"), "sim", world="line") as session:
+        session.run(5)
+        (plot,) = session.plots(["robot.light.data"])
+        assert len(plot.values) == 50
+        assert all(0 <= value <= 255 for value in plot.values)
+        assert [each.text for each in plot.thresholds] == ["lightlim + 10", "lightlim - 10"]
+        assert set(plot.thresholds[0].values) == {138.0}
+
+
+def test_a_variable_that_did_not_exist_has_no_samples_then():
+    program = """\
+    (machine m
+      (state a)
+      (state b (onentry (spawn inner x)) (machine inner (var k := [7]) (state x)))
+      (ontime 500 a -> b)
+      (ontime 500 b -> a))
+    (spawn m a)
+    """
+    with Session(program) as session:
+        session.run(1.5)
+        (plot,) = session.plots(["m/b/inner/k"])
+        assert plot.values == (*[None] * 5, *[7.0] * 5, *[None] * 5)
+
+
+def test_samples_after_a_rewind_are_those_of_the_new_run():
+    with Session(PROGRAM) as session:
+        session.run(1)
+        session.rewind(5)
+        session.variables["n"] = 100
+        session.run(0.2)
+        (plot,) = session.plots(["m/n"])
+        assert plot.values == (0, 1, 2, 3, 4, 100, 100)
+
+
+def test_a_value_that_is_not_finite_is_left_out():
+    with Session("(var x := [float('inf')]) (machine m (state a)) (spawn m a)") as session:
+        session.run(0.3)
+        assert session.plots(["x"])[0].values == (None, None, None)
+
+
+@pytest.mark.parametrize("name", ["nothing", "robot.nothing", "m/a/b/c"])
+def test_a_name_that_does_not_exist_gives_an_empty_plot(name):
+    with Session(PROGRAM) as session:
+        session.run(0.3)
+        assert session.plots([name])[0].values == (None, None, None)

@@ -1,0 +1,176 @@
+"""The timeline of a session: what happened, in order, and only what is new."""
+
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from lrp_jupyter import programs
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.live.timeline import TimelineCursor
+
+PROGRAM = """\
+(machine m
+  (var n := [0])
+  (state a (running [n += 1]))
+  (state b (onentry (spawn inner x))
+    (machine inner (state x) (state y) (ontime 200 x -> y)))
+  (on [n > 4] a -> b go)
+  (ontime 1000 b -> a back))
+(spawn m a)
+"""
+
+
+def told(session, *kinds, since=None):
+    return [each for each in session.timeline(since).happenings if not kinds or each.kind in kinds]
+
+
+@pytest.fixture
+def session():
+    with Session(PROGRAM) as session:
+        yield session
+
+
+def test_states_are_entered_and_nested_machines_end(session):
+    session.run(3)
+    entered = [("/".join(each.state), "/".join(each.lane), each.time) for each in told(session, "entered")]
+    assert entered[:4] == [
+        ("m/a", "m", 0.0),
+        ("m/b", "m", 0.6),
+        ("m/b/inner/x", "m/b/inner", 0.6),
+        ("m/b/inner/y", "m/b/inner", 0.8),
+    ]
+    (ended, *_) = told(session, "ended")
+    assert (ended.lane, ended.time) == (("m", "b", "inner"), 1.6)
+    assert told(session, "entered")[1].by == ("m", "go")
+
+
+def test_only_what_is_new_is_told_again(session):
+    session.run(1)
+    first = session.timeline()
+    session.run(1)
+    more = session.timeline(first.cursor)
+    assert more.kept == first.last - 1
+    kept = [each for each in first.happenings if each.tick <= more.kept]
+    assert [*kept, *more.happenings] == list(session.timeline().happenings)
+
+
+ACTS = ["run", "edit", "rename", "rewind", "force", "assign", "reset"]
+
+
+@settings(deadline=None)
+@given(st.lists(st.sampled_from(ACTS), max_size=12))
+def test_the_parts_make_the_whole_whatever_is_done(acts):
+    """A page that asks now and then has what it would get if it asked for everything."""
+    with Session(PROGRAM) as session:
+        cursor, page = None, []
+        for number, act in enumerate(acts):
+            _do(session, act, number)
+            part = session.timeline(cursor)
+            page = [*(each for each in page if each.tick <= part.kept), *part.happenings]
+            cursor = part.cursor
+            assert page == list(session.timeline().happenings)
+
+
+def _do(session, act, number):
+    if act == "run":
+        session.run(0.7)
+    elif act == "edit":
+        session.edit(session.program.text.replace("n > ", "n > 1"))
+    elif act == "rename":
+        name = "b" if "state b" not in session.program.text else f"b{number}"
+        old = next(s for s in session.program.machines[0].states if s.machines).name
+        session.rename("state", ("m", str(old)), name)
+    elif act == "rewind":
+        session.rewind(min(3, session.frame.tick))
+    elif act == "force":
+        session.transition_to("m/a")
+    elif act == "assign" and session.frame.values:
+        session.variables["n"] = 2
+    elif act == "reset":
+        session.reset()
+
+
+def test_a_renamed_state_has_its_new_name_everywhere(session):
+    session.run(2)
+    cursor = session.timeline().cursor
+    session.rename("state", ("m", "b"), "waiting")
+    again = session.timeline(cursor)
+    assert again.kept == -1
+    assert ("m", "waiting") in [each.state for each in again.happenings]
+    assert ("m", "b") not in [each.state for each in again.happenings]
+    assert ("m", "waiting", "inner") in [each.lane for each in again.happenings]
+
+
+def test_what_people_did_is_marked(session):
+    session.run(1)
+    session.edit(PROGRAM.replace("n > 4", "n > 5"))
+    session.variables["n"] = 1
+    session.transition_to("m/a")
+    session.run(1)
+    session.reset()
+    session.pause("A person wanted it.")
+    session.run(1)
+    marks = [(each.kind, each.text) for each in told(session, "edit", "hand", "restart", "pause")]
+    assert marks == [
+        ("edit", "The program was edited."),
+        ("hand", "`m/n` was set."),
+        ("hand", "A transition was forced."),
+        ("restart", "The program was reset."),
+    ]
+
+
+def test_a_breakpoint_is_marked():
+    with Session(PROGRAM, rate=100, speed=float("inf")) as session:
+        session.pause_when("b")
+        session.start()
+        assert session.wait_for(lambda frame: frame.status == "paused", 10)
+        (pause,) = told(session, "pause")
+        assert "`b` was entered" in pause.text
+
+
+def test_an_issue_is_marked_once_while_it_lasts():
+    with Session("(machine m (state a (running [1 / 0]))) (spawn m a)") as session:
+        session.run(2)
+        (issue,) = told(session, "issue")
+        assert "zero" in issue.text
+        assert issue.time == 0.1
+
+
+def test_the_commands_of_the_robot_are_marked_where_they_change():
+    with Session(programs.load("follower"), "sim", world="line") as session:
+        session.run(5)
+        commands = told(session, "command")
+        assert commands[0].text.startswith("`robot.stop()`, line ")
+        assert all(a.text != b.text for a, b in pairwise(commands))
+
+
+def test_what_is_done_to_the_world_by_hand_is_marked():
+    with Session(programs.load("follower"), "sim", world="line") as session:
+        session.run(1)
+        session.call(lambda: session.bridge.place_robot((0.5, 0.5, 0)))
+        session.run(1)
+        assert [each.text for each in told(session, "hand")] == ["The robot was moved by hand."]
+
+
+def test_a_cursor_of_another_run_gets_everything(session):
+    session.run(1)
+    whole = session.timeline()
+    assert session.timeline(TimelineCursor(whole.epoch + 7, 3)) == whole
+    assert session.timeline(TimelineCursor(whole.epoch, 10_000)) == whole
+
+
+def test_a_session_that_has_not_run_has_no_ticks():
+    with Session(PROGRAM) as session:
+        timeline = session.timeline()
+        assert (timeline.first, timeline.last, timeline.happenings) == (1, 0, ())
+
+
+def test_an_earlier_moment_is_found_by_its_time(session):
+    session.run(2)
+    assert session.at(1.0).tick == 11
+    assert session.at(1.05).tick == 11
+    assert session.at(11).time == 1.0
+    with pytest.raises(ValueError, match=r"Tick 0 is not recorded: only 1 to 20 are\."):
+        session.at(0)

@@ -1,0 +1,125 @@
+"""What if another program ran from a moment on?"""
+
+import math
+
+import pytest
+
+from lrp_jupyter import programs
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.live.session import Session
+
+FOLLOWER = programs.load("follower")
+INTO_THE_WALL = "(machine m (state go (running [robot.move(linear=0.2)]))) (spawn m go)"
+
+
+@pytest.fixture
+def session():
+    with Session(FOLLOWER, "sim", world="line") as session:
+        session.run(20)
+        yield session
+
+
+def test_the_recorded_course_is_what_happened(session):
+    entered = [
+        (each.time, each.state)
+        for each in session.timeline().happenings
+        if each.kind == "entered" and each.tick > 50
+    ]
+    what_if = session.what_if(50, seconds=15)
+    again = [
+        (each.time, each.state)
+        for each in what_if.recorded.happenings
+        if each.kind == "entered" and each.tick > 50
+    ]
+    assert again == entered
+    assert what_if.divergence is None
+    assert (what_if.tick, what_if.begin, what_if.end) == (50, 4.9, 19.9)
+
+
+def test_the_way_of_the_recorded_course_is_that_of_the_robot(session):
+    way = session.what_if(50, seconds=10).recorded.way
+    for time, x, y, heading in way[::20]:
+        pose = session.at(time - 1e-6).robot.robots[0].pose
+        assert math.dist((x, y), pose[:2]) < 0.03
+        assert abs(heading - pose[2]) < 0.2
+
+
+def test_the_first_difference_is_told_with_its_moment(session):
+    changed = FOLLOWER.replace("lightlim + 10", "lightlim + 60")
+    what_if = session.what_if(50, changed, 15)
+    assert what_if.divergence is not None
+    assert what_if.divergence.time >= what_if.begin
+    assert str(what_if).startswith(f"From {what_if.divergence.time:.1f} s: ")
+    before = [each for each in what_if.recorded.happenings if each.time < what_if.divergence.time]
+    after = [each for each in what_if.changed.happenings if each.time < what_if.divergence.time]
+    said = [(each.time, each.kind, each.state) for each in before]
+    assert said == [(each.time, each.kind, each.state) for each in after if each.kind != "edit"]
+
+
+def test_another_command_in_the_same_states_is_a_difference(session):
+    changed = FOLLOWER.replace("linear=forward", "linear=forward / 2")
+    assert changed != FOLLOWER
+    what_if = session.what_if(50, changed, 5)
+    assert "robot.move" in what_if.divergence.text or "another way" in what_if.divergence.text
+
+
+def test_white_space_makes_no_difference(session):
+    assert session.what_if(50, FOLLOWER + "\n; nothing else\n", 10).divergence is None
+    assert str(session.what_if(50, FOLLOWER, 10)) == "Nothing is different until 14.9 s."
+
+
+def test_the_session_does_not_notice(session):
+    before = session.frame.tick, session.frame.time, session.bridge.pose, session.timeline()
+    session.what_if(50, INTO_THE_WALL, 10)
+    session.what_if(seconds=3)
+    assert (session.frame.tick, session.frame.time, session.bridge.pose, session.timeline()) == before
+    assert session.program.text == FOLLOWER
+
+
+def test_a_touch_is_told_with_its_moment_and_its_solid():
+    with Session(INTO_THE_WALL, "sim", world="line") as session:
+        touch = session.what_if(seconds=60).changed.touch
+        assert touch is not None
+        session.run(touch.time - 0.3)
+        assert not session.bridge.touched
+        session.run(0.5)
+        assert session.bridge.touched == {touch.solid}
+        assert str(touch) == f"The robot touches {touch.name} at {touch.time:.1f} s."
+        assert session.what_if(seconds=1).changed.touch is None  # it touches it already
+
+
+class Counter(Bridge, offered=False):
+    """A robot without a world of its own, whose reading counts the ticks."""
+
+    name = "counter"
+    hardware = False
+
+    def open_interface(self):
+        self.count = 0
+        self.add_variable("count", lambda: self.count)
+
+    def sense(self, now):
+        self.count += 1
+
+
+def test_the_readings_of_a_robot_that_cannot_be_simulated_are_fed():
+    program = """\
+    (machine m (state a (running [robot.count])) (state b (running [robot.count]))
+      (on [robot.count > 15] a -> b))
+    (spawn m a)
+    """
+    with Session(program, Counter) as session:
+        session.run(3)
+        what_if = session.what_if(5, program.replace("15", "20"), 2.4)
+        assert what_if.open_loop
+        assert what_if.changed.way == ()
+        entered = [each.time for each in what_if.changed.happenings if each.state == ("m", "b")]
+        assert entered == [pytest.approx(2.0)]
+        assert what_if.divergence.text == "`b` is no longer entered."
+
+
+def test_an_invalid_program_is_refused(session):
+    with pytest.raises(ValueError, match="seconds"):
+        session.what_if(50, FOLLOWER, 0)
+    with pytest.raises(ValueError, match="not recorded"):
+        session.what_if(5000, FOLLOWER)
