@@ -8,6 +8,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable
+from itertools import count
 from typing import Any
 
 import pytest
@@ -17,6 +18,8 @@ from lrp_jupyter.bridges.bridge import ConnectionState
 from lrp_jupyter.bridges.ros import RosBridge
 from lrp_jupyter.errors import BridgeError, NoDataYet
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.texts import Texts
 
 pytestmark = pytest.mark.ros
 
@@ -340,3 +343,60 @@ def test_rospy_leaves_the_logging_of_the_process_alone(real: Any) -> None:
     ros.open()
     ros.close()
     assert logging.getLogger().handlers == before
+
+
+def test_looking_back_sends_no_message(real: Any, connect: Connect, until: Any) -> None:
+    """Scrubbing, questions, forks and what-ifs never command a real robot, and its program goes on."""
+    program = """\
+    (machine m
+      (state still)
+      (state drive (onentry [robot.move(linear=0.2)]))
+      (ontime 300 still -> drive)
+      (ontime 300 drive -> calm)
+      (state calm (onentry [robot.move()])))
+    (spawn m still)
+    """
+    chatter(real, "hello")
+    ros = connect(setup={"subscriptions": {"text": {"topic": "/chatter", "type": "std_msgs/String"}}})
+    ros.publish("move", "/cmd_vel", "geometry_msgs/Twist")
+    lines = echo(real, until, "/cmd_vel")
+    with Session(program, bridge=ros, rate=20) as session:
+        connection = PageConnection(session, Texts())
+        got: list[dict[str, Any]] = []
+        ids = count(1)
+
+        def ask(kind: str, /, **fields: Any) -> dict[str, Any]:
+            number = next(ids)
+            connection.receive(page, {"type": kind, "view": "page", "id": number, **fields})
+            until(lambda: any(each.get("id") == number for each in got))
+            return next(each for each in got if each.get("id") == number)
+
+        def page(message: dict[str, Any], _buffers: object) -> None:
+            got.append(message)
+            if message["type"] == "frame":
+                connection.receive(page, {"type": "credit", "view": "page", "frame": message["frame"]})
+
+        connection.receive(page, {"type": "hello", "view": "page", "part": "lab"})
+        try:
+            session.start()
+            until(lambda: velocities(lines)[-2:] == [(0.2, 0.0), (0.0, 0.0)])
+            until(lambda: session.frame.tick > 40)
+            sent = len(velocities(lines))
+            begun = session.frame.tick
+            for tick in (*range(2, 40), 3, 20):
+                assert ask("command", do="look", tick=tick)["error"] is None
+            assert connection.view_state()["tick"] == 20
+            assert "why" in ask("why", kind="state", path="m/drive")
+            assert "why" in ask("why", kind="robot", path="move")
+            assert ask("timeline", epoch=0, tick=0)["timeline"]["happenings"]
+            assert ask("what_if", seconds=1)["what_if"]["open_loop"]
+            with session.fork(5) as fork:
+                fork.run(3)
+            assert session.status == "running"
+            until(lambda: session.frame.tick > begun + 5)
+            assert ask("command", do="look")["error"] is None
+            assert connection.view_state()["tick"] >= begun + 5
+            time.sleep(0.3)
+            assert len(velocities(lines)) == sent
+        finally:
+            connection.close()
