@@ -86,6 +86,16 @@ def questions(seconds: float, count: int) -> None:
                 fork.run(60)
 
         print(f"| the last 60 s run again | {timed([again] * max(2, count // 5))} |")
+        whole = session.timeline()
+        print(f"| the whole timeline | {timed([session.timeline] * count)} |")
+        new = [lambda: session.timeline(whole.cursor)]
+        print(f"| what is new in it | {timed(new * count)} |")
+        names = ["robot.light.data", "follower/nobump", "robot.odom.x"]
+        print(f"| three plots of all of it | {timed([lambda: session.plots(names)] * max(2, count // 5))} |")
+        print(f"| a preview of 3 s | {timed([lambda: session.what_if(seconds=3)] * count)} |")
+        changed = load("follower").replace("lightlim + 10", "lightlim + 60")
+        edited = [lambda: session.what_if(max(1, last - 600), changed, 60)]
+        print(f"| the last 60 s beside those of an edited program | {timed(edited * max(2, count // 5))} |")
 
 
 def replayed(seconds: float) -> None:
