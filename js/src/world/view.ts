@@ -294,7 +294,9 @@ export function worldView(lab: Lab): WorldPart {
     collision.replaceChildren(...prose(sentence));
   });
   store.watch(["looking"], () => {
-    stage.isPast = store.state.looking !== null;
+    const { looking } = store.state;
+    stage.isPast = looking !== null;
+    setAttribute(view, "data-looking", looking?.time);
     stage.wake();
   });
   store.watch(["program", "snapshot"], () => {
