@@ -40,7 +40,7 @@ from lrp_jupyter.language.triggers import Delay, Epsilon
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import Reason
 
-__all__ = ["Again", "Answers", "condition_of", "tick_of"]
+__all__ = ["Again", "Answers", "condition_of", "flat", "tick_of"]
 
 Again = Callable[[int, Element], "Evaluation | Exception | None"]
 """Runs a tick again in a fork and returns how a transition was tested there; None if that is impossible."""
@@ -724,14 +724,14 @@ class Answers:
             return draft.reason("never", tick, time)
         last = records[-1]
         origin = last.origin if last.origin.tick <= tick else last.first
-        arguments = ", ".join(f"{key}={_plain(value)}" for key, value in _flat(last.arguments))
+        arguments = ", ".join(f"{key}={_plain(value)}" for key, value in flat(last.arguments))
         call = f"`robot.{last.name}({arguments})`"
         state = origin.block.partition(".")[0]
         where = f"`{origin.block}` (line {origin.line})" if origin.block else "a command given by hand"
         since = f", repeated since {self._time(last.first.tick):g} s" if last.first.tick < origin.tick else ""
         draft.facts |= {
             "command": last.name,
-            "arguments": dict(_flat(last.arguments)),
+            "arguments": dict(flat(last.arguments)),
             "block": origin.block,
             "state": state,
             "since": last.first.tick,
@@ -901,10 +901,10 @@ def _number(value: float) -> str:
     return f"{round(value, 3):g}" if abs(value) < 1e6 else f"{value:.0f}"
 
 
-def _flat(arguments: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+def flat(arguments: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     """Yield the arguments of a command that are not zero, with dotted names."""
     for name, value in arguments.items():
         if isinstance(value, Mapping):
-            yield from _flat(value, f"{prefix}{name}.")
+            yield from flat(value, f"{prefix}{name}.")
         elif value != 0:
             yield f"{prefix}{name}", value
