@@ -216,7 +216,7 @@ def _way(name: str, way: Sequence[Point], number: int) -> str:
 def _way_name(name: str, end: Point, number: int, tall: float, scale: float) -> str:
     x, y = 1 + end[0] * scale, tall - 1 - end[1] * scale
     colour = _WAYS[number % len(_WAYS)][0]
-    place = f'x="{_n(x + 8)}" y="{_n(y + 12)}"'
+    place = f'x="{_n(x + 8)}" y="{_n(y + 18)}"'
     return f'<text {place} {_SMALL} font-weight="600" fill="{colour}">{escape(name)}</text>'
 
 
