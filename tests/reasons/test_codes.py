@@ -1,4 +1,7 @@
-"""Every code of a reason: a small program gives it, and it is explained."""
+"""Every code of a reason: a small program gives it, it is explained, and the reference has it."""
+
+import json
+from pathlib import Path
 
 import pytest
 from planted import LateRobot
@@ -8,6 +11,7 @@ from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.reason import EXPLANATIONS
 from lrp_jupyter.live.session import Session
 
+REFERENCE = Path(__file__).parents[2] / "notebooks" / "reference" / "language.ipynb"
 HOP = "(machine m (state a) (state b) {}) (spawn m a)"
 NESTED = """
 (machine m
@@ -114,3 +118,16 @@ def test_an_explanation_is_a_sentence():
         for text in codes.values():
             assert text[0].isupper()
             assert text.endswith(".")
+
+
+def test_the_reference_lists_them_all():
+    notebook = json.loads(REFERENCE.read_text(encoding="utf-8"))
+    tables = "".join(
+        "".join(output["data"]["text/markdown"])
+        for cell in notebook["cells"]
+        for output in cell.get("outputs", ())
+        if "text/markdown" in output.get("data", {})
+    )
+    for kind, codes in EXPLANATIONS.items():
+        for code, text in codes.items():
+            assert f"| {kind} | `{code}` | {text} |" in tables
