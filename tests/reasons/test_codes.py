@@ -113,6 +113,24 @@ def test_a_small_program_gives_it(kind, code):
     assert all(line > 0 for line in reason.facts["lines"])
 
 
+@pytest.mark.parametrize(
+    ("kind", "code", "said"),
+    [
+        ("transition", "raised", "its condition is `1 / 0 > 1`. ZeroDivisionError: division by zero."),
+        ("transition", "unknown-event", "`go` (line 1) did not fire at 0.2 s. There is no event `ghost`."),
+        ("transition", "delay-not-over", "since `a` was entered at 0 s, when `m` started."),
+        (
+            "command",
+            "stopped",
+            "given by `a.running` (line 1) at 0.9 s, repeated since 0.1 s. Then the program",
+        ),
+    ],
+)
+def test_a_reason_reads_as_sentences(kind, code, said):
+    text, question, options = ASKED[kind][code]
+    assert said in str(ask(text, question, **options))
+
+
 def test_an_explanation_is_a_sentence():
     for codes in EXPLANATIONS.values():
         for text in codes.values():
