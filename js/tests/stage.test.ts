@@ -109,6 +109,80 @@ it("a zone, which has no angle, is not edited by the keys that turn", () => {
   expect(acts.map((act) => act.do)).toEqual(["put_zone"]);
 });
 
+describe("the trail", () => {
+  beforeEach(() => {
+    const robots = (x: number) => [
+      { ...stage.latest!.robots[0]!, pose: [x, 1.5, 0] as [number, number, number] },
+    ];
+    for (let i = 0; i <= 10; i++)
+      stage.move({ ...stage.latest!, time: i, robots: robots(0.5 + i / 10) }, i, "m/a");
+  });
+
+  it("leads to the moment at which the robot was where it is clicked", () => {
+    point("pointerdown", 0.85, 1.5);
+    point("pointerup", 0.85, 1.5);
+    expect(acts).toEqual([{ do: "look", time: expect.closeTo(3.5) }]);
+  });
+
+  it("does not lead anywhere with a drag, nor when it is hidden", () => {
+    point("pointerdown", 0.85, 1.5);
+    point("pointermove", 1.25, 1.8);
+    point("pointerup", 1.25, 1.8);
+    stage.showsTrail = false;
+    point("pointerdown", 0.85, 1.5);
+    point("pointerup", 0.85, 1.5);
+    expect(acts).toEqual([]);
+  });
+
+  it("stays as it is while an earlier moment is looked at, and is shortened by a rewind", () => {
+    const { points } = stage.trail;
+    stage.isPast = true;
+    stage.move({ ...stage.latest!, time: 3 }, 20, "m/a");
+    expect(stage.trail.points).toEqual(points);
+    expect(stage.trail.points).toHaveLength(11);
+    stage.isPast = false;
+    stage.move({ ...stage.latest!, time: 3.5 }, 21, "m/a");
+    expect(stage.trail.points.map(({ time }) => time)).toEqual([0, 1, 2, 3, 3.5]);
+  });
+});
+
+describe("while an earlier moment is looked at", () => {
+  beforeEach(() => {
+    stage.isPast = true;
+  });
+
+  it("a drag leads to the present and moves nothing", () => {
+    for (const x of [0.5, 2]) {
+      point("pointerdown", x, 1);
+      point("pointermove", x + 0.1, 1);
+      stage.isPast = false; // the present has come
+      point("pointermove", x + 0.4, 1);
+      point("pointerup", x + 0.4, 1);
+      expect(acts).toEqual([{ do: "look" }]);
+      acts = [];
+      stage.isPast = true;
+    }
+  });
+
+  it("so does an edit by keyboard, or from a menu", async () => {
+    press("ArrowLeft");
+    edits.undo();
+    edits.startHere();
+    edits.add("wall", { x: 1, y: 1, angle: 0, box: [1, 0.1] });
+    expect(new Set(acts.map((act) => act.do))).toEqual(new Set(["look"]));
+    expect([stage.busy, stage.preview, edits.selected]).toEqual([false, null, null]);
+  });
+
+  it("a click selects, and the view can be moved", () => {
+    point("pointerdown", 2, 1);
+    point("pointerup", 2, 1);
+    point("pointerdown", 1.2, 1.8);
+    point("pointermove", 1.6, 1.2);
+    point("pointerup", 1.6, 1.2);
+    expect([acts, edits.selected]).toEqual([[], { kind: "solid", index: 0 }]);
+  });
+});
+
 describe("a stage", () => {
   beforeEach(() => {
     Object.defineProperty(stage.canvas, "clientWidth", { value: 200 });

@@ -248,21 +248,51 @@ describe("the trail", () => {
     return trail;
   }
 
-  it("fades over ten seconds, and what is older is forgotten", () => {
+  it("fades over ten seconds, and what is older stays", () => {
     const trail = driven(...Array.from({ length: 30 }, () => "m/a"));
     const pieces = trail.pieces(29);
     expect(pieces).toHaveLength(10);
     expect(pieces[0]!.share).toBeCloseTo(0.1);
     expect(pieces.at(-1)!.share).toBe(1);
-    expect(trail.points).toHaveLength(11);
+    expect(trail.points).toHaveLength(30);
+    expect([...trail.lines(1, trail.after(19))].map(([state, lines]) => [state, lines.length])).toEqual([
+      ["m/a", 1],
+    ]);
+  });
+
+  it("is kept for ten minutes, in bounded memory, on the same way", () => {
+    const trail = new Trail();
+    const place = (time: number): [number, number, number] => [Math.cos(0.3 * time), Math.sin(0.3 * time), 0];
+    for (let i = 0; i < 30_000; i++)
+      trail.add(i / 30, place(i / 30), Math.floor(i / 300) % 2 ? "m/a" : "m/b");
+    expect(trail.points.length).toBeLessThanOrEqual(6000);
+    expect(trail.points[0]!.time).toBeGreaterThan(395);
+    expect(trail.points[0]!.time).toBeLessThanOrEqual(400.1);
+    trail.points.forEach((point, i) => {
+      const before = trail.points[i - 1];
+      if (before) expect(Math.hypot(point.x - before.x, point.y - before.y)).toBeLessThan(0.25);
+    });
+    const near = trail.near(...(place(990).slice(0, 2) as [number, number]), 0.05)!;
+    expect(near.time).toBeGreaterThan(970);
+    expect(trail.pieces(999.9).length).toBeGreaterThan(250); // what fades is as fine as ever
+  });
+
+  it("keeps the times at which the robot came and left where it stood", () => {
+    const trail = new Trail();
+    trail.add(0, [0, 0, 0], "m/a");
+    trail.add(1, [0.1, 0, 0], "m/a");
+    for (let time = 2; time <= 50; time++) trail.add(time, [0.1, 0, 0], "m/a");
+    trail.add(51, [0.2, 0, 0], "m/a");
+    expect(trail.points.map(({ time }) => time)).toEqual([0, 1, 50, 51]);
+    expect(trail.near(0.15, 0, 0.01)!.time).toBeCloseTo(50.5);
   });
 
   it("shows the states in it, each piece in the state of its end", () => {
     const trail = driven("m/a", "m/a", "m/b");
     expect(trail.pieces(2).map(({ to }) => to.state)).toEqual(["m/a", "m/b"]);
     expect(trail.states(2)).toEqual(["m/a", "m/b"]);
-    expect(trail.near(0.15, 0.01, 0.02, 2)?.state).toBe("m/b");
-    expect(trail.near(0.15, 0.5, 0.02, 2)).toBeNull();
+    expect(trail.near(0.15, 0.01, 0.02)).toEqual({ state: "m/b", time: expect.closeTo(1.5) });
+    expect(trail.near(0.15, 0.5, 0.02)).toBeNull();
   });
 
   it("is shortened by stepping back, and interrupted where the robot was put elsewhere", () => {
@@ -278,7 +308,7 @@ describe("the trail", () => {
     expect(trailState([])).toBe("");
   });
 
-  it("has a colour for every state in which no machine runs, then the colours come again with a dash", () => {
+  it("has a colour for every state, those that come again have a dash, those with machines in them stripes", () => {
     const states = ["a", "b", "c"].map((name) => ({ path: `m/${name}`, machines: [] as string[] }));
     states.unshift({ path: "m/outer", machines: ["m/outer/n"] });
     const machine = { path: "m", parent: null, states, transitions: [], variables: [], events: [] };
@@ -287,6 +317,8 @@ describe("the trail", () => {
     expect(style("m/b")).toEqual({ color: "blue", dash: [] });
     expect(style("m/c").color).toBe("red");
     expect(style("m/c").dash.length).toBeGreaterThan(0);
+    expect(style("m/outer").color).toBe("blue"); // after all others
+    expect(style("m/outer").dash).not.toEqual(style("m/c").dash);
   });
 });
 

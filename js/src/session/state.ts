@@ -11,6 +11,7 @@ import {
   type FindingView,
   type FromKernel,
   type ViewState,
+  type WhatIfView,
   type WorldView,
 } from "../protocol";
 
@@ -35,6 +36,7 @@ export interface LabState extends ViewState {
   /** Zoom and pan of each machine that was shown. */
   cameras: Record<string, Camera>;
   follow: boolean;
+  whatIf: WhatIfView | null;
 }
 
 export type Topic = keyof LabState | "snapshot";
@@ -57,6 +59,7 @@ export function initialState(): LabState {
     inspected: null,
     cameras: {},
     follow: false,
+    whatIf: null,
   };
 }
 

@@ -54,10 +54,21 @@ export class WorldEdits {
     this.select(things[next] ?? null);
   }
 
+  /** Show an earlier moment: the one at a time, in seconds. */
+  look(time: number): void {
+    void this.lab.act({ do: "look", time });
+  }
+
+  /** Show the present if an earlier moment is shown, which cannot be edited; return whether one was. */
+  showNow(): boolean {
+    if (this.stage.isPast) this.lab.send({ do: "look" });
+    return this.stage.isPast;
+  }
+
   /** Put a new thing into the world, and select it. */
   add(kind: Placed, shape: Shape): void {
     const { world } = this.stage;
-    if (!world) return;
+    if (!world || this.showNow()) return;
     if (kind === "zone") {
       const names = ["goal", ...Array.from({ length: 99 }, (_, i) => `zone ${i + 2}`)];
       const name = names.find((free) => !(free in world.zones)) ?? "zone";
@@ -79,6 +90,7 @@ export class WorldEdits {
 
   /** Move a thing while it is dragged; zones and starts move when they are dropped. */
   drag(thing: Thing, shape: Shape): void {
+    if (this.showNow()) return;
     this.stage.preview = { thing, shape };
     this.stage.wake();
     if (thing.kind === "robot" || thing.kind === "solid") {
@@ -89,6 +101,7 @@ export class WorldEdits {
 
   /** Edit the place and size of a thing. */
   put(thing: Thing, shape: Shape): void {
+    if (this.showNow()) return;
     this.stage.preview = { thing, shape };
     this.stage.wake();
     const pose = poseOf(shape);
@@ -131,6 +144,7 @@ export class WorldEdits {
     const shape = this.stage.shape(thing);
     const next = shape && keyed(shape, key, resize && thing.kind !== "robot" && thing.kind !== "start");
     if (!next || (thing.kind === "zone" && next.angle)) return false;
+    if (this.showNow()) return true;
     if (thing.kind === "robot") {
       this.put(thing, next);
       return true;
@@ -176,6 +190,7 @@ export class WorldEdits {
   /** Send an edit; what it will look like is shown until the kernel describes the world with it. */
   private async act(act: Act): Promise<string | null> {
     const { stage } = this;
+    if (this.showNow()) return null;
     stage.awaited += 1;
     const error = await this.lab.act(act);
     stage.awaited -= 1;

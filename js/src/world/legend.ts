@@ -1,27 +1,32 @@
 /** What the colours of the trail mean: a list of states over the world, and a tip beside the pointer. */
 
 import { nameOf } from "../language/paths";
-import type { ProgramView } from "../protocol";
-import { h, reconcile, setAttribute, setHidden, setText } from "../ui/dom";
+import type { Point, ProgramView } from "../protocol";
+import { h, reconcile, setAttribute, setHidden, setText, unmarked } from "../ui/dom";
+import { partingOf } from "./ghost";
 import type { Stage } from "./stage";
 
-const REACH = 9; // px from the trail
+export const REACH = 9; // px from the trail
 const DASH = [8, 5]; // px
+const STRIPES = [3, 3]; // px
 
-/** The colours in the order of the program; once they are used up, they come again with a dash. */
+/**
+ * The colours in the order of the program; once they are used up, they come again with a dash. The states in
+ * which machines run come after the others, striped: they are seen where no machine runs in them.
+ */
 export function trailStyles(
   program: ProgramView,
   colors: readonly string[],
 ): (state: string) => { color: string; dash: number[] } {
   const order = new Map<string, number>();
-  for (const { states } of program.machines)
-    for (const { path, machines } of states) if (!machines.length) order.set(path, order.size);
+  const states = program.machines.flatMap((machine) => machine.states);
+  for (const { path, machines } of states) if (!machines.length) order.set(path, order.size);
+  const inner = order.size;
+  for (const { path, machines } of states) if (machines.length) order.set(path, order.size);
   return (state) => {
     const index = order.get(state) ?? 0;
-    return {
-      color: colors[index % colors.length] ?? "gray",
-      dash: Math.floor(index / colors.length) % 2 ? DASH : [],
-    };
+    const again = Math.floor(index / colors.length) % 2 ? DASH : [];
+    return { color: colors[index % colors.length] ?? "gray", dash: index < inner ? again : STRIPES };
   };
 }
 
@@ -36,14 +41,12 @@ export function legend(stage: Stage): Legend {
   const tip = h("div", { class: "lrp-tip", hidden: true, "aria-hidden": "true" });
   let shown = "";
   stage.canvas.addEventListener("pointermove", (event) => {
-    const [x, y] = stage.inside(event.offsetX, event.offsetY);
-    const now = stage.latest?.time ?? 0;
-    const found =
-      stage.showsTrail && !event.buttons ? stage.trail.near(x, y, REACH / stage.viewport.scale, now) : null;
-    setHidden(tip, !found?.state);
-    if (!found) return;
-    setText(tip, `${nameOf(found.state)} · ${found.time.toFixed(1)} s`);
-    tip.style.left = `${event.offsetX + 12}px`;
+    const text = event.buttons ? "" : tipAt(stage, stage.inside(event.offsetX, event.offsetY));
+    setHidden(tip, !text);
+    if (!text) return;
+    setText(tip, text);
+    const right = stage.canvas.clientWidth - tip.offsetWidth;
+    tip.style.left = `${Math.max(0, Math.min(event.offsetX + 12, right))}px`;
     tip.style.top = `${event.offsetY + 12}px`;
   });
   stage.canvas.addEventListener("pointerleave", () => setHidden(tip, true));
@@ -51,25 +54,57 @@ export function legend(stage: Stage): Legend {
     element,
     tip,
     refresh() {
-      const states = stage.showsTrail
-        ? stage.trail.states(stage.latest?.time ?? 0).filter((state) => state !== "")
-        : [];
-      const key = JSON.stringify(states.map((state) => [state, stage.styleOf(state)]));
+      const entries = entriesOf(stage);
+      const key = JSON.stringify(entries);
       if (key === shown) return;
       shown = key;
       reconcile(
         element,
-        states,
-        (state) => state,
-        (state) =>
-          h("li", { title: state }, h("span", { class: "lrp-swatch" }), h("span", {}, nameOf(state))),
-        (item, state) => {
-          const { color, dash } = stage.styleOf(state);
+        entries,
+        ({ title }) => title,
+        ({ title, name }) => h("li", { title }, h("span", { class: "lrp-swatch" }), h("span", {}, name)),
+        (item, { color, isDashed }) => {
           const swatch = item.firstElementChild as HTMLElement;
           swatch.style.setProperty("--lrp-swatch", color);
-          setAttribute(swatch, "data-dashed", dash.length > 0);
+          setAttribute(swatch, "data-dashed", isDashed);
         },
       );
     },
   };
+}
+
+interface Entry {
+  title: string;
+  name: string;
+  color: string;
+  isDashed: boolean;
+}
+
+/** What the lines in the world mean: two courses that part, and the states of the trail. */
+function entriesOf({ whatIf, palette, trail, latest, showsTrail, styleOf }: Stage): Entry[] {
+  const courses: Entry[] = whatIf?.divergence
+    ? [
+        { title: "How it goes with the edit", name: "with the edit", color: palette.accent, isDashed: true },
+        { title: "How it was recorded", name: "as recorded", color: palette.robotEdge, isDashed: false },
+      ]
+    : [];
+  if (!showsTrail) return courses;
+  const states = trail.states(latest?.time ?? 0).filter((state) => state !== "");
+  return [
+    ...courses,
+    ...states.map((state) => {
+      const { color, dash } = styleOf(state);
+      return { title: state, name: nameOf(state), color, isDashed: dash.length > 0 };
+    }),
+  ];
+}
+
+/** What is at a place: where two courses part, or a moment of the trail. */
+function tipAt({ whatIf, trail, viewport, showsTrail }: Stage, [x, y]: Point): string {
+  const reach = REACH / viewport.scale;
+  const parting = whatIf && partingOf(whatIf);
+  if (parting && Math.hypot(parting[0] - x, parting[1] - y) <= reach)
+    return unmarked(`${whatIf.divergence!.time.toFixed(1)} s: ${whatIf.divergence!.text}`);
+  const found = showsTrail ? trail.near(x, y, reach) : null;
+  return found?.state ? `${nameOf(found.state)} · ${found.time.toFixed(1)} s · click to look` : "";
 }

@@ -4,7 +4,7 @@ import type { Palette } from "./paint";
 import { write } from "./paint";
 import type { Grip, Shape, Thing } from "./things";
 import { handlesOf } from "./things";
-import type { Trail, TrailPoint } from "./trail";
+import { FADES, type Trail, type TrailPoint } from "./trail";
 
 type Canvas = CanvasRenderingContext2D;
 
@@ -13,6 +13,8 @@ const GRID = [0.1, 0.25, 0.5, 1, 2, 5, 10, 50, 100];
 const APART = 18; // px
 const BAR = 100; // px that the scale bar is long at most
 const HANDLE = 5; // px
+const OLDER = 0.3; // how opaque the trail is where it no longer fades
+const LATER = 0.14; // and after the moment looked at
 
 /** A grid; the context is in metres, `pixels` make one. Returns the distance of its lines. */
 export function paintGrid(
@@ -69,7 +71,10 @@ export function paintBar(c: Canvas, height: number, palette: Palette, pixels: nu
   c.restore();
 }
 
-/** The trail: newer pieces are opaque, each state has a colour, and a dash once the colours are used up. */
+/**
+ * The trail: newer pieces are opaque, older ones faint, later ones than `now` fainter. Each state has a colour,
+ * and a dash once the colours are used up.
+ */
 export function paintTrail(
   c: Canvas,
   trail: Trail,
@@ -80,9 +85,29 @@ export function paintTrail(
 ): void {
   c.save();
   c.lineCap = "butt";
-  const pieces = trail.pieces(now);
-  const stroke = (width: number, from: TrailPoint, to: TrailPoint) => {
+  const width = Math.max(0.014, 4 / pixels);
+  const [fading, later] = [trail.after(now - FADES), trail.after(now)];
+  const pass = (first: number, end: number, alpha: number) => {
+    c.globalAlpha = alpha;
     c.lineWidth = width;
+    for (const [state, lines] of trail.lines(first, end)) {
+      const { color, dash } = style(state);
+      c.strokeStyle = color;
+      c.setLineDash(dash.map((length) => length / pixels));
+      c.beginPath(); // one for all of them: laps over each other stay faint
+      for (const [begin, ...points] of lines) {
+        c.moveTo(begin!.x, begin!.y);
+        for (const { x, y } of points) c.lineTo(x, y);
+      }
+      c.stroke();
+    }
+    c.setLineDash([]);
+  };
+  pass(later, trail.points.length, LATER);
+  pass(1, fading, OLDER);
+  const pieces = trail.pieces(now);
+  const stroke = (thick: number, from: TrailPoint, to: TrailPoint) => {
+    c.lineWidth = thick;
     c.beginPath();
     c.moveTo(from.x, from.y);
     c.lineTo(to.x, to.y);
@@ -97,11 +122,11 @@ export function paintTrail(
   for (const { from, to, share } of pieces) {
     const { color, dash } = style(to.state);
     c.strokeStyle = color;
-    c.globalAlpha = Math.min(1, 0.1 + share);
+    c.globalAlpha = OLDER + (1 - OLDER) * share;
     c.setLineDash(dash.map((length) => length / pixels));
     c.lineDashOffset = along;
     along += Math.hypot(to.x - from.x, to.y - from.y);
-    stroke(Math.max(0.014, 4 / pixels), from, to);
+    stroke(width, from, to);
   }
   c.restore();
 }

@@ -1,8 +1,9 @@
 /** The canvas of a world: a cached layer for what stands still, and frames interpolated between poses. */
 
-import type { Point, StrokeView, WorldView } from "../protocol";
+import type { Point, StrokeView, WhatIfView, WorldView } from "../protocol";
 import { pngOf } from "../ui/picture";
 import { complete, completeStroke, type FullStroke, type FullWorld } from "./complete";
+import { paintGhost } from "./ghost";
 import { paintBar, paintGrid, paintOutline, paintSelection, paintTrail } from "./overlay";
 import { type Palette, paintFloor, paintMovers, paintStart, paintStroke } from "./paint";
 import { between, firstPoses, type Snapshot } from "./poses";
@@ -31,6 +32,10 @@ export class Stage {
   awaited = 0;
   grid = false;
   showsTrail = true;
+  /** Whether an earlier moment is shown. */
+  isPast = false;
+  /** Another course than that of the robot. */
+  whatIf: WhatIfView | null = null;
   /** The colour and dash of a state's trail. */
   styleOf: (state: string) => { color: string; dash: number[] } = () => ({ color: "gray", dash: [] });
   /** Called when another part of the world may be shown, or the robot no longer followed. */
@@ -101,7 +106,7 @@ export class Stage {
     this.span = Math.max(1, Math.min(SPAN, now - this.arrived));
     this.after = next;
     this.arrived = now;
-    if (next.robots[0]) this.trail.add(next.time, next.robots[0].pose, state);
+    if (next.robots[0] && !this.isPast) this.trail.add(next.time, next.robots[0].pose, state);
     this.wake();
   }
 
@@ -233,6 +238,8 @@ export class Stage {
     viewport.transform(c, this.ratio);
     if (this.showsTrail) paintTrail(c, this.trail, current.time, this.styleOf, palette, pixels);
     if (this.sketch) paintStroke(c, this.sketch, palette);
+    const [robot] = world.robots;
+    if (this.whatIf && robot) paintGhost(c, this.whatIf, current.time, robot.radius, palette, pixels);
     world.robots.forEach(({ pose, radius }, i) => {
       const [x, y] = current.robots[i]?.pose ?? pose;
       if (Math.hypot(x - pose[0], y - pose[1]) > NEARBY) paintStart(c, pose, radius, palette, pixels);

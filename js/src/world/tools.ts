@@ -3,6 +3,7 @@
 import type { Point } from "../protocol";
 import { trackDrag } from "../ui/drag";
 import type { Placed, WorldEdits } from "./edits";
+import { REACH } from "./legend";
 import { gripAt } from "./overlay";
 import type { Stage } from "./stage";
 import { dragged, drawn, type Grip, type Shape, type Thing, thingAt } from "./things";
@@ -63,14 +64,34 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
   function beginning(at: Point, turn: boolean): Press {
     const point = stage.inside(...at);
     const held = heldAt(point);
-    if (held) return dragging(held.thing, held.shape, held.grip, held.from);
     const { tool } = box;
+    if (stage.isPast && (held || tool !== "move" || thingUnder(point))) return returning(thingUnder(point));
+    if (held) return dragging(held.thing, held.shape, held.grip, held.from);
     if (tool === "draw" || tool === "erase") return drawing(point, tool);
     const thing = thingUnder(point);
     const shape = thing && stage.shape(thing);
     if (tool !== "move" && thing?.kind !== "robot") return placing(point, tool);
     if (!thing || !shape) return panning(at, point);
     return dragging(thing, shape, turn && thing.kind !== "zone" ? "turn" : "move", point);
+  }
+
+  /** What would be dragged is elsewhere now, so a drag shows the present instead. */
+  function returning(thing: Thing | null): Press {
+    let isBack = false;
+    return {
+      move() {
+        if (!isBack) isBack = edits.showNow();
+      },
+      end(moved) {
+        if (!moved) edits.select(thing);
+      },
+    };
+  }
+
+  function momentUnder([x, y]: Point): number | null {
+    const found =
+      stage.showsTrail && box.tool === "move" && stage.trail.near(x, y, REACH / stage.viewport.scale);
+    return found ? found.time : null;
   }
 
   function heldAt(point: Point): { thing: Thing; shape: Shape; grip: Grip; from: Point } | null {
@@ -96,7 +117,9 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     return {
       move,
       end(moved) {
-        if (!moved) edits.select(zoneAround(from));
+        const moment = moved ? null : momentUnder(from);
+        if (moment !== null) edits.look(moment);
+        else if (!moved) edits.select(zoneAround(from));
       },
       cancel() {
         move(begin);
@@ -196,7 +219,8 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     if (!stage.world || !stage.latest || event.buttons) return;
     const point = stage.inside(...local(event));
     const held = heldAt(point);
-    const free = box.tool === "move" ? "default" : "crosshair";
+    const still = momentUnder(point) === null ? "default" : "pointer";
+    const free = box.tool === "move" ? still : "crosshair";
     const over = box.tool === "move" || thingUnder(point)?.kind === "robot";
     canvas.style.cursor = held ? "pointer" : over && thingUnder(point) ? "grab" : free;
   });

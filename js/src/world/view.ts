@@ -5,7 +5,7 @@ import { askWhy } from "../parts/why";
 import type { FromKernel } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
-import { h, setText } from "../ui/dom";
+import { h, prose, setAttribute, setText } from "../ui/dom";
 import { isOn, keepOn } from "../ui/kept";
 import { type MenuItem, openMenu } from "../ui/menu";
 import { WorldEdits } from "./edits";
@@ -14,6 +14,7 @@ import { legend, trailStyles } from "./legend";
 import type { Palette } from "./paint";
 import { bridgePanel } from "./panel";
 import { readPoses } from "./poses";
+import { Preview } from "./preview";
 import { properties } from "./properties";
 import { Stage } from "./stage";
 import { type Tool, type ToolBox, useTools } from "./tools";
@@ -56,6 +57,7 @@ export function worldView(lab: Lab): WorldPart {
 
   const strip = properties(lab, stage, () => edits);
   const edits = new WorldEdits(stage, lab, strip.refresh);
+  const preview = new Preview(lab, isOn("world-preview", true));
   let tool: Tool = "move";
   const box: ToolBox = {
     get tool() {
@@ -144,6 +146,15 @@ export function worldView(lab: Lab): WorldPart {
           stage.wake();
         },
       },
+      {
+        label: "Preview after an edit",
+        action: "preview",
+        checked: preview.on,
+        run: () => {
+          preview.on = !preview.on;
+          keepOn("world-preview", preview.on);
+        },
+      },
       null,
       {
         label: "Why does the robot do this?",
@@ -210,7 +221,8 @@ export function worldView(lab: Lab): WorldPart {
     }),
     follow,
   );
-  const view = h("div", { class: "lrp-world-body" }, canvas, zoom, colours.tip, time);
+  const collision = h("div", { class: "lrp-world-ahead", role: "status" });
+  const view = h("div", { class: "lrp-world-body" }, canvas, zoom, colours.tip, collision, time);
   const foot = h("div", { class: "lrp-world-foot" }, strip.element, colours.element);
   const { element, heading } = panel(
     "world",
@@ -263,6 +275,30 @@ export function worldView(lab: Lab): WorldPart {
     element.toggleAttribute("data-worldless", !world);
     setText(heading, world ? "World" : "Robot");
   });
+  store.watch(["whatIf"], () => {
+    stage.whatIf = store.state.whatIf;
+    setAttribute(
+      view,
+      "data-what-if",
+      store.state.whatIf?.changed.way.length ? store.state.whatIf.end : null,
+    );
+    colours.refresh();
+    stage.wake();
+  });
+  store.watch(["whatIf", "time"], () => {
+    const { whatIf, time } = store.state;
+    const isAhead = whatIf && (whatIf.collision_at ?? time) >= time;
+    const sentence = isAhead ? whatIf.collision : "";
+    if (sentence === collision.dataset.sentence) return;
+    collision.dataset.sentence = sentence;
+    collision.replaceChildren(...prose(sentence));
+  });
+  store.watch(["looking"], () => {
+    const { looking } = store.state;
+    stage.isPast = looking !== null;
+    setAttribute(view, "data-looking", looking?.time);
+    stage.wake();
+  });
   store.watch(["program", "snapshot"], () => {
     stage.styleOf = trailStyles(store.state.program, stage.palette.trail);
     stage.wake();
@@ -306,10 +342,12 @@ export function worldView(lab: Lab): WorldPart {
     message(message, buffers) {
       if (message.type === "snapshot" || message.type === "world") stage.show(message.world);
       if (message.type !== "frame" || !stage.world) return;
+      stage.isPast = store.state.looking !== null;
       if (message.ink) stage.draw(message.ink.first, message.ink.strokes);
       const poses = buffers[0] && readPoses(stage.world, buffers[0]);
       if (!poses) return;
       stage.move(poses, performance.now(), trailState(store.state.lit));
+      preview.check(poses.robots[0]?.pose);
       colours.refresh();
       showTime();
     },

@@ -1,0 +1,78 @@
+/** What an edit is going to do: after each one the next seconds are asked for, and shown as a ghost's way. */
+
+import type { WhatIfView } from "../protocol";
+import type { Lab } from "../session/store";
+import { ghostAt } from "./ghost";
+
+const SECONDS = 3;
+const LATE = 1; // s of the session: what is older is no news
+const ASTRAY = 0.1; // metres: something else has happened than was foretold
+
+export class Preview {
+  /** The newest preview, whether or not it is still shown. */
+  private latest: WhatIfView | null = null;
+  private revision: number | null = null;
+  private time = 0;
+  private isAsking = false;
+  private isEdited = false;
+
+  constructor(
+    private readonly lab: Lab,
+    private isOn: boolean,
+  ) {
+    lab.store.watch(["revision", "snapshot"], (changed) => {
+      const { revision } = lab.store.state;
+      const isEdit = revision !== this.revision && !changed.has("snapshot");
+      this.revision = revision;
+      if (isEdit) void this.ask();
+    });
+    lab.store.watch(["time", "looking", "world"], () => this.check());
+  }
+
+  get on(): boolean {
+    return this.isOn;
+  }
+
+  set on(on: boolean) {
+    this.isOn = on;
+    if (!on) this.show(null);
+  }
+
+  /** End the preview if it is over, or if the robot, which is at (x, y), has gone another way. */
+  check(at?: readonly number[]): void {
+    const { whatIf, time, looking } = this.lab.store.state;
+    const isBack = time < this.time;
+    this.time = time;
+    if (!whatIf || whatIf !== this.latest) return;
+    const foretold = at && ghostAt(whatIf.changed.way, time);
+    const isAstray = foretold && Math.hypot(at[0]! - foretold[0], at[1]! - foretold[1]) > ASTRAY;
+    if (looking || isBack || time >= whatIf.end || isAstray) this.show(null);
+  }
+
+  private get isWanted(): boolean {
+    const { looking, world, status } = this.lab.store.state;
+    return this.isOn && !looking && world !== null && (status === "running" || status === "paused");
+  }
+
+  /** Ask about the newest edit; one question at a time. */
+  private async ask(): Promise<void> {
+    this.isEdited = true;
+    if (this.isAsking) return;
+    this.isAsking = true;
+    let whatIf: WhatIfView | undefined;
+    while (this.isEdited && this.isWanted) {
+      this.isEdited = false;
+      whatIf = (await this.lab.ask({ type: "what_if", seconds: SECONDS })).what_if;
+    }
+    this.isAsking = this.isEdited = false;
+    const isLate = !whatIf || this.lab.store.state.time - whatIf.begin > LATE;
+    this.show(isLate || !this.isWanted ? null : whatIf!);
+  }
+
+  private show(whatIf: WhatIfView | null): void {
+    const { store } = this.lab;
+    if (!whatIf && store.state.whatIf !== this.latest) return; // there is none, or it is not a preview
+    this.latest = whatIf;
+    store.set("whatIf", whatIf);
+  }
+}

@@ -1,0 +1,163 @@
+// @vitest-environment happy-dom
+
+import { beforeEach, describe, expect, it, vi } from "vitest";
+import type { ReplyMessage, WhatIfView, WorldView } from "../src/protocol";
+import { type Lab, Store } from "../src/session/store";
+import { ahead, ghostAt, partingOf } from "../src/world/ghost";
+import { Preview } from "../src/world/preview";
+
+/** A robot that drives along x by 0.1 m a second, from `begin` on. */
+function course(begin: number, y = 1): WhatIfView["changed"] {
+  const way = Array.from({ length: 4 }, (_, i) => [begin + i, 0.1 * (begin + i), y, 0]);
+  return { happenings: [], way };
+}
+
+function whatIf(begin = 0, fields: Partial<WhatIfView> = {}): WhatIfView {
+  return {
+    tick: 10 * begin,
+    begin,
+    end: begin + 3,
+    recorded: course(begin),
+    changed: course(begin),
+    divergence: null,
+    collision: "",
+    collision_at: null,
+    open_loop: false,
+    ...fields,
+  };
+}
+
+describe("a ghost", () => {
+  const way = [
+    [1, 0, 0, 3.1],
+    [2, 1, 2, -3.1],
+    [2.5, 1, 3, -3],
+  ];
+
+  it("is between two poses in proportion to the time, and turns the short way round", () => {
+    const [x, y, theta] = ghostAt(way, 1.25)!;
+    expect([x, y]).toEqual([0.25, 0.5]);
+    expect(theta).toBeCloseTo(3.1 + (2 * Math.PI - 6.2) / 4);
+    expect(ghostAt(way, 1)).toEqual([0, 0, 3.1]);
+    expect(ghostAt(way, 2.5)!.slice(0, 2)).toEqual([1, 3]);
+  });
+
+  it("is nowhere before its way and after it", () => {
+    expect([ghostAt(way, 0.9), ghostAt(way, 2.6), ghostAt([], 1)]).toEqual([null, null, null]);
+  });
+
+  it("has the rest of its way ahead", () => {
+    expect(ahead(way, 2.25).map(([x, y]) => [x, y])).toEqual([
+      [1, 2.5],
+      [1, 3],
+    ]);
+    expect(ahead(way, 0)).toHaveLength(3);
+    expect(ahead(way, 3)).toEqual([]);
+  });
+
+  it("parts from the recorded way where the first difference is", () => {
+    const divergence = { tick: 20, time: 2, text: "`b` is entered, unlike before." };
+    expect(partingOf(whatIf(0, { divergence }))).toEqual([0.2, 1]);
+    expect(partingOf(whatIf())).toBeNull();
+  });
+});
+
+describe("a preview", () => {
+  let store: Store;
+  let preview: Preview;
+  let questions: { resolve: (reply: Partial<ReplyMessage>) => void }[];
+  const frames = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+  const set = async (fields: Partial<Store["state"]>) => {
+    Object.assign(store.state, fields);
+    store.touch(Object.keys(fields) as (keyof Store["state"])[]);
+    await frames();
+  };
+  const answer = async (fields: Partial<ReplyMessage>) => {
+    questions.shift()!.resolve(fields);
+    await frames();
+  };
+
+  beforeEach(async () => {
+    store = new Store();
+    questions = [];
+    const ask = vi.fn(() => new Promise((resolve) => questions.push({ resolve })));
+    preview = new Preview({ store, ask } as unknown as Lab, true);
+    Object.assign(store.state, { status: "running", time: 5, revision: 1, world: {} });
+    store.touch(["snapshot", "status", "time", "revision", "world"]);
+    await frames();
+    expect(questions).toEqual([]); // nothing was edited
+    await set({ revision: 2 });
+  });
+
+  it("is asked for after an edit, shown, and removed at its end", async () => {
+    expect(questions).toHaveLength(1);
+    await answer({ what_if: whatIf(5) });
+    expect(store.state.whatIf).toEqual(whatIf(5));
+    await set({ time: 7.9 });
+    expect(store.state.whatIf).not.toBeNull();
+    await set({ time: 8 });
+    expect(store.state.whatIf).toBeNull();
+  });
+
+  it("is asked for once at a time, and then about the newest edit", async () => {
+    await set({ revision: 3 });
+    await set({ revision: 4 });
+    expect(questions).toHaveLength(1);
+    await answer({ what_if: whatIf(5) });
+    expect([store.state.whatIf, questions.length]).toEqual([null, 1]);
+    await answer({ what_if: whatIf(5.5) });
+    expect([store.state.whatIf?.begin, questions.length]).toEqual([5.5, 0]);
+  });
+
+  it("that comes late, or not at all, ends the one before", async () => {
+    for (const reply of [{ what_if: whatIf(5) }, { error: "There is no simulated robot." }]) {
+      await answer({ what_if: whatIf(store.state.time) });
+      expect(store.state.whatIf).not.toBeNull();
+      await set({ revision: store.state.revision + 1, time: 6.5 });
+      await answer(reply);
+      expect(store.state.whatIf).toBeNull();
+      await set({ revision: store.state.revision + 1 });
+    }
+  });
+
+  it("ends where the robot goes another way, is set back, or an earlier moment is looked at", async () => {
+    const shown = async () => {
+      await answer({ what_if: whatIf(store.state.time) });
+      expect(store.state.whatIf).not.toBeNull();
+    };
+    await shown();
+    preview.check([0.55, 1, 0]);
+    expect(store.state.whatIf).not.toBeNull();
+    preview.check([0.9, 1, 0]);
+    expect(store.state.whatIf).toBeNull();
+    await set({ revision: 3 });
+    await shown();
+    await set({ time: 4.9 });
+    expect(store.state.whatIf).toBeNull();
+    await set({ revision: 4 });
+    await shown();
+    await set({ looking: { tick: 10, time: 1, ago: 4, edited: false } });
+    expect(store.state.whatIf).toBeNull();
+  });
+
+  it("is not asked for when it is off, at a past moment, of a real robot, or before the start", async () => {
+    await answer({ what_if: whatIf(5) });
+    preview.on = false;
+    expect(store.state.whatIf).toBeNull();
+    await set({ revision: 3 });
+    preview.on = true;
+    await set({ revision: 4, looking: { tick: 10, time: 1, ago: 4, edited: true } });
+    await set({ revision: 5, looking: null, world: null });
+    await set({ revision: 6, world: {} as WorldView, status: "ready" });
+    expect(questions).toEqual([]);
+  });
+
+  it("leaves alone what was asked about the past", async () => {
+    const past = whatIf(1, { divergence: { tick: 20, time: 2, text: "The robot takes another way." } });
+    await answer({ what_if: whatIf(5) });
+    await set({ looking: { tick: 10, time: 1, ago: 4, edited: true }, whatIf: past, time: 1 });
+    preview.check([2, 2, 0]);
+    await set({ revision: 3, time: 0.5 });
+    expect(store.state.whatIf).toBe(past);
+  });
+});
