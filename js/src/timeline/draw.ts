@@ -12,6 +12,8 @@ export interface Span {
 
 export interface Drawing {
   span: Span;
+  /** Up to where anything is known, in seconds: what lasts is drawn so far. */
+  now: number;
   /** px of the part in which time passes: what is left of it holds names. */
   left: number;
   width: number;
@@ -19,7 +21,7 @@ export interface Drawing {
   marks: readonly Mark[];
   plots: readonly [string, Plotted][];
   /** The lanes of another course, and where it differs first. */
-  other: { lanes: readonly Lane[]; begin: number; divergence: { time: number; text: string } | null } | null;
+  other: { lanes: readonly Lane[]; end: number; divergence: { time: number; text: string } | null } | null;
   styleOf(state: string): { color: string; dash: number[] };
 }
 
@@ -28,7 +30,7 @@ const MARKS = 14;
 const LANE = 18;
 const PLOT = 40;
 const GAP = 3;
-const LABEL = 26; // px that a visit is wide at least to be labelled
+const LETTER = 6; // px, about
 const ROUND = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
 const MARK_SHAPES: Partial<Record<HappeningKind, string>> = {
   edit: "M-3 4V1L1-3l3 3-4 4zM-4 5h8v1h-8z",
@@ -74,17 +76,19 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   parts.push(...marksOf(drawing, y + MARKS / 2));
   y += MARKS;
   for (const lane of lanes) {
-    parts.push(...laneOf(drawing, lane, y, false));
+    parts.push(...laneOf(drawing, lane, y, drawing.now, false));
     y += LANE;
   }
   y = Math.max(y, AXIS + MARKS + LANE);
   if (other) {
-    const words = other.divergence ? `with the edit: ${unmarked(other.divergence.text)}` : "with the edit: the same";
+    const words = other.divergence
+      ? `with the edit: ${unmarked(other.divergence.text)}`
+      : "with the edit: the same";
     parts.push(s("text", { class: "lrp-timeline-other", x: left + 4, y: y + LANE - 5 }, words));
     const top = y + 2;
     y += LANE;
     for (const lane of other.lanes) {
-      parts.push(...laneOf(drawing, lane, y, true));
+      parts.push(...laneOf(drawing, lane, y, other.end, true));
       y += LANE;
     }
     if (other.divergence) {
@@ -137,7 +141,9 @@ function marksOf(drawing: Drawing, y: number): Node[] {
           transform: `translate(${x.toFixed(1)} ${y})`,
         },
         s("title", {}, `${time.toFixed(1)} s: ${unmarked(text)}`),
-        kind === "command" ? null : s("rect", { class: "lrp-timeline-hit", x: -7, y: -7, width: 14, height: 14 }),
+        kind === "command"
+          ? null
+          : s("rect", { class: "lrp-timeline-hit", x: -7, y: -7, width: 14, height: 14 }),
         s("path", { d: shape }),
       ),
     );
@@ -145,14 +151,20 @@ function marksOf(drawing: Drawing, y: number): Node[] {
   return shown;
 }
 
-function laneOf(drawing: Drawing, { machine, depth, segments }: Lane, y: number, isOther: boolean): Node[] {
+function laneOf(
+  drawing: Drawing,
+  { machine, depth, segments }: Lane,
+  y: number,
+  now: number,
+  isOther: boolean,
+): Node[] {
   const { left, width, span, styleOf } = drawing;
   const parts: Node[] = [named(nameOf(machine), machine, y, LANE, left, depth)];
   let blurred = Number.NEGATIVE_INFINITY; // up to where visits too short to see were drawn
   for (const segment of segments) {
     if (segment.end < span.from || segment.begin > span.to) continue;
     const from = Math.max(left, xOf(drawing, segment.begin));
-    const to = Math.min(left + width, xOf(drawing, Math.min(segment.end, span.to)));
+    const to = Math.min(left + width, xOf(drawing, Math.min(segment.end, now, span.to)));
     if (to - from < 1 && to <= blurred) continue;
     blurred = Math.max(blurred, from + 1);
     parts.push(visit(segment, from, Math.max(1, to - from), y, styleOf(segment.state), isOther));
@@ -197,7 +209,7 @@ function visit(
       "stroke-dasharray": dash.length ? dash.join(" ") : null,
     }),
     width > 3 && s("rect", { width: 2, height, fill: color }),
-    width >= LABEL && s("text", { x: 6, y: height - 4 }, nameOf(state)),
+    width >= LETTER * nameOf(state).length + 10 && s("text", { x: 6, y: height - 4 }, nameOf(state)),
   );
 }
 
@@ -212,11 +224,15 @@ function named(text: string, title: string, y: number, height: number, left: num
   );
 }
 
+/** The name of what is plotted, as short as it can be read. */
+export function shortOf(name: string): string {
+  return name.startsWith("robot.") ? name.slice("robot.".length) : nameOf(name);
+}
+
 function plotOf(drawing: Drawing, name: string, plotted: Plotted, y: number): Node[] {
   const { left, width, span } = drawing;
-  const short = name.startsWith("robot.") ? name.slice(6) : nameOf(name);
   const parts: Node[] = [
-    named(short, name, y, PLOT, left),
+    named(shortOf(name), name, y, PLOT, left),
     s("rect", { class: "lrp-timeline-plot", "data-lrp-plot": name, x: left, y, width, height: PLOT }),
   ];
   const { times, values, thresholds } = plotted;
@@ -225,7 +241,16 @@ function plotOf(drawing: Drawing, name: string, plotted: Plotted, y: number): No
   const range: [number, number] = [first, after < 0 ? times.length : after + 1];
   if (plotted.kind === "truth") {
     for (const [from, to] of runsOf(times, values, range, drawing)) {
-      if (to > from) parts.push(s("rect", { class: "lrp-timeline-truth", x: from, y: y + PLOT / 3, width: to - from, height: PLOT / 3 }));
+      if (to > from)
+        parts.push(
+          s("rect", {
+            class: "lrp-timeline-truth",
+            x: from,
+            y: y + PLOT / 3,
+            width: to - from,
+            height: PLOT / 3,
+          }),
+        );
     }
     return parts;
   }
@@ -237,11 +262,15 @@ function plotOf(drawing: Drawing, name: string, plotted: Plotted, y: number): No
   const high = seen.reduce((a, b) => Math.max(a, b));
   const yOf = (value: number) => y + PLOT - 4 - ((value - low) / (high - low || 1)) * (PLOT - 8);
   const line = (samples: (number | null)[]) => pathOf(times, samples, range, drawing, yOf);
+  const labels: number[] = []; // where they stand, from above
   for (const [text, samples] of thresholds) {
     const last = samples.slice(...range).findLast((value) => value !== null);
     parts.push(s("path", { class: "lrp-timeline-threshold", d: line(samples) }, s("title", {}, text)));
-    if (last !== undefined && last !== null)
-      parts.push(s("text", { class: "lrp-timeline-limit", x: left + width - 4, y: yOf(last) - 2 }, text));
+    if (last === undefined || last === null) continue;
+    const above = yOf(last) - 2;
+    const at = labels.some((other) => Math.abs(other - above) < 10) ? above + 12 : above;
+    labels.push(at);
+    parts.push(s("text", { class: "lrp-timeline-limit", x: left + width - 4, y: at }, text));
   }
   parts.push(s("path", { class: "lrp-timeline-curve", d: line(values) }));
   return parts;
@@ -279,7 +308,8 @@ function* runsOf(
 ): Generator<[number, number]> {
   const { left, width } = drawing;
   let since: number | null = null;
-  const x = (index: number) => Math.min(left + width, Math.max(left, xOf(drawing, times[Math.min(index, times.length - 1)]!)));
+  const x = (index: number) =>
+    Math.min(left + width, Math.max(left, xOf(drawing, times[Math.min(index, times.length - 1)]!)));
   for (let index = from; index < to && index < times.length; index++) {
     if (values[index] && since === null) since = x(index);
     if (!values[index] && since !== null) {

@@ -12,10 +12,10 @@ export class Looking {
   private next: Moment | null = null;
   private busy = false;
 
-  constructor(
-    private readonly lab: Lab,
-    private readonly moved: () => void,
-  ) {}
+  /** Called when another moment is wanted, or shown. */
+  moved = () => {};
+
+  constructor(private readonly lab: Lab) {}
 
   /** Show a moment; of several that come quickly, the last one. */
   async at(moment: Moment): Promise<void> {
@@ -76,7 +76,10 @@ export function band(lab: Lab, looking: Looking): HTMLElement {
     setText(ago, `, ${moment.ago.toFixed(1)} s ago.${edited}`);
     const label = run.querySelector(".lrp-button-label");
     if (label)
-      setText(label, moment.edited ? `Run on from ${moment.time.toFixed(1)} s with the edit` : "Run on from here");
+      setText(
+        label,
+        moment.edited ? `Run on from ${moment.time.toFixed(1)} s with the edit` : "Run on from here",
+      );
     run.disabled = bridge.hardware && bridge.armed;
     setAttribute(
       run,

@@ -9,7 +9,7 @@ import { trackDrag } from "../ui/drag";
 import { isOn, keep, keepOn, kept } from "../ui/kept";
 import { type MenuItem, openMenu } from "../ui/menu";
 import { trailStyles } from "../world/legend";
-import { type Drawing, draw, heightOf, type Span } from "./draw";
+import { type Drawing, draw, heightOf, type Span, shortOf } from "./draw";
 import { Happened, lanesOf, segmentAt, valueAt } from "./happened";
 import type { Looking } from "./looking";
 
@@ -51,8 +51,18 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     "aria-haspopup": "menu",
     onclick: () => plotMenu(),
   });
-  const zoomOut = button({ icon: "minus", title: "Show a longer time", action: "timeline-out", onclick: () => zoom(2) });
-  const zoomIn = button({ icon: "plus", title: "Show a shorter time", action: "timeline-in", onclick: () => zoom(0.5) });
+  const zoomOut = button({
+    icon: "minus",
+    title: "Show a longer time",
+    action: "timeline-out",
+    onclick: () => zoom(2),
+  });
+  const zoomIn = button({
+    icon: "plus",
+    title: "Show a shorter time",
+    action: "timeline-in",
+    onclick: () => zoom(0.5),
+  });
   const tools = h("div", { class: "lrp-tools" }, more, zoomOut, zoomIn);
   const opener = button({
     icon: "right",
@@ -112,7 +122,8 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     drawing = {
       span: span(),
       left,
-      width: whole - left - 8,
+      width: whole - left - 14,
+      now: now(),
       lanes: happened.lanes(),
       marks: happened.marks(),
       plots: plots.flatMap((name) => {
@@ -121,7 +132,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
       }),
       other:
         whatIf && moment
-          ? { lanes: lanesOf(whatIf.changed.happenings), begin: whatIf.begin, divergence: whatIf.divergence }
+          ? { lanes: lanesOf(whatIf.changed.happenings), end: whatIf.end, divergence: whatIf.divergence }
           : null,
       styleOf: trailStyles(store.state.program, COLORS),
     };
@@ -151,8 +162,9 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
         const plotted = happened.plots.get(name);
         const value = plotted ? valueAt(plotted, time) : null;
         if (value === null || !plotted) return "";
-        const text = plotted.kind === "truth" ? (value ? "True" : "False") : String(Number(value.toPrecision(4)));
-        return ` · ${nameOf(name.replaceAll(".", "/"))} ${text}`;
+        const text =
+          plotted.kind === "truth" ? (value ? "True" : "False") : String(Number(value.toPrecision(4)));
+        return ` · ${shortOf(name)} ${text}`;
       })
       .join("");
 
@@ -253,7 +265,11 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
           disabled: !by,
           run: () => void whyFired(visit, at),
         },
-        { label: "Look at its beginning", action: "look", run: () => void looking.at({ time: Number(begin) }) },
+        {
+          label: "Look at its beginning",
+          action: "look",
+          run: () => void looking.at({ time: Number(begin) }),
+        },
         null,
         { label: "Go to source", action: "source", run: () => lab.goTo("state", state) },
       ],
@@ -349,5 +365,6 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   }).observe(element);
   body.setAttribute("data-new", "");
   open(false);
-  return Object.assign(element, { point });
+  looking.moved = point;
+  return element;
 }
