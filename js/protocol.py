@@ -164,7 +164,8 @@ class Writer:
                 elements = words.elts if isinstance(words, ast.Tuple) else [words]
                 return " | ".join(self.type(module, word) for word in elements)
             case ast.Subscript(value=ast.Name(id="list"), slice=item):
-                return f"{self.type(module, item)}[]"
+                inner = self.type(module, item)
+                return f"({inner})[]" if " | " in inner else f"{inner}[]"
             case ast.Subscript(value=ast.Name(id="dict"), slice=ast.Tuple(elts=[_, item])):
                 return f"Record<string, {self.type(module, item)}>"
             case ast.Subscript(value=ast.Name(id="tuple"), slice=ast.Tuple(elts=items)):

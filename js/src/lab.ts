@@ -25,6 +25,9 @@ import { forgetLost, keepLost, lostTexts } from "./session/lost";
 import { apply } from "./session/state";
 import { steady } from "./session/steady";
 import { type Lab, Store } from "./session/store";
+import { band, Looking } from "./timeline/looking";
+import { timelineView } from "./timeline/view";
+import { askWhatIf } from "./timeline/what_if";
 import { copyText } from "./ui/clipboard";
 import { h, prose, setAttribute } from "./ui/dom";
 import { enlarging } from "./ui/enlarge";
@@ -191,10 +194,14 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     cell: () => cell?.items() ?? [],
   };
   if (part === "lab" || part === "controls") root.append(controls(lab, choices));
+  const looking = new Looking(lab);
+  root.append(band(lab, looking));
   root.append(layout?.element ?? Object.values(panels).find(Boolean) ?? h("div"));
+  if (part === "lab") root.append(timelineView(lab, looking));
   root.append(foot(lab, text, save.element, versions.element, opening.element));
   root.append(inspecting.element, toast, announcer(lab));
 
+  if (part === "lab" || part === "editor") askWhatIf(lab);
   store.watch(["tick", "revision", "status", "link"], () => {
     const { tick, revision, status, link } = store.state;
     setAttribute(root, "data-lrp-tick", tick);

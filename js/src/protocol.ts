@@ -1182,7 +1182,7 @@ export interface HappeningView {
 /** What a condition compares a plotted name with: a value for each sample; None where it had none. */
 export interface ThresholdView {
   text: string;
-  values: number | null[];
+  values: (number | null)[];
 }
 
 /** The samples of a variable or reading, one for each tick: numbers, or 0 and 1 of truth values. */
@@ -1190,7 +1190,7 @@ export interface PlotView {
   name: string;
   kind: "number" | "truth";
   times: number[];
-  values: number | null[];
+  values: (number | null)[];
   thresholds: ThresholdView[];
 }
 

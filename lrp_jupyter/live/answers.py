@@ -18,7 +18,7 @@ from types import BuiltinFunctionType, CellType, FunctionType, ModuleType
 from typing import Any
 
 from lrp_jupyter.bridges.nodes import RobotMethod
-from lrp_jupyter.errors import UnknownElementError, did_you_mean, sentence_of
+from lrp_jupyter.errors import UnknownElementError, did_you_mean, ended, sentence_of
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Fact, Fired, Spawned
 from lrp_jupyter.interpreter.history import PastMachine, PastState
@@ -107,7 +107,7 @@ class _Draft:
         self.lines += [line for line in lines if line]
 
     def reason(self, code: str, tick: int, time: float) -> Reason:
-        lines = tuple(dict.fromkeys(self.lines))
+        lines = tuple(dict.fromkeys(line for line in self.lines if line))
         facts = {**self.facts, "lines": lines}
         return Reason(code, tick, time, lines[0] if lines else 0, " ".join(self.sentences), facts)
 
@@ -201,13 +201,13 @@ class Answers:
         else:  # the fault says it
             assert cause.fault is not None
             test = condition_of(program, element)
-            what = ""
+            what = f"{subject.removesuffix(':')}."
             if cause.code == "unknown-destination":
-                what = "it was enabled, but leads nowhere. "
+                what = f"{subject} it was enabled, but leads nowhere."
             elif test is not None and test.block is not None:
                 where = f" (line {test.line})" if test.line != own else ""
-                what = f"its condition is `{test.block.text.strip()}`{where}. "
-            draft.say(f"{subject} {what}{cause.fault.message}", test.line if test else own)
+                what = f"{subject} its condition is `{test.block.text.strip()}`{where}."
+            draft.say(f"{what} {ended(cause.fault.message)}", test.line if test else own)
             draft.facts["message"] = cause.fault.message
         draft.lines.append(own)
         return draft.reason(cause.code, tick, time)
@@ -656,7 +656,7 @@ class Answers:
             if isinstance(fact, Entered) and fact.path == machine.full_path:
                 reason = self._entered_otherwise(fact, when, *self._at(when, fact))
                 words = {"forced": " by force", "restarted": " at the restart"}
-                return words.get(reason.code, ", where it starts"), reason.line
+                return words.get(reason.code, f", when `{machine.path[-1]}` started"), reason.line
         return "", 0
 
     def _at(self, when: float, fact: Fact) -> tuple[list[tuple[float, Fact]], int]:
@@ -728,7 +728,7 @@ class Answers:
         call = call_text(last.name, last.arguments)
         state = origin.block.partition(".")[0]
         where = f"`{origin.block}` (line {origin.line})" if origin.block else "a command given by hand"
-        since = f", as since {self._time(last.first.tick):g} s" if last.first.tick < origin.tick else ""
+        since = f", repeated since {self._time(last.first.tick):g} s" if last.first.tick < origin.tick else ""
         draft.facts |= {
             "command": last.name,
             "arguments": dict(_flat(last.arguments)),

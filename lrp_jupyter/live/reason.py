@@ -6,7 +6,43 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-__all__ = ["Reason"]
+__all__ = ["EXPLANATIONS", "Reason"]
+
+EXPLANATIONS: Mapping[str, Mapping[str, str]] = {
+    "transition": {
+        "fired": "It fired in this tick.",
+        "source-inactive": "The active state of its machine is not one that it leaves.",
+        "machine-not-running": "Its machine was not running when the tick began.",
+        "earlier-fired": "An earlier transition of the same machine was enabled, too, and fired first.",
+        "outer-fired": "A transition of an outer machine fired first and ended its machine.",
+        "exit-took-parent": "The `exit` of a machine beside its own fired first and ended both.",
+        "condition-false": "It was tested, and its condition was False.",
+        "not-boolean": "Its condition was neither True nor False. This is an issue.",
+        "raised": "Its condition or delay raised an exception, or the delay is no number. This is an issue.",
+        "no-data": "Its condition needs a reading that had not arrived yet.",
+        "delay-not-over": "Its state had not been active for long enough.",
+        "unknown-event": "Its event is not defined. This is an issue.",
+        "unknown-destination": "It was enabled, but its destination is not defined. This is an issue.",
+        "paused": "The session is paused, so nothing is tested now.",
+        "not-in-program": "The program of that tick had no such transition.",
+    },
+    "state": {
+        "fired": "A transition entered it.",
+        "spawned": "Its machine was spawned in it: at the start, or when an outer state was entered.",
+        "forced": "A person forced it, by a transition or a teleport.",
+        "restarted": "The program restarted, by a reset or an edit of an active state.",
+        "never": "It has not been entered since the recording begins.",
+    },
+    "command": {
+        "commanded": "A block gave the command, and nothing has changed it.",
+        "limited": "A value of the command was beyond the limit of the robot and was reduced.",
+        "disarmed": "The robot is disarmed, so the command was not sent.",
+        "watchdog": "The robot was stopped because no further command followed in time.",
+        "stopped": "The robot was stopped after the command: by a pause, a restart or a person.",
+        "never": "The command has not been given.",
+    },
+}
+"""Every code of a reason and its meaning, by what was asked about."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,12 +52,7 @@ class Reason:
     Parameters
     ----------
     code : str
-        What kind of reason it is; stable. Of a transition: ``fired``, ``source-inactive``,
-        ``machine-not-running``, ``earlier-fired``, ``outer-fired``, ``exit-took-parent``,
-        ``condition-false``, ``not-boolean``, ``raised``, ``no-data``, ``delay-not-over``, ``unknown-event``,
-        ``unknown-destination``, ``paused``, ``not-in-program``. Of a state that is active: ``fired``,
-        ``spawned``, ``forced``, ``restarted``. Of a robot command: ``commanded``, ``limited``,
-        ``disarmed``, ``watchdog``, ``stopped``, ``never``.
+        What kind of reason it is: stable, and explained in :data:`EXPLANATIONS`.
     tick : int
         The tick that the answer is about; the first is 1.
     time : float

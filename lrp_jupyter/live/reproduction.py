@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import random
 from collections import deque
 from collections.abc import Callable, Mapping
@@ -14,6 +13,7 @@ from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.comparison import Comparison, FirstDifference
 from lrp_jupyter.live.recording import Recorder, Recording
 from lrp_jupyter.live.replay import Ticked, repeat, without_edits
 from lrp_jupyter.live.session import Session
@@ -21,31 +21,6 @@ from lrp_jupyter.live.session import Session
 __all__ = ["FirstDifference", "Reproduction", "reproduce"]
 
 _LIMIT = 10.0  # wall seconds that a block may take
-
-
-@dataclass(frozen=True, slots=True)
-class FirstDifference:
-    """The first place where a run is not as it was recorded.
-
-    Parameters
-    ----------
-    tick : int
-    time : float
-        Seconds.
-    recorded, now : dict or None
-        The line of the recording, and the one in its place; None where there is none.
-    """
-
-    tick: int
-    time: float
-    recorded: Mapping[str, Any] | None
-    now: Mapping[str, Any] | None
-
-    def __str__(self) -> str:
-        return (
-            f"The first difference is in tick {self.tick} ({self.time:g} s). "
-            f"Recorded: {_told(self.recorded)}. Now: {_told(self.now)}."
-        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +98,7 @@ def reproduce(
     )
     if observer is not None:
         session.observe(observer)
-    comparison = _Comparison(recording)
+    comparison = Comparison(recording.followed, program is not None)
     session.open()
     loop = session._loop
     recorder = Recorder(loop, comparison.write)
@@ -140,58 +115,12 @@ def reproduce(
                         raise
         if comparison.difference is not None and program is None:
             break
-    if not entries:
+    if entries:
+        comparison.end_of_tick(is_whole=False)
+    else:
         comparison.end()
     recorder.end()
     with session.driving(_LIMIT):
         loop.rest()
         loop.publish()
     return Reproduction(session, comparison.difference)
-
-
-class _Comparison:
-    """Compares what follows with what was recorded, line by line."""
-
-    def __init__(self, recording: Recording) -> None:
-        self._recorded = deque(recording.followed)
-        self.difference: FirstDifference | None = None
-
-    def write(self, text: str) -> None:
-        line = json.loads(text)
-        if "input" in line or self.difference is not None:
-            return
-        recorded = self._recorded.popleft() if self._recorded else None
-        if recorded != line:
-            self.difference = FirstDifference(line["tick"], line["time"], recorded, line)
-
-    def end(self) -> None:
-        """Note what was recorded and did not come."""
-        if self._recorded and self.difference is None:
-            line = self._recorded.popleft()
-            self.difference = FirstDifference(line["tick"], line["time"], line, None)
-
-
-def _told(line: Mapping[str, Any] | None) -> str:
-    """Return a line of a recording in words."""
-    if line is None:
-        return "nothing"
-    details = {name: value for name, value in line.items() if name not in ("tick", "time", "event")}
-    match line.get("event"):
-        case "fired":
-            return f"`{line['transition']}` fired, from `{line['source']}` to `{line['destination']}`"
-        case "entered" | "left" | "forced":
-            return f"`{line['state']}` was {line['event']}"
-        case "spawned" | "discarded":
-            return f"`{line['machine']}` was {line['event']}"
-        case "changed":
-            value = "lost its value" if "value" not in line else f"became {line['value']!r}"
-            return f"`{line['variable']}` {value}"
-        case "issue":
-            return f"an issue: {line['message']}"
-        case None if "command" in line:
-            sent = "" if line["sent"] else ", not sent"
-            arguments = json.dumps(line["arguments"]["dict"], ensure_ascii=False).replace('{"dict": ', "{")
-            return f"`robot.{line['command']}` by `{line['block']}` (line {line['line']}){sent}: {arguments}"
-        case None:
-            return f"other readings: {json.dumps(line['readings'], ensure_ascii=False)}"
-    return f"the program was {line['event']} {json.dumps(details, ensure_ascii=False)}"

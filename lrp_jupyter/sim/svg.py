@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from html import escape
 
 from lrp_jupyter.sim.robot import BAR, BAR_HALF, WHEELBASE, SimRobot
@@ -27,6 +28,7 @@ _SMALL = (
     'font-family="system-ui,sans-serif" font-size="10" stroke="#fff" stroke-width="3" stroke-opacity="0.8" '
     'paint-order="stroke"'
 )
+_WAYS = (("#E31A1C", "none"), ("#33A02C", "0.05 0.02"), ("#FF7F00", "0.02 0.02"), ("#6A3D9A", "0.08 0.02"))
 _STYLE = """
 .lrp-world-text{font:12px system-ui,sans-serif;fill:#5f6770}
 .lrp-world-edge{fill:none;stroke:#9aa1a9;stroke-width:1.5}
@@ -34,7 +36,12 @@ _STYLE = """
 """
 
 
-def svg(world: Simulation | World, width: int = 640, caption: bool = True) -> str:
+def svg(
+    world: Simulation | World,
+    width: int = 640,
+    caption: bool = True,
+    ways: Mapping[str, Sequence[Point]] | None = None,
+) -> str:
     """Return a picture of a running world as it is now, or of a description at its start.
 
     Parameters
@@ -44,7 +51,10 @@ def svg(world: Simulation | World, width: int = 640, caption: bool = True) -> st
         Pixels; the height follows from the world.
     caption : bool
         Whether to write time and readings below.
+    ways : mapping of str to sequence of (x, y)
+        Ways of other runs, in metres, by the names that are written at their ends.
     """
+    ways = {name: way for name, way in (ways or {}).items() if way}
     simulation = world if isinstance(world, Simulation) else Simulation(world)
     length, depth = simulation.world.size
     scale = (width - 2) / length
@@ -64,11 +74,13 @@ def svg(world: Simulation | World, width: int = 640, caption: bool = True) -> st
         *(_stroke(stroke) for stroke in simulation.world.floor.strokes),
         *_marks(simulation),
         *_track(simulation),
+        *(_way(name, way, number) for number, (name, way) in enumerate(ways.items())),
         *(_solid(thing.here()) for thing in simulation.solids),
         *(_robot(robot) for robot in simulation.robots),
         "</g>",
         *(_label(name, zone, tall, scale) for name, zone in simulation.world.zones.items()),
         *(_value(robot, tall, scale) for robot in simulation.robots),
+        *(_way_name(name, way[-1], number, tall, scale) for number, (name, way) in enumerate(ways.items())),
         "</g>",
         f'<rect class="lrp-world-edge" {frame}/>',
         _ruler(width, tall, scale),
@@ -182,13 +194,30 @@ def _track(simulation: Simulation) -> list[str]:
     tracks = []
     for robot in simulation.robots:
         points = [(x, y) for _, index, x, y in simulation.track if index == robot.index]
-        points = points[:: max(1, len(points) // 400)]
         if len(points) > 1:
             tracks.append(
-                f'<path d="{_path((*points, robot.pose[:2]))}" fill="none" stroke="#1F78B4" '
+                f'<path d="{_path(_thinned([*points, robot.pose[:2]]))}" fill="none" stroke="#1F78B4" '
                 'stroke-width="0.008" stroke-opacity="0.55" stroke-linejoin="round"/>'
             )
     return tracks
+
+
+def _way(name: str, way: Sequence[Point], number: int) -> str:
+    """Draw the way of another run, with a dot at its end."""
+    colour, dashes = _WAYS[number % len(_WAYS)]
+    x, y = way[-1]
+    return (
+        f'<g><title>{escape(name)}</title><path d="{_path(_thinned(way))}" fill="none" stroke="{colour}" '
+        f'stroke-width="0.012" stroke-dasharray="{dashes}" stroke-linejoin="round"/>'
+        f'<circle cx="{_n(x)}" cy="{_n(y)}" r="0.025" fill="{colour}"/></g>'
+    )
+
+
+def _way_name(name: str, end: Point, number: int, tall: float, scale: float) -> str:
+    x, y = 1 + end[0] * scale, tall - 1 - end[1] * scale
+    colour = _WAYS[number % len(_WAYS)][0]
+    place = f'x="{_n(x + 8)}" y="{_n(y + 18)}"'
+    return f'<text {place} {_SMALL} font-weight="600" fill="{colour}">{escape(name)}</text>'
 
 
 def _solid(solid: Solid) -> str:
@@ -258,6 +287,11 @@ def _value(robot: SimRobot, tall: float, scale: float) -> str:
             f'<text x="{_n(x + 12)}" y="{_n(y - 14)}" {_SMALL} font-weight="600" fill="#b35900">{seen}</text>'
         )
     return "".join(texts)
+
+
+def _thinned(points: Sequence[Point]) -> tuple[Point, ...]:
+    """Return some hundred points of a way at most, its end among them."""
+    return (*points[: -1 : max(1, len(points) // 400)], points[-1])
 
 
 def _path(points: tuple[Point, ...]) -> str:

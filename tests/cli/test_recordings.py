@@ -55,6 +55,50 @@ def test_another_program_is_run_with_the_recorded_inputs(lrp, recorded, program)
     assert "LRP1" in broken.stderr
 
 
+def difference(lrp, path, other):
+    """What `lrp replay --program` says at its end, in one line."""
+    done = lrp("replay", path, "--program", other)
+    assert done.exit_code == 0
+    return " ".join(done.stdout.split("active\n")[-1].split())
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        (
+            "> 300",
+            "> -1",
+            "The first difference is at 0.1 s (tick 2), in the machine `m`. Recorded: `drive.running` "
+            "(line 5) called `robot.move(linear.x=0.2)`. Now: `bright` fired, from `drive` to `stop`.",
+        ),
+        (
+            "linear=0.2",
+            "linear=0.1",
+            "The first difference is at 0.1 s (tick 2), in the machine `m`. Recorded: `drive.running` "
+            "(line 5) called `robot.move(linear.x=0.2)`. Now: `drive.running` (line 5) called "
+            "`robot.move(linear.x=0.1)`.",
+        ),
+        (
+            "(var n := [0])",
+            "(var n := [0]) (var more := [1])",
+            "The first difference is at 0 s (tick 1). Only now: `more` became 1.",
+        ),
+        (
+            "[n += 1]",
+            "[n += 1] [what]",
+            "The first difference is at 0.1 s (tick 2), in the machine `m`. Only now: `drive` (line 5) had "
+            "an issue: `what` is not defined here. Correct the name, or declare `(var what := [value])`.",
+        ),
+        ("; world: line\n", "; world: line\n\n\n", "The run is the recorded one, with no difference."),
+    ],
+    ids=["fired", "commanded", "more", "issue", "other lines"],
+)
+def test_the_first_difference_says_when_where_and_what_each_did(lrp, recorded, program, old, new, told):
+    path = recorded()
+    assert TEXT.count(old) == 1
+    assert difference(lrp, path, program(TEXT.replace(old, new), "other.lrp")) == told
+
+
 def test_a_run_that_is_another_one_now_is_told(lrp, recorded):
     path = recorded()
     lines = path.read_text(encoding="utf-8").splitlines()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import inspect
 import re
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,6 +17,7 @@ from lrp_jupyter.language.deviations import DEVIATIONS
 from lrp_jupyter.language.forms import USAGE
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program, State
+from lrp_jupyter.live import recording
 from lrp_jupyter.programs import names as bundled
 from lrp_jupyter.widgets.magics import WORDS
 
@@ -239,6 +241,15 @@ def test_the_reference_lists_every_code(reference: Node):
     tables = _tables(reference)
     for code in CODES.values():
         assert f"| {code.code} | {code.severity} |" in tables
+
+
+def test_the_reference_lists_every_line_of_a_recording(reference: Node):
+    text = prose(reference)
+    inputs = set(re.findall(r'"input": "([\w ]+)"', inspect.getsource(recording))) | {recording._BEYOND}
+    assert len(inputs) > 15
+    assert not {
+        name for name in (*inputs, *recording.RunStart.__dataclass_fields__) if f"`{name}`" not in text
+    }
 
 
 def test_the_reference_has_a_heading_for_every_form(reference: Node):

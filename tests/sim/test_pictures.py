@@ -57,6 +57,22 @@ def test_trails_and_drawings_are_joined_paths():
     assert picture.count("<path") == before + 4  # two drawings, the trail, and where it has been
 
 
+def test_ways_of_other_runs_are_drawn_and_named():
+    simulation = Simulation("empty")
+    simulation.drive(0.2)
+    simulation.step(100)
+    way = [(0.1 + 0.001 * step, 0.5) for step in range(1000)]
+    root = ElementTree.fromstring(svg(simulation, ways={"fast & wide": way, "slow": way[:10], "none": []}))
+    titles = [title.text for title in root.iter(f"{SVG}title")]
+    assert titles == ["fast & wide", "slow"]
+    assert {"fast & wide", "slow"} <= {text.text for text in root.iter(f"{SVG}text")}
+    drawn = [group for group in root.iter(f"{SVG}g") if group.find(f"{SVG}title") is not None]
+    shapes = [group.find(f"{SVG}path") for group in drawn]
+    assert len({(shape.get("stroke"), shape.get("stroke-dasharray")) for shape in shapes}) == 2
+    assert shapes[0].get("d").endswith("L1.099 0.5"), "up to its end"
+    assert len(shapes[0].get("d")) < 6000
+
+
 def test_names_are_escaped():
     world = World((1, 1), (RobotSpec((0.5, 0.5, 0)),), name='<a href="x">&')
     ElementTree.fromstring(svg(world))

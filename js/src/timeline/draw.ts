@@ -1,0 +1,321 @@
+/** The drawing of a timeline: lanes, marks, plots, the axis of time. Only what is in the window is drawn. */
+
+import { nameOf } from "../language/paths";
+import type { HappeningKind } from "../protocol";
+import { s, unmarked } from "../ui/dom";
+import type { Lane, Mark, Plotted, Segment } from "./happened";
+
+export interface Span {
+  from: number; // s
+  to: number;
+}
+
+export interface Drawing {
+  span: Span;
+  /** Up to where anything is known, in seconds: what lasts is drawn so far. */
+  now: number;
+  /** px of the part in which time passes: what is left of it holds names. */
+  left: number;
+  width: number;
+  lanes: readonly Lane[];
+  marks: readonly Mark[];
+  plots: readonly [string, Plotted][];
+  /** The lanes of another course, and where it differs first. */
+  other: { lanes: readonly Lane[]; end: number; divergence: { time: number; text: string } | null } | null;
+  styleOf(state: string): { color: string; dash: number[] };
+}
+
+export const AXIS = 16; // px
+const MARKS = 14;
+const LANE = 18;
+const PLOT = 40;
+const GAP = 3;
+const LETTER = 6; // px, about
+const ROUND = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
+const MARK_SHAPES: Partial<Record<HappeningKind, string>> = {
+  edit: "M-3 4V1L1-3l3 3-4 4zM-4 5h8v1h-8z",
+  restart: "M0-4a4 4 0 1 1-3.800 2.700l1.400.5A2.500 2.500 0 1 0 0-2.500V0l-3.500-3.200L0-6z",
+  issue: "M0-5l5 9h-10zM-.7-2v3.200h1.400V-2zm0 4v1.200h1.400V2z",
+  pause: "M-3.500-4h2.500v8h-2.500zM1-4h2.500v8H1z",
+  command: "M-1-3h2v6h-2z",
+  hand: "M-4-4L4 0 .8 1 0 4.500z",
+};
+
+/** The height of a drawing, in px. */
+export function heightOf({ lanes, plots, other }: Pick<Drawing, "lanes" | "plots" | "other">): number {
+  const more = other ? LANE + other.lanes.length * LANE : 0;
+  return AXIS + MARKS + Math.max(1, lanes.length) * LANE + more + plots.length * (PLOT + GAP) + GAP;
+}
+
+/** Times at which the axis has a number. */
+export function ticksOf({ from, to }: Span, width: number): number[] {
+  const least = ((to - from) / Math.max(1, width)) * 64;
+  const step = ROUND.find((each) => each >= least) ?? Math.ceil(least / 600) * 600;
+  const ticks = [];
+  for (let index = Math.ceil(from / step); index * step <= to; index++) ticks.push(index * step);
+  return ticks;
+}
+
+export function xOf({ span, left, width }: Drawing, time: number): number {
+  return left + ((time - span.from) / (span.to - span.from)) * width;
+}
+
+/** Draw everything anew. */
+export function draw(svg: SVGSVGElement, drawing: Drawing): void {
+  const { left, width, lanes, plots, other } = drawing;
+  const height = heightOf(drawing);
+  const parts: Node[] = [];
+  for (const time of ticksOf(drawing.span, width)) {
+    const x = xOf(drawing, time);
+    parts.push(
+      s("line", { class: "lrp-timeline-grid", x1: x, x2: x, y1: AXIS, y2: height }),
+      s("text", { class: "lrp-timeline-time", x, y: AXIS - 5 }, timeText(time)),
+    );
+  }
+  let y = AXIS;
+  parts.push(...marksOf(drawing, y + MARKS / 2));
+  y += MARKS;
+  for (const lane of lanes) {
+    parts.push(...laneOf(drawing, lane, y, drawing.now, false));
+    y += LANE;
+  }
+  y = Math.max(y, AXIS + MARKS + LANE);
+  if (other) {
+    const words = other.divergence
+      ? `with the edit: ${unmarked(other.divergence.text)}`
+      : "with the edit: the same";
+    parts.push(s("text", { class: "lrp-timeline-other", x: left + 4, y: y + LANE - 5 }, words));
+    const top = y + 2;
+    y += LANE;
+    for (const lane of other.lanes) {
+      parts.push(...laneOf(drawing, lane, y, other.end, true));
+      y += LANE;
+    }
+    if (other.divergence) {
+      const x = xOf(drawing, other.divergence.time);
+      if (x >= left) {
+        parts.push(
+          s(
+            "line",
+            { class: "lrp-timeline-divergence", x1: x, x2: x, y1: AXIS, y2: y },
+            s("title", {}, unmarked(other.divergence.text)),
+          ),
+        );
+      }
+    }
+    parts.push(s("line", { class: "lrp-timeline-grid", x1: 0, x2: left + width, y1: top, y2: top }));
+  }
+  for (const [name, plotted] of plots) {
+    y += GAP;
+    parts.push(...plotOf(drawing, name, plotted, y));
+    y += PLOT;
+  }
+  svg.setAttribute("height", String(height));
+  svg.replaceChildren(...parts);
+}
+
+function timeText(time: number): string {
+  if (time < 60) return `${Number(time.toFixed(1))} s`;
+  const seconds = Math.round(time % 60);
+  return `${Math.floor(time / 60)}:${String(seconds).padStart(2, "0")}`;
+}
+
+function marksOf(drawing: Drawing, y: number): Node[] {
+  const { left, width, marks } = drawing;
+  const shown: Node[] = [];
+  const last = new Map<HappeningKind, number>();
+  for (const { kind, tick, time, text } of marks) {
+    const x = xOf(drawing, time);
+    const shape = MARK_SHAPES[kind];
+    if (!shape || x < left || x > left + width) continue;
+    if (x - (last.get(kind) ?? Number.NEGATIVE_INFINITY) < (kind === "command" ? 3 : 6)) continue;
+    last.set(kind, x);
+    shown.push(
+      s(
+        "g",
+        {
+          class: "lrp-timeline-mark",
+          "data-kind": kind,
+          "data-lrp-mark": kind,
+          "data-tick": tick,
+          transform: `translate(${x.toFixed(1)} ${y})`,
+        },
+        s("title", {}, `${time.toFixed(1)} s: ${unmarked(text)}`),
+        kind === "command"
+          ? null
+          : s("rect", { class: "lrp-timeline-hit", x: -7, y: -7, width: 14, height: 14 }),
+        s("path", { d: shape }),
+      ),
+    );
+  }
+  return shown;
+}
+
+function laneOf(
+  drawing: Drawing,
+  { machine, depth, segments }: Lane,
+  y: number,
+  now: number,
+  isOther: boolean,
+): Node[] {
+  const { left, width, span, styleOf } = drawing;
+  const parts: Node[] = [named(nameOf(machine), machine, y, LANE, left, depth)];
+  let blurred = Number.NEGATIVE_INFINITY; // up to where visits too short to see were drawn
+  for (const segment of segments) {
+    if (segment.end < span.from || segment.begin > span.to) continue;
+    const from = Math.max(left, xOf(drawing, segment.begin));
+    const to = Math.min(left + width, xOf(drawing, Math.min(segment.end, now, span.to)));
+    if (to - from < 1 && to <= blurred) continue;
+    blurred = Math.max(blurred, from + 1);
+    parts.push(visit(segment, from, Math.max(1, to - from), y, styleOf(segment.state), isOther));
+  }
+  return parts;
+}
+
+function visit(
+  segment: Segment,
+  x: number,
+  width: number,
+  y: number,
+  { color, dash }: { color: string; dash: number[] },
+  isOther: boolean,
+): Node {
+  const { state, by, text, tick, begin, end } = segment;
+  const until = end === Number.POSITIVE_INFINITY ? "" : ` to ${end.toFixed(1)} s`;
+  const height = LANE - 4;
+  return s(
+    "svg",
+    {
+      class: "lrp-timeline-visit",
+      "data-lrp-visit": state,
+      "data-by": by,
+      "data-tick": tick,
+      "data-begin": begin,
+      "data-other": isOther,
+      x: x.toFixed(1),
+      y: y + 2,
+      width: width.toFixed(1),
+      height,
+    },
+    s("title", {}, `${nameOf(state)}, from ${begin.toFixed(1)} s${until}. ${unmarked(text)}`),
+    s("rect", { width: "100%", height, fill: color, "fill-opacity": isOther ? 0.2 : 0.32 }),
+    s("line", {
+      x1: 0,
+      x2: width,
+      y1: height - 1,
+      y2: height - 1,
+      stroke: color,
+      "stroke-width": 2,
+      "stroke-dasharray": dash.length ? dash.join(" ") : null,
+    }),
+    width > 3 && s("rect", { width: 2, height, fill: color }),
+    width >= LETTER * nameOf(state).length + 10 && s("text", { x: 6, y: height - 4 }, nameOf(state)),
+  );
+}
+
+/** A name in the left column; what is too long is cut. */
+function named(text: string, title: string, y: number, height: number, left: number, depth = 0): Node {
+  const x = 8 + 8 * depth;
+  return s(
+    "svg",
+    { x, y, width: Math.max(0, left - x - 4), height },
+    s("title", {}, title),
+    s("text", { class: "lrp-timeline-name", x: 0, y: Math.min(height, LANE) - 5 }, text),
+  );
+}
+
+/** The name of what is plotted, as short as it can be read. */
+export function shortOf(name: string): string {
+  return name.startsWith("robot.") ? name.slice("robot.".length) : nameOf(name);
+}
+
+function plotOf(drawing: Drawing, name: string, plotted: Plotted, y: number): Node[] {
+  const { left, width, span } = drawing;
+  const parts: Node[] = [
+    named(shortOf(name), name, y, PLOT, left),
+    s("rect", { class: "lrp-timeline-plot", "data-lrp-plot": name, x: left, y, width, height: PLOT }),
+  ];
+  const { times, values, thresholds } = plotted;
+  const first = Math.max(0, times.findIndex((time) => time >= span.from) - 1);
+  const after = times.findIndex((time) => time > span.to);
+  const range: [number, number] = [first, after < 0 ? times.length : after + 1];
+  if (plotted.kind === "truth") {
+    for (const [from, to] of runsOf(times, values, range, drawing)) {
+      if (to > from)
+        parts.push(
+          s("rect", {
+            class: "lrp-timeline-truth",
+            x: from,
+            y: y + PLOT / 3,
+            width: to - from,
+            height: PLOT / 3,
+          }),
+        );
+    }
+    return parts;
+  }
+  const seen = [values, ...thresholds.values()]
+    .flatMap((each) => each.slice(...range))
+    .filter((value): value is number => value !== null);
+  if (!seen.length) return parts;
+  const low = seen.reduce((a, b) => Math.min(a, b));
+  const high = seen.reduce((a, b) => Math.max(a, b));
+  const yOf = (value: number) => y + PLOT - 4 - ((value - low) / (high - low || 1)) * (PLOT - 8);
+  const line = (samples: (number | null)[]) => pathOf(times, samples, range, drawing, yOf);
+  const labels: number[] = []; // where they stand, from above
+  for (const [text, samples] of thresholds) {
+    const last = samples.slice(...range).findLast((value) => value !== null);
+    parts.push(s("path", { class: "lrp-timeline-threshold", d: line(samples) }, s("title", {}, text)));
+    if (last === undefined || last === null) continue;
+    const above = yOf(last) - 2;
+    const at = labels.some((other) => Math.abs(other - above) < 10) ? above + 12 : above;
+    labels.push(at);
+    parts.push(s("text", { class: "lrp-timeline-limit", x: left + width - 4, y: at }, text));
+  }
+  parts.push(s("path", { class: "lrp-timeline-curve", d: line(values) }));
+  return parts;
+}
+
+function pathOf(
+  times: number[],
+  samples: (number | null)[],
+  [from, to]: [number, number],
+  drawing: Drawing,
+  yOf: (value: number) => number,
+): string {
+  const { left, width } = drawing;
+  let path = "";
+  let pen = false;
+  for (let index = from; index < to && index < times.length; index++) {
+    const value = samples[index];
+    if (value === null || value === undefined) {
+      pen = false;
+      continue;
+    }
+    const x = Math.min(left + width, Math.max(left, xOf(drawing, times[index]!)));
+    path += `${pen ? "L" : "M"}${x.toFixed(1)} ${yOf(value).toFixed(1)}`;
+    pen = true;
+  }
+  return path;
+}
+
+/** Where a truth value holds: from and to, in px. */
+function* runsOf(
+  times: number[],
+  values: (number | null)[],
+  [from, to]: [number, number],
+  drawing: Drawing,
+): Generator<[number, number]> {
+  const { left, width } = drawing;
+  let since: number | null = null;
+  const x = (index: number) =>
+    Math.min(left + width, Math.max(left, xOf(drawing, times[Math.min(index, times.length - 1)]!)));
+  for (let index = from; index < to && index < times.length; index++) {
+    if (values[index] && since === null) since = x(index);
+    if (!values[index] && since !== null) {
+      yield [since, x(index)];
+      since = null;
+    }
+  }
+  if (since !== null) yield [since, x(to)];
+}

@@ -1,0 +1,175 @@
+/** The page's copy of what happened in a run: merged from the kernel's answers, arranged in lanes. No DOM. */
+
+import type { HappeningKind, HappeningView, PlotView, TimelineView } from "../protocol";
+
+/** A visit of a state. */
+export interface Segment {
+  lane: string;
+  state: string;
+  /** The transition that led there; empty if the state was spawned or forced. */
+  by: string;
+  text: string;
+  tick: number;
+  begin: number; // s
+  /** Infinity while it lasts. */
+  end: number;
+}
+
+/** A machine with the visits of its states. */
+export interface Lane {
+  machine: string;
+  /** How many lanes it is nested in. */
+  depth: number;
+  segments: Segment[];
+}
+
+export interface Mark {
+  kind: HappeningKind;
+  tick: number;
+  time: number;
+  text: string;
+}
+
+/** The samples of one name; every threshold has as many values. */
+export interface Plotted {
+  kind: PlotView["kind"];
+  /** The last tick that is known. */
+  tick: number;
+  times: number[];
+  values: (number | null)[];
+  thresholds: Map<string, (number | null)[]>;
+}
+
+const SPARE = 500; // happenings older than the recording before they are dropped
+
+export class Happened {
+  epoch = 0;
+  first = 0;
+  last = 0;
+  /** Seconds of the first and of the last tick. */
+  begin = 0;
+  end = 0;
+  names: readonly string[] = [];
+  readonly plots = new Map<string, Plotted>();
+  happenings: HappeningView[] = [];
+  private arranged: Lane[] | null = null;
+
+  /** Add an answer of the kernel. */
+  merge(view: TimelineView): void {
+    const { epoch, first, last, begin, end, names, kept } = view;
+    if (kept < 0) this.plots.clear();
+    const stays = this.happenings.filter(({ tick }) => tick <= kept);
+    Object.assign(this, { epoch, first, last, begin, end, names });
+    this.happenings = [...stays, ...view.happenings];
+    this.trim();
+    for (const plot of view.plots) this.plot(plot);
+    this.arranged = null;
+  }
+
+  forget(): void {
+    Object.assign(this, { epoch: 0, first: 0, last: 0, begin: 0, end: 0, happenings: [], arranged: null });
+    this.plots.clear();
+  }
+
+  lanes(): Lane[] {
+    this.arranged ??= lanesOf(this.happenings);
+    return this.arranged;
+  }
+
+  marks(): Mark[] {
+    return this.happenings.filter(({ kind }) => kind !== "entered" && kind !== "ended");
+  }
+
+  /** Drop what is no longer recorded, but for the states that are active at its beginning. */
+  private trim(): void {
+    const old = this.happenings.filter(({ tick }) => tick < this.first);
+    if (old.length < SPARE) return;
+    const active = new Map<string, HappeningView>();
+    for (const each of old) {
+      if (each.kind === "entered") active.set(each.lane, each);
+      else if (each.kind === "ended") active.delete(each.lane);
+      else if (each.kind === "restart") active.clear();
+    }
+    this.happenings = [...active.values(), ...this.happenings.filter(({ tick }) => tick >= this.first)];
+  }
+
+  private plot({ name, kind, times, values, thresholds }: PlotView): void {
+    let known = this.plots.get(name);
+    if (!known) {
+      known = { kind, tick: 0, times: [], values: [], thresholds: new Map() };
+      this.plots.set(name, known);
+    }
+    const before = known.times.length;
+    if (values.some((value) => value !== null)) known.kind = kind;
+    known.tick = this.last;
+    known.times.push(...times);
+    known.values.push(...values);
+    for (const { text, values } of thresholds) {
+      const samples = known.thresholds.get(text) ?? [];
+      known.thresholds.set(text, samples);
+      while (samples.length < before) samples.push(null);
+      samples.push(...values);
+    }
+    const old = known.times.findIndex((time) => time >= this.begin);
+    for (const samples of known.thresholds.values()) {
+      while (samples.length < known.times.length) samples.push(null);
+      if (old > SPARE) samples.splice(0, old);
+    }
+    if (old > SPARE) {
+      known.times.splice(0, old);
+      known.values.splice(0, old);
+    }
+  }
+}
+
+/** The visits of states, by machine; a machine stands below the one that it is nested in. */
+export function lanesOf(happenings: readonly HappeningView[]): Lane[] {
+  const lanes = new Map<string, Segment[]>();
+  const close = (segments: Segment[], time: number) => {
+    const last = segments.at(-1);
+    if (last && last.end === Number.POSITIVE_INFINITY) last.end = time;
+  };
+  for (const { kind, lane, state, by, text, tick, time } of happenings) {
+    if (kind === "entered") {
+      const segments = lanes.get(lane) ?? [];
+      lanes.set(lane, segments);
+      close(segments, time);
+      segments.push({ lane, state, by, text, tick, begin: time, end: Number.POSITIVE_INFINITY });
+    } else if (kind === "ended") close(lanes.get(lane) ?? [], time);
+    else if (kind === "restart") for (const segments of lanes.values()) close(segments, time);
+  }
+  const outer = (machine: string) => [...lanes.keys()].filter((other) => machine.startsWith(`${other}/`));
+  const order = [...lanes.keys()];
+  const key = (machine: string) => [...outer(machine).sort(), machine].map((each) => order.indexOf(each));
+  return order
+    .map((machine) => ({
+      machine,
+      depth: outer(machine).length,
+      segments: lanes.get(machine)!,
+      place: key(machine),
+    }))
+    .sort((a, b) => compared(a.place, b.place))
+    .map(({ place, ...lane }) => lane);
+}
+
+function compared(a: number[], b: number[]): number {
+  const index = a.findIndex((each, i) => each !== b[i]);
+  if (index < 0) return a.length - b.length;
+  return index < b.length ? a[index]! - b[index]! : 1;
+}
+
+/** The visit that lasts at a time, in seconds. */
+export function segmentAt(lane: Lane, time: number): Segment | null {
+  return lane.segments.findLast(({ begin, end }) => begin <= time && time < end) ?? null;
+}
+
+/** The last sample that is not after a time. */
+export function valueAt({ times, values }: Plotted, time: number): number | null {
+  let [low, high] = [0, times.length];
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (times[middle]! <= time + 1e-6) low = middle + 1;
+    else high = middle;
+  }
+  return values[low - 1] ?? null;
+}

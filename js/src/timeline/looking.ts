@@ -1,0 +1,93 @@
+/** Looking at an earlier moment: the band that says so, and moves of the playhead, of which the newest wins. */
+
+import type { Lab } from "../session/store";
+import { button } from "../ui/button";
+import { h, setAttribute, setHidden, setText } from "../ui/dom";
+
+type Moment = { tick: number } | { time: number };
+
+export class Looking {
+  /** The time of the moment that is about to be shown, in seconds. */
+  wanted: number | null = null;
+  private next: Moment | null = null;
+  private busy = false;
+
+  /** Called when another moment is wanted, or shown. */
+  moved = () => {};
+
+  constructor(private readonly lab: Lab) {}
+
+  /** Show a moment; of several that come quickly, the last one. */
+  async at(moment: Moment): Promise<void> {
+    this.next = moment;
+    this.wanted = "time" in moment ? moment.time : null;
+    this.moved();
+    if (this.busy) return;
+    this.busy = true;
+    let refused: string | null = null;
+    while (this.next) {
+      const now: Moment = this.next;
+      this.next = null;
+      refused = await this.lab.act({ do: "look", ...now }, true);
+    }
+    this.busy = false;
+    this.wanted = null;
+    if (refused) this.lab.notify(refused);
+    this.moved();
+  }
+
+  back(): void {
+    this.next = null;
+    this.wanted = null;
+    void this.lab.act({ do: "look" });
+  }
+}
+
+/** The line below the controls that says that everything shown is the past. */
+export function band(lab: Lab, looking: Looking): HTMLElement {
+  const { store } = lab;
+  const words = h("span", { role: "status" });
+  const ago = h("span", {});
+  const run = button({
+    label: "Run on from here",
+    title: "Go back to this moment, and run on from there",
+    action: "run-from",
+    onclick: () => void lab.act({ do: "run_from" }),
+  });
+  const element = h(
+    "div",
+    { class: "lrp-band", "data-lrp": "band", hidden: true },
+    h("div", { class: "lrp-band-words" }, words, ago),
+    run,
+    button({
+      label: "Back to now",
+      title: "Show the present again (Escape on the playhead)",
+      action: "back-to-now",
+      onclick: () => looking.back(),
+    }),
+  );
+  store.watch(["looking", "bridge"], () => {
+    const { looking: moment, bridge } = store.state;
+    setAttribute(lab.root, "data-looking", Boolean(moment));
+    setHidden(element, !moment);
+    if (!moment) return;
+    const edited = moment.edited ? " The program was edited since." : "";
+    setText(words, `Looking at ${moment.time.toFixed(1)} s`);
+    setText(ago, `, ${moment.ago.toFixed(1)} s ago.${edited}`);
+    const label = run.querySelector(".lrp-button-label");
+    if (label)
+      setText(
+        label,
+        moment.edited ? `Run on from ${moment.time.toFixed(1)} s with the edit` : "Run on from here",
+      );
+    run.disabled = bridge.hardware && bridge.armed;
+    setAttribute(
+      run,
+      "title",
+      run.disabled
+        ? "The robot is armed, and a real robot cannot go back. Disarm it first."
+        : "Go back to this moment, and run on from there",
+    );
+  });
+  return element;
+}

@@ -1,0 +1,370 @@
+/** The timeline below the panels: what happened, a playhead that takes the whole lab back, and what if. */
+
+import { nameOf } from "../language/paths";
+import { askWhy } from "../parts/why";
+import type { Lab } from "../session/store";
+import { button } from "../ui/button";
+import { h, s, setAttribute, setHidden } from "../ui/dom";
+import { trackDrag } from "../ui/drag";
+import { isOn, keep, keepOn, kept } from "../ui/kept";
+import { type MenuItem, openMenu } from "../ui/menu";
+import { trailStyles } from "../world/legend";
+import { type Drawing, draw, heightOf, type Span, shortOf } from "./draw";
+import { Happened, lanesOf, segmentAt, valueAt } from "./happened";
+import type { Looking } from "./looking";
+
+const COLORS = [1, 2, 3, 4, 5, 6, 7, 8].map((number) => `var(--lrp-world-trail-${number})`);
+const INTERVAL = 250; // ms between two questions at least
+const NARROW = 700; // px of a lab in which the timeline is closed at first
+const USUAL = 30; // s that the window shows
+const SHORTEST = 1;
+const LONGEST = 3600;
+const OPEN = "timeline";
+const PLOTS = "plots:";
+const NEAR = 4; // px
+const STEPS = 10; // ticks, with Shift
+
+export function timelineView(lab: Lab, looking: Looking): HTMLElement {
+  const { store } = lab;
+  const happened = new Happened();
+  let seconds = USUAL;
+  let end: number | null = null; // of the window; null: it follows the present
+  let plots: string[] = [];
+  let asking = false;
+  let isDue = false;
+  let drawing: Drawing | null = null;
+
+  const svg = s("svg", { class: "lrp-timeline-drawing", "aria-hidden": "true" });
+  const playhead = h("div", {
+    class: "lrp-playhead",
+    role: "slider",
+    tabindex: "0",
+    "aria-label": "Moment that the lab shows",
+    title: "Drag, or use the arrow keys; Home, End, Escape",
+  });
+  const area = h("div", { class: "lrp-timeline-area" }, svg, playhead);
+  const body = h("div", { class: "lrp-timeline-body" }, area);
+  const more = button({
+    label: "Plot…",
+    title: "Choose variables and readings to plot",
+    action: "plot",
+    "aria-haspopup": "menu",
+    onclick: () => plotMenu(),
+  });
+  const zoomOut = button({
+    icon: "minus",
+    title: "Show a longer time",
+    action: "timeline-out",
+    onclick: () => zoom(2),
+  });
+  const zoomIn = button({
+    icon: "plus",
+    title: "Show a shorter time",
+    action: "timeline-in",
+    onclick: () => zoom(0.5),
+  });
+  const tools = h("div", { class: "lrp-tools" }, more, zoomOut, zoomIn);
+  const opener = button({
+    icon: "right",
+    title: "Open or close the timeline",
+    action: "timeline",
+    onclick: () => open(body.hidden, true),
+  });
+  const element = h(
+    "section",
+    { class: "lrp-timeline", "data-lrp": "timeline", "aria-label": "Timeline" },
+    h("header", { class: "lrp-timeline-head" }, opener, h("div", { class: "lrp-title" }, "Timeline"), tools),
+    body,
+  );
+
+  const open = (on: boolean, chosen = false) => {
+    setHidden(body, !on);
+    setHidden(tools, !on);
+    setAttribute(opener, "aria-expanded", String(on));
+    if (chosen) keepOn(OPEN, on);
+    if (on) ask();
+  };
+
+  /* ---------------------------------------------------------------- data */
+
+  const now = () => (store.state.looking ? happened.end : Math.max(happened.end, store.state.time));
+  const ask = async () => {
+    if (body.hidden || !store.state.tick) return;
+    if (asking) {
+      isDue = true;
+      return;
+    }
+    asking = true;
+    const wanted = Object.fromEntries(plots.map((name) => [name, happened.plots.get(name)?.tick ?? 0]));
+    const { epoch, last } = happened;
+    const { timeline } = await lab.ask({ type: "timeline", epoch, tick: last, plots: wanted });
+    if (timeline) happened.merge(timeline);
+    redraw();
+    setTimeout(() => {
+      asking = false;
+      if (!isDue || lab.closed.aborted) return;
+      isDue = false;
+      void ask();
+    }, INTERVAL);
+  };
+
+  /* ---------------------------------------------------------------- drawing */
+
+  const span = (): Span => {
+    const to = end ?? now() + seconds * 0.02;
+    return { from: Math.max(0, to - seconds), to: Math.max(to, seconds) };
+  };
+  const redraw = () => {
+    const whole = area.clientWidth;
+    if (body.hidden || !whole) return;
+    const left = Math.min(130, Math.max(84, whole * 0.12));
+    const { whatIf, looking: moment } = store.state;
+    drawing = {
+      span: span(),
+      left,
+      width: whole - left - 14,
+      now: now(),
+      lanes: happened.lanes(),
+      marks: happened.marks(),
+      plots: plots.flatMap((name) => {
+        const plotted = happened.plots.get(name);
+        return plotted ? [[name, plotted] as [string, typeof plotted]] : [];
+      }),
+      other:
+        whatIf && moment
+          ? { lanes: lanesOf(whatIf.changed.happenings), end: whatIf.end, divergence: whatIf.divergence }
+          : null,
+      styleOf: trailStyles(store.state.program, COLORS),
+    };
+    draw(svg, drawing);
+    area.style.height = `${heightOf(drawing)}px`;
+    point();
+  };
+  /** Put the playhead where it belongs. */
+  const point = () => {
+    if (!drawing) return;
+    const moment = store.state.looking;
+    const at = looking.wanted ?? moment?.time ?? now();
+    const { from, to } = drawing.span;
+    const x = drawing.left + ((Math.min(to, Math.max(from, at)) - from) / (to - from)) * drawing.width;
+    playhead.style.transform = `translateX(${x.toFixed(1)}px)`;
+    playhead.toggleAttribute("data-past", Boolean(moment ?? looking.wanted !== null));
+    setAttribute(playhead, "aria-valuemin", happened.begin);
+    setAttribute(playhead, "aria-valuemax", now().toFixed(1));
+    setAttribute(playhead, "aria-valuenow", at.toFixed(1));
+    const ago = moment ? `, ${moment.ago.toFixed(1)} s ago` : ", now";
+    setAttribute(playhead, "aria-valuetext", `${at.toFixed(1)} s${ago}`);
+    playhead.dataset.label = `${at.toFixed(1)} s${valuesAt(at)}`;
+  };
+  const valuesAt = (time: number) =>
+    plots
+      .map((name) => {
+        const plotted = happened.plots.get(name);
+        const value = plotted ? valueAt(plotted, time) : null;
+        if (value === null || !plotted) return "";
+        const text =
+          plotted.kind === "truth" ? (value ? "True" : "False") : String(Number(value.toPrecision(4)));
+        return ` · ${shortOf(name)} ${text}`;
+      })
+      .join("");
+
+  const zoom = (factor: number) => {
+    const { from, to } = span();
+    const middle = store.state.looking?.time ?? (end === null ? null : (from + to) / 2);
+    seconds = Math.min(LONGEST, Math.max(SHORTEST, seconds * factor));
+    if (end !== null && middle !== null) end = middle + seconds / 2;
+    redraw();
+  };
+  const pan = (by: number) => {
+    const { to } = span();
+    const latest = now() + seconds * 0.02;
+    const next = Math.max(Math.min(seconds, latest), to + by);
+    end = next >= latest && !store.state.looking ? null : Math.min(next, latest);
+    redraw();
+  };
+  /** Keep the moment looked at in the window, and the window where it is. */
+  const hold = () => {
+    const moment = store.state.looking;
+    if (!moment) {
+      end = null;
+      return;
+    }
+    const { from, to } = span();
+    end = to;
+    if (moment.time < from) end = moment.time + seconds * 0.9;
+    else if (moment.time > to) end = moment.time + seconds * 0.1;
+  };
+
+  /* ---------------------------------------------------------------- pointer and keys */
+
+  const timeAt = (event: MouseEvent): number | null => {
+    if (!drawing) return null;
+    const x = event.clientX - area.getBoundingClientRect().left - drawing.left;
+    const { from, to } = drawing.span;
+    if (x < -NEAR) return null;
+    const time = from + (Math.max(0, x) / drawing.width) * (to - from);
+    return Math.max(happened.begin, Math.min(happened.end, time));
+  };
+  const go = (event: MouseEvent) => {
+    const time = timeAt(event);
+    if (time === null || !happened.last) return;
+    end ??= span().to; // the window stands still from now on
+    void looking.at({ time });
+  };
+  const lookAt = async (tick: number) => {
+    end ??= span().to;
+    await looking.at({ tick });
+  };
+  area.addEventListener("pointerdown", (event) => {
+    if (event.button !== 0 || timeAt(event) === null) return;
+    const border = borderAt(event);
+    const mark = (event.target as Element).closest("[data-lrp-mark]");
+    playhead.focus({ preventScroll: true });
+    event.preventDefault();
+    trackDrag(area, event, {
+      move: (last) => go(last),
+      end: (last, moved) => {
+        if (moved || !last) return;
+        if (mark) void lookAt(Number(mark.getAttribute("data-tick")));
+        else if (border) void whyFired(border, { x: last.clientX, y: last.clientY });
+        else go(last);
+      },
+    });
+  });
+  /** The visit whose beginning is under the pointer, if a transition led to it. */
+  const borderAt = (event: MouseEvent): SVGElement | null => {
+    const visits = [...svg.querySelectorAll<SVGElement>(".lrp-timeline-visit[data-by]:not([data-other])")];
+    return (
+      visits.findLast((visit) => {
+        const { left, top, bottom } = visit.getBoundingClientRect();
+        const isIn = top <= event.clientY && event.clientY <= bottom;
+        return visit.dataset.by && isIn && Math.abs(event.clientX - left) <= NEAR;
+      }) ?? null
+    );
+  };
+  const whyFired = async (visit: SVGElement, at: { x: number; y: number }) => {
+    await lookAt(Number(visit.dataset.tick));
+    askWhy(lab, "transition", visit.dataset.by ?? "", at);
+  };
+  area.addEventListener("contextmenu", (event) => {
+    const visit = (event.target as Element).closest<SVGElement>(".lrp-timeline-visit");
+    const time = timeAt(event);
+    if (!visit || time === null || visit.hasAttribute("data-other")) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const at = { x: event.clientX, y: event.clientY };
+    const { lrpVisit: state = "", by = "", begin = "0" } = visit.dataset;
+    openMenu(
+      lab.root,
+      at,
+      [
+        { label: `Why ${nameOf(state)}?`, action: "why-visit", run: () => void whyState(state, time, at) },
+        {
+          label: "Why did it begin?",
+          action: "why-begin",
+          disabled: !by,
+          run: () => void whyFired(visit, at),
+        },
+        {
+          label: "Look at its beginning",
+          action: "look",
+          run: () => void looking.at({ time: Number(begin) }),
+        },
+        null,
+        { label: "Go to source", action: "source", run: () => lab.goTo("state", state) },
+      ],
+      `Visit of ${nameOf(state)}`,
+    );
+  });
+  const whyState = async (state: string, time: number, at: { x: number; y: number }) => {
+    end ??= span().to;
+    await looking.at({ time });
+    askWhy(lab, "state", state, at);
+  };
+  area.addEventListener(
+    "wheel",
+    (event) => {
+      if (event.ctrlKey || event.metaKey) zoom(Math.exp(event.deltaY * 0.002));
+      else if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
+        pan(((event.deltaX || event.deltaY) / (drawing?.width ?? 1)) * seconds);
+      } else return;
+      event.preventDefault();
+    },
+    { passive: false },
+  );
+  playhead.addEventListener("keydown", (event) => {
+    const tick = store.state.looking?.tick ?? happened.last;
+    const by = event.shiftKey ? STEPS : 1;
+    const { key } = event;
+    if (key === "ArrowLeft" || key === "ArrowDown") step(tick - by);
+    else if (key === "ArrowRight" || key === "ArrowUp") step(tick + by);
+    else if (key === "Home") step(happened.first);
+    else if (key === "End" || key === "Escape") looking.back();
+    else if (key === "+" || key === "=") zoom(0.5);
+    else if (key === "-") zoom(2);
+    else if (key === "Enter" || key === "?") whyMenu();
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  });
+  const step = (tick: number) => {
+    if (tick > happened.last) {
+      if (store.state.looking) looking.back();
+    } else void lookAt(Math.max(happened.first, tick));
+  };
+  /** Ask about the states that are active at the playhead. */
+  const whyMenu = () => {
+    const time = store.state.looking?.time ?? now();
+    const frame = playhead.getBoundingClientRect();
+    const at = { x: frame.left, y: frame.top };
+    const items = happened.lanes().flatMap((lane): MenuItem[] => {
+      const visit = segmentAt(lane, time);
+      if (!visit) return [];
+      const run = () => askWhy(lab, "state", visit.state, at);
+      return [{ label: `Why ${nameOf(visit.state)}?`, action: "why-visit", run }];
+    });
+    if (items.length) openMenu(lab.root, at, items, "States at this moment");
+  };
+  const plotMenu = () => {
+    const { left, top } = more.getBoundingClientRect();
+    const items = [...new Set([...plots, ...happened.names])].map((name) => ({
+      label: name,
+      action: `plot-${name}`,
+      checked: plots.includes(name),
+      run: () => choose(plots.includes(name) ? plots.filter((each) => each !== name) : [...plots, name]),
+    }));
+    openMenu(lab.root, { x: left, y: top }, items, "Plots");
+  };
+  const choose = (names: string[]) => {
+    plots = names;
+    keep(PLOTS + store.state.name, JSON.stringify(names));
+    redraw();
+    void ask();
+  };
+
+  /* ---------------------------------------------------------------- what changes it */
+
+  store.watch(["snapshot"], () => {
+    happened.forget();
+    const names: unknown = JSON.parse(kept(PLOTS + store.state.name) ?? "[]");
+    plots = Array.isArray(names) ? names.filter((name) => typeof name === "string") : [];
+    void ask();
+  });
+  store.watch(["tick", "revision", "issues", "status"], () => void ask());
+  store.watch(["looking"], () => {
+    hold();
+    redraw();
+  });
+  store.watch(["whatIf", "program"], redraw);
+  new ResizeObserver(() => {
+    if (body.hasAttribute("data-new") && lab.root.clientWidth) {
+      body.removeAttribute("data-new");
+      open(isOn(OPEN, lab.root.clientWidth > NARROW));
+    }
+    redraw();
+  }).observe(element);
+  body.setAttribute("data-new", "");
+  open(false);
+  looking.moved = point;
+  return element;
+}

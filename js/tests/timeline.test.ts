@@ -1,0 +1,227 @@
+// @vitest-environment happy-dom
+
+import { describe, expect, it } from "vitest";
+import type { HappeningView, PlotView, TimelineView } from "../src/protocol";
+import { type Drawing, draw, heightOf, ticksOf, xOf } from "../src/timeline/draw";
+import { Happened, lanesOf, segmentAt, valueAt } from "../src/timeline/happened";
+import { s } from "../src/ui/dom";
+
+const happening = (fields: Partial<HappeningView>): HappeningView => ({
+  tick: 1,
+  time: 0,
+  kind: "entered",
+  lane: "m",
+  state: "m/a",
+  by: "",
+  text: "",
+  ...fields,
+});
+
+const answer = (fields: Partial<TimelineView>): TimelineView => ({
+  epoch: 1,
+  first: 1,
+  last: 10,
+  begin: 0,
+  end: 0.9,
+  kept: -1,
+  happenings: [],
+  plots: [],
+  names: [],
+  ...fields,
+});
+
+const RUN = [
+  happening({}),
+  happening({ tick: 3, time: 0.2, state: "m/b", by: "m:go", text: "`go` fired." }),
+  happening({ tick: 3, time: 0.2, lane: "m/b/inner", state: "m/b/inner/x" }),
+  happening({ tick: 5, time: 0.4, kind: "ended", lane: "m/b/inner", state: "" }),
+  happening({ tick: 5, time: 0.4, state: "m/a", by: "m:back" }),
+];
+
+describe("what happened", () => {
+  it("becomes a lane for each machine, with a segment for each visit", () => {
+    const [outer, inner] = lanesOf(RUN);
+    expect(outer!.segments.map(({ state, begin, end, by }) => [state, begin, end, by])).toEqual([
+      ["m/a", 0, 0.2, ""],
+      ["m/b", 0.2, 0.4, "m:go"],
+      ["m/a", 0.4, Number.POSITIVE_INFINITY, "m:back"],
+    ]);
+    expect(inner).toMatchObject({ machine: "m/b/inner", depth: 1 });
+    expect(inner!.segments[0]).toMatchObject({ begin: 0.2, end: 0.4 });
+  });
+
+  it("has nested machines below their outer one, in the order in which they began", () => {
+    const lanes = lanesOf([
+      happening({ lane: "b", state: "b/x" }),
+      happening({ lane: "a", state: "a/x" }),
+      happening({ lane: "b/x/inner", state: "b/x/inner/y" }),
+      happening({ lane: "b/x/inner/y/deep", state: "b/x/inner/y/deep/z" }),
+    ]);
+    expect(lanes.map(({ machine, depth }) => [machine, depth])).toEqual([
+      ["b", 0],
+      ["b/x/inner", 1],
+      ["b/x/inner/y/deep", 2],
+      ["a", 0],
+    ]);
+  });
+
+  it("ends all visits at a restart", () => {
+    const [lane] = lanesOf([happening({}), happening({ kind: "restart", lane: "", time: 0.5 })]);
+    expect(lane!.segments[0]!.end).toBe(0.5);
+  });
+
+  it("finds the visit at a time", () => {
+    const [lane] = lanesOf(RUN);
+    expect(segmentAt(lane!, 0.3)!.state).toBe("m/b");
+    expect(segmentAt(lane!, 99)!.state).toBe("m/a");
+    expect(segmentAt(lane!, -1)).toBeNull();
+  });
+
+  it("keeps what stays and replaces what came after it", () => {
+    const happened = new Happened();
+    happened.merge(answer({ happenings: RUN }));
+    happened.merge(
+      answer({ kept: 3, last: 12, happenings: [happening({ tick: 4, kind: "edit", lane: "" })] }),
+    );
+    expect(happened.happenings.map(({ tick, kind }) => [tick, kind])).toEqual([
+      [1, "entered"],
+      [3, "entered"],
+      [3, "entered"],
+      [4, "edit"],
+    ]);
+    expect(happened.marks()).toHaveLength(1);
+    happened.merge(answer({ epoch: 2, happenings: [] }));
+    expect(happened.lanes()).toEqual([]);
+  });
+
+  it("drops what is no longer recorded, but not what is active then", () => {
+    const happened = new Happened();
+    const states = Array.from({ length: 800 }, (_, i) =>
+      happening({ tick: i + 1, time: i, state: `m/${i % 2}` }),
+    );
+    happened.merge(answer({ happenings: states, last: 800 }));
+    happened.merge(answer({ kept: 800, first: 700, last: 801, begin: 699 }));
+    expect(happened.happenings).toHaveLength(102);
+    expect(segmentAt(happened.lanes()[0]!, 698.5)!.state).toBe("m/0");
+  });
+});
+
+describe("plots", () => {
+  const plot = (fields: Partial<PlotView>): PlotView => ({
+    name: "x",
+    kind: "number",
+    times: [],
+    values: [],
+    thresholds: [],
+    ...fields,
+  });
+
+  it("are continued, and thresholds that come later have no values before", () => {
+    const happened = new Happened();
+    happened.merge(answer({ last: 2, plots: [plot({ times: [0, 0.1], values: [1, 2] })] }));
+    const thresholds = [{ text: "limit", values: [5] }];
+    happened.merge(answer({ kept: 1, last: 3, plots: [plot({ times: [0.2], values: [null], thresholds })] }));
+    const known = happened.plots.get("x")!;
+    expect(known).toMatchObject({ tick: 3, times: [0, 0.1, 0.2], values: [1, 2, null] });
+    expect(known.thresholds.get("limit")).toEqual([null, null, 5]);
+    happened.merge(answer({ kept: 2, last: 4, plots: [plot({ times: [0.3], values: [4] })] }));
+    expect(known.thresholds.get("limit")).toEqual([null, null, 5, null]);
+    happened.merge(answer({ epoch: 2 }));
+    expect(happened.plots.size).toBe(0);
+  });
+
+  it("tell the value at a time", () => {
+    const plotted = {
+      kind: "number" as const,
+      tick: 3,
+      times: [0, 0.1, 0.2],
+      values: [1, null, 3],
+      thresholds: new Map(),
+    };
+    expect([-1, 0, 0.05, 0.1, 5].map((time) => valueAt(plotted, time))).toEqual([null, 1, 1, null, 3]);
+  });
+});
+
+describe("the drawing", () => {
+  const drawing = (fields: Partial<Drawing> = {}): Drawing => ({
+    span: { from: 0, to: 10 },
+    now: 8,
+    left: 100,
+    width: 500,
+    lanes: lanesOf(RUN),
+    marks: [],
+    plots: [],
+    other: null,
+    styleOf: () => ({ color: "red", dash: [] }),
+    ...fields,
+  });
+  const drawn = (fields: Partial<Drawing> = {}) => {
+    const svg = s("svg");
+    draw(svg, drawing(fields));
+    return svg;
+  };
+
+  it("has round numbers on its axis, not too close", () => {
+    expect(ticksOf({ from: 0, to: 30 }, 960)).toEqual([
+      0, 2, 4, 6, 8, 10, 12, 14, 16, 18, 20, 22, 24, 26, 28, 30,
+    ]);
+    expect(ticksOf({ from: 12.3, to: 14 }, 300)).toEqual([12.5, 13, 13.5, 14]);
+    expect(ticksOf({ from: 0, to: 7200 }, 300).length).toBeLessThan(8);
+  });
+
+  it("ends what lasts at the present", () => {
+    const last = [...drawn().querySelectorAll("[data-lrp-visit]")].filter(
+      (visit) => visit.getAttribute("data-tick") === "5",
+    );
+    const { x, width } = {
+      x: Number(last[0]!.getAttribute("x")),
+      width: Number(last[0]!.getAttribute("width")),
+    };
+    expect(x + width).toBeCloseTo(xOf(drawing(), 8), 0);
+  });
+
+  it("draws only what is in the window, and visits too short to see together", () => {
+    const many = Array.from({ length: 5000 }, (_, i) =>
+      happening({ tick: i, time: i / 100, state: `m/${i % 2}` }),
+    );
+    const shown = drawn({ span: { from: 0, to: 60 }, lanes: lanesOf(many), now: 60 });
+    expect(shown.querySelectorAll("[data-lrp-visit]").length).toBeLessThan(520);
+    expect(drawn({ span: { from: 20, to: 30 }, now: 30 }).querySelectorAll("[data-lrp-visit]")).toHaveLength(
+      1,
+    );
+  });
+
+  it("is as high as what it holds", () => {
+    const { lanes } = drawing();
+    const other = { lanes, end: 9, divergence: { time: 0.5, text: "`b` is entered." } };
+    expect(heightOf({ lanes, plots: [], other })).toBeGreaterThan(
+      heightOf({ lanes, plots: [], other: null }),
+    );
+    const svg = drawn({ other });
+    expect(svg.getAttribute("height")).toBe(String(heightOf(drawing({ other }))));
+    expect(svg.querySelector(".lrp-timeline-other")!.textContent).toBe("with the edit: b is entered.");
+    expect(svg.querySelectorAll("[data-lrp-visit][data-other]").length).toBeGreaterThan(0);
+    expect(svg.querySelector(".lrp-timeline-divergence")).not.toBeNull();
+  });
+
+  it("leaves gaps in curves where there is no value, and draws truth as bands", () => {
+    const base = { tick: 4, times: [0, 1, 2, 3], thresholds: new Map([["9", [9, 9, 9, 9]]]) };
+    const number = { ...base, kind: "number" as const, values: [1, null, 3, 4] };
+    const truth = { ...base, kind: "truth" as const, values: [1, 1, 0, 1], thresholds: new Map() };
+    const svg = drawn({
+      plots: [
+        ["x", number],
+        ["robot.bumper.data", truth],
+      ],
+    });
+    expect(svg.querySelector(".lrp-timeline-curve")!.getAttribute("d")!.match(/M/g)).toHaveLength(2);
+    expect(svg.querySelector(".lrp-timeline-limit")!.textContent).toBe("9");
+    expect(svg.querySelectorAll(".lrp-timeline-truth").length).toBe(1);
+  });
+
+  it("draws marks where they can be told apart", () => {
+    const mark = { kind: "edit" as const, tick: 1, time: 1, text: "The program was edited." };
+    const marks = [mark, { ...mark, time: 1.01 }, { ...mark, time: 5 }, { ...mark, time: 50 }];
+    expect(drawn({ marks }).querySelectorAll("[data-lrp-mark]")).toHaveLength(2);
+  });
+});

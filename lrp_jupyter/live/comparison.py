@@ -1,0 +1,181 @@
+"""Compare a run with a recorded one, tick by tick, and tell the first difference."""
+
+from __future__ import annotations
+
+import json
+from collections import deque
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from lrp_jupyter.errors import ended
+from lrp_jupyter.live.answers import call_text
+from lrp_jupyter.live.recording import unplain
+
+__all__ = ["Comparison", "FirstDifference"]
+
+Line = Mapping[str, Any]
+
+_TELLING = ("issue", "fired", "forced", "restarted")
+"""Events that explain the others of their tick."""
+
+
+@dataclass(frozen=True, slots=True)
+class FirstDifference:
+    """The first place where a run is not as it was recorded.
+
+    Parameters
+    ----------
+    tick : int
+    time : float
+        Seconds.
+    machine : str
+        The machine in which it is; empty where that is none, or not known.
+    recorded, now : dict or None
+        What happened only in the recording, and only now: the most telling line of the tick.
+    """
+
+    tick: int
+    time: float
+    machine: str
+    recorded: Line | None
+    now: Line | None
+
+    def __str__(self) -> str:
+        where = f", in the machine `{self.machine}`" if self.machine else ""
+        head = f"The first difference is at {self.time:g} s (tick {self.tick}){where}."
+        recorded, now = self.recorded, self.now
+        if recorded is None or now is None:
+            only = "Only now" if recorded is None else "Only in the recording"
+            return f"{head} {only}: {ended(_told(recorded or now or {}))}"
+        other = {**recorded, "readings": _others(recorded, now)} if "readings" in recorded else recorded
+        own = {**now, "readings": _others(now, recorded)} if "readings" in now else now
+        return f"{head} Recorded: {ended(_told(other))} Now: {ended(_told(own))}"
+
+
+class Comparison:
+    """Compares what follows with what was recorded.
+
+    Parameters
+    ----------
+    recorded : iterable of dict
+        What followed in the recorded run.
+    other : bool
+        Whether the program is another one: then neither the lines of its text nor its edits are compared.
+    """
+
+    def __init__(self, recorded: Iterable[Line], other: bool = False) -> None:
+        self._other = other
+        self._recorded = deque(line for line in recorded if self._counts(line))
+        self._now: list[Line] = []  # the lines of the present tick
+        self._machines: dict[str, str] = {}  # of the states that were entered, by name
+        self.difference: FirstDifference | None = None
+
+    def write(self, text: str) -> None:
+        """Take a line of the present run."""
+        line = json.loads(text)
+        if "input" in line or self.difference is not None or not self._counts(line):
+            return
+        if self._now and self._now[0]["tick"] != line["tick"]:
+            self.end_of_tick()
+        self._now.append(line)
+
+    def end_of_tick(self, is_whole: bool = True) -> None:
+        """Compare the lines of the present tick; of one that is not over, as many as there are."""
+        now, self._now = self._now, []
+        recorded: list[Line] = []
+        while (
+            self._recorded
+            and now
+            and self._recorded[0].get("tick") == now[0]["tick"]
+            and (is_whole or len(recorded) < len(now))
+        ):
+            recorded.append(self._recorded.popleft())
+        for line in now:
+            if line.get("event") == "entered":
+                machine, _, state = line["state"].rpartition("/")
+                self._machines[state] = machine
+        if self.difference is None and list(map(self._key, recorded)) != list(map(self._key, now)):
+            self._differ(recorded, now)
+
+    def end(self) -> None:
+        """Note what was recorded and did not come."""
+        self.end_of_tick()
+        if self._recorded and self.difference is None:
+            self._differ([self._recorded[0]], [])
+
+    def _counts(self, line: Line) -> bool:
+        return not (self._other and line.get("event") == "patched")
+
+    def _key(self, line: Line) -> Line:
+        """Return what is compared of a line."""
+        return {name: value for name, value in line.items() if name != "line"} if self._other else line
+
+    def _differ(self, recorded: Sequence[Line], now: Sequence[Line]) -> None:
+        before, after = self._rest(recorded, now), self._rest(now, recorded)
+        if not before and not after:  # the same in another order
+            pairs = zip(recorded, now, strict=True)
+            one, other = next(pair for pair in pairs if self._key(pair[0]) != self._key(pair[1]))
+            before, after = [one], [other]
+        was, this = _most_telling(before), _most_telling(after)
+        first, *_ = both = [line for line in (was, this) if line is not None]
+        machine = next(filter(None, map(self._machine, both)), "")
+        self.difference = FirstDifference(first["tick"], first["time"], machine, was, this)
+
+    def _rest(self, lines: Sequence[Line], others: Sequence[Line]) -> list[Line]:
+        """Return the lines that are not among others."""
+        left = [self._key(line) for line in others]
+        rest = []
+        for line in lines:
+            if (key := self._key(line)) in left:
+                left.remove(key)
+            else:
+                rest.append(line)
+        return rest
+
+    def _machine(self, line: Line) -> str:
+        if "machine" in line:
+            return str(line["machine"])
+        if "block" in line:
+            return self._machines.get(line["block"].partition(".")[0], "")
+        path: str = line.get("state") or line.get("variable") or line.get("element") or ""
+        return path.rpartition("/")[0]
+
+
+def _most_telling(lines: Sequence[Line]) -> Line | None:
+    telling = [line for kind in _TELLING for line in lines if line.get("event") == kind]
+    return next(iter([*telling, *lines]), None)
+
+
+def _others(line: Line, other: Line) -> dict[str, Any]:
+    """Return the readings that are not the same in another line."""
+    others = other.get("readings", {})
+    return {name: value for name, value in line["readings"].items() if others.get(name) != value}
+
+
+def _told(line: Line) -> str:
+    """Return a line of a recording in words."""
+    match line.get("event"):
+        case "fired":
+            return f"`{line['transition']}` fired, from `{line['source']}` to `{line['destination']}`"
+        case "entered" | "left" | "forced":
+            return f"`{line['state']}` was {line['event']}"
+        case "spawned" | "discarded":
+            return f"`{line['machine']}` was {line['event']}"
+        case "changed":
+            value = "lost its value" if "value" not in line else f"became {line['value']!r}"
+            return f"`{line['variable']}` {value}"
+        case "issue":
+            name = line["element"].rpartition("/")[2]
+            return f"`{name}` (line {line['line']}) had an issue: {line['message']}"
+        case "restarted":
+            return f"the program was restarted ({line['reason'].rstrip('.')})"
+        case None if "command" in line:
+            call = call_text(line["command"], unplain(line["arguments"]))
+            where = f" (line {line['line']})" if line.get("line") else ""
+            sent = "" if line["sent"] else ", which was not sent"
+            return f"`{line['block']}`{where} called {call}{sent}"
+        case None:
+            parts = [f"`robot.{name}` was {unplain(value)!r}" for name, value in line["readings"].items()]
+            return ", ".join(parts)
+    return f"the program was {line['event']}"
