@@ -347,7 +347,8 @@ export function worldView(lab: Lab): WorldPart {
       if (message.ink) stage.draw(message.ink.first, message.ink.strokes);
       const poses = buffers[0] && readPoses(stage.world, buffers[0]);
       if (!poses) return;
-      stage.move(poses, performance.now(), trailState(store.state.lit));
+      const { time: now, lit } = store.state;
+      stage.move({ ...poses, time: now }, performance.now(), trailState(lit)); // a world has a time of its own
       preview.check(poses.robots[0]?.pose);
       colours.refresh();
       showTime();
