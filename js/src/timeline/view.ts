@@ -23,6 +23,7 @@ const OPEN = "timeline";
 const PLOTS = "plots:";
 const NEAR = 4; // px
 const STEPS = 10; // ticks, with Shift
+const STILL = 1500; // ms
 
 export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const { store } = lab;
@@ -33,6 +34,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   let asking = false;
   let isDue = false;
   let drawing: Drawing | null = null;
+  let stillUntil = 0; // nothing moves away under a pointer that is aiming
 
   const svg = s("svg", { class: "lrp-timeline-drawing", "aria-hidden": "true" });
   const playhead = h("div", {
@@ -99,7 +101,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const { epoch, last } = happened;
     const { timeline } = await lab.ask({ type: "timeline", epoch, tick: last, plots: wanted });
     if (timeline) happened.merge(timeline);
-    redraw();
+    if (performance.now() > stillUntil) redraw();
     setTimeout(() => {
       asking = false;
       if (!isDue || lab.closed.aborted) return;
@@ -215,6 +217,12 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     end ??= span().to;
     await looking.at({ tick });
   };
+  area.addEventListener("pointermove", () => {
+    stillUntil = performance.now() + STILL;
+  });
+  area.addEventListener("pointerleave", () => {
+    stillUntil = 0;
+  });
   area.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || timeAt(event) === null) return;
     const border = borderAt(event);
@@ -293,7 +301,8 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     { passive: false },
   );
   playhead.addEventListener("keydown", (event) => {
-    const tick = store.state.looking?.tick ?? happened.last;
+    const { looking: moment, tick: present } = store.state;
+    const tick = moment?.tick ?? present;
     const by = event.shiftKey ? STEPS : 1;
     const { key } = event;
     if (key === "ArrowLeft" || key === "ArrowDown") step(tick - by);
@@ -308,8 +317,9 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     event.stopPropagation();
   });
   const step = (tick: number) => {
-    if (tick > happened.last) {
-      if (store.state.looking) looking.back();
+    const { looking: moment, tick: shown } = store.state;
+    if (tick > (moment ? happened.last : shown)) {
+      if (moment) looking.back();
     } else void lookAt(Math.max(happened.first, tick));
   };
   /** Ask about the states that are active at the playhead. */
