@@ -58,6 +58,7 @@ describe("a ghost", () => {
   it("parts from the recorded way where the first difference is", () => {
     const divergence = { tick: 20, time: 2, text: "`b` is entered, unlike before." };
     expect(partingOf(whatIf(0, { divergence }))).toEqual([0.2, 1]);
+    expect(partingOf(whatIf(3, { divergence }))).toEqual([expect.closeTo(0.3), 1]); // before the first pose
     expect(partingOf(whatIf())).toBeNull();
   });
 });

@@ -1,14 +1,14 @@
 /** How another run goes: the way of the robot in it, and a ghost of the robot at its end. */
 
 import type { Point, Pose, WhatIfView } from "../protocol";
-import type { Palette } from "./paint";
+import { type Palette, shade } from "./paint";
 
 type Canvas = CanvasRenderingContext2D;
 /** Poses with their times: (time, x, y, theta). */
 type Way = readonly (readonly number[])[];
 
 const STILL = 0.005; // metres and radians: a ghost in the robot itself would only blur it
-const DOT = 6; // px
+const DOT = 5; // px
 
 /** Where the robot is at a time in a way; null before it and after it. */
 export function ghostAt(way: Way, time: number): Pose | null {
@@ -31,11 +31,16 @@ export function ahead(way: Way, time: number): Pose[] {
 }
 
 /** Where the two courses part. */
-export function partingOf({ divergence, changed, recorded, begin }: WhatIfView): Point | null {
+export function partingOf({ divergence, changed, recorded }: WhatIfView): Point | null {
   if (!divergence) return null;
-  const time = Math.max(begin, divergence.time);
+  const time = Math.max(divergence.time, changed.way[0]?.[0] ?? 0); // it may be in what begins the courses
   const [x, y] = ghostAt(changed.way, time) ?? ghostAt(recorded.way, time) ?? [];
   return x === undefined || y === undefined ? null : [x, y];
+}
+
+/** The colours of the changed course and of the recorded one: greys, which no state's trail has. */
+export function courseColors(palette: Palette): { changed: string; recorded: string } {
+  return { changed: shade(0, palette), recorded: shade(125, palette) };
 }
 
 /** Paint how it goes from a time on: the changed course dashed, with a ghost at its end, the recorded one plain. */
@@ -48,50 +53,48 @@ export function paintGhost(
   pixels: number,
 ): void {
   const changed = ahead(whatIf.changed.way, now);
-  const parting = partingOf(whatIf);
+  const colors = courseColors(palette);
   c.save();
-  c.lineCap = c.lineJoin = "round";
-  if (whatIf.divergence) paintWay(c, ahead(whatIf.recorded.way, now), palette.robotEdge, [], palette, pixels);
-  paintWay(c, changed, palette.accent, [7, 6], palette, pixels);
-  if (parting) {
-    c.beginPath();
-    c.arc(...parting, DOT / pixels, 0, 2 * Math.PI);
-    c.fillStyle = palette.accent;
-    c.strokeStyle = palette.halo;
-    c.lineWidth = 2 / pixels;
-    c.fill();
-    c.stroke();
-  }
+  c.lineCap = "butt";
+  c.lineJoin = "round";
+  const recorded = whatIf.divergence ? ahead(whatIf.recorded.way, now) : [];
+  for (const way of [recorded, changed]) paintWay(c, way, palette.halo, 7 / pixels);
+  paintWay(c, recorded, colors.recorded, 3 / pixels);
+  c.setLineDash([6 / pixels, 4 / pixels]); // the recorded one is seen in between, where it is the same way
+  paintWay(c, changed, colors.changed, 3 / pixels);
+  c.setLineDash([]);
   const [first, last] = [changed[0], changed.at(-1)];
   if (first && last && isElsewhere(first, last)) paintRobot(c, last, radius, palette, pixels);
   c.restore();
+}
+
+/** Paint where the two courses part. */
+export function paintParting(c: Canvas, whatIf: WhatIfView, palette: Palette, pixels: number): void {
+  const parting = partingOf(whatIf);
+  if (!parting) return;
+  c.beginPath();
+  c.arc(...parting, DOT / pixels, 0, 2 * Math.PI);
+  c.fillStyle = courseColors(palette).changed;
+  c.strokeStyle = palette.halo;
+  c.lineWidth = 2.5 / pixels;
+  c.fill();
+  c.stroke();
 }
 
 function isElsewhere(a: Pose, b: Pose): boolean {
   return Math.hypot(b[0] - a[0], b[1] - a[1]) > STILL || Math.abs(b[2] - a[2]) > STILL;
 }
 
-function paintWay(
-  c: Canvas,
-  poses: readonly Pose[],
-  color: string,
-  dash: number[],
-  palette: Palette,
-  pixels: number,
-): void {
+function paintWay(c: Canvas, poses: readonly Pose[], color: string, width: number): void {
   c.beginPath();
   for (const [x, y] of poses) c.lineTo(x, y);
-  c.strokeStyle = palette.halo;
-  c.lineWidth = 6 / pixels;
-  c.stroke();
-  c.setLineDash(dash.map((length) => length / pixels));
   c.strokeStyle = color;
-  c.lineWidth = 2.5 / pixels;
+  c.lineWidth = width;
   c.stroke();
-  c.setLineDash([]);
 }
 
 function paintRobot(c: Canvas, [x, y, theta]: Pose, r: number, palette: Palette, pixels: number): void {
+  const color = courseColors(palette).changed;
   c.save();
   c.translate(x, y);
   c.rotate(theta);
@@ -101,7 +104,7 @@ function paintRobot(c: Canvas, [x, y, theta]: Pose, r: number, palette: Palette,
   c.fillStyle = palette.robot;
   c.fill();
   c.globalAlpha = 0.75;
-  c.strokeStyle = palette.accent;
+  c.strokeStyle = color;
   c.lineWidth = Math.max(0.006, 2 / pixels);
   c.stroke();
   c.beginPath();
@@ -109,7 +112,7 @@ function paintRobot(c: Canvas, [x, y, theta]: Pose, r: number, palette: Palette,
   c.lineTo(0.12 * r, 0.34 * r);
   c.lineTo(0.12 * r, -0.34 * r);
   c.closePath();
-  c.fillStyle = palette.accent;
+  c.fillStyle = color;
   c.fill();
   c.restore();
 }

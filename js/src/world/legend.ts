@@ -3,7 +3,7 @@
 import { nameOf } from "../language/paths";
 import type { Point, ProgramView } from "../protocol";
 import { h, reconcile, setAttribute, setHidden, setText, unmarked } from "../ui/dom";
-import { partingOf } from "./ghost";
+import { courseColors, partingOf } from "./ghost";
 import type { Stage } from "./stage";
 
 export const REACH = 9; // px from the trail
@@ -82,10 +82,11 @@ interface Entry {
 
 /** What the lines in the world mean: two courses that part, and the states of the trail. */
 function entriesOf({ whatIf, palette, trail, latest, showsTrail, styleOf }: Stage): Entry[] {
+  const { changed, recorded } = courseColors(palette);
   const courses: Entry[] = whatIf?.divergence
     ? [
-        { title: "How it goes with the edit", name: "with the edit", color: palette.accent, isDashed: true },
-        { title: "How it was recorded", name: "as recorded", color: palette.robotEdge, isDashed: false },
+        { title: "How it goes with the edit", name: "with the edit", color: changed, isDashed: true },
+        { title: "How it was recorded", name: "as recorded", color: recorded, isDashed: false },
       ]
     : [];
   if (!showsTrail) return courses;

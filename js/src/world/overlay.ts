@@ -4,7 +4,7 @@ import type { Palette } from "./paint";
 import { write } from "./paint";
 import type { Grip, Shape, Thing } from "./things";
 import { handlesOf } from "./things";
-import { FADES, type Trail, type TrailPoint } from "./trail";
+import type { Trail, TrailPoint } from "./trail";
 
 type Canvas = CanvasRenderingContext2D;
 
@@ -13,8 +13,9 @@ const GRID = [0.1, 0.25, 0.5, 1, 2, 5, 10, 50, 100];
 const APART = 18; // px
 const BAR = 100; // px that the scale bar is long at most
 const HANDLE = 5; // px
-const OLDER = 0.3; // how opaque the trail is where it no longer fades
-const LATER = 0.14; // and after the moment looked at
+/** How opaque the trail is where it no longer fades, and after the moment looked at. */
+export const OLDER = 0.4;
+export const LATER = 0.2;
 
 /** A grid; the context is in metres, `pixels` make one. Returns the distance of its lines. */
 export function paintGrid(
@@ -71,40 +72,59 @@ export function paintBar(c: Canvas, height: number, palette: Palette, pixels: nu
   c.restore();
 }
 
-/**
- * The trail: newer pieces are opaque, older ones faint, later ones than `now` fainter. Each state has a colour,
- * and a dash once the colours are used up.
- */
+type Style = (state: string) => { color: string; dash: number[] };
+
+const widths = (pixels: number) => [Math.max(0.014, 4 / pixels), Math.max(0.024, 7 / pixels)] as const;
+
+/** The faint part of a trail: from one point to another, given by their indices. Each state has a colour. */
+export function paintFaintTrail(
+  c: Canvas,
+  trail: Trail,
+  [first, end]: [number, number],
+  alpha: number,
+  style: Style,
+  palette: Palette,
+  pixels: number,
+): void {
+  if (first >= end) return;
+  const [width, wide] = widths(pixels);
+  const all = trail.lines(first, end);
+  const trace = (lines: Iterable<TrailPoint[]>) => {
+    c.beginPath(); // one for all of them: laps over each other stay faint
+    for (const [begin, ...points] of lines) {
+      c.moveTo(begin!.x, begin!.y);
+      for (const { x, y } of points) c.lineTo(x, y);
+    }
+    c.stroke();
+  };
+  c.save();
+  c.lineCap = "butt";
+  c.globalAlpha = alpha;
+  c.strokeStyle = palette.halo; // around the colours, which would be lost on a black line
+  c.lineWidth = wide;
+  trace([...all.values()].flat());
+  c.lineWidth = width;
+  for (const [state, lines] of all) {
+    const { color, dash } = style(state);
+    c.strokeStyle = color;
+    c.setLineDash(dash.map((length) => length / pixels));
+    trace(lines);
+  }
+  c.restore();
+}
+
+/** The part of a trail that fades: newer pieces are opaque, older ones as faint as all before them. */
 export function paintTrail(
   c: Canvas,
   trail: Trail,
   now: number,
-  style: (state: string) => { color: string; dash: number[] },
+  style: Style,
   palette: Palette,
   pixels: number,
 ): void {
   c.save();
   c.lineCap = "butt";
-  const width = Math.max(0.014, 4 / pixels);
-  const [fading, later] = [trail.after(now - FADES), trail.after(now)];
-  const pass = (first: number, end: number, alpha: number) => {
-    c.globalAlpha = alpha;
-    c.lineWidth = width;
-    for (const [state, lines] of trail.lines(first, end)) {
-      const { color, dash } = style(state);
-      c.strokeStyle = color;
-      c.setLineDash(dash.map((length) => length / pixels));
-      c.beginPath(); // one for all of them: laps over each other stay faint
-      for (const [begin, ...points] of lines) {
-        c.moveTo(begin!.x, begin!.y);
-        for (const { x, y } of points) c.lineTo(x, y);
-      }
-      c.stroke();
-    }
-    c.setLineDash([]);
-  };
-  pass(later, trail.points.length, LATER);
-  pass(1, fading, OLDER);
+  const [width, wide] = widths(pixels);
   const pieces = trail.pieces(now);
   const stroke = (thick: number, from: TrailPoint, to: TrailPoint) => {
     c.lineWidth = thick;
@@ -113,10 +133,10 @@ export function paintTrail(
     c.lineTo(to.x, to.y);
     c.stroke();
   };
-  c.strokeStyle = palette.halo; // around the colours, which would be lost on a black line
+  c.strokeStyle = palette.halo;
   for (const { from, to, share } of pieces) {
-    c.globalAlpha = share;
-    stroke(Math.max(0.024, 7 / pixels), from, to);
+    c.globalAlpha = OLDER + (1 - OLDER) * share;
+    stroke(wide, from, to);
   }
   let along = 0; // the pattern of dashes runs on from piece to piece
   for (const { from, to, share } of pieces) {

@@ -3,16 +3,26 @@
 import type { Point, StrokeView, WhatIfView, WorldView } from "../protocol";
 import { pngOf } from "../ui/picture";
 import { complete, completeStroke, type FullStroke, type FullWorld } from "./complete";
-import { paintGhost } from "./ghost";
-import { paintBar, paintGrid, paintOutline, paintSelection, paintTrail } from "./overlay";
+import { paintGhost, paintParting } from "./ghost";
+import {
+  LATER,
+  OLDER,
+  paintBar,
+  paintFaintTrail,
+  paintGrid,
+  paintOutline,
+  paintSelection,
+  paintTrail,
+} from "./overlay";
 import { type Palette, paintFloor, paintMovers, paintStart, paintStroke } from "./paint";
 import { between, firstPoses, type Snapshot } from "./poses";
 import { type Shape, same, shapeOf, type Thing } from "./things";
-import { Trail } from "./trail";
+import { FADES, Trail } from "./trail";
 import { Viewport } from "./viewport";
 
 const SPAN = 110; // ms over which a new pose is approached at most: they come ten times a second
 const CALM = 30; // ms between two pictures at least: more cannot be seen, and typing needs the time
+const SETTLED = 5; // s of the trail that may have faded before they are painted with what stands still
 const NEARBY = 0.01; // metres between a robot and its start: the outline would only blur it
 
 export class Stage {
@@ -43,6 +53,8 @@ export class Stage {
   private ink: FullStroke[] = [];
   private readonly floor = document.createElement("canvas");
   private floorStale = true;
+  /** The time up to which the floor has the faint trail. */
+  private settled = 0;
   private before: Snapshot | null = null;
   private after: Snapshot | null = null;
   private arrived = 0;
@@ -223,6 +235,7 @@ export class Stage {
     // what is dragged would run away from the pointer
     if (this.viewport.follow && !this.busy && this.world && x !== undefined && y !== undefined)
       this.floorStale = this.viewport.keepInSight([x, y], this.world.size) || this.floorStale;
+    if (current && this.showsTrail) this.settle(current.time);
     if (this.floorStale) this.paintLayer();
     c.setTransform(1, 0, 0, 1, 0, 0);
     c.clearRect(0, 0, this.canvas.width, this.canvas.height);
@@ -236,7 +249,12 @@ export class Stage {
     const { viewport, palette, selected, preview } = this;
     const pixels = viewport.scale;
     viewport.transform(c, this.ratio);
-    if (this.showsTrail) paintTrail(c, this.trail, current.time, this.styleOf, palette, pixels);
+    if (this.showsTrail) {
+      const { trail, settled, styleOf } = this;
+      const range: [number, number] = [trail.after(settled), trail.after(current.time - FADES)];
+      paintFaintTrail(c, trail, range, OLDER, styleOf, palette, pixels);
+      paintTrail(c, trail, current.time, styleOf, palette, pixels);
+    }
     if (this.sketch) paintStroke(c, this.sketch, palette);
     const [robot] = world.robots;
     if (this.whatIf && robot) paintGhost(c, this.whatIf, current.time, robot.radius, palette, pixels);
@@ -245,11 +263,21 @@ export class Stage {
       if (Math.hypot(x - pose[0], y - pose[1]) > NEARBY) paintStart(c, pose, radius, palette, pixels);
     });
     paintMovers(c, world, current, palette, pixels);
+    if (this.whatIf) paintParting(c, this.whatIf, palette, pixels);
     const shape = selected && this.shape(selected);
     if (selected && shape) paintSelection(c, selected, shape, palette, pixels);
     if (preview && !preview.thing) paintOutline(c, preview.shape, palette, pixels, true);
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     paintBar(c, this.canvas.height / this.ratio, palette, pixels);
+  }
+
+  /** Paint the faint trail with the floor, which is rare: it may be long. */
+  private settle(now: number): void {
+    const until = now - FADES;
+    const isOver = this.isPast
+      ? until !== this.settled
+      : until > this.settled + SETTLED || until < this.settled;
+    if (this.floorStale || isOver) [this.settled, this.floorStale] = [until, true];
   }
 
   private paintLayer(): void {
@@ -263,5 +291,11 @@ export class Stage {
     this.viewport.transform(c, this.ratio);
     paintFloor(c, this.world, this.ink, this.palette, this.viewport.scale);
     if (this.grid) paintGrid(c, this.world.size, this.palette, this.viewport.scale);
+    if (!this.showsTrail) return;
+    const { trail, settled, styleOf, palette } = this;
+    const faint = (first: number, end: number, alpha: number) =>
+      paintFaintTrail(c, trail, [first, end], alpha, styleOf, palette, this.viewport.scale);
+    faint(trail.after(settled + FADES), trail.points.length, LATER);
+    faint(0, trail.after(settled), OLDER);
   }
 }

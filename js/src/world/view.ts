@@ -143,7 +143,7 @@ export function worldView(lab: Lab): WorldPart {
           stage.showsTrail = !stage.showsTrail;
           keepOn("world-trail", stage.showsTrail);
           colours.refresh();
-          stage.wake();
+          stage.repaint();
         },
       },
       {
@@ -242,6 +242,7 @@ export function worldView(lab: Lab): WorldPart {
         action: "reset-world",
         onclick: () => {
           stage.trail.clear();
+          stage.repaint();
           void lab.act({ do: "reset_world" });
         },
       }),
@@ -297,11 +298,11 @@ export function worldView(lab: Lab): WorldPart {
     const { looking } = store.state;
     stage.isPast = looking !== null;
     setAttribute(view, "data-looking", looking?.time);
-    stage.wake();
+    stage.repaint();
   });
   store.watch(["program", "snapshot"], () => {
     stage.styleOf = trailStyles(store.state.program, stage.palette.trail);
-    stage.wake();
+    stage.repaint();
   });
   const listWorlds = () => {
     const { name: current = "", edited = false } = store.state.world ?? {};
