@@ -146,11 +146,12 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const point = () => {
     if (!drawing) return;
     const moment = store.state.looking;
-    const at = looking.wanted ?? moment?.time ?? now();
+    const { wanted } = looking;
+    const at = (wanted && "time" in wanted ? wanted.time : moment?.time) ?? now();
     const { from, to } = drawing.span;
     const x = drawing.left + ((Math.min(to, Math.max(from, at)) - from) / (to - from)) * drawing.width;
     playhead.style.transform = `translateX(${x.toFixed(1)}px)`;
-    playhead.toggleAttribute("data-past", Boolean(moment ?? looking.wanted !== null));
+    playhead.toggleAttribute("data-past", Boolean(moment ?? wanted));
     setAttribute(playhead, "aria-valuemin", happened.begin);
     setAttribute(playhead, "aria-valuemax", now().toFixed(1));
     setAttribute(playhead, "aria-valuenow", at.toFixed(1));
@@ -302,7 +303,8 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   );
   playhead.addEventListener("keydown", (event) => {
     const { looking: moment, tick: present } = store.state;
-    const tick = moment?.tick ?? present;
+    const { wanted } = looking;
+    const tick = (wanted && "tick" in wanted ? wanted.tick : moment?.tick) ?? present;
     const by = event.shiftKey ? STEPS : 1;
     const { key } = event;
     if (key === "ArrowLeft" || key === "ArrowDown") step(tick - by);
@@ -318,8 +320,9 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   });
   const step = (tick: number) => {
     const { looking: moment, tick: shown } = store.state;
-    if (tick > (moment ? happened.last : shown)) {
-      if (moment) looking.back();
+    const isPast = moment ?? looking.wanted;
+    if (tick > (isPast ? happened.last : shown)) {
+      if (isPast) looking.back();
     } else void lookAt(Math.max(happened.first, tick));
   };
   /** Ask about the states that are active at the playhead. */
