@@ -57,7 +57,9 @@ class LookCommand(PageCommand, do="look"):
 
     def apply(self, opened: OpenProgram) -> Applied:
         """See the base class."""
-        at = self.tick if self.tick is not None else self.time
+        at: int | float | None = self.tick
+        if at is None and self.time is not None:
+            at = float(self.time)  # a page writes whole numbers without a point
         session, looking = opened.session, opened.looking
 
         def look() -> None:

@@ -86,6 +86,8 @@ def test_the_whole_view_state_shows_the_moment_looked_at(lab, page):
     assert past["variables"]["m/steps"]["text"] == "4"
     assert past["members"] != now["members"]
     assert look(page, time=2.05)["tick"] == 21
+    assert look(page, time=2)["tick"] == 21
+    assert look(page, time=0)["tick"] == 1
     assert look(page)["looking"] is None
     assert state(page)["variables"] == now["variables"]
     assert state(page)["members"] == now["members"]

@@ -143,7 +143,7 @@ function marksOf(drawing: Drawing, y: number): Node[] {
         s("title", {}, `${time.toFixed(1)} s: ${unmarked(text)}`),
         kind === "command"
           ? null
-          : s("rect", { class: "lrp-timeline-hit", x: -7, y: -7, width: 14, height: 14 }),
+          : s("rect", { class: "lrp-timeline-hit", x: -5, y: -7, width: 10, height: 14 }),
         s("path", { d: shape }),
       ),
     );

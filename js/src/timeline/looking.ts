@@ -4,23 +4,26 @@ import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { h, setAttribute, setHidden, setText } from "../ui/dom";
 
+const LATE = 300; // ms in which the moment is shown after the reply
+
 type Moment = { tick: number } | { time: number };
 
 export class Looking {
-  /** The time of the moment that is about to be shown, in seconds. */
-  wanted: number | null = null;
+  /** The moment that is about to be shown; null once it is. */
+  wanted: Moment | null = null;
   private next: Moment | null = null;
   private busy = false;
 
   /** Called when another moment is wanted, or shown. */
   moved = () => {};
 
-  constructor(private readonly lab: Lab) {}
+  constructor(private readonly lab: Lab) {
+    lab.store.watch(["looking"], () => this.arrived());
+  }
 
   /** Show a moment; of several that come quickly, the last one. */
   async at(moment: Moment): Promise<void> {
-    this.next = moment;
-    this.wanted = "time" in moment ? moment.time : null;
+    this.next = this.wanted = moment;
     this.moved();
     if (this.busy) return;
     this.busy = true;
@@ -31,15 +34,19 @@ export class Looking {
       refused = await this.lab.act({ do: "look", ...now }, true);
     }
     this.busy = false;
-    this.wanted = null;
     if (refused) this.lab.notify(refused);
-    this.moved();
+    setTimeout(() => this.arrived(), refused ? 0 : LATE);
   }
 
   back(): void {
-    this.next = null;
-    this.wanted = null;
+    this.next = this.wanted = null;
     void this.lab.act({ do: "look" });
+  }
+
+  private arrived(): void {
+    if (this.busy || !this.wanted) return;
+    this.wanted = null;
+    this.moved();
   }
 }
 

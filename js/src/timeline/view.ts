@@ -23,6 +23,7 @@ const OPEN = "timeline";
 const PLOTS = "plots:";
 const NEAR = 4; // px
 const STEPS = 10; // ticks, with Shift
+const STILL = 1500; // ms
 
 export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const { store } = lab;
@@ -33,6 +34,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   let asking = false;
   let isDue = false;
   let drawing: Drawing | null = null;
+  let stillUntil = 0; // nothing moves away under a pointer that is aiming
 
   const svg = s("svg", { class: "lrp-timeline-drawing", "aria-hidden": "true" });
   const playhead = h("div", {
@@ -99,7 +101,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const { epoch, last } = happened;
     const { timeline } = await lab.ask({ type: "timeline", epoch, tick: last, plots: wanted });
     if (timeline) happened.merge(timeline);
-    redraw();
+    if (performance.now() > stillUntil) redraw();
     setTimeout(() => {
       asking = false;
       if (!isDue || lab.closed.aborted) return;
@@ -144,11 +146,12 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const point = () => {
     if (!drawing) return;
     const moment = store.state.looking;
-    const at = looking.wanted ?? moment?.time ?? now();
+    const { wanted } = looking;
+    const at = (wanted && "time" in wanted ? wanted.time : moment?.time) ?? now();
     const { from, to } = drawing.span;
     const x = drawing.left + ((Math.min(to, Math.max(from, at)) - from) / (to - from)) * drawing.width;
     playhead.style.transform = `translateX(${x.toFixed(1)}px)`;
-    playhead.toggleAttribute("data-past", Boolean(moment ?? looking.wanted !== null));
+    playhead.toggleAttribute("data-past", Boolean(moment ?? wanted));
     setAttribute(playhead, "aria-valuemin", happened.begin);
     setAttribute(playhead, "aria-valuemax", now().toFixed(1));
     setAttribute(playhead, "aria-valuenow", at.toFixed(1));
@@ -215,6 +218,12 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     end ??= span().to;
     await looking.at({ tick });
   };
+  area.addEventListener("pointermove", () => {
+    stillUntil = performance.now() + STILL;
+  });
+  area.addEventListener("pointerleave", () => {
+    stillUntil = 0;
+  });
   area.addEventListener("pointerdown", (event) => {
     if (event.button !== 0 || timeAt(event) === null) return;
     const border = borderAt(event);
@@ -293,7 +302,9 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     { passive: false },
   );
   playhead.addEventListener("keydown", (event) => {
-    const tick = store.state.looking?.tick ?? happened.last;
+    const { looking: moment, tick: present } = store.state;
+    const { wanted } = looking;
+    const tick = (wanted && "tick" in wanted ? wanted.tick : moment?.tick) ?? present;
     const by = event.shiftKey ? STEPS : 1;
     const { key } = event;
     if (key === "ArrowLeft" || key === "ArrowDown") step(tick - by);
@@ -308,8 +319,10 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     event.stopPropagation();
   });
   const step = (tick: number) => {
-    if (tick > happened.last) {
-      if (store.state.looking) looking.back();
+    const { looking: moment, tick: shown } = store.state;
+    const isPast = moment ?? looking.wanted;
+    if (tick > (isPast ? happened.last : shown)) {
+      if (isPast) looking.back();
     } else void lookAt(Math.max(happened.first, tick));
   };
   /** Ask about the states that are active at the playhead. */
