@@ -95,8 +95,8 @@ class Loop:
         Ticks per second; 0 for as many as possible.
     changed : callable
         Called after every new :attr:`frame`, and whenever :attr:`hung` has changed.
-    remembered : int
-        Number of ticks that can be rewound.
+    remembers : bool
+        Whether what happened is kept, for as long as the interpreter's journal.
     printed : callable
         Returns the number of lines printed so far.
     """
@@ -108,7 +108,7 @@ class Loop:
         clock: Clock,
         rate: float,
         changed: Callable[[], None],
-        remembered: int = 10_000,
+        remembers: bool = True,
         printed: Callable[[], int] = lambda: 0,
     ) -> None:
         self.interpreter = interpreter
@@ -129,12 +129,12 @@ class Loop:
         self._step = bridge.time_step  # seconds; None where time passes by itself
         self.changed = changed
         self._printed = printed
-        self.moments: deque[tuple[float, object, object]] = deque(maxlen=max(remembered, 1))
+        self.moments: deque[tuple[float, object, object]] = deque(maxlen=None if remembers else 1)
         """For each tick: the time before it, the bridge's moment, and the bridge's token of its readings."""
         self.inputs = Inputs()
         """What came from outside, as far as the run has not gone back behind it."""
         self.checkpoints = Checkpoints()
-        self._remembers = remembered > 0
+        self._remembers = remembers
         self._pending_at = 0
         """The tick after which there is something to do before the next: take a checkpoint, note a stop."""
         self.record: Callable[[Input], object] | None = None
@@ -409,7 +409,20 @@ class Loop:
             return
         if self.interpreter.tick >= self.checkpoints.due:
             self.checkpoints.add(self.checkpoint)
+            self._forget()
         self._pending_at = self.checkpoints.due
+
+    def _forget(self) -> None:
+        """Drop what no tick of the journal needs any more: all that is kept is bounded by the journal."""
+        tick = self.interpreter.tick
+        first = self.checkpoints.begin(tick - self.interpreter.journal)
+        if first is None:
+            return
+        while self.moments and tick - len(self.moments) < first.tick:
+            self.moments.popleft()
+        self.inputs.begin(first.inputs)
+        self.bridge.safety.begin(first.tick)
+        self.bridge.forget(first.moment)
 
     def check_breakpoints(self) -> None:
         """Pause if a breakpoint was hit."""

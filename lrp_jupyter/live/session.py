@@ -129,8 +129,9 @@ class Session:
     on_issue : {"record", "pause"}
     name : str
         Appears in tracebacks and names the threads.
-    journal : int
-        Number of ticks that can be rewound; fewer if the values in them take more than 100 MB.
+    journal : int, optional
+        How many ticks are remembered, and can be rewound; by default 10,000 or those of 10 minutes, whichever
+        are more, and fewer if they take more than about 100 MB.
     speed : float
         Seconds of the session per wall second; ``math.inf``: never wait.
     driver : {"thread", "asyncio"}
@@ -170,7 +171,7 @@ class Session:
         on_active_edit: Literal["restart", "keep"] = "restart",
         on_issue: Literal["record", "pause"] = "record",
         name: str = "lrp",
-        journal: int = 10_000,
+        journal: int | None = None,
         speed: float = 1.0,
         driver: Literal["thread", "asyncio"] = "thread",
         hung_after: float = 2.0,
@@ -219,7 +220,7 @@ class Session:
             MonotonicClock(speed) if clock is None else clock,
             rate,
             self._notifier(),
-            journal,
+            journal != 0,
             partial(getattr, self.output, "count"),
         )
         self._driver = Driver(self._loop, name)
