@@ -64,6 +64,7 @@ from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign, on_main_thread
 from lrp_jupyter.live.inbox import Command, Inbox
 from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, RunEnded
+from lrp_jupyter.live.moments import Moments
 from lrp_jupyter.live.values import ValueTexts
 
 __all__ = ["FASTEST", "SLOWEST", "STEP", "Loop"]
@@ -129,14 +130,13 @@ class Loop:
         self._step = bridge.time_step  # seconds; None where time passes by itself
         self.changed = changed
         self._printed = printed
-        self.moments: deque[tuple[float, object, object]] = deque(maxlen=None if remembers else 1)
-        """For each tick: the time before it, the bridge's moment, and the bridge's token of its readings."""
+        self.moments = Moments(only_last=not remembers)
         self.inputs = Inputs()
         """What came from outside, as far as the run has not gone back behind it."""
         self.checkpoints = Checkpoints()
         self._remembers = remembers
-        self._pending_at = 0
-        """The tick after which there is something to do before the next: take a checkpoint, note a stop."""
+        self._pending_at = 0.0
+        """The time from which on there is something to do before a tick: take a checkpoint, note a stop."""
         self.record: Callable[[Input], object] | None = None
         """Called with every input, those before a rewinding included."""
         self.breakpoints: Breakpoints | None = None
@@ -201,6 +201,7 @@ class Loop:
         else:
             self.period = 1 / rate if step is None else max(1, round(1 / rate / step)) * step
         self.due = min(self.due, self.now + self.period)
+        self._pending_at = 0.0
 
     def set_speed(self, speed: float) -> None:
         """Change the speed, in seconds of the session per wall second.
@@ -312,11 +313,11 @@ class Loop:
         interpreter, bridge, now, step = self.interpreter, self.bridge, self.now, self._step
         self.ticking = object()  # a number would repeat: before the tick has begun, and after a rewind
         try:
-            if interpreter.tick >= self._pending_at:
+            if now >= self._pending_at:
                 self._prepare()
             moment = None if step is None else bridge.moment()
             bridge.begin_tick(now, self.period)
-            self.moments.append((now, moment, bridge.readings if step is None else bridge.sensed()))
+            self.moments.add((now, moment, bridge.readings if step is None else bridge.sensed()))
             interpreter.step(now)
             bridge.end_tick(now)
         finally:
@@ -395,7 +396,7 @@ class Loop:
         self.due = checkpoint.due
         self.clock.rebase(self.now)
         self.checkpoints.clear()
-        self._pending_at = 0
+        self._pending_at = 0.0
         bridge.safety.tick(interpreter.now, self.period)
         self.status, self._unstarted = "running" if checkpoint.running else "paused", False
         return beside
@@ -405,12 +406,13 @@ class Loop:
         while self._stops:
             self._note(self._stops.popleft())
         if not self._remembers:
-            self._pending_at = sys.maxsize
+            self._pending_at = math.inf
             return
         if self.interpreter.tick >= self.checkpoints.due:
             self.checkpoints.add(self.checkpoint)
             self._forget()
-        self._pending_at = self.checkpoints.due
+        period = 0.0 if self.free else self.period
+        self._pending_at = self.now + (self.checkpoints.due - self.interpreter.tick) * period
 
     def _forget(self) -> None:
         """Drop what no tick of the journal needs any more: all that is kept is bounded by the journal."""
@@ -418,8 +420,7 @@ class Loop:
         first = self.checkpoints.begin(tick - self.interpreter.journal)
         if first is None:
             return
-        while self.moments and tick - len(self.moments) < first.tick:
-            self.moments.popleft()
+        self.moments.drop(first.tick - (tick - len(self.moments)))
         self.inputs.begin(first.inputs)
         self.bridge.safety.begin(first.tick)
         self.bridge.forget(first.moment)
@@ -671,7 +672,7 @@ class Loop:
         """Record what was done to the robot, unless the program or a recorded input did it."""
         if isinstance(what, RobotStopped) and threading.get_ident() != self._driven_by:
             self._stops.append(what)
-            self._pending_at = 0
+            self._pending_at = 0.0
         elif self._kept is not None:
             self._kept.append(what)
         elif surely or not (self._replayed or self.ticking):
@@ -777,8 +778,7 @@ class Loop:
                 bridge.rewind(moment)  # the world may refuse, and then nothing has changed
             finally:
                 kept, self._kept = self._kept, None
-            for _ in range(ticks):
-                self.moments.pop()
+            self.moments.undo(ticks)
             self.now = now
             if self._step is not None:
                 self._steps = round(self.now / self._step)
@@ -788,7 +788,7 @@ class Loop:
         bridge.safety.forget(interpreter.tick)
         self.inputs.undo(interpreter.tick)
         self.checkpoints.cut(interpreter.tick)
-        self._pending_at = 0
+        self._pending_at = 0.0
         for what in kept:
             self.inputs.keep(self.inputs.next(interpreter.tick, self.now, what))
 
@@ -830,7 +830,7 @@ class Loop:
         self.moments.clear()
         self.inputs.clear()
         self.checkpoints.clear()
-        self._pending_at = 0
+        self._pending_at = 0.0
         self.fault = self.reason = ""
         if self.status == "broken":
             self.status = "ready"

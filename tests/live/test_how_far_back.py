@@ -50,6 +50,14 @@ def test_a_session_that_becomes_faster_still_remembers_ten_minutes():
             assert reach(session)[1] > 599.9
 
 
+def test_a_session_that_was_slow_takes_checkpoints_as_often_when_it_is_fast():
+    with started(rate=0.01) as session:
+        session.run(150)
+        session.rate = 100
+        session.run(30)
+        assert len(session._loop.checkpoints.all) > 1
+
+
 def test_a_world_is_remembered_as_long_as_the_program():
     with started(DRIVER, "sim", world="empty") as session:
         session.run(650)
