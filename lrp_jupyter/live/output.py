@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections import deque
+from collections.abc import Callable
 from threading import Lock
 from typing import Any
 
@@ -21,6 +22,8 @@ class Output:
 
     def __init__(self, lines: int = 1000) -> None:
         self.count = 0
+        self.written: list[Callable[[str], object]] = []
+        """Called with every text that is printed."""
         self._lines: deque[str] = deque(maxlen=lines)
         self._open = ""  # the last line, not ended yet
         self._lock = Lock()
@@ -41,6 +44,8 @@ class Output:
             self._open = self._open[:10_000]
             self._lines.extend(line[:10_000] for line in lines)
             self.count += len(lines)
+        for call in self.written:
+            call(text)
 
     def since(self, count: int) -> tuple[int, tuple[str, ...]]:
         """Return the current count, and the lines after the first `count` that are still kept."""

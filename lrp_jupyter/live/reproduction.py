@@ -126,7 +126,7 @@ def reproduce(
     comparison = _Comparison(recording)
     session.open()
     loop = session._loop
-    recorder = Recorder(loop, comparison.write)
+    recorder = Recorder(loop, session.output, comparison.write)
     while entries and (until is None or entries[0].time <= until + 1e-9):
         with session.driving(_LIMIT):
             for _ in range(min(len(entries), 1000)):
@@ -154,11 +154,14 @@ class _Comparison:
 
     def __init__(self, recording: Recording) -> None:
         self._recorded = deque(recording.followed)
+        self._has_printed = recording.has_printed
         self.difference: FirstDifference | None = None
 
     def write(self, text: str) -> None:
         line = json.loads(text)
         if "input" in line or self.difference is not None:
+            return
+        if line.get("event") == "printed" and not self._has_printed:
             return
         recorded = self._recorded.popleft() if self._recorded else None
         if recorded != line:
@@ -188,7 +191,9 @@ def _told(line: Mapping[str, Any] | None) -> str:
             return f"`{line['variable']}` {value}"
         case "issue":
             return f"an issue: {line['message']}"
-        case None if "command" in line:
+        case "printed":
+            return f"{line['text']!r} was printed"
+        case "commanded":
             sent = "" if line["sent"] else ", not sent"
             arguments = json.dumps(line["arguments"]["dict"], ensure_ascii=False).replace('{"dict": ', "{")
             return f"`robot.{line['command']}` by `{line['block']}` (line {line['line']}){sent}: {arguments}"

@@ -60,6 +60,7 @@ def test_a_trace_has_a_line_for_every_event_and_stdout_has_nothing_else(lrp, pro
         {"tick": 1, "time": 0.0, "event": "changed", "variable": "n", "value": 0},
         {"tick": 2, "time": 0.1, "event": "changed", "variable": "n", "value": 1},
         {"tick": 3, "time": 0.2, "event": "changed", "variable": "n", "value": 2},
+        {"tick": 4, "time": 0.3, "event": "printed", "text": "two at 2\n"},
         {"tick": 4, "time": 0.3, "event": "left", "state": "counter/one"},
         {"tick": 4, "time": 0.3, "event": "fired", "machine": "counter", "transition": "go",
          "source": "one", "destination": "two"},
@@ -71,7 +72,7 @@ def test_a_trace_has_a_line_for_every_event_and_stdout_has_nothing_else(lrp, pro
 def test_a_trace_goes_into_a_file_as_well(lrp, program, tmp_path):
     path = tmp_path / "trace.jsonl"
     lrp("run", program(COUNT), "--speed", "max", "--for", "1", "--trace", path)
-    assert len(path.read_text().splitlines()) == 9
+    assert len(path.read_text().splitlines()) == 10
 
 
 @pytest.mark.parametrize("name", ["follower", "two-machines"])

@@ -54,7 +54,7 @@ def test_a_session_that_was_slow_takes_checkpoints_as_often_when_it_is_fast():
     with started(rate=0.01) as session:
         session.run(150)
         session.rate = 100
-        session.run(30)
+        session.run(900)
         assert len(session._loop.checkpoints.all) > 1
 
 

@@ -7,7 +7,6 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.live import clock as clocks
-from lrp_jupyter.live.trace import Trace
 
 BOUNCE = """
 (var bumps := [0])
@@ -32,7 +31,7 @@ def trace():
     lines = []
 
     def follow(session):
-        session.observe(Trace(lines.append))
+        session.trace(lines.append)
         return lambda: "".join(lines)
 
     return follow
