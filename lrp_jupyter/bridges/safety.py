@@ -128,7 +128,7 @@ class Safety:
         self._moving_since: float | None = None  # time of the last velocity command that is not zero
         self._moving_name = "move"
         self._notices: deque[Notice] = deque(maxlen=kept)
-        self.recorded: list[Callable[[CommandRecord], object]] = []
+        self.recorded: Callable[[CommandRecord], object] | None = None
         """Called with every command."""
         self._commands: deque[CommandRecord] = deque(maxlen=COMMANDS)
         self._last: CommandRecord | None = None
@@ -169,8 +169,8 @@ class Safety:
                     self._commands.append(replace(last, first=self._begun))
                 self._begun = command.origin
             self._last = command
-        for call in self.recorded:
-            call(command)
+        if self.recorded is not None:
+            self.recorded(command)
 
     def begin(self, tick: int) -> None:
         """Drop the commands that no longer held at a tick."""

@@ -117,8 +117,7 @@ and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired
 `source`, `destination`); `spawned`, `discarded` (`machine`); `changed` (`variable`, `value`); `issue`
 (`code`, `element`, `line`, `message`); `patched` (`applied`, `restarted`, `reason`); `restarted` (`reason`);
 `forced` (`state`, `how`); `commanded` (`command`, `arguments`, `sent`, and `block` and `line` of its origin);
-`printed` (`text`). Within a tick, commands and printed text come first. The same program, world and seed
-produce the same trace.
+`printed` (`text`). The same program, world and seed produce the same trace.
 
 **Recordings**: `--record run.lrplog` writes the trace and the inputs of the run: program and world, every
 save of the file, every key. `lrp replay run.lrplog` reproduces a simulated run bit for bit, and `lrp why

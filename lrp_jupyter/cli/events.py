@@ -14,6 +14,7 @@ from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import matches
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Path
+from lrp_jupyter.live.trace import Trace
 
 __all__ = ["EventCollector", "EventPrinter"]
 
@@ -32,32 +33,36 @@ class EventCollector:
         Length of the run; may be infinite.
     until : str, optional
         The state that ends the run; :attr:`reached` is set when it is entered.
+    traced : bool
+        Whether to collect the lines of a trace.
 
     Attributes
     ----------
+    lines : deque of str
+        Lines of the trace not written yet.
     pending : deque of TraceEvent
         Events worth printing, not printed yet.
     since : dict of path to float
         When the active states were entered, in seconds.
     """
 
-    def __init__(self, seconds: float = math.inf, until: str | None = None) -> None:
+    def __init__(self, seconds: float = math.inf, until: str | None = None, traced: bool = False) -> None:
+        self.lines: deque[str] = deque()
         self.pending: deque[TraceEvent] = deque()
         self.since: dict[Path, float] = {}
         self.reached = threading.Event()
         self._seconds = seconds
         self._until = until
         self._last_tick = math.inf
-
-    def wants(self, tick: int, now: float) -> bool:
-        """Return whether what happens in a tick, at a time, belongs to the run."""
-        return now < self._seconds - _ROUNDING and tick <= self._last_tick
+        self._trace = Trace(self.lines.append) if traced else None
 
     def __call__(self, event: TraceEvent) -> None:
         """Collect one event."""
         kind, path, tick, now, _ = event
-        if not self.wants(tick, now):
+        if now >= self._seconds - _ROUNDING or tick > self._last_tick:
             return
+        if self._trace is not None:
+            self._trace(event)
         if kind == "entered":
             self.since[path] = now
             if self._until is not None and matches(self._until, path):

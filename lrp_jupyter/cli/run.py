@@ -163,8 +163,7 @@ class _Run:
         self._caught: list[int] = []  # signals that end the run, including that of a closed pipe
         self._quit = False  # by the key q
         self._trace = trace
-        self._traced: deque[str] = deque()  # lines of the trace, not written yet
-        self._events = EventCollector(wanted.seconds, wanted.until)
+        self._events = EventCollector(wanted.seconds, wanted.until, trace is not None)
         console = plain_console(stderr=wanted.trace == "-")
         drawn = console.is_terminal and not console.is_dumb_terminal and wanted.trace != "-"
         self._board = Board(Console(highlight=False, markup=False, emoji=False)) if drawn else None
@@ -203,8 +202,6 @@ class _Run:
         """Run to the end and return the exit code."""
         session, wanted = self.session, self.wanted
         session.observe(self._events)
-        if self._trace is not None:
-            session.trace(self._traced.append, self._events.wants)
         pace = self.pace
         with ExitStack() as stack:
             self._caught = stack.enter_context(recorded_signals(self._wake))
@@ -265,7 +262,7 @@ class _Run:
             self._board.show(self._board_state(frame))
 
     def _write_trace(self) -> None:
-        lines, trace = self._traced, self._trace
+        lines, trace = self._events.lines, self._trace
         if trace is None:
             lines.clear()
             return

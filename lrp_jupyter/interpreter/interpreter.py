@@ -283,6 +283,10 @@ class Interpreter:
         """
         return self._run.observe(callback)
 
+    def emit(self, kind: str, data: object) -> None:
+        """Tell the observers, in its order, what the owner of this interpreter has noticed."""
+        self._run.emit(kind, (), data)
+
     # ---- the tick ---------------------------------------------------------------------------
 
     def step(self, now: float) -> None:

@@ -39,6 +39,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from numbers import Real
 from time import perf_counter
 from types import FrameType, MappingProxyType
@@ -148,6 +149,7 @@ class Loop:
         self._replayed = False  # whether what happens now follows from a recorded input
         self._kept: list[object] | None = None  # what of the world was kept while it is rewound
         bridge.outside, bridge.origin = self._from_outside, self._origin
+        bridge.safety.recorded = partial(interpreter.emit, "commanded")
         self._steps = 0
         self.now = 0.0
         """Seconds of the run."""

@@ -22,8 +22,8 @@ class Output:
 
     def __init__(self, lines: int = 1000) -> None:
         self.count = 0
-        self.written: list[Callable[[str], object]] = []
-        """Called with every text that is printed."""
+        self.written: Callable[[str], object] | None = None
+        """Called with every text that a block prints."""
         self._lines: deque[str] = deque(maxlen=lines)
         self._open = ""  # the last line, not ended yet
         self._lock = Lock()
@@ -36,6 +36,8 @@ class Output:
         text = io.StringIO()
         print(*values, sep=sep, end=end, file=text)
         self.write(text.getvalue())
+        if self.written is not None:
+            self.written(text.getvalue())
 
     def write(self, text: str) -> None:
         """Append text; every newline ends a line."""
@@ -44,8 +46,6 @@ class Output:
             self._open = self._open[:10_000]
             self._lines.extend(line[:10_000] for line in lines)
             self.count += len(lines)
-        for call in self.written:
-            call(text)
 
     def since(self, count: int) -> tuple[int, tuple[str, ...]]:
         """Return the current count, and the lines after the first `count` that are still kept."""

@@ -49,7 +49,6 @@ from lrp_jupyter.language.unmeant import Unmeant
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.inputs import Input, Paused, Resumed, RunEnded
 from lrp_jupyter.live.loop import Loop
-from lrp_jupyter.live.output import Output
 from lrp_jupyter.live.replay import Entry, Ticked
 from lrp_jupyter.live.trace import Trace, plain
 from lrp_jupyter.sim.edits import Become, Draw, WorldEdit
@@ -119,37 +118,36 @@ class Recorder(Trace):
     ----------
     loop : Loop
         Before its first tick.
-    output : Output
     write : callable
         Receives every line, with its newline.
     start : RunStart
     """
 
-    def __init__(
-        self, loop: Loop, output: Output, write: Callable[[str], object], start: RunStart | None = None
-    ) -> None:
-        super().__init__(loop, output, write)
+    def __init__(self, loop: Loop, write: Callable[[str], object], start: RunStart | None = None) -> None:
+        super().__init__(write)
+        self._loop = loop
         if start is not None:
             parts = {name: getattr(start, name) for name in RunStart.__dataclass_fields__}
             self.line({"lrplog": VERSION, **parts})
         loop.record = self._input
         loop.after_tick.append(self._tick)
+        self._unobserve = loop.interpreter.observe(self)
 
     def end(self) -> None:
         """Write the time of the end, and nothing more."""
-        super().end()
-        loop = self.loop
+        self._unobserve()
+        loop = self._loop
         self._input(Input(0, loop.interpreter.tick, loop.now, RunEnded()))
         loop.record = None
         loop.after_tick.remove(self._tick)
 
     def _input(self, entry: Input) -> None:
-        self.line({"tick": entry.tick, "time": entry.time, **_encoded(entry.what, self.loop)})
+        self.line({"tick": entry.tick, "time": entry.time, **_encoded(entry.what, self._loop)})
 
     def _tick(self) -> None:
-        time, _, sensed = self.loop.moments[-1]
-        readings = {name: plain(value) for name, value in self.loop.bridge.readings_of(sensed).items()}
-        self.line({"tick": self.loop.interpreter.tick, "time": time, "readings": readings})
+        time, _, sensed = self._loop.moments[-1]
+        readings = {name: plain(value) for name, value in self._loop.bridge.readings_of(sensed).items()}
+        self.line({"tick": self._loop.interpreter.tick, "time": time, "readings": readings})
 
 
 def start_of(

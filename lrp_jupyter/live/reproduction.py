@@ -126,7 +126,7 @@ def reproduce(
     comparison = _Comparison(recording)
     session.open()
     loop = session._loop
-    recorder = Recorder(loop, session.output, comparison.write)
+    recorder = Recorder(loop, comparison.write)
     while entries and (until is None or entries[0].time <= until + 1e-9):
         with session.driving(_LIMIT):
             for _ in range(min(len(entries), 1000)):

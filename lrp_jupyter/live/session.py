@@ -96,7 +96,6 @@ from lrp_jupyter.live.past import frame_at
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recording import Recorder, start_of
 from lrp_jupyter.live.replay import Entry, play, repeat, tested_again, without_edits
-from lrp_jupyter.live.trace import Trace
 from lrp_jupyter.live.trials import Trial, Trials
 from lrp_jupyter.live.variables import LiveVariables
 
@@ -212,6 +211,7 @@ class Session:
             journal=journal,
             output=self.output.print,
         )
+        self.output.written = partial(interpreter.emit, "printed")
         self._changed = threading.Condition()
         self._version = 0  # incremented whenever waiting callers must check again
         self._listeners: tuple[Callable[[], None], ...] = ()
@@ -877,21 +877,7 @@ class Session:
         if self._loop.interpreter.tick or self._loop.inputs:
             raise ValueError("The session has run already. A recording begins before the first tick.")
         self.bridge.open()
-        return Recorder(self._loop, self.output, write, start_of(self._loop, self.bridge, seed, initials))
-
-    def trace(
-        self, write: Callable[[str], object], wanted: Callable[[int, float], bool] = lambda tick, time: True
-    ) -> Trace:
-        """Begin to write what follows, as JSON Lines; on the loop's thread, or before it is started.
-
-        Parameters
-        ----------
-        write : callable
-            Receives every line.
-        wanted : callable, optional
-            Returns whether what happens in a tick, at a time, is written.
-        """
-        return Trace(self._loop, self.output, write, wanted)
+        return Recorder(self._loop, write, start_of(self._loop, self.bridge, seed, initials))
 
     # -- the past, and what if -------------------------------------------------------------------
 

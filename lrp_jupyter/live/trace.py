@@ -20,7 +20,7 @@ Every line has ``tick`` (the first is 1), ``time`` (seconds), ``event``, and the
 
 ``started``, ``paused`` and ``resumed`` concern the program as a whole. A variable that has lost
 its value has no ``value``. Values without a JSON type are written as text, without addresses, so equal
-runs have equal traces. Within a tick, commands and what is printed come before the events.
+runs have equal traces.
 
 The same lines are the part of a recording that says what followed (``recording.py``).
 """
@@ -31,14 +31,11 @@ import json
 import math
 import re
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, TextIO
 
-from lrp_jupyter.bridges.safety import CommandRecord
 from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.interpreter.events import UNSET, TraceEvent
 from lrp_jupyter.interpreter.rendering import render
-from lrp_jupyter.live.loop import Loop
-from lrp_jupyter.live.output import Output
 
 __all__ = ["Trace", "as_dict", "plain"]
 
@@ -86,6 +83,18 @@ def _details(event: TraceEvent) -> dict[str, Any]:
                 "line": data.line,
                 "message": _steady(data.message),
             }
+        case "commanded":
+            _, block, row = data.origin
+            arguments = plain(data.arguments)
+            return {
+                "command": data.name,
+                "arguments": arguments,
+                "sent": data.sent,
+                "block": block,
+                "line": row,
+            }
+        case "printed":
+            return {"text": _steady(data)}
         case "patched":
             return {"applied": data.applied, "restarted": data.restarted, "reason": data.reason}
     return {}
@@ -104,68 +113,24 @@ def _steady(text: str) -> str:
 
 
 class Trace:
-    """Writes a line for each thing that follows in a session. It belongs to the thread that ticks.
+    """An observer that writes a line per event.
 
     Parameters
     ----------
-    loop : Loop
-    output : Output
-        Of the session.
-    write : callable
+    write : callable or text file
         Receives every line, with its newline.
-    wanted : callable, optional
-        Returns whether what happens in a tick, at a time, is written.
     """
 
-    def __init__(
-        self,
-        loop: Loop,
-        output: Output,
-        write: Callable[[str], object],
-        wanted: Callable[[int, float], bool] = lambda tick, time: True,
-    ) -> None:
-        self.loop = loop
-        self._write, self._wanted = write, wanted
-        self._commands, self._output = loop.bridge.safety.recorded, output.written
-        self._commands.append(self._command)
-        self._output.append(self._printed)
-        self._unobserve = loop.interpreter.observe(self._event)
+    def __init__(self, write: Callable[[str], Any] | TextIO) -> None:
+        self._write: Callable[[str], Any] = write if callable(write) else write.write
 
-    def end(self) -> None:
-        """Write nothing more."""
-        self._unobserve()
-        self._commands.remove(self._command)
-        self._output.remove(self._printed)
+    def __call__(self, event: TraceEvent) -> None:
+        """Write one event."""
+        self.line(as_dict(event))
 
     def line(self, entry: Mapping[str, Any]) -> None:
-        """Write a line; also one that is no event."""
+        """Write a line; also one that is no event of the interpreter."""
         self._write(json.dumps(entry, ensure_ascii=False, separators=(",", ":")) + "\n")
-
-    def _event(self, event: TraceEvent) -> None:
-        if self._wanted(event.tick, event.now):
-            self.line(as_dict(event))
-
-    def _command(self, record: CommandRecord) -> None:
-        tick, block, line = record.origin
-        if self._wanted(tick, record.now):
-            self.line(
-                {
-                    "tick": tick,
-                    "time": record.now,
-                    "event": "commanded",
-                    "command": record.name,
-                    "arguments": plain(record.arguments),
-                    "sent": record.sent,
-                    "block": block,
-                    "line": line,
-                }
-            )
-
-    def _printed(self, text: str) -> None:
-        tick, time = self.loop.interpreter.tick, self.loop.interpreter.now
-        if self._wanted(tick, time):
-            entry = {"tick": tick, "time": round(time, 9), "event": "printed", "text": _steady(text)}
-            self.line(entry)
 
 
 def plain(value: object) -> Any:

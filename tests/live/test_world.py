@@ -7,6 +7,7 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.live import clock as clocks
+from lrp_jupyter.live.trace import Trace
 
 BOUNCE = """
 (var bumps := [0])
@@ -31,7 +32,7 @@ def trace():
     lines = []
 
     def follow(session):
-        session.trace(lines.append)
+        session.observe(Trace(lines.append))
         return lambda: "".join(lines)
 
     return follow
