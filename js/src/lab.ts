@@ -195,7 +195,8 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   };
   if (part === "lab" || part === "controls") root.append(controls(lab, choices));
   const looking = new Looking(lab);
-  root.append(band(lab, looking));
+  const past = band(lab, looking);
+  if (part === "lab") root.append(past);
   root.append(layout?.element ?? Object.values(panels).find(Boolean) ?? h("div"));
   if (part === "lab") root.append(timelineView(lab, looking));
   root.append(foot(lab, text, save.element, versions.element, opening.element));

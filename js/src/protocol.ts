@@ -136,13 +136,15 @@ export interface StepCommand {
   value?: Ticks;
 }
 
+export type PastTicks = number;
+
 /** Step back by this number of ticks. */
 export interface StepBackCommand {
   view: string;
   type: "command";
   id: number;
   do: "step_back";
-  value?: Ticks;
+  value?: PastTicks;
 }
 
 /** Start the program from scratch. */

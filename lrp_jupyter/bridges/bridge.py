@@ -247,6 +247,9 @@ class Bridge(Interface, ABC):
         """Return a token for the present moment of the bridge's own world, for `rewind`."""
         return None
 
+    def forget(self, moment: object) -> None:
+        """Drop what only `rewind` and `fork` to moments before this one need."""
+
     def fork(self, moment: object) -> Bridge | None:
         """Return an open, independent copy of the robot with its world at a moment.
 

@@ -21,8 +21,8 @@ __all__ = ["BY_HAND", "COMMANDS", "CommandRecord", "Notice", "Origin", "Safety",
 
 NoticeKind = Literal["armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "fault"]
 
-COMMANDS = 5_000
-"""How many commands the log holds; one that is repeated counts as one."""
+COMMANDS = 60_000
+"""How many commands the log holds at most; one that is repeated counts as one."""
 
 _SHORTEST = 0.5  # s; a robot at walking pace moves 10 cm in it
 _ROUNDING = 1e-9  # s; 5 periods of 0.1 s are half a second
@@ -171,6 +171,12 @@ class Safety:
             self._last = command
         if self.recorded is not None:
             self.recorded(command)
+
+    def begin(self, tick: int) -> None:
+        """Drop the commands that no longer held at a tick."""
+        with self._log_lock:
+            while len(self._commands) > 1 and self._commands[1].first.tick <= tick:
+                self._commands.popleft()
 
     def forget(self, tick: int) -> None:
         """Drop the commands of later ticks, which were undone."""

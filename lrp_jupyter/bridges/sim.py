@@ -282,6 +282,11 @@ class SimBridge(Bridge):
         self.safety.motion = moment.motion
         self._stopping = moment.stopping
 
+    def forget(self, moment: object) -> None:
+        """See :class:`Bridge`."""
+        if isinstance(moment, _SimMoment) and moment.simulation is self.simulation:
+            self.simulation.forget(moment.world)
+
     def fork(self, moment: object) -> SimBridge:
         """See :class:`Bridge`.
 

@@ -116,9 +116,10 @@ the global variables and the robot to become True. Without a keyboard the run en
 and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired` (`machine`, `transition`,
 `source`, `destination`); `spawned`, `discarded` (`machine`); `changed` (`variable`, `value`); `issue`
 (`code`, `element`, `line`, `message`); `patched` (`applied`, `restarted`, `reason`); `restarted` (`reason`);
-`forced` (`state`, `how`). The same program, world and seed produce the same trace.
+`forced` (`state`, `how`); `commanded` (`command`, `arguments`, `sent`, and `block` and `line` of its origin);
+`printed` (`text`). The same program, world and seed produce the same trace.
 
-**Recordings**: `--record run.lrplog` writes the inputs of the run as well: the program and its world, every
+**Recordings**: `--record run.lrplog` writes the trace and the inputs of the run: program and world, every
 save of the file, every key. `lrp replay run.lrplog` reproduces a simulated run bit for bit, and `lrp why
 run.lrplog NAME --at 12.3` answers why a transition did not fire there. A name that ends with `.gz` compresses
 the file.
@@ -184,7 +185,7 @@ def run(
     ] = None,
     trace: Annotated[
         str | None,
-        typer.Option(metavar="FILE|-", help="Write the events as JSON Lines; `-` writes to stdout."),
+        typer.Option(metavar="FILE|-", help="Write what happens as JSON Lines; `-` writes to stdout."),
     ] = None,
     breakpoints: Annotated[
         list[str] | None,

@@ -23,6 +23,8 @@ EVENT_KINDS = (
     "forced",
     "paused",
     "resumed",
+    "commanded",
+    "printed",
 )
 
 
@@ -61,7 +63,8 @@ class TraceEvent(NamedTuple):
     data : object
         fired: a :class:`Firing`; changed: the new value or
         :data:`UNSET`; issue: the :class:`Issue`; patched: the :class:`Patch`; restarted: the
-        reason, a sentence; forced: ``"transition"`` or ``"teleport"``; else None.
+        reason, a sentence; forced: ``"transition"`` or ``"teleport"``; commanded: the command of the robot;
+        printed: the text; else None.
     """
 
     kind: str

@@ -89,9 +89,9 @@ class Interpreter:
         The effect of a change to the actions of an active state.
     on_issue : {"record", "pause"}
         ``pause``: complete the tick, then pause, at each new issue.
-    journal : int
-        How many ticks :meth:`rewind` can go back, fewer if the values in them take more than 100 MB; 0 keeps
-        no journal.
+    journal : int, optional
+        How many ticks :meth:`rewind` can go back, by default 10,000 or those of 10 minutes, whichever are
+        more; fewer if they take more than about 100 MB. 0 keeps no journal.
     output : callable, optional
         The function that blocks call as ``print``.
 
@@ -127,13 +127,14 @@ class Interpreter:
         on_active_edit: Literal["restart", "keep"] = "restart",
         on_issue: Literal["record", "pause"] = "record",
         *,
-        journal: int = 10_000,
+        journal: int | None = None,
         output: Callable[..., object] | None = None,
     ) -> None:
         check_type("program", program, Program, A_PROGRAM)
         check_type("namespace", namespace, (dict, NoneType), "a dict")
-        check_type("journal", journal, int, "a number of ticks")
-        check_number("journal", journal, "a number of ticks", least=0)
+        if journal is not None:
+            check_type("journal", journal, int, "a number of ticks")
+            check_number("journal", journal, "a number of ticks", least=0)
         self.on_active_edit = on_active_edit
         self.on_issue = on_issue
         self.paused = False
@@ -281,6 +282,10 @@ class Interpreter:
         Observers are called in order when a tick or a command is over, on the interpreter's thread.
         """
         return self._run.observe(callback)
+
+    def emit(self, kind: str, data: object) -> None:
+        """Tell the observers, in its order, what the owner of this interpreter has noticed."""
+        self._run.emit(kind, (), data)
 
     # ---- the tick ---------------------------------------------------------------------------
 

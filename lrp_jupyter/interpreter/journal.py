@@ -9,8 +9,9 @@ recorded inputs.
 The log is one flat list. A tuple per record would cost four times as much, because Python's garbage
 collector visits each of them.
 
-It is bounded by ticks and by bytes. Weighing every value would cost more than the tick, so a sample is
-weighed now and then; once there are large values, all of them are, after every tick.
+It keeps the last ticks, as many as were asked for; by default :data:`TICKS` or those of the last
+:data:`SECONDS`, whichever are more. It is also bounded by memory. Weighing every value would cost more than
+the tick, so a sample is weighed now and then; once there are large values, all of them are, after every tick.
 """
 
 from __future__ import annotations
@@ -81,11 +82,17 @@ def values_of(item: object) -> int | None:
     return _VALUES.get(item)  # type: ignore[call-overload, no-any-return]
 
 
-EDITS = 300
+TICKS, SECONDS = 10_000, 600.0
+"""How many ticks, and seconds, are kept at least, if not another number of ticks is asked for."""
+EDITS = 3_000
 """Maximum number of saved states: each is that of a whole run, and people type for hours."""
 MOST = 100_000_000
 """Maximum number of bytes of values and texts, roughly; beyond it the older half is dropped."""
+LONGEST = 8_000_000
+"""Maximum number of items of the log; beyond it fewer ticks are kept."""
 
+_TICK = 30  # items of the log that take as much memory as what a session keeps of each tick
+_MARKS = 8  # places where the log can be cut, if the fewest ticks are kept
 _PAUSE = 256  # ticks between two weighings of small values, if nothing asks for one before
 _SAMPLE = 16  # items of the log, and a 64th of the new ones
 _HEAVY = 100_000  # bytes after which everything is weighed
@@ -100,29 +107,39 @@ def weightless(kind: type[Kind]) -> type[Kind]:
 
 
 class Journal:
-    """The undo log of the last `bound` ticks, with at most the last :data:`EDITS` saved states.
+    """The undo log of the last ticks, with at most the last :data:`EDITS` saved states.
 
     Code that changes the run appends to ``log`` directly. The log begins with the time at which the
     first tick that can be undone began.
+
+    Parameters
+    ----------
+    ticks : int, optional
+        The number of ticks that can be undone.
     """
 
     __slots__ = (
-        "_bound",
         "_bytes",
-        "_first",
+        "_gone",
         "_known",
-        "_mark",
+        "_marks",
         "_pause",
         "_saved",
+        "_seconds",
+        "_stride",
+        "_ticks",
         "_weighed",
         "_weights",
         "log",
     )
 
-    def __init__(self, bound: int) -> None:
-        self._bound = bound
-        self._first = 0  # ticks that can no longer be undone
-        self._mark = 0, 0  # a tick, and the index in the log at which it ends
+    def __init__(self, ticks: int | None = None) -> None:
+        self._ticks = TICKS if ticks is None else ticks
+        self._seconds = SECONDS if ticks is None else 0.0
+        self._stride = max(1, self._ticks // _MARKS)
+        # Ticks, and after how many items of the log they ended. The first is the last that cannot be undone.
+        self._marks: deque[tuple[int, int]] = deque([(0, 0)])
+        self._gone = 0  # items of the log that were dropped
         self._saved: deque[int] = deque()  # the ticks after which they were made
         self._weights: deque[tuple[int, int]] = deque()  # ticks, and the bytes added since the one before
         self._bytes = 0  # their sum
@@ -133,12 +150,13 @@ class Journal:
 
     def begin(self, tick: int, now: float) -> None:
         """Begin after a number of ticks, the last of which ended at a time, in seconds."""
-        self._first, self._mark, self._weighed = tick, (tick, 0), 1
+        self._marks, self._gone, self._weighed = deque([(tick, 0)]), 0, 1
         self.log[:] = [now]
 
     def reach(self, tick: int) -> int:
         """Return how many ticks can be undone after `tick` ticks."""
-        return min(tick - self._first, self._bound)
+        held = tick - self._marks[0][0]
+        return held if self._seconds else min(held, self._ticks)
 
     def save(self, ended: int, make: Callable[[], SavedState]) -> None:
         """Log a saved state, unless there is one since tick `ended`, which undoes everything after it."""
@@ -153,9 +171,10 @@ class Journal:
 
     def trim(self, tick: int) -> int:
         """Drop what is too old or too much; return after how many ticks to call this again."""
-        if tick - self._mark[0] >= self._bound:
-            self._drop(tick - self._bound)
-            self._mark = tick, len(self.log) - 1  # where to cut the next time
+        marks = self._marks
+        if tick - marks[-1][0] >= self._stride:
+            marks.append((tick, self._gone + len(self.log) - 1))
+            self._drop(next(marked for marked, place in reversed(marks) if self._covers(marked, place, tick)))
         weight = self._weigh()
         self._add(tick, weight)
         self._pause = 1 if weight >= _HEAVY else min(2 * self._pause, _PAUSE)
@@ -165,7 +184,14 @@ class Journal:
                 first, weight = self._weights.popleft()
                 self._bytes -= weight
             self._drop(min(first + 1, tick))
-        return max(1, min(self._pause, self._mark[0] + self._bound - tick))
+        return max(1, min(self._pause, marks[-1][0] + self._stride - tick))
+
+    def _covers(self, marked: int, place: int, tick: int) -> bool:
+        """Return whether what came after a mark is all that is to be kept after `tick` ticks."""
+        ticks, items = tick - marked, len(self.log) - (start := place - self._gone)
+        if start == 0 or items + ticks * _TICK > LONGEST:
+            return True
+        return ticks >= self._ticks and self.log[-1] - self.log[start] >= self._seconds
 
     def _weigh(self) -> int:
         """Return roughly how many bytes the log holds that were not weighed before."""
@@ -205,14 +231,18 @@ class Journal:
 
     def _drop(self, first: int) -> None:
         """Raise the number of ticks that can no longer be undone to `first`, unless it is already higher."""
-        first = max(first, self._first)
-        marked, place = self._mark
-        cut = place if marked == first else self.ends()[self._first - first - 1]
+        marks = self._marks
+        if first <= marks[0][0]:
+            return
+        known = [place for tick, place in marks if tick == first]
+        place = known[0] if known else self._gone + self.ends()[marks[0][0] - first - 1]
+        while marks and marks[0][0] <= first:
+            marks.popleft()
+        marks.appendleft((first, place))
+        cut, self._gone = place - self._gone, place
         del self.log[:cut]
-        self._mark = marked, place - cut
         self._weighed = max(self._weighed - cut, 0)
         self._known.clear()  # other values may have the ids of what is dropped
-        self._first = first
         while self._weights and self._weights[0][0] < first:
             self._bytes -= self._weights.popleft()[1]
         while self._saved and self._saved[0] < first:
@@ -250,9 +280,9 @@ class Journal:
         """
         if not 0 <= ticks <= self.reach(tick):
             raise ValueError(f"Cannot go back {ticks} ticks: the journal holds {self.reach(tick)}.")
-        self._drop(tick - self._bound)
-        if tick - ticks < self._mark[0]:
-            self._mark = -1, 0
+        self._drop(tick - self.reach(tick))
+        while self._marks[-1][0] > tick - ticks:
+            self._marks.pop()
         log, ends = self.log, 0
         while True:
             item = log.pop()

@@ -60,7 +60,7 @@ class Run:
         robot: object,
         namespace: dict[str, Any],
         output: Callable[..., object] | None,
-        journal: int,
+        journal: int | None,
     ) -> None:
         self.program, self.plan = program, link(program)
         self.namespace = namespace
@@ -72,7 +72,7 @@ class Run:
             "robot": Slot(CellType(robot)),
             "print": Slot(CellType(output or builtins.print)),
         }
-        self.journal = Journal(journal) if journal > 0 else None
+        self.journal = None if journal == 0 else Journal(journal)
         self.log: Log | None = self.journal.log if self.journal is not None else None
         self.full = 0
         """The tick after which the journal is trimmed the next time."""

@@ -782,8 +782,8 @@ class Answers:
 def tick_of(loop: Loop, time: float) -> int:
     """Return the last recorded tick that was not after a time, in seconds of the run."""
     times = [moment[0] for moment in loop.moments]
-    first = loop.interpreter.tick - len(times) + 1
-    return first + max(0, bisect_right(times, time + 1e-9) - 1)
+    tick = loop.interpreter.tick - len(times) + bisect_right(times, time + 1e-9)
+    return max(tick, loop.interpreter.history.ticks.start)
 
 
 _WRITERS: dict[str, Callable[..., None]] = {

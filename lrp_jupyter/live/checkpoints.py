@@ -83,6 +83,12 @@ class Checkpoints:
         if len(self.all) > _MOST or sum(len(each.snapshot.values.data) for each in self.all) > _BYTES:
             del self.all[1:-1:2]  # every other one, but neither the first nor the last
 
+    def begin(self, tick: int) -> SessionCheckpoint | None:
+        """Drop those that no tick after this one needs; return the first that is left."""
+        while len(self.all) > 1 and self.all[1].tick <= tick:
+            del self.all[0]
+        return self.all[0] if self.all else None
+
     def cut(self, tick: int) -> None:
         """Drop those after a tick."""
         while self.all and self.all[-1].tick > tick:

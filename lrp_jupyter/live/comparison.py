@@ -60,12 +60,15 @@ class Comparison:
     ----------
     recorded : iterable of dict
         What followed in the recorded run.
+    has_printed : bool
+        Whether that says what was printed.
     other : bool
         Whether the program is another one: then neither the lines of its text nor its edits are compared.
     """
 
-    def __init__(self, recorded: Iterable[Line], other: bool = False) -> None:
+    def __init__(self, recorded: Iterable[Line], has_printed: bool = True, other: bool = False) -> None:
         self._other = other
+        self._has_printed = has_printed
         self._recorded = deque(line for line in recorded if self._counts(line))
         self._now: list[Line] = []  # the lines of the present tick
         self._machines: dict[str, str] = {}  # of the states that were entered, by name
@@ -105,7 +108,8 @@ class Comparison:
             self._differ([self._recorded[0]], [])
 
     def _counts(self, line: Line) -> bool:
-        return not (self._other and line.get("event") == "patched")
+        event = line.get("event")
+        return not ((self._other and event == "patched") or (event == "printed" and not self._has_printed))
 
     def _key(self, line: Line) -> Line:
         """Return what is compared of a line."""
@@ -170,7 +174,9 @@ def _told(line: Line) -> str:
             return f"`{name}` (line {line['line']}) had an issue: {line['message']}"
         case "restarted":
             return f"the program was restarted ({line['reason'].rstrip('.')})"
-        case None if "command" in line:
+        case "printed":
+            return f"{line['text']!r} was printed"
+        case "commanded":
             call = call_text(line["command"], unplain(line["arguments"]))
             where = f" (line {line['line']})" if line.get("line") else ""
             sent = "" if line["sent"] else ", which was not sent"

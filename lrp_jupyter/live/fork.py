@@ -60,7 +60,7 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
         return ForkStart(checkpoint, (), (), _forked(loop.bridge, checkpoint.moment))
     loop.checkpoints.drop(loop.inputs.lost)
     found = loop.checkpoints.before(at)
-    first = now - len(loop.moments)
+    first = now - loop.interpreter.journal
     if found is None or not max(found.tick, first) <= at <= now:
         least = loop.checkpoints.all[0].tick if loop.checkpoints.all else now
         raise ValueError(f"Tick {at} is not recorded: only {max(least, first)} to {now} are.")

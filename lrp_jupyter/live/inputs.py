@@ -52,8 +52,8 @@ class Input(NamedTuple):
     what: object
 
 
-_MOST = 20_000  # inputs kept
-_LETTERS = 4_000_000  # of texts kept
+_MOST = 50_000  # inputs kept
+_LETTERS = 20_000_000  # of texts kept
 
 
 class Inputs:
@@ -86,6 +86,11 @@ class Inputs:
             oldest, weight = self._all.popleft()
             self._letters -= weight
             self.lost = oldest.number
+
+    def begin(self, number: int) -> None:
+        """Drop those up to the one with this number."""
+        while self._all and self._all[0][0].number <= number:
+            self._letters -= self._all.popleft()[1]
 
     def undo(self, tick: int) -> None:
         """Drop those that came after a tick."""

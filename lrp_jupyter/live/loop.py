@@ -39,6 +39,7 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from functools import partial
 from numbers import Real
 from time import perf_counter
 from types import FrameType, MappingProxyType
@@ -64,6 +65,7 @@ from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign, on_main_thread
 from lrp_jupyter.live.inbox import Command, Inbox
 from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, RunEnded
+from lrp_jupyter.live.moments import Moments
 from lrp_jupyter.live.values import ValueTexts
 
 __all__ = ["FASTEST", "SLOWEST", "STEP", "Loop"]
@@ -95,8 +97,8 @@ class Loop:
         Ticks per second; 0 for as many as possible.
     changed : callable
         Called after every new :attr:`frame`, and whenever :attr:`hung` has changed.
-    remembered : int
-        Number of ticks that can be rewound.
+    remembers : bool
+        Whether what happened is kept, for as long as the interpreter's journal.
     printed : callable
         Returns the number of lines printed so far.
     """
@@ -108,7 +110,7 @@ class Loop:
         clock: Clock,
         rate: float,
         changed: Callable[[], None],
-        remembered: int = 10_000,
+        remembers: bool = True,
         printed: Callable[[], int] = lambda: 0,
     ) -> None:
         self.interpreter = interpreter
@@ -129,14 +131,13 @@ class Loop:
         self._step = bridge.time_step  # seconds; None where time passes by itself
         self.changed = changed
         self._printed = printed
-        self.moments: deque[tuple[float, object, object]] = deque(maxlen=max(remembered, 1))
-        """For each tick: the time before it, the bridge's moment, and the bridge's token of its readings."""
+        self.moments = Moments(only_last=not remembers)
         self.inputs = Inputs()
         """What came from outside, as far as the run has not gone back behind it."""
         self.checkpoints = Checkpoints()
-        self._remembers = remembered > 0
-        self._pending_at = 0
-        """The tick after which there is something to do before the next: take a checkpoint, note a stop."""
+        self._remembers = remembers
+        self._pending_at = 0.0
+        """The time from which on there is something to do before a tick: take a checkpoint, note a stop."""
         self.record: Callable[[Input], object] | None = None
         """Called with every input, those before a rewinding included."""
         self.breakpoints: Breakpoints | None = None
@@ -148,6 +149,7 @@ class Loop:
         self._replayed = False  # whether what happens now follows from a recorded input
         self._kept: list[object] | None = None  # what of the world was kept while it is rewound
         bridge.outside, bridge.origin = self._from_outside, self._origin
+        bridge.safety.recorded = partial(interpreter.emit, "commanded")
         self._steps = 0
         self.now = 0.0
         """Seconds of the run."""
@@ -201,6 +203,7 @@ class Loop:
         else:
             self.period = 1 / rate if step is None else max(1, round(1 / rate / step)) * step
         self.due = min(self.due, self.now + self.period)
+        self._pending_at = 0.0
 
     def set_speed(self, speed: float) -> None:
         """Change the speed, in seconds of the session per wall second.
@@ -312,11 +315,11 @@ class Loop:
         interpreter, bridge, now, step = self.interpreter, self.bridge, self.now, self._step
         self.ticking = object()  # a number would repeat: before the tick has begun, and after a rewind
         try:
-            if interpreter.tick >= self._pending_at:
+            if now >= self._pending_at:
                 self._prepare()
             moment = None if step is None else bridge.moment()
             bridge.begin_tick(now, self.period)
-            self.moments.append((now, moment, bridge.readings if step is None else bridge.sensed()))
+            self.moments.add((now, moment, bridge.readings if step is None else bridge.sensed()))
             interpreter.step(now)
             bridge.end_tick(now)
         finally:
@@ -395,7 +398,7 @@ class Loop:
         self.due = checkpoint.due
         self.clock.rebase(self.now)
         self.checkpoints.clear()
-        self._pending_at = 0
+        self._pending_at = 0.0
         bridge.safety.tick(interpreter.now, self.period)
         self.status, self._unstarted = "running" if checkpoint.running else "paused", False
         return beside
@@ -405,11 +408,24 @@ class Loop:
         while self._stops:
             self._note(self._stops.popleft())
         if not self._remembers:
-            self._pending_at = sys.maxsize
+            self._pending_at = math.inf
             return
         if self.interpreter.tick >= self.checkpoints.due:
             self.checkpoints.add(self.checkpoint)
-        self._pending_at = self.checkpoints.due
+            self._forget()
+        period = 0.0 if self.free else self.period
+        self._pending_at = self.now + (self.checkpoints.due - self.interpreter.tick) * period
+
+    def _forget(self) -> None:
+        """Drop what no tick of the journal needs any more: all that is kept is bounded by the journal."""
+        tick = self.interpreter.tick
+        first = self.checkpoints.begin(tick - self.interpreter.journal)
+        if first is None:
+            return
+        self.moments.drop(first.tick - (tick - len(self.moments)))
+        self.inputs.begin(first.inputs)
+        self.bridge.safety.begin(first.tick)
+        self.bridge.forget(first.moment)
 
     def check_breakpoints(self) -> None:
         """Pause if a breakpoint was hit."""
@@ -658,7 +674,7 @@ class Loop:
         """Record what was done to the robot, unless the program or a recorded input did it."""
         if isinstance(what, RobotStopped) and threading.get_ident() != self._driven_by:
             self._stops.append(what)
-            self._pending_at = 0
+            self._pending_at = 0.0
         elif self._kept is not None:
             self._kept.append(what)
         elif surely or not (self._replayed or self.ticking):
@@ -764,8 +780,7 @@ class Loop:
                 bridge.rewind(moment)  # the world may refuse, and then nothing has changed
             finally:
                 kept, self._kept = self._kept, None
-            for _ in range(ticks):
-                self.moments.pop()
+            self.moments.undo(ticks)
             self.now = now
             if self._step is not None:
                 self._steps = round(self.now / self._step)
@@ -775,7 +790,7 @@ class Loop:
         bridge.safety.forget(interpreter.tick)
         self.inputs.undo(interpreter.tick)
         self.checkpoints.cut(interpreter.tick)
-        self._pending_at = 0
+        self._pending_at = 0.0
         for what in kept:
             self.inputs.keep(self.inputs.next(interpreter.tick, self.now, what))
 
@@ -817,7 +832,7 @@ class Loop:
         self.moments.clear()
         self.inputs.clear()
         self.checkpoints.clear()
-        self._pending_at = 0
+        self._pending_at = 0.0
         self.fault = self.reason = ""
         if self.status == "broken":
             self.status = "ready"

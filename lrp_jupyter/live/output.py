@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections import deque
+from collections.abc import Callable
 from threading import Lock
 from typing import Any
 
@@ -21,6 +22,8 @@ class Output:
 
     def __init__(self, lines: int = 1000) -> None:
         self.count = 0
+        self.written: Callable[[str], object] | None = None
+        """Called with every text that a block prints."""
         self._lines: deque[str] = deque(maxlen=lines)
         self._open = ""  # the last line, not ended yet
         self._lock = Lock()
@@ -33,6 +36,8 @@ class Output:
         text = io.StringIO()
         print(*values, sep=sep, end=end, file=text)
         self.write(text.getvalue())
+        if self.written is not None:
+            self.written(text.getvalue())
 
     def write(self, text: str) -> None:
         """Append text; every newline ends a line."""

@@ -3,7 +3,7 @@ r"""Recordings: a session in a file, from which it is reproduced in another proc
 A recording (``.lrplog``; compressed if its name ends with ``.gz``) is JSON Lines. The first line says where
 the run began::
 
-    {"lrplog":1,"text":"(var n := …","filename":"follower.lrp","bridge":"sim","world":{…},"rate":10,…}
+    {"lrplog":2,"text":"(var n := …","filename":"follower.lrp","bridge":"sim","world":{…},"rate":10,…}
 
 Then come, as they happened, what came from outside, and what followed. Every line has ``tick`` and ``time``
 (seconds). Inputs say how many ticks were completed before them::
@@ -11,23 +11,23 @@ Then come, as they happened, what came from outside, and what followed. Every li
     {"tick":12,"time":1.13,"input":"edit","text":"…"}
     {"tick":12,"time":1.13,"input":"place","pose":[0.5,1.0,0.0],"robot":0}
 
-What followed are the lines of a trace, the commands of the robot with the block that gave them, and the
-readings of every tick::
+Every tick has its readings, and what followed are the lines of a trace (``trace.py``), each with ``event``::
 
     {"tick":13,"time":1.2,"event":"entered","state":"follower/looking"}
-    {"tick":13,"time":1.2,"command":"move","arguments":{…},"sent":true,"block":"looking.running","line":12}
+    {"tick":13,"time":1.2,"event":"commanded","command":"move","arguments":{…},"sent":true,
+     "block":"looking.running","line":12}
     {"tick":13,"time":1.2,"readings":{"light.data":255}}
 
 With a simulated robot, or none, the inputs reproduce the run bit for bit; what followed is compared, and the
-first difference is told. The readings of a real robot are fed to the program again. A file that was cut off
-is good up to its last whole line.
+first difference is told. The readings of a real robot are fed to the program again. What follows from a tick
+or an input stands before it, so of a file that was cut off, what comes after its last whole tick or input is
+left out.
 """
 
 from __future__ import annotations
 
 import ast
 import json
-import math
 import os
 import zlib
 from collections.abc import Callable, Mapping, Sequence
@@ -39,7 +39,6 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped, WorldLoaded
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
-from lrp_jupyter.bridges.safety import CommandRecord
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError, FileError, NoDataYet, ended, sentence_of
 from lrp_jupyter.files import shown
@@ -51,14 +50,15 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.inputs import Input, Paused, Resumed, RunEnded
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.replay import Entry, Ticked
-from lrp_jupyter.live.trace import Trace
+from lrp_jupyter.live.trace import Trace, plain
 from lrp_jupyter.sim.edits import Become, Draw, WorldEdit
 from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.worlds import load
 
 __all__ = ["Recorder", "Recording", "RunStart", "read_recording", "start_of"]
 
-VERSION = 1
+VERSION = 2
+_OLD = 1  # in it, commands were no events, and what is printed was not recorded
 _BEYOND = "beyond"  # in the place of a value that no file can hold
 
 Line = dict[str, Any]
@@ -111,8 +111,8 @@ class RunStart:
         return bridge
 
 
-class Recorder:
-    """Writes the recording of a session. Its methods are called on the thread that ticks.
+class Recorder(Trace):
+    """Writes the recording of a session: its inputs, and its trace. It belongs to the thread that ticks.
 
     Parameters
     ----------
@@ -124,46 +124,30 @@ class Recorder:
     """
 
     def __init__(self, loop: Loop, write: Callable[[str], object], start: RunStart | None = None) -> None:
+        super().__init__(write)
         self._loop = loop
-        self._lines = Trace(write)
         if start is not None:
             parts = {name: getattr(start, name) for name in RunStart.__dataclass_fields__}
-            self._lines.line({"lrplog": VERSION, **parts})
+            self.line({"lrplog": VERSION, **parts})
         loop.record = self._input
         loop.after_tick.append(self._tick)
-        loop.bridge.safety.recorded = self._command
-        self._end = loop.interpreter.observe(self._lines)
+        self._unobserve = loop.interpreter.observe(self)
 
     def end(self) -> None:
         """Write the time of the end, and nothing more."""
-        self._end()
+        self._unobserve()
         loop = self._loop
         self._input(Input(0, loop.interpreter.tick, loop.now, RunEnded()))
-        loop.record = loop.bridge.safety.recorded = None
+        loop.record = None
         loop.after_tick.remove(self._tick)
 
     def _input(self, entry: Input) -> None:
-        line = {"tick": entry.tick, "time": entry.time, **_encoded(entry.what, self._loop)}
-        self._lines.line(line)
+        self.line({"tick": entry.tick, "time": entry.time, **_encoded(entry.what, self._loop)})
 
     def _tick(self) -> None:
         time, _, sensed = self._loop.moments[-1]
         readings = {name: plain(value) for name, value in self._loop.bridge.readings_of(sensed).items()}
-        self._lines.line({"tick": self._loop.interpreter.tick, "time": time, "readings": readings})
-
-    def _command(self, record: CommandRecord) -> None:
-        origin = record.origin
-        self._lines.line(
-            {
-                "tick": origin.tick,
-                "time": record.now,
-                "command": record.name,
-                "arguments": plain(record.arguments),
-                "sent": record.sent,
-                "block": origin.block,
-                "line": origin.line,
-            }
-        )
+        self.line({"tick": self._loop.interpreter.tick, "time": time, "readings": readings})
 
 
 def start_of(
@@ -220,6 +204,8 @@ class Recording:
         What followed from them.
     cut : bool
         Whether the file ended in the middle of a line.
+    has_printed : bool
+        Whether what was printed is recorded.
     """
 
     name: str
@@ -227,6 +213,7 @@ class Recording:
     entries: tuple[Entry, ...]
     followed: tuple[Line, ...]
     cut: bool = False
+    has_printed: bool = True
 
     @property
     def ticks(self) -> int:
@@ -275,7 +262,7 @@ def read_recording(
     start: RunStart | None = None
     entries: list[Entry] = []
     followed: list[Line] = []
-    number = 0
+    number = complete = 0
     for index, raw in enumerate(whole, 1):
         at = _At(name, index)
         try:
@@ -292,15 +279,18 @@ def read_recording(
                 number += 1
                 what = _decoded(line, start, prepared)
                 entries.append(Input(number, line["tick"], float(line["time"]), what))
+                complete = len(followed)
                 continue
-            followed.append(line)
+            followed.append(line if "command" not in line else {**line, "event": "commanded"})
             if "readings" in line:
                 readings = {name: unplain(value) for name, value in line["readings"].items()}
                 entries.append(Ticked(line["tick"], float(line["time"]), readings))
+                complete = len(followed)
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise at.error(f"A field is missing or wrong ({sentence_of(error).rstrip('.')}).") from None
     assert start is not None
-    return Recording(name, start, tuple(entries), tuple(followed), bool(rest))
+    has_printed = json.loads(whole[0])["lrplog"] != _OLD
+    return Recording(name, start, tuple(entries), tuple(followed[:complete]), bool(rest), has_printed)
 
 
 def gunzipped(data: bytes) -> bytes:
@@ -313,11 +303,13 @@ def gunzipped(data: bytes) -> bytes:
 
 
 def _start(line: Line, at: _At) -> RunStart:
-    if line.get("lrplog") != VERSION:
+    if line.get("lrplog") not in (VERSION, _OLD):
         found = line.get("lrplog")
         if found is None:
             raise at.error("This is not a recording. One begins with a line that has `lrplog`.")
-        raise at.error(f"Recordings of version {found!r} cannot be read, only those of version {VERSION}.")
+        raise at.error(
+            f"Recordings of version {found!r} cannot be read, only those of version {VERSION} and {_OLD}."
+        )
     known = RunStart.__dataclass_fields__
     try:
         return RunStart(**{name: value for name, value in line.items() if name in known})
@@ -463,32 +455,6 @@ def _literal(value: object) -> str:
 
 
 # -- values as JSON ------------------------------------------------------------------------------
-
-
-def plain(value: object) -> Any:
-    """Return a reading, or an argument of a command, as JSON; parts of an object by their names."""
-    if value is None or type(value) in (bool, int, str):
-        return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else {"float": repr(value)}
-    if isinstance(value, (int, str)):
-        return value.real if isinstance(value, int) else str(value)
-    if isinstance(value, NoDataYet):
-        return {"no data": str(value)}
-    if isinstance(value, Exception):
-        return {"error": str(value)}
-    if isinstance(value, Mapping):
-        return {"dict": {str(key): plain(part) for key, part in value.items()}}
-    parts = getattr(value, "_fields", None)
-    if isinstance(value, (list, tuple)) and parts is None:
-        return [plain(part) for part in value]
-    if parts is None:
-        slots = getattr(type(value), "__slots__", ())
-        parts = [*((slots,) if isinstance(slots, str) else slots), *getattr(value, "__dict__", ())]
-    public = [name for name in parts if not name.startswith("_") and hasattr(value, name)]
-    if not public:
-        return {"text": render(value)}
-    return {"fields": {name: plain(getattr(value, name)) for name in public}}
 
 
 class Fields:

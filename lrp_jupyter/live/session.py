@@ -132,8 +132,9 @@ class Session:
     on_issue : {"record", "pause"}
     name : str
         Appears in tracebacks and names the threads.
-    journal : int
-        Number of ticks that can be rewound; fewer if the values in them take more than 100 MB.
+    journal : int, optional
+        How many ticks are remembered, and can be rewound; by default 10,000 or those of 10 minutes, whichever
+        are more, and fewer if they take more than about 100 MB.
     speed : float
         Seconds of the session per wall second; ``math.inf``: never wait.
     driver : {"thread", "asyncio"}
@@ -173,7 +174,7 @@ class Session:
         on_active_edit: Literal["restart", "keep"] = "restart",
         on_issue: Literal["record", "pause"] = "record",
         name: str = "lrp",
-        journal: int = 10_000,
+        journal: int | None = None,
         speed: float = 1.0,
         driver: Literal["thread", "asyncio"] = "thread",
         hung_after: float = 2.0,
@@ -213,6 +214,7 @@ class Session:
             journal=journal,
             output=self.output.print,
         )
+        self.output.written = partial(interpreter.emit, "printed")
         self._changed = threading.Condition()
         self._version = 0  # incremented whenever waiting callers must check again
         self._listeners: tuple[Callable[[], None], ...] = ()
@@ -222,7 +224,7 @@ class Session:
             MonotonicClock(speed) if clock is None else clock,
             rate,
             self._notifier(),
-            journal,
+            journal != 0,
             partial(getattr, self.output, "count"),
         )
         self._driver = Driver(self._loop, name)

@@ -1,4 +1,4 @@
-r"""Traces: a run as JSON Lines, one object per event.
+r"""Traces: what follows in a run as JSON Lines, one object per event.
 
 Every line has ``tick`` (the first is 1), ``time`` (seconds), ``event``, and the event's own fields::
 
@@ -14,9 +14,15 @@ Every line has ``tick`` (the first is 1), ``time`` (seconds), ``event``, and the
     {"tick":9,"time":0.8,"event":"restarted","reason":"…"}
     {"tick":9,"time":0.8,"event":"forced","state":"follower/looking","how":"teleport"}
 
+    {"tick":9,"time":0.8,"event":"commanded","command":"move","arguments":{…},"sent":true,
+     "block":"looking.running","line":12}
+    {"tick":9,"time":0.8,"event":"printed","text":"found it\n"}
+
 ``started``, ``paused`` and ``resumed`` concern the program as a whole. A variable that has lost
 its value has no ``value``. Values without a JSON type are written as text, without addresses, so equal
 runs have equal traces.
+
+The same lines are the part of a recording that says what followed (``recording.py``).
 """
 
 from __future__ import annotations
@@ -24,13 +30,14 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, TextIO
 
+from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.interpreter.events import UNSET, TraceEvent
 from lrp_jupyter.interpreter.rendering import render
 
-__all__ = ["Trace", "as_dict"]
+__all__ = ["Trace", "as_dict", "plain"]
 
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
@@ -50,7 +57,7 @@ def as_dict(event: TraceEvent) -> dict[str, Any]:
         case "changed":
             line["variable"] = text
             if data is not UNSET:
-                line["value"] = _plain(data)
+                line["value"] = _shown(data)
         case "restarted":
             line["reason"] = data
         case _:
@@ -76,12 +83,24 @@ def _details(event: TraceEvent) -> dict[str, Any]:
                 "line": data.line,
                 "message": _steady(data.message),
             }
+        case "commanded":
+            _, block, row = data.origin
+            arguments = plain(data.arguments)
+            return {
+                "command": data.name,
+                "arguments": arguments,
+                "sent": data.sent,
+                "block": block,
+                "line": row,
+            }
+        case "printed":
+            return {"text": _steady(data)}
         case "patched":
             return {"applied": data.applied, "restarted": data.restarted, "reason": data.reason}
     return {}
 
 
-def _plain(value: object) -> object:
+def _shown(value: object) -> object:
     if value is None or type(value) in (bool, int):
         return value
     if type(value) is float:
@@ -109,6 +128,32 @@ class Trace:
         """Write one event."""
         self.line(as_dict(event))
 
-    def line(self, entry: dict[str, Any]) -> None:
-        """Write a dict as a line; also for entries that are not events of the interpreter."""
+    def line(self, entry: Mapping[str, Any]) -> None:
+        """Write a line; also one that is no event of the interpreter."""
         self._write(json.dumps(entry, ensure_ascii=False, separators=(",", ":")) + "\n")
+
+
+def plain(value: object) -> Any:
+    """Return a reading, or an argument of a command, as JSON; parts of an object by their names."""
+    if value is None or type(value) in (bool, int, str):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else {"float": repr(value)}
+    if isinstance(value, (int, str)):
+        return value.real if isinstance(value, int) else str(value)
+    if isinstance(value, NoDataYet):
+        return {"no data": str(value)}
+    if isinstance(value, Exception):
+        return {"error": str(value)}
+    if isinstance(value, Mapping):
+        return {"dict": {str(key): plain(part) for key, part in value.items()}}
+    parts = getattr(value, "_fields", None)
+    if isinstance(value, (list, tuple)) and parts is None:
+        return [plain(part) for part in value]
+    if parts is None:
+        slots = getattr(type(value), "__slots__", ())
+        parts = [*((slots,) if isinstance(slots, str) else slots), *getattr(value, "__dict__", ())]
+    public = [name for name in parts if not name.startswith("_") and hasattr(value, name)]
+    if not public:
+        return {"text": render(value)}
+    return {"fields": {name: plain(getattr(value, name)) for name in public}}

@@ -1,7 +1,7 @@
 """The log of a run: checkpoints, and after each of them the inputs with their steps.
 
-A checkpoint and the inputs after it reproduce the run up to any later moment. The log is bounded:
-the oldest checkpoints are dropped, with their inputs.
+A checkpoint and the inputs after it reproduce the run up to any later moment. The log is bounded, by its
+owner (:meth:`InputLog.begin`) or by itself: the oldest checkpoints are dropped, with their inputs.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from lrp_jupyter.sim.world import World
 __all__ = ["Checkpoint", "InputLog", "WorldMoment", "packed", "unpack"]
 
 CHECKPOINT_INPUTS = 20_000
-MOST_CHECKPOINTS = 1_000
-MOST_INPUTS = 250_000
+MOST_CHECKPOINTS = 10_000
+MOST_INPUTS = 500_000
 
 
 class WorldMoment(NamedTuple):
@@ -81,6 +81,11 @@ class InputLog:
             len(self._checkpoints) > MOST_CHECKPOINTS or kept > MOST_INPUTS
         ):
             kept -= len(self._checkpoints.pop(0).inputs)
+
+    def begin(self, step: int, inputs: int) -> None:
+        """Drop what no moment from this one on needs."""
+        while len(self._checkpoints) > 1 and not self._checkpoints[1].is_after(step, inputs):
+            del self._checkpoints[0]
 
     def record(self, step: int, what: Input) -> None:
         """Record an input applied at a step."""

@@ -439,6 +439,10 @@ class Simulation:
         self._advance_to(step)
         self.revision += 1
 
+    def forget(self, before: WorldMoment) -> None:
+        """Drop what only :meth:`rewind` and :meth:`fork` to earlier moments need."""
+        self._log.begin(*before)
+
     def fork(self, to: WorldMoment) -> Simulation:
         """Return an independent simulation at a moment of this run, also of one that has ended.
 

@@ -23,6 +23,7 @@ from lrp_jupyter.widgets.protocol import ElementKind, OnActiveEdit, path_of
 
 Applied = Future[Any] | None
 Ticks = Annotated[int, Between(1, 10_000)]
+PastTicks = Annotated[int, Between(1, 1_000_000)]
 Positive = Annotated[float, Between(0, 1e6)]
 
 
@@ -77,7 +78,7 @@ class StepCommand(InterruptingCommand, do="step"):
 class StepBackCommand(InterruptingCommand, do="step_back"):
     """Step back by this number of ticks."""
 
-    value: Ticks = 1
+    value: PastTicks = 1
 
     def apply(self, opened: OpenProgram) -> Applied:
         return opened.work(partial(opened.session.rewind, self.value))

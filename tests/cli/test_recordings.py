@@ -139,9 +139,15 @@ def test_what_cannot_be_run_again_is_refused(lrp, recorded, tmp_path):
 
 def test_a_trace_is_the_part_of_a_recording_that_followed(lrp, program, tmp_path):
     trace, log = tmp_path / "t.jsonl", tmp_path / "r.lrplog"
-    lrp("run", program(TEXT), "--speed", "max", "--for", "3", "--trace", trace, "--record", log)
-    lines = [line for line in log.read_text(encoding="utf-8").splitlines() if '"event"' in line]
-    assert lines == trace.read_text(encoding="utf-8").splitlines()
+    text = TEXT.replace("[n += 1]", "[n += 1; print(n)]")
+    lrp("run", program(text), "--speed", "max", "--for", "3", "--trace", trace, "--record", log)
+    _, *lines = map(json.loads, log.read_text(encoding="utf-8").splitlines())
+    followed = [line for line in lines if "input" not in line and "readings" not in line]
+    assert followed == [*map(json.loads, trace.read_text(encoding="utf-8").splitlines())]
+    assert {"entered", "changed", "commanded", "printed"} <= {line["event"] for line in followed}
+    command = next(line for line in followed if line["event"] == "commanded")
+    assert (command["command"], command["block"], command["line"]) == ("move", "drive.running", 5)
+    assert {"tick": 3, "time": 0.2, "event": "printed", "text": "2\n"} in followed
 
 
 def test_a_breakpoint_ends_a_run_without_a_keyboard(lrp, program):

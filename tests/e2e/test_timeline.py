@@ -1,6 +1,7 @@
 """The timeline: the whole lab shows an earlier moment, runs on from there, and tells what if."""
 
 import pytest
+
 from e2e import axe
 from e2e.programs import COUNTER, FOLLOWER
 

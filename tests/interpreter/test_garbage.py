@@ -83,7 +83,7 @@ def test_after_the_last_edit_that_the_journal_keeps_nothing_grows():
         edit(i, number)
     gc.collect()
     before = len(gc.get_objects())
-    for number in range(60, 120):
+    for number in range(60):  # the same blocks again: what is known of their texts stays
         edit(i, number)
     gc.collect()
-    assert len(gc.get_objects()) - before < 1000
+    assert len(gc.get_objects()) - before < 100

@@ -142,7 +142,8 @@ def test_a_program_that_goes_back_while_it_runs_goes_on_from_there(session, wall
     assert running.interpreter.tick == frame.tick + 2
 
 
-def test_going_back_further_than_the_journal_reaches_changes_nothing(session):
+def test_going_back_further_than_the_journal_reaches_changes_nothing(session, monkeypatch):
+    monkeypatch.setattr("lrp_jupyter.interpreter.journal.EDITS", 300)
     edited = session(DRIVE, "sim", world="empty")
     edited.run(1)
     for _ in range(310):  # each saves the whole state, and only so many are kept

@@ -125,6 +125,65 @@ def test_a_compressed_and_a_cut_off_file_are_read_up_to_the_last_whole_line(tmp_
     assert read_recording(tmp_path / "plain.lrplog").cut
 
 
+def test_a_recording_of_the_version_before_is_read(tmp_path):
+    path = tmp_path / "run.lrplog"
+    text = "(machine m (state a (running [robot.move(linear=0.1)] [print('on')])))(spawn m a)"
+    with Session(text, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
+        session.run(1)
+    start, *lines = map(json.loads, path.read_text(encoding="utf-8").splitlines())
+    old = [start | {"lrplog": 1}]
+    for line in lines:
+        if line.get("event") == "commanded":
+            del line["event"]
+        if line.get("event") != "printed":
+            old.append(line)
+    path.write_text("".join(json.dumps(line) + "\n" for line in old), encoding="utf-8")
+    assert reproduce(read_recording(path)).difference is None
+    other = reproduce(read_recording(path), program=text.replace("0.1", "0.2"))
+    assert (other.difference.tick, other.difference.now["event"]) == (2, "commanded")
+
+
+def test_what_a_program_prints_is_compared(tmp_path):
+    path, text = tmp_path / "run.lrplog", "(machine m (state a (running [print('on')])))(spawn m a)"
+    with Session(text, clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+    assert reproduce(read_recording(path)).difference is None
+    other = reproduce(read_recording(path), program=text.replace("on'", "off'"))
+    assert str(other.difference).endswith(r"Recorded: 'on\n' was printed. Now: 'off\n' was printed.")
+
+
+DRIVER = """(machine m
+  (state first (running [robot.move(linear=0.1)]))
+  (state second (running [robot.move(linear=0.1, angular=0.5)]))
+  (ontime 1500 first -> second) (ontime 4000 second -> first))
+(spawn m first)"""
+
+
+@pytest.mark.parametrize("name", ["run.lrplog", "run.lrplog.gz"])
+def test_a_running_session_that_is_edited_and_whose_robot_is_moved_is_reproduced(tmp_path, name):
+    path, options = tmp_path / name, {"world": "line", "noise": {"motor": 0.1}, "seed": 4}
+    with Session(DRIVER, "sim", speed=50, **options) as session:
+        with session.record(path):
+            session.start()
+            session.wait_for("second", timeout=10)
+            session.edit(DRIVER.replace("0.5", "-0.7").replace("4000", "3000"))
+            session.bridge.place_robot((0.5, 0.6, 1.0))
+            session.wait_for("first", timeout=10)
+            session.pause()
+        seen = wandering.seen(session)
+    whole = read_recording(path)
+    again = reproduce(whole)
+    assert again.difference is None
+    assert wandering.seen(again.session) == seen
+    data, ticks = path.read_bytes(), []
+    for part in range(40, 100, 4):
+        path.write_bytes(data[: len(data) * part // 100])
+        cut = read_recording(path)
+        assert reproduce(cut).difference is None
+        ticks.append(cut.ticks)
+    assert 0 < ticks[0] < ticks[7] < ticks[-1] < whole.ticks
+
+
 @pytest.mark.parametrize(
     ("lines", "message"),
     [

@@ -1,0 +1,68 @@
+"""The moments of a session: for each tick that is remembered, when it began and what its robot was then."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+__all__ = ["Moment", "Moments"]
+
+
+class Moment(NamedTuple):
+    """The beginning of a tick.
+
+    Parameters
+    ----------
+    time : float
+        Seconds.
+    world : object
+        The bridge's moment.
+    sensed : object
+        The bridge's token of its readings.
+    """
+
+    time: float
+    world: object
+    sensed: object
+
+
+class Moments:
+    """The moments of the last ticks, in order; or of the last tick only.
+
+    Attributes
+    ----------
+    flat : list or deque
+        Their parts, one after the other: the garbage collector would visit a tuple for each tick.
+    add : callable
+        Adds one: time, the bridge's moment, and the token of its readings.
+    """
+
+    def __init__(self, *, only_last: bool = False) -> None:
+        self.flat: list[Any] | deque[Any] = deque(maxlen=3) if only_last else []
+        self.add = self.flat.extend
+
+    def __len__(self) -> int:
+        return len(self.flat) // 3
+
+    def __getitem__(self, index: int) -> Moment:
+        flat, place = self.flat, 3 * index
+        return Moment(flat[place], flat[place + 1], flat[place + 2])
+
+    def __iter__(self) -> Iterator[Moment]:
+        parts = iter(self.flat)
+        return map(Moment, parts, parts, parts)
+
+    def drop(self, ticks: int) -> None:
+        """Drop the first ones."""
+        if ticks > 0:
+            del self.flat[: 3 * ticks]  # type: ignore[arg-type]
+
+    def undo(self, ticks: int) -> None:
+        """Drop the last ones."""
+        if ticks > 0:
+            del self.flat[-3 * ticks :]  # type: ignore[arg-type]
+
+    def clear(self) -> None:
+        """Drop all."""
+        self.flat.clear()

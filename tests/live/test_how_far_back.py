@@ -1,0 +1,151 @@
+"""A session remembers 10,000 ticks or 10 minutes, whichever are more, and no more than that needs."""
+
+import tracemalloc
+
+import pytest
+
+from lrp_jupyter.interpreter import journal
+from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.session import Session
+
+COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
+DRIVER = "(var n := [0])(machine m (state a (running [n += 1] [robot.move(angular=n % 7 / 10)])))(spawn m a)"
+
+
+def started(text=COUNTER, bridge="none", rate=100, **options):
+    return Session(text, bridge, VirtualClock(), rate, **options)
+
+
+def reach(session):
+    """Return the first tick that can be undone, and the seconds since it."""
+    first = session.interpreter.history.ticks.start
+    return first, session.frame.time - session.at(first).time
+
+
+@pytest.mark.parametrize("rate", [100, 350])
+def test_a_fast_session_remembers_ten_minutes(rate):
+    with started(rate=rate) as session:
+        session.run(900)
+        first, seconds = reach(session)
+        assert 599.9 < seconds < 700
+        for tick in (first, first + 1, first + 777):
+            with session.fork(tick) as fork:
+                assert fork.frame.values["n"] == session.at(tick).values["n"] == tick - 1
+        session.rewind(session.frame.tick - first)
+        assert (session.frame.tick, session.frame.values["n"]) == (first, first - 1)
+
+
+def test_a_slow_session_remembers_ten_thousand_ticks():
+    with started(rate=1) as session:
+        session.run(15_000)
+        assert 10_000 <= session.interpreter.journal < 12_000
+
+
+def test_a_session_that_becomes_faster_still_remembers_ten_minutes():
+    with started() as session:
+        session.run(700)
+        session.rate = 300
+        for _ in range(5):
+            session.run(60)
+            assert reach(session)[1] > 599.9
+
+
+def test_a_session_that_was_slow_takes_checkpoints_as_often_when_it_is_fast():
+    with started(rate=0.01) as session:
+        session.run(150)
+        session.rate = 100
+        session.run(900)
+        assert len(session._loop.checkpoints.all) > 1
+
+
+def test_a_world_is_remembered_as_long_as_the_program():
+    with started(DRIVER, "sim", world="empty") as session:
+        session.run(650)
+        first, seconds = reach(session)
+        assert seconds > 599.9
+        there = session.at(first + 1)
+        with session.fork(first + 1) as fork:
+            assert fork.frame.robot.robots[0].pose == there.robot.robots[0].pose
+            assert fork.frame.values["n"] == there.values["n"]
+        answer = session.why("robot.move", at=first + 1)
+        assert answer.facts["arguments"]["angular.z"] == pytest.approx(first % 7 / 10)
+        pose = session.at(first).robot.robots[0].pose
+        session.rewind(session.interpreter.journal)
+        assert session.frame.robot.robots[0].pose == pose
+
+
+def test_the_world_of_a_slow_session_is_remembered_too():
+    with started(COUNTER, "sim", rate=1, world="empty") as session:
+        session.run(13_000)
+        assert session.interpreter.journal >= 10_000
+        session.rewind(session.interpreter.journal)
+        assert session.frame.time < 3_000
+
+
+def test_what_is_remembered_is_dropped_when_no_tick_needs_it():
+    with started(DRIVER, "sim", world="empty") as session:
+        loop = session._loop
+        session.run(1)
+        for number in range(35):
+            session.edit(DRIVER + f"; {number}")
+            session.run(20)
+        first, _ = reach(session)
+        oldest = loop.checkpoints.all[0].tick
+        assert oldest < first
+        assert len(loop.moments) == session.frame.tick - oldest
+        assert next(iter(loop.inputs)).tick >= oldest
+        assert session.bridge.safety.commands[0].origin.tick >= oldest - 1
+        assert session.bridge.simulation.earliest > oldest - 1000
+        with session.fork(first) as fork:
+            assert fork.program.text == session.at(first).program.text
+
+
+def test_a_command_is_known_for_as_long_as_it_holds():
+    text = """(machine m (state a (onentry [robot.move(angular=0.1)])) (state b (onentry [robot.move()]))
+      (ontime 900000 a -> b)) (spawn m a)"""
+    with started(text, "sim", rate=1, world="empty", journal=500) as session:
+        session.run(1200)
+        assert session.why("robot.move", at=800).facts["arguments"]["angular.z"] == 0.1
+
+
+def test_typing_does_not_shorten_what_is_remembered():
+    with started(rate=10) as session:
+        for number in range(400):
+            session.edit(COUNTER + f"; {number}")
+            session.run(0.5)
+        session.rewind(session.interpreter.journal)
+        assert (session.frame.tick, session.frame.time) == (0, 0.0)
+
+
+def test_memory_does_not_grow_after_that():
+    tracemalloc.start()
+    try:
+        with started() as session:
+            session.run(1000)
+            before = tracemalloc.get_traced_memory()[0]
+            session.run(2000)
+            after = tracemalloc.get_traced_memory()[0]
+    finally:
+        tracemalloc.stop()
+    assert after < 1.2 * before
+    assert after < 30_000_000
+
+
+def test_memory_bounds_what_a_very_fast_session_remembers(monkeypatch):
+    monkeypatch.setattr(journal, "LONGEST", 900_000)
+    with started(rate=1000) as session:
+        session.run(100)
+        first, seconds = reach(session)
+        assert 20 <= seconds < 40
+        assert len(session._loop.moments) < 90_000
+        session.rewind(session.frame.tick - first)
+        assert session.frame.values["n"] == first - 1
+
+
+@pytest.mark.parametrize("ticks", [1, 7, 100])
+def test_another_number_of_ticks_is_kept_if_that_is_asked_for(ticks):
+    with started(journal=ticks) as session:
+        session.run(30)
+        assert session.interpreter.journal == ticks
+        session.rewind(ticks)
+        assert session.frame.values["n"] == 3000 - ticks - 1
