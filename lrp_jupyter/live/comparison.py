@@ -60,13 +60,13 @@ class Comparison:
     ----------
     recorded : iterable of dict
         What followed in the recorded run.
-    has_printed : bool
-        Whether that says what was printed.
     other : bool
         Whether the program is another one: then neither the lines of its text nor its edits are compared.
+    has_printed : bool
+        Whether that says what was printed.
     """
 
-    def __init__(self, recorded: Iterable[Line], has_printed: bool = True, other: bool = False) -> None:
+    def __init__(self, recorded: Iterable[Line], other: bool = False, has_printed: bool = True) -> None:
         self._other = other
         self._has_printed = has_printed
         self._recorded = deque(line for line in recorded if self._counts(line))

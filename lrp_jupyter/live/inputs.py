@@ -53,7 +53,7 @@ class Input(NamedTuple):
 
 
 _MOST = 50_000  # inputs kept
-_LETTERS = 20_000_000  # of texts kept
+_LETTERS = 8_000_000  # of texts kept
 
 
 class Inputs:

@@ -98,7 +98,7 @@ def reproduce(
     )
     if observer is not None:
         session.observe(observer)
-    comparison = Comparison(recording.followed, recording.has_printed, program is not None)
+    comparison = Comparison(recording.followed, program is not None, recording.has_printed)
     session.open()
     loop = session._loop
     recorder = Recorder(loop, comparison.write)

@@ -7,6 +7,7 @@ simulated robot move again leads back to the present.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.language.program import Program
@@ -14,7 +15,14 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.protocol import LookingView
 
-__all__ = ["Looking"]
+__all__ = ["Looking", "Shown"]
+
+
+class Shown(NamedTuple):
+    """A frame that views show, and the moment that it is of; None for the present."""
+
+    frame: Frame
+    looking: LookingView | None
 
 
 @dataclass(frozen=True)
@@ -34,30 +42,24 @@ class Looking:
 
     # -- what is shown -------------------------------------------------------------------------------
 
-    def frame(self, session: Session) -> Frame:
-        """Return the frame that views show: of the moment looked at, or the newest."""
+    def shown(self, session: Session) -> Shown:
+        """Return what views show: of the moment looked at, or the newest frame."""
         moment, now = self._of(session), session.frame
         if moment is None:
-            return now
-        return replace(moment.past, status=now.status, hung=now.hung, issues=moment.past.issues)
-
-    def tick(self, session: Session) -> int | None:
-        """Return the tick looked at, or None for the present."""
-        moment = self._of(session)
-        return None if moment is None else moment.past.tick
-
-    def view(self, session: Session) -> LookingView | None:
-        """Return what views show of the moment itself."""
-        moment = self._of(session)
-        if moment is None:
-            return None
-        past, now = moment.past, session.frame
-        return {
+            return Shown(now, None)
+        past = moment.past
+        view: LookingView = {
             "tick": past.tick,
             "time": round(past.time, 3),
             "ago": round(max(0.0, now.time - past.time), 1),
             "edited": now.program is not moment.program,
         }
+        return Shown(replace(past, status=now.status, hung=now.hung), view)
+
+    def tick(self, session: Session) -> int | None:
+        """Return the tick looked at, or None for the present."""
+        moment = self._of(session)
+        return None if moment is None else moment.past.tick
 
     def _of(self, session: Session) -> _Moment | None:
         """Return the moment, unless the session shows that it is over."""

@@ -30,7 +30,7 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.worlds import BUNDLED
 from lrp_jupyter.widgets.layouts import Layouts
-from lrp_jupyter.widgets.looking import Looking
+from lrp_jupyter.widgets.looking import Looking, Shown
 from lrp_jupyter.widgets.protocol import ViewState
 from lrp_jupyter.widgets.texts import Texts, Written
 from lrp_jupyter.widgets.view_state import ViewStates, difference, is_urgent
@@ -214,7 +214,7 @@ class Publisher:
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # a request to another session may never be answered
             self._texts.attach(session, self.wake, self._clock)
-            self._view_states = ViewStates(session, self._texts, self._layouts, self._looking)
+            self._view_states = ViewStates(session, self._texts, self._layouts)
             for view in self._views.values():
                 self._snapshot(view)
 
@@ -260,7 +260,7 @@ class Publisher:
     def view_state(self) -> ViewState:
         """Return everything that a view may show now."""
         with self._lock:
-            return self._view_states.current()
+            return self._view_states.current(self._shown())
 
     # -- the thread ----------------------------------------------------------------------------------
 
@@ -369,22 +369,23 @@ class Publisher:
                 self._report(view.fault)
 
     def _send_worlds(self, now: float) -> None:
-        bridge, picture = self.session.bridge, self._picture()
+        bridge, picture = self.session.bridge, self._shown().frame.robot
         for view in self._views.values():
             if view.world is not None and view.has_credit and view.world.must_describe(bridge, picture, now):
                 view.send({"type": "world", "world": view.world.describe(bridge, picture, now)})
 
-    def _picture(self) -> object:
-        """Return the picture of the robot that views show."""
-        return self._looking.frame(self.session).robot
+    def _shown(self) -> Shown:
+        """Return what views show of the session now."""
+        return self._looking.shown(self.session)
 
     def _send_frames(self, now: float) -> None:
         due = [view for view in self._views.values() if view.may(now) and now - view.framed >= _URGENT]
         self._left = len(due) < len(self._views)
         if not due:
             return
-        state = self._view_states.current()
-        bridge, picture = self.session.bridge, self._picture()
+        shown = self._shown()  # read once: state and picture are of one moment
+        state = self._view_states.current(shown)
+        bridge, picture = self.session.bridge, shown.frame.robot
         for view in due:
             changes, buffers = difference(view.sent or {}, state), None
             world = view.world if view.world is not None and view.world.has_moved(picture) else None
@@ -404,7 +405,7 @@ class Publisher:
         world = (
             None
             if view.world is None
-            else view.world.describe(self.session.bridge, self._picture(), float("-inf"))
+            else view.world.describe(self.session.bridge, self._shown().frame.robot, float("-inf"))
         )
         view.send(
             {

@@ -22,7 +22,7 @@ from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.layouts import Layouts
-from lrp_jupyter.widgets.looking import Looking
+from lrp_jupyter.widgets.looking import Shown
 from lrp_jupyter.widgets.protocol import (
     BridgeView,
     ElementKind,
@@ -70,12 +70,10 @@ class ViewStates:
     session : Session
     texts : Texts
     layouts : Layouts
-    looking : Looking
     """
 
-    def __init__(self, session: Session, texts: Texts, layouts: Layouts, looking: Looking) -> None:
+    def __init__(self, session: Session, texts: Texts, layouts: Layouts) -> None:
         self._session = session
-        self._looking = looking
         self._texts = texts
         self._layouts = layouts
         self._program = Program()
@@ -89,11 +87,11 @@ class ViewStates:
         self._issue_views: dict[int, tuple[object, IssueView]] = {}
         self._printed: tuple[int, dict[str, str]] = 0, {}
 
-    def current(self) -> ViewState:
-        """Return what a view may show now: the program is the newest one that is laid out."""
+    def current(self, what: Shown) -> ViewState:
+        """Return what a view may show of a moment: the program is the newest one that is laid out."""
         session, texts = self._session, self._texts
         shown, layouts = self._layouts.current
-        frame = self._looking.frame(session)
+        frame, looking = what
         if frame.program is not self._program:
             self._program, self._paths = frame.program, DefinedPaths(frame.program)
         if shown is not self._shown:
@@ -133,7 +131,7 @@ class ViewStates:
                 for path, text in frame.variables.items()
             },
             "events": {path_text(path): value for path, value in frame.events.items() if value is not None},
-            "members": _member_values(members, frame.readings if self._looking.tick(session) else {}),
+            "members": _member_values(members, frame.readings if looking else {}),
             "issues": self._issues(frame, revision),
             "printed": self._lines(),
             "restarts": self._last_restarts(frame),
@@ -146,7 +144,7 @@ class ViewStates:
                 "pause_on_issue": session.on_issue == "pause",
             },
             "conflict": texts.conflict,
-            "looking": self._looking.view(session),
+            "looking": looking,
             "unkept": texts.problem,
         }
 
