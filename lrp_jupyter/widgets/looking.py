@@ -15,10 +15,10 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.protocol import LookingView
 
-__all__ = ["Looking", "Shown"]
+__all__ = ["Looking", "MomentShown"]
 
 
-class Shown(NamedTuple):
+class MomentShown(NamedTuple):
     """A frame that views show, and the moment that it is of; None for the present."""
 
     frame: Frame
@@ -42,11 +42,11 @@ class Looking:
 
     # -- what is shown -------------------------------------------------------------------------------
 
-    def shown(self, session: Session) -> Shown:
+    def shown(self, session: Session) -> MomentShown:
         """Return what views show: of the moment looked at, or the newest frame."""
         moment, now = self._of(session), session.frame
         if moment is None:
-            return Shown(now, None)
+            return MomentShown(now, None)
         past = moment.past
         view: LookingView = {
             "tick": past.tick,
@@ -54,7 +54,7 @@ class Looking:
             "ago": round(max(0.0, now.time - past.time), 1),
             "edited": now.program is not moment.program,
         }
-        return Shown(replace(past, status=now.status, hung=now.hung), view)
+        return MomentShown(replace(past, status=now.status, hung=now.hung), view)
 
     def tick(self, session: Session) -> int | None:
         """Return the tick looked at, or None for the present."""

@@ -30,7 +30,7 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.worlds import BUNDLED
 from lrp_jupyter.widgets.layouts import Layouts
-from lrp_jupyter.widgets.looking import Looking, Shown
+from lrp_jupyter.widgets.looking import Looking, MomentShown
 from lrp_jupyter.widgets.protocol import ViewState
 from lrp_jupyter.widgets.texts import Texts, Written
 from lrp_jupyter.widgets.view_state import ViewStates, difference, is_urgent
@@ -374,7 +374,7 @@ class Publisher:
             if view.world is not None and view.has_credit and view.world.must_describe(bridge, picture, now):
                 view.send({"type": "world", "world": view.world.describe(bridge, picture, now)})
 
-    def _shown(self) -> Shown:
+    def _shown(self) -> MomentShown:
         """Return what views show of the session now."""
         return self._looking.shown(self.session)
 

@@ -22,7 +22,7 @@ from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.layouts import Layouts
-from lrp_jupyter.widgets.looking import Shown
+from lrp_jupyter.widgets.looking import MomentShown
 from lrp_jupyter.widgets.protocol import (
     BridgeView,
     ElementKind,
@@ -87,7 +87,7 @@ class ViewStates:
         self._issue_views: dict[int, tuple[object, IssueView]] = {}
         self._printed: tuple[int, dict[str, str]] = 0, {}
 
-    def current(self, what: Shown) -> ViewState:
+    def current(self, what: MomentShown) -> ViewState:
         """Return what a view may show of a moment: the program is the newest one that is laid out."""
         session, texts = self._session, self._texts
         shown, layouts = self._layouts.current
