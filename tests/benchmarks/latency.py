@@ -203,6 +203,24 @@ class Bench:
         for action, times_of in found.items():
             self.table.row(f"{action}{name}", times_of, "≤ 150")
 
+    def look_back(self, times: int) -> None:
+        """Move the playhead by its keys: all panels show another moment."""
+        self.lab.pause()
+        tick = self.lab.tick
+        self.lab.find(".lrp-playhead").focus()
+        found = []
+        for turn in range(times):
+            tick -= 1 if turn % 2 else 10
+            condition = f"root => 'looking' in root.dataset && Number(root.dataset.lrpTick) === {tick}"
+            key = "ArrowLeft" if turn % 2 else "Shift+ArrowLeft"
+            event, picture = self.timed("keydown", condition, lambda key=key: self.page.keyboard.press(key))
+            found.append((picture - event) * 1e3)
+        self.table.row("playhead moved → everything shows the moment", found, "≤ 100")
+        self.page.keyboard.press("Escape")
+        self.lab.sees("css=:scope:not([data-looking])")
+        self.lab.do("run")
+        self.lab.ready()
+
     def obey_while_a_cell_runs(self) -> None:
         self.notebook.begin_cell(3)
         self.notebook.prints(3)
@@ -363,6 +381,7 @@ def main() -> None:
         bench.repair()
         bench.highlight(seconds)
         bench.obey("", times // 4)
+        bench.look_back(times)
         bench.obey_while_a_cell_runs()
         bench.reload(2 if options.quick else 5)
         bench.disturbed(context, server, seconds / 2)
