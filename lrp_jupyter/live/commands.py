@@ -278,6 +278,7 @@ class AddBreakpoint(Command):
         """See :class:`Command`."""
         if loop.breakpoints is None:
             loop.breakpoints = Breakpoints(loop.interpreter)
+        if not loop.breakpoints.all:
             loop.after_tick.append(loop.check_breakpoints)
         return loop.breakpoints.add(self.breakpoint)
 
@@ -308,7 +309,6 @@ class RemoveBreakpoint(Command):
         known = loop.breakpoints or Breakpoints(loop.interpreter)
         known.remove(self.number)
         if not known.all:
-            loop.breakpoints = None
             loop.after_tick.remove(loop.check_breakpoints)
 
 
