@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from lrp_jupyter.errors import did_you_mean
+from lrp_jupyter.interpreter.breakpoint import Breakpoint
 from lrp_jupyter.interpreter.by_path import ByPath
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.identity import Successors
@@ -160,6 +161,8 @@ class Frame:
         The block that does not return, while `status` is ``hung``.
     paused_by : Hit or None
         The breakpoint that paused the program, until it runs on.
+    breakpoints : tuple of Breakpoint
+        All of them, by number.
 
     Examples
     --------
@@ -204,6 +207,7 @@ class Frame:
     robot: object = None
     hung: Hung | None = None
     paused_by: Hit | None = None
+    breakpoints: tuple[Breakpoint, ...] = ()
 
     def __repr__(self) -> str:
         active = ", ".join(map(path_text, self.active)) or "nothing"

@@ -8,10 +8,10 @@ breakpoints pays nothing for them.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import replace
 
 from lrp_jupyter.errors import UnknownElementError, did_you_mean, sentence_of
+from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import Hit
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -19,71 +19,12 @@ from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["Breakpoint", "BreakpointKind", "Breakpoints", "element_of"]
-
-BreakpointKind = Literal["entered", "left", "fired", "event", "condition"]
-_ELEMENTS = {"entered": "state", "left": "state", "fired": "transition", "event": "event"}
-_WORDS = {
-    "entered": "`{}` was entered",
-    "left": "`{}` was left",
-    "fired": "`{}` fired",
-    "event": "The event `{}` occurred",
-    "condition": "`{}` became True",
-}
+__all__ = ["Breakpoints", "element_of", "noun_of"]
 
 
-@dataclass(frozen=True, slots=True)
-class Breakpoint:
-    """A condition for a pause.
-
-    Parameters
-    ----------
-    number : int
-        The first is 1.
-    kind : str
-        ``entered``, ``left``, ``fired``, ``event`` or ``condition``.
-    element : Element or None
-        The state, transition or event; None for a condition.
-    expression : str
-        The condition.
-    machine : path
-        The machine in whose scope the condition is evaluated, by path of definition; empty for the top level.
-    enabled : bool
-        Whether it pauses; hits are counted in any case.
-    hits : int
-    after : int
-        The hit from which on it pauses.
-    once : bool
-        Whether it is switched off when it has paused.
-    dormant : bool
-        Whether its element is missing from the program that runs.
-    problem : str
-        A sentence: why its condition could not be evaluated the last time; else empty.
-    """
-
-    number: int
-    kind: BreakpointKind
-    element: Element | None = None
-    expression: str = ""
-    machine: Path = ()
-    enabled: bool = True
-    hits: int = 0
-    after: int = 1
-    once: bool = False
-    dormant: bool = False
-    problem: str = ""
-
-    @property
-    def name(self) -> str:
-        """The name of its element, or its condition."""
-        return self.element.shown[-1] if self.element is not None else self.expression
-
-    def __str__(self) -> str:
-        words = _WORDS[self.kind].format(self.name)
-        state = "" if self.enabled else ", switched off"
-        state += ", dormant" if self.dormant else ""
-        hits = f", hit {self.hits} times" if self.hits != 1 else ", hit once"
-        return f"{self.number}: {words}{hits}{state}"
+def noun_of(kind: BreakpointKind) -> str:
+    """Return the kind of element that a kind of breakpoint has; empty for a condition."""
+    return {"fired": "transition", "event": "event", "condition": ""}.get(kind, "state")
 
 
 def element_of(program: Program, kind: str, wanted: str | Path) -> Element:
@@ -143,20 +84,28 @@ class Breakpoints:
         new = replace(new, number=self._last)
         self._carry()
         self._all[new.number] = new
-        self._held[new.number] = self._holds(new)[0] if new.kind in ("event", "condition") else False
+        self._held[new.number] = False
+        if new.kind in ("event", "condition"):
+            self._held[new.number], problem = self._holds(new)
+            self._all[new.number] = new = replace(new, problem=problem)
         if self._end is None:
             self._end = self._interpreter.observe(self._seen.append)
         return new
 
-    def change(self, number: int, enabled: bool) -> None:
-        """Switch a breakpoint on or off.
+    def change(self, number: int, enabled: bool | None = None, after: int | None = None) -> None:
+        """Switch a breakpoint on or off, or set the hit from which on it pauses.
 
         Raises
         ------
         ValueError
             There is no such breakpoint.
         """
-        self._all[number] = replace(self._known(number), enabled=enabled)
+        known = self._known(number)
+        self._all[number] = replace(
+            known,
+            enabled=known.enabled if enabled is None else enabled,
+            after=known.after if after is None else after,
+        )
 
     def remove(self, number: int) -> None:
         """Remove a breakpoint.
@@ -193,7 +142,7 @@ class Breakpoints:
             each = replace(self._all[number], hits=each.hits + times)
             pauses = each.enabled and each.hits >= each.after
             if pauses and first is None:
-                first = Hit(number, _WORDS[each.kind].format(each.name), each.hits, self._interpreter.tick)
+                first = Hit(number, each.what, each.hits, self._interpreter.tick)
             self._all[number] = replace(each, enabled=not (pauses and each.once) and each.enabled)
         return first
 

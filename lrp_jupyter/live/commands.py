@@ -11,11 +11,12 @@ from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Literal
 
 from lrp_jupyter.errors import LRPError
+from lrp_jupyter.interpreter.breakpoint import Breakpoint
 from lrp_jupyter.interpreter.patching import Patch
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.language.unmeant import Unmeant
-from lrp_jupyter.live.breakpoints import Breakpoint, Breakpoints
+from lrp_jupyter.live.breakpoints import Breakpoints
 from lrp_jupyter.live.inbox import Command
 from lrp_jupyter.live.loop import Loop
 
@@ -277,28 +278,38 @@ class AddBreakpoint(Command):
         """See :class:`Command`."""
         if loop.breakpoints is None:
             loop.breakpoints = Breakpoints(loop.interpreter)
+        if not loop.breakpoints.all:
             loop.after_tick.append(loop.check_breakpoints)
         return loop.breakpoints.add(self.breakpoint)
 
 
 @dataclass(frozen=True, slots=True)
 class ChangeBreakpoint(Command):
-    """Switch a breakpoint on or off, or (None) remove it."""
+    """Switch a breakpoint on or off, or set the hit from which on it pauses; None changes nothing."""
 
     misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
     number: int
-    enabled: bool | None
+    enabled: bool | None = None
+    after: int | None = None
+
+    def apply(self, loop: Loop) -> None:
+        """See :class:`Command`."""
+        (loop.breakpoints or Breakpoints(loop.interpreter)).change(self.number, self.enabled, self.after)
+
+
+@dataclass(frozen=True, slots=True)
+class RemoveBreakpoint(Command):
+    """Remove a breakpoint."""
+
+    misuse: ClassVar[tuple[type[BaseException], ...]] = _ARGUMENTS
+    number: int
 
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
         known = loop.breakpoints or Breakpoints(loop.interpreter)
-        if self.enabled is None:
-            known.remove(self.number)
-            if not known.all:
-                loop.breakpoints = None
-                loop.after_tick.remove(loop.check_breakpoints)
-        else:
-            known.change(self.number, self.enabled)
+        known.remove(self.number)
+        if not known.all:
+            loop.after_tick.remove(loop.check_breakpoints)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -566,6 +566,7 @@ class Loop:
             bridge=self.bridge.status.sentence,
             robot=self._picture(),
             paused_by=self.paused_by if self.status == "paused" else None,
+            breakpoints=() if self.breakpoints is None else self.breakpoints.all,
         )
 
     def _picture(self) -> object:

@@ -69,6 +69,7 @@ from lrp_jupyter.errors import (
     sentence_of,
 )
 from lrp_jupyter.files import open_log, read_text, write_file
+from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches, missing_state
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -84,7 +85,7 @@ from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.language.unmeant import Cursor, Judgement, judge
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.answers import Answers, tick_of
-from lrp_jupyter.live.breakpoints import Breakpoint, element_of
+from lrp_jupyter.live.breakpoints import element_of, noun_of
 from lrp_jupyter.live.checking import members_of
 from lrp_jupyter.live.clock import Clock, MonotonicClock, VirtualClock
 from lrp_jupyter.live.driver import Driver
@@ -796,7 +797,12 @@ class Session:
             None of these is given, or several are.
         """
         check_number("after", after, "a number of hits", least=1)
-        given = {"entered": entered, "left": left, "fired": fires, "event": event}
+        given: dict[BreakpointKind, str | Path | None] = {
+            "entered": entered,
+            "left": left,
+            "fired": fires,
+            "event": event,
+        }
         chosen = [(kind, what) for kind, what in given.items() if what is not None]
         if len(chosen) + bool(condition) != 1:
             raise TypeError("Pass one of a state, `left`, `fires`, `event` and `condition`.")
@@ -807,20 +813,21 @@ class Session:
             new = Breakpoint(0, "condition", None, condition, home, after=after, once=once)
         else:
             kind, what = chosen[0]
-            noun = {"fired": "transition", "event": "event"}.get(kind, "state")
-            new = Breakpoint(0, kind, element_of(program, noun, what), after=after, once=once)  # type: ignore[arg-type]
+            new = Breakpoint(0, kind, element_of(program, noun_of(kind), what), after=after, once=once)
         added: Breakpoint = self._driver.do(do.AddBreakpoint(new))
         return added
 
-    def set_breakpoint(self, number: int, enabled: bool) -> None:
-        """Switch a breakpoint on or off; its hits are counted in any case.
+    def set_breakpoint(self, number: int, enabled: bool | None = None, after: int | None = None) -> None:
+        """Switch a breakpoint on or off, or set the hit from which on it pauses; hits are always counted.
 
         Raises
         ------
         ValueError
             There is no such breakpoint.
         """
-        self._driver.do(do.ChangeBreakpoint(number, bool(enabled)))
+        if after is not None:
+            check_number("after", after, "a number of hits", least=1)
+        self._driver.do(do.ChangeBreakpoint(number, enabled if enabled is None else bool(enabled), after))
 
     def remove_breakpoint(self, number: int) -> None:
         """Remove a breakpoint.
@@ -830,7 +837,7 @@ class Session:
         ValueError
             There is no such breakpoint.
         """
-        self._driver.do(do.ChangeBreakpoint(number, None))
+        self._driver.do(do.RemoveBreakpoint(number))
 
     # -- recording -------------------------------------------------------------------------------
 

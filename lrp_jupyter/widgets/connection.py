@@ -23,7 +23,10 @@ from typing import Any
 from lrp_jupyter.errors import BridgeError, SessionClosedError
 from lrp_jupyter.language.unmeant import Cursor
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets import commands as commands  # these define messages that `decode` knows
+from lrp_jupyter.widgets import (
+    breakpoint_commands as breakpoint_commands,
+)  # these define messages that `decode` knows
+from lrp_jupyter.widgets import commands as commands
 from lrp_jupyter.widgets import drawing as drawing
 from lrp_jupyter.widgets import inspection as inspection
 from lrp_jupyter.widgets import requests as requests

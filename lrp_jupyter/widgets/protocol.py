@@ -44,6 +44,7 @@ from typing import Literal, NotRequired, Required, TypedDict
 
 from lrp_jupyter.errors import Edit, Severity
 from lrp_jupyter.graph.shapes import Layout
+from lrp_jupyter.interpreter.breakpoint import BreakpointKind
 from lrp_jupyter.interpreter.frame import Status
 from lrp_jupyter.language.program import Path, line_starts, path_text
 from lrp_jupyter.language.triggers import TransitionKind
@@ -52,6 +53,34 @@ from lrp_jupyter.sim.world import Point, Pose
 PartName = Literal["lab", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
 OnActiveEdit = Literal["restart", "keep"]
 ElementKind = Literal["machine", "state", "transition", "event", "variable", "robot"]
+
+
+class BreakpointView(TypedDict):
+    """A breakpoint: `path` as the page writes that of its element, empty for a condition.
+
+    `hits` are counted whether it is `enabled` or not; from hit `after` on it pauses. `dormant`: its element
+    is missing; `problem`: why its condition could not be evaluated. `line` is that of its element, or 0.
+    """
+
+    kind: BreakpointKind
+    path: str
+    name: str
+    expression: str
+    machine: str
+    enabled: bool
+    hits: int
+    after: int
+    dormant: bool
+    problem: str
+    line: int
+
+
+class HitView(TypedDict):
+    """The breakpoint that paused the program: its number, the sentence about it, and its hits."""
+
+    number: int
+    text: str
+    hits: int
 
 
 class TextRange(TypedDict):
@@ -414,6 +443,7 @@ class ViewState(TypedDict):
     ``issues``    number -> issue
     ``printed``   number of the line since the session began -> line; the last ones
     ``hung``      None unless a block does not return
+    ``paused_by`` the breakpoint that paused the program, until it runs on; ``breakpoints`` by number
     ``layouts``   machine path -> layout
     ``moved``     revision of the run -> elements that have another path since; the last ones
     ``looking``   the earlier moment that everything here shows, or None for now
@@ -442,6 +472,8 @@ class ViewState(TypedDict):
     printed: dict[str, str]
     restarts: dict[str, RestartView]
     hung: HungView | None
+    breakpoints: dict[str, BreakpointView]
+    paused_by: HitView | None
     bridge: BridgeView
     panel: PanelView | None
     settings: SettingsView

@@ -15,17 +15,20 @@ from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.errors import Severity
 from lrp_jupyter.graph.state_graph import DefinedPaths
-from lrp_jupyter.interpreter.frame import Frame
+from lrp_jupyter.interpreter.breakpoint import Breakpoint
+from lrp_jupyter.interpreter.frame import Frame, Hit
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.rendering import render
 from lrp_jupyter.language.identity import Successors
-from lrp_jupyter.language.program import Finding, Program, path_text
+from lrp_jupyter.language.program import Element, Finding, Machine, Program, Span, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import MomentShown
 from lrp_jupyter.widgets.protocol import (
+    BreakpointView,
     BridgeView,
     ElementKind,
+    HitView,
     HungView,
     IssueView,
     MachineItem,
@@ -85,6 +88,8 @@ class ViewStates:
         self._restarts: dict[str, RestartView] = {}
         self._numbers: dict[tuple[int, str, object, int], int] = {}  # of issues, from 1
         self._issue_views: dict[int, tuple[object, IssueView]] = {}
+        self._made_of: tuple[object, object] = None, None
+        self._breakpoint_views: dict[str, BreakpointView] = {}
         self._printed: tuple[int, dict[str, str]] = 0, {}
 
     def current(self, what: MomentShown) -> ViewState:
@@ -92,6 +97,7 @@ class ViewStates:
         session, texts = self._session, self._texts
         shown, layouts = self._layouts.current
         frame, looking = what
+        now = session.frame
         if frame.program is not self._program:
             self._program, self._paths = frame.program, DefinedPaths(frame.program)
         if shown is not self._shown:
@@ -136,6 +142,8 @@ class ViewStates:
             "printed": self._lines(),
             "restarts": self._last_restarts(frame),
             "hung": _hung_view(frame),
+            "breakpoints": self._breakpoints(now.breakpoints, now.program),
+            "paused_by": _hit_view(now.paused_by),
             "bridge": _bridge_view(session.bridge, members),
             "panel": _panel_view(session.bridge),
             "settings": {
@@ -171,6 +179,12 @@ class ViewStates:
                 self._issue_views[number] = made_of, view
             views[str(number)] = view
         return views
+
+    def _breakpoints(self, known: tuple[Breakpoint, ...], program: Program) -> dict[str, BreakpointView]:
+        if (known, program.text) != self._made_of:
+            self._made_of = known, program.text
+            self._breakpoint_views = {str(each.number): _breakpoint_view(each, program) for each in known}
+        return self._breakpoint_views
 
     def _lines(self) -> dict[str, str]:
         count, _ = self._printed
@@ -215,6 +229,44 @@ def is_urgent(changes: Mapping[str, Any]) -> bool:
 def _hung_view(frame: Frame) -> HungView | None:
     hung = frame.hung
     return None if hung is None else {"where": hung.where, "seconds": hung.seconds, "held": hung.held}
+
+
+def _hit_view(hit: Hit | None) -> HitView | None:
+    return None if hit is None else {"number": hit.number, "text": str(hit), "hits": hit.count}
+
+
+def _breakpoint_view(each: Breakpoint, program: Program) -> BreakpointView:
+    element = each.element
+    return {
+        "kind": each.kind,
+        "path": id_of(element.kind, element.path) if element is not None else "",
+        "name": each.name,
+        "expression": each.expression,
+        "machine": path_text(each.machine),
+        "enabled": each.enabled,
+        "hits": each.hits,
+        "after": each.after,
+        "dormant": each.dormant,
+        "problem": each.problem,
+        "line": 0 if element is None else _line_of(program, element),
+    }
+
+
+def _line_of(program: Program, element: Element) -> int:
+    """Return the line in which a state, a transition or an event is defined; 0 if it is missing."""
+    *scope, name = element.path
+    owners: list[Program | Machine] = (
+        [program] if not scope else [machine for path, machine in program.walk() if [*path] == scope]
+    )
+    for owner in owners:
+        places: list[tuple[str, Span]] = [(each.name, each.span) for each in owner.events]
+        if isinstance(owner, Machine) and element.kind == "state":
+            places = [(each.name, each.span) for each in owner.states]
+        elif isinstance(owner, Machine) and element.kind == "transition":
+            places = [(id_, each.span) for id_, each in zip(owner.ids, owner.transitions, strict=True)]
+        if name in dict(places):
+            return program.place(dict(reversed(places))[name][0])[0]
+    return 0
 
 
 def program_view(program: Program) -> ProgramView:

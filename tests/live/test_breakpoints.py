@@ -207,3 +207,9 @@ def test_it_pauses_exactly_when_the_state_is_entered(text, data):
                 paused.append(live.frame.tick)
         assert paused == sorted(set(entered))
         assert live.breakpoints[0].hits == len(entered)
+
+
+def test_a_number_is_never_used_again(live):
+    live.remove_breakpoint(live.pause_when("b").number)
+    assert live.pause_when("a").number == 2
+    assert live.breakpoints[0].name == "a"

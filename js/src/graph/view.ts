@@ -1,6 +1,7 @@
 /** The state graph of the machine shown: drawing, marks, zoom and pan, menus. */
 
 import { nameOf, parentOf } from "../language/paths";
+import { breakpointItems } from "../parts/breakpoints";
 import { askWhy } from "../parts/why";
 import type { Layout, StateShape } from "../protocol";
 import type { Lab } from "../session/store";
@@ -11,6 +12,7 @@ import { type MenuItem, openMenu } from "../ui/menu";
 import { pngOfSvg, savePicture, svgDocument } from "../ui/picture";
 import { AutoFit, LEGIBLE } from "./autofit";
 import { type Box, Camera } from "./camera";
+import { drawDots } from "./dots";
 import { Dragging } from "./drag";
 import { draw, makeLayers } from "./draw";
 import { keepOneTabStop, walkWithArrows } from "./focus";
@@ -78,6 +80,7 @@ export function graphView(lab: Lab): HTMLElement {
     shown = layout;
     drawn = parts;
     draw(layers, layout, store.state.layouts);
+    drawDots(layers.root, store.state);
     keepOneTabStop(svg);
     svg.setAttribute("aria-label", `State graph of ${layout.name}`);
     if (other) {
@@ -175,6 +178,7 @@ export function graphView(lab: Lab): HTMLElement {
 
   store.watch(["layouts", "machine", "snapshot"], () => redraw());
   store.watch(["lit", "entered", "fired", "machine", "layouts", "chosen"], marks.update);
+  store.watch(["breakpoints"], () => drawDots(layers.root, store.state));
   let isWaiting = false;
   store.watch(["lit", "follow"], () => {
     if (isWaiting || !store.state.follow) return;
@@ -353,6 +357,7 @@ export function stateMenu(lab: Lab, path: string, at: Point, open: () => void): 
     { label: "Transition here", action: "transition", run: () => void lab.act({ do: "transition", path }) },
     { label: "Teleport here", action: "teleport", run: () => void lab.act({ do: "teleport", path }) },
     { label: "Why?", action: "why", run: () => askWhy(lab, "state", path, at), hint: "?" },
+    ...breakpointItems(lab, "state", path),
     null,
     { label: "Open nested machine", action: "open", run: open, disabled: !nested, hint: "⇧⏎" },
     { label: "Inspect", action: "inspect", run: () => lab.inspect("state", path) },
@@ -365,6 +370,7 @@ export function transitionMenu(lab: Lab, path: string, at: Point): (MenuItem | n
   return [
     { label: "Fire now", action: "fire", run: () => void lab.act({ do: "fire", path }) },
     { label: "Why not?", action: "why", run: () => askWhy(lab, "transition", path, at), hint: "?" },
+    ...breakpointItems(lab, "transition", path),
     null,
     { label: "Inspect", action: "inspect", run: () => lab.inspect("transition", path) },
     { label: "Go to source", action: "source", run: () => lab.goTo("transition", path), hint: "⏎" },

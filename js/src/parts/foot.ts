@@ -1,7 +1,8 @@
 /** The last line of the lab: notes, which grow upward over the page and push nothing; the restarts; the status. */
 
 import type { Lab } from "../session/store";
-import { h, setAttribute, setText, unmarked } from "../ui/dom";
+import { h, prose, setAttribute, setHidden, setText, unmarked } from "../ui/dom";
+import { ELEMENT_OF } from "./breakpoints";
 import { notes } from "./notes";
 import { restarts } from "./restarts";
 
@@ -13,8 +14,41 @@ export function foot(lab: Lab, text: () => string, ...forms: HTMLElement[]): HTM
     { class: "lrp-foot" },
     h("div", { class: "lrp-notes" }, ...forms, notes(lab, text), notice),
     counter,
+    pausedBy(lab),
     statusLine(lab),
   );
+}
+
+/** Why a breakpoint paused the program, in the words of the kernel; a click shows its element. */
+function pausedBy(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const words = h("span", {});
+  const go = h(
+    "button",
+    {
+      type: "button",
+      class: "lrp-paused-by",
+      "data-lrp-action": "paused-by",
+      onclick: () => {
+        const { kind, path } = store.state.breakpoints[store.state.paused_by?.number ?? 0] ?? {};
+        const noun = kind && ELEMENT_OF[kind];
+        if (noun && path) lab.goTo(noun, path);
+      },
+    },
+    h("span", { class: "lrp-breakpoint-dot", "data-dot": "on", "aria-hidden": "true" }),
+    words,
+  );
+  const place = h("div", { class: "lrp-paused", role: "status" }, go);
+  store.watch(["paused_by", "breakpoints"], () => {
+    const { paused_by: hit, breakpoints } = store.state;
+    setHidden(go, !hit);
+    go.disabled = !(hit && breakpoints[hit.number]?.line);
+    if (!hit || words.dataset.text === hit.text) return;
+    words.dataset.text = hit.text;
+    words.replaceChildren(...prose(hit.text));
+    setAttribute(go, "title", unmarked(hit.text));
+  });
+  return place;
 }
 
 function statusLine(lab: Lab): HTMLElement {

@@ -1,0 +1,73 @@
+/** Breakpoints as the page sees them: which an element has, how they are shown, and how they are set. */
+
+import type { BreakpointView, ElementKind } from "../protocol";
+import type { LabState } from "../session/state";
+import type { Lab } from "../session/store";
+import type { MenuItem } from "../ui/menu";
+
+export type BreakpointKind = BreakpointView["kind"];
+
+/** How a dot is drawn: filled, or hollow where no breakpoint of the element can pause. */
+export type Dot = "on" | "off";
+
+/** The kind of element that a kind of breakpoint has. */
+export const ELEMENT_OF: Record<BreakpointKind, ElementKind | null> = {
+  entered: "state",
+  left: "state",
+  fired: "transition",
+  event: "event",
+  condition: null,
+};
+
+/** The kind of breakpoint that a click sets on a kind of element. */
+export const USUAL: Partial<Record<ElementKind, BreakpointKind>> = {
+  state: "entered",
+  transition: "fired",
+  event: "event",
+};
+
+const LABELS: [BreakpointKind, string][] = [
+  ["entered", "Pause when entered"],
+  ["left", "Pause when left"],
+  ["fired", "Pause when it fires"],
+  ["event", "Pause when it occurs"],
+];
+
+/** The breakpoints of an element, by number. */
+export function breakpointsOf(
+  { breakpoints }: Pick<LabState, "breakpoints">,
+  kind: ElementKind,
+  path: string,
+): [number, BreakpointView][] {
+  return Object.entries(breakpoints)
+    .filter(([, each]) => ELEMENT_OF[each.kind] === kind && each.path === path)
+    .map(([number, each]) => [Number(number), each]);
+}
+
+/** The dot of an element, or null if it has no breakpoint. */
+export function dotOf(state: Pick<LabState, "breakpoints">, kind: ElementKind, path: string): Dot | null {
+  const all = breakpointsOf(state, kind, path);
+  if (!all.length) return null;
+  return all.some(([, { enabled, dormant }]) => enabled && !dormant) ? "on" : "off";
+}
+
+/** Add a breakpoint of this kind to an element, or remove those that it has. */
+export async function toggleBreakpoint(lab: Lab, kind: BreakpointKind, path: string): Promise<void> {
+  const noun = ELEMENT_OF[kind];
+  const known = noun
+    ? breakpointsOf(lab.store.state, noun, path).filter(([, each]) => each.kind === kind)
+    : [];
+  if (!known.length) await lab.act({ do: "add_breakpoint", kind, path });
+  for (const [number] of known) await lab.act({ do: "remove_breakpoint", number });
+}
+
+/** The checked items of an element's menu. */
+export function breakpointItems(lab: Lab, noun: ElementKind, path: string): MenuItem[] {
+  const known = breakpointsOf(lab.store.state, noun, path);
+  return LABELS.filter(([kind]) => ELEMENT_OF[kind] === noun).map(([kind, label]) => ({
+    label,
+    action: `pause-${kind}`,
+    checked: known.some(([, each]) => each.kind === kind),
+    run: () => void toggleBreakpoint(lab, kind, path),
+  }));
+}

@@ -1,0 +1,77 @@
+"""A breakpoint as a value: what pauses the program, and how often it happened."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from lrp_jupyter.language.program import Element, Path
+
+__all__ = ["Breakpoint", "BreakpointKind"]
+
+BreakpointKind = Literal["entered", "left", "fired", "event", "condition"]
+_WORDS = {
+    "entered": "`{}` was entered",
+    "left": "`{}` was left",
+    "fired": "`{}` fired",
+    "event": "The event `{}` occurred",
+    "condition": "`{}` became True",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Breakpoint:
+    """A condition for a pause.
+
+    Parameters
+    ----------
+    number : int
+        The first is 1.
+    kind : str
+        ``entered``, ``left``, ``fired``, ``event`` or ``condition``.
+    element : Element or None
+        The state, transition or event; None for a condition.
+    expression : str
+        The condition.
+    machine : path
+        The machine in whose scope the condition is evaluated, by path of definition; empty for the top level.
+    enabled : bool
+        Whether it pauses; hits are counted in any case.
+    hits : int
+    after : int
+        The hit from which on it pauses.
+    once : bool
+        Whether it is switched off when it has paused.
+    dormant : bool
+        Whether its element is missing from the program that runs.
+    problem : str
+        A sentence: why its condition could not be evaluated the last time; else empty.
+    """
+
+    number: int
+    kind: BreakpointKind
+    element: Element | None = None
+    expression: str = ""
+    machine: Path = ()
+    enabled: bool = True
+    hits: int = 0
+    after: int = 1
+    once: bool = False
+    dormant: bool = False
+    problem: str = ""
+
+    @property
+    def name(self) -> str:
+        """The name of its element, or its condition."""
+        return self.element.shown[-1] if self.element is not None else self.expression
+
+    @property
+    def what(self) -> str:
+        """What happens when it is hit: ``"`looking` was entered"``."""
+        return _WORDS[self.kind].format(self.name)
+
+    def __str__(self) -> str:
+        state = "" if self.enabled else ", switched off"
+        state += ", dormant" if self.dormant else ""
+        hits = f", hit {self.hits} times" if self.hits != 1 else ", hit once"
+        return f"{self.number}: {self.what}{hits}{state}"

@@ -1,0 +1,66 @@
+"""The commands of a page about breakpoints: add one, switch it on or off, remove it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
+from lrp_jupyter.interpreter.variables import check_expression
+from lrp_jupyter.live import commands as do
+from lrp_jupyter.live.breakpoints import element_of, noun_of
+from lrp_jupyter.widgets.commands import Applied
+from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
+from lrp_jupyter.widgets.protocol import path_of
+
+__all__ = ["AddBreakpointCommand", "ChangeBreakpointCommand", "RemoveBreakpointCommand"]
+
+Hits = Annotated[int, Between(1, 1_000_000)]
+
+
+@dataclass(frozen=True)
+class AddBreakpointCommand(PageCommand, do="add_breakpoint"):
+    """Pause from now on when something happens to the element with this path, or a condition becomes True.
+
+    `expression` is the condition.
+    """
+
+    kind: BreakpointKind
+    path: str = ""
+    expression: str = ""
+    after: Hits = 1
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        """See the base class."""
+        session = opened.session
+        if self.kind == "condition":
+            new = Breakpoint(0, self.kind, None, check_expression(self.expression), after=self.after)
+        else:
+            noun = noun_of(self.kind)
+            element = element_of(session.program, noun, path_of(noun, self.path))
+            new = Breakpoint(0, self.kind, element, after=self.after)
+        return session.ask(do.AddBreakpoint(new))
+
+
+@dataclass(frozen=True)
+class ChangeBreakpointCommand(PageCommand, do="change_breakpoint"):
+    """Switch a breakpoint on or off, or set the hit from which on it pauses; 0 keeps that."""
+
+    number: int
+    on: bool | None = None
+    after: Annotated[int, Between(0, 1_000_000)] = 0
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        """See the base class."""
+        return opened.session.ask(do.ChangeBreakpoint(self.number, self.on, self.after or None))
+
+
+@dataclass(frozen=True)
+class RemoveBreakpointCommand(PageCommand, do="remove_breakpoint"):
+    """Remove a breakpoint."""
+
+    number: int
+
+    def apply(self, opened: OpenProgram) -> Applied:
+        """See the base class."""
+        return opened.session.ask(do.RemoveBreakpoint(self.number))

@@ -1,0 +1,35 @@
+"""Breakpoints: set in the graph, in the text and in the list, and why the program paused."""
+
+from e2e.programs import VISITS
+
+BLINK = VISITS.replace(
+    "(on [steps < 0] here -> there tgo)", "(ontime 700 here -> there tgo)\n  (ontime 700 there -> here tback)"
+)
+
+
+def paused_by(lab, words):
+    """Wait until the foot says why the program paused."""
+    lab.sees('.lrp-status .lrp-dot[data-status="paused"]')
+    lab.sees(f".lrp-paused-by:has-text('{words}')")
+
+
+def test_a_state_and_a_transition_are_watched_from_the_graph(open_lab):
+    lab = open_lab(BLINK)
+    lab.is_active("m/here")
+    lab.state("m/there").click(button="right")
+    assert lab.find('[role="menuitem"]').first.inner_text() == "Transition here"
+    lab.choose("pause-entered")
+    paused_by(lab, "there was entered (breakpoint 1, ")
+    lab.sees('[data-lrp-state="m/there"] > .lrp-breakpoint[data-dot="on"]')
+    lab.find(".lrp-paused-by").click()
+    lab.sees(".cm-activeLine:has-text('state there')")
+    lab.state("m/there").click(button="right")
+    lab.sees('[data-lrp-action="pause-entered"][aria-checked="true"]')
+    lab.choose("pause-entered")
+    lab.misses(".lrp-breakpoint")
+    lab.find('[data-lrp-transition="m:tback"]').first.focus()
+    lab.page.keyboard.press("m")
+    lab.choose("pause-fired")
+    lab.do("run")
+    paused_by(lab, "tback fired (breakpoint 2, 1st time).")
+    lab.sees('[data-lrp-transition="m:tback"] > .lrp-breakpoint')
