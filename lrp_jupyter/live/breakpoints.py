@@ -37,7 +37,7 @@ def element_of(program: Program, kind: str, wanted: str | Path) -> Element:
     """
     path, text = as_path(wanted), path_text(as_path(wanted))
     known = [element for element in resolve(program).elements() if element.kind == kind]
-    found = [
+    found = [element for element in known if element.path == path] or [
         element
         for element in known
         if path in (element.path, element.path[-1:])

@@ -716,6 +716,7 @@ class Loop:
                 self._stand_still(reason)
             self._note(Paused(reason))
         elif self.status in ("ready", "paused") and reason:
+            self.paused_by = None
             self._unstarted = self._unstarted or self.status == "ready"
             self.status, self.reason = "paused", reason
 
@@ -788,6 +789,8 @@ class Loop:
             self.due = self.now
             self.clock.rebase(self.now)
         interpreter.rewind(ticks)
+        if self.paused_by is not None and ticks:
+            self.paused_by, self.reason = None, ""  # that tick has not happened
         bridge.safety.forget(interpreter.tick)
         self.inputs.undo(interpreter.tick)
         self.checkpoints.cut(interpreter.tick)

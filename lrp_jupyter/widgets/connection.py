@@ -16,12 +16,14 @@ import threading
 import traceback
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from functools import partial
 from time import monotonic
 from typing import Any
 
 from lrp_jupyter.errors import BridgeError, SessionClosedError
 from lrp_jupyter.language.unmeant import Cursor
+from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets import (
     breakpoint_commands as breakpoint_commands,
@@ -176,6 +178,8 @@ class PageConnection:
             if old.bridge.hardware and old.bridge.name == bridge:
                 old.close()  # a robot accepts one connection at a time
             session = self._reopen(old, bridge, **options)
+            for each in old.frame.breakpoints:
+                session.ask(do.AddBreakpoint(replace(each, hits=0)))
             text = self.texts.text
             self.use(session)
             self.options = options

@@ -213,3 +213,22 @@ def test_a_number_is_never_used_again(live):
     live.remove_breakpoint(live.pause_when("b").number)
     assert live.pause_when("a").number == 2
     assert live.breakpoints[0].name == "a"
+
+
+def test_an_exact_path_is_meant_though_others_have_the_same_name():
+    text = "(event odd [True]) (machine m (event odd [False]) (state a)) (spawn m a)"
+    program = parse(text)
+    assert element_of(program, "event", ("odd",)).path == ("odd",)
+    assert element_of(program, "event", "m/odd").path == ("m", "odd")
+
+
+def test_a_step_back_undoes_the_pause_and_another_pause_has_its_own_reason(live):
+    live.pause_when("b")
+    live.run(5)
+    assert live.frame.paused_by.number == 1
+    live.rewind(1)
+    assert (live.frame.paused_by, live.frame.reason) == (None, "")
+    live.run(5)
+    assert live.frame.paused_by is not None
+    live.pause("A person wanted it.")
+    assert (live.frame.paused_by, live.frame.reason) == (None, "A person wanted it.")

@@ -2,6 +2,10 @@
 
 import pytest
 
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.texts import Texts
+
 PROGRAM = """\
 (var n := [0])
 (event many [n > 8])
@@ -116,3 +120,21 @@ def test_breakpoints_follow_edits_renames_and_resets(lab, page):
 def test_another_view_is_sent_the_breakpoints(lab, page):
     page.do("add_breakpoint", kind="fired", path="m:there")
     assert lab.page("other").merged("breakpoints")["1"]["path"] == "m:there"
+
+
+def test_breakpoints_stay_when_another_bridge_is_chosen():
+    opened = []
+
+    def reopen(old, bridge):
+        opened.append(Session(old.text, bridge))
+        return opened[-1]
+
+    connection = PageConnection(Session(PROGRAM), Texts(), reopen)
+    try:
+        connection.session.pause_when("b", after=2)
+        connection.change_bridge("sim")
+        (kept,) = connection.session.breakpoints
+        assert (kept.name, kept.after, kept.hits) == ("b", 2, 0)
+        assert connection.session is opened[0]
+    finally:
+        connection.close()
