@@ -33,3 +33,32 @@ def test_a_state_and_a_transition_are_watched_from_the_graph(open_lab):
     lab.do("run")
     paused_by(lab, "tback fired (breakpoint 2, 1st time).")
     lab.sees('[data-lrp-transition="m:tback"] > .lrp-breakpoint')
+
+
+def press_gutter(lab, line, x):
+    """Press the gutter beside a line: its dot is at the left, its question mark at the right."""
+    text = lab.sees(f".cm-line:has-text('{line}')").bounding_box()
+    gutter = lab.find(".lrp-breakpoint-gutter").bounding_box()
+    place = gutter["x"] + x, text["y"] + text["height"] / 2
+    lab.page.mouse.move(*place)
+    lab.sees(".lrp-gutter-why[data-asks]")
+    lab.page.mouse.click(*place)
+
+
+def test_the_gutter_sets_breakpoints_and_asks_why(open_lab):
+    lab = open_lab(BLINK)
+    lab.is_active("m/here")
+    lab.select("here tback")
+    lab.page.keyboard.press("Control+F8")
+    paused_by(lab, "tback fired (breakpoint 1, 1st time).")
+    lab.sees('.lrp-breakpoint-gutter .lrp-breakpoint-dot[data-dot="on"]')
+    press_gutter(lab, "ontime 700 here", 19)
+    lab.sees(".lrp-why .lrp-why-sentence code")
+    assert lab.find(".lrp-why").get_attribute("aria-label") == "Why not tgo?"
+    lab.page.keyboard.press("Escape")
+    press_gutter(lab, "ontime 700 there", 6)
+    lab.misses('.lrp-breakpoint-gutter [data-dot="on"]')
+    lab.misses(".lrp-graph .lrp-breakpoint")
+    lab.select("state there")
+    lab.page.keyboard.press("Alt+F8")
+    lab.sees(".lrp-why[aria-label='Why there?']")

@@ -27,6 +27,7 @@ import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
 import { showDiagnostics } from "./diagnostics";
 import { openFixes } from "./fixes";
 import { format } from "./format";
+import { breakpointGutter } from "./gutter";
 import { hangingIndent } from "./hanging";
 import { hover } from "./hover";
 import { keys } from "./keys";
@@ -74,6 +75,7 @@ export class Editor {
     store.watch(["findings", "issues", "revision"], () => {
       if (this.began) showDiagnostics(this.view, store.state, this.answered, this.running);
     });
+    store.watch(["breakpoints"], () => this.redraw());
     store.watch(["lit", "fired", "variables", "events", "program"], () => this.update());
   }
 
@@ -82,6 +84,7 @@ export class Editor {
     const nothing = () => true; // these would run the notebook's cell
     return [
       lineNumbers(),
+      breakpointGutter(lab),
       lintGutter(),
       foldGutter(),
       steps,
