@@ -195,8 +195,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   };
   if (part === "lab" || part === "controls") root.append(controls(lab, choices));
   const looking = new Looking(lab);
-  const past = band(lab, looking);
-  if (part === "lab") root.append(past);
+  if (part !== "lab") root.append(band(lab, looking));
   root.append(layout?.element ?? Object.values(panels).find(Boolean) ?? h("div"));
   if (part === "lab") root.append(timelineView(lab, looking));
   root.append(foot(lab, text, save.element, versions.element, opening.element));

@@ -193,7 +193,7 @@ describe("the drawing", () => {
 
   it("is as high as what it holds", () => {
     const { lanes } = drawing();
-    const other = { lanes, end: 9, divergence: { time: 0.5, text: "`b` is entered." } };
+    const other = { lanes, end: 9, divergence: { time: 0.5, text: "`b` is entered." }, isOpenLoop: false };
     expect(heightOf({ lanes, plots: [], other })).toBeGreaterThan(
       heightOf({ lanes, plots: [], other: null }),
     );
@@ -219,9 +219,55 @@ describe("the drawing", () => {
     expect(svg.querySelectorAll(".lrp-timeline-truth").length).toBe(1);
   });
 
-  it("draws marks where they can be told apart", () => {
+  it("draws marks where they can be told apart, and one for several says them all", () => {
     const mark = { kind: "edit" as const, tick: 1, time: 1, text: "The program was edited." };
-    const marks = [mark, { ...mark, time: 1.01 }, { ...mark, time: 5 }, { ...mark, time: 50 }];
-    expect(drawn({ marks }).querySelectorAll("[data-lrp-mark]")).toHaveLength(2);
+    const marks = [
+      mark,
+      { ...mark, time: 1.01, text: "Again." },
+      { ...mark, time: 5 },
+      { ...mark, time: 50 },
+    ];
+    const shown = drawn({ marks }).querySelectorAll("[data-lrp-mark] > title");
+    expect([...shown].map((title) => title.textContent)).toEqual([
+      "1.0 s: The program was edited.\n1.0 s: Again.",
+      "5.0 s: The program was edited.",
+    ]);
+  });
+
+  it("has different numbers on its axis, however short the window is", () => {
+    const axis = (from: number, to: number) =>
+      [...drawn({ span: { from, to } }).querySelectorAll(".lrp-timeline-time")].map(
+        (text) => text.textContent,
+      );
+    expect(axis(99.8, 100.35)).toEqual(["1:39.8", "1:39.9", "1:40.0", "1:40.1", "1:40.2", "1:40.3"]);
+    expect(axis(50, 70)).toContain("1:05");
+    expect(axis(0, 2)).toContain("0.5 s");
+  });
+
+  it("says the range of a plot", () => {
+    const base = { kind: "number" as const, tick: 3, times: [0, 1, 2], thresholds: new Map() };
+    const ranges = (values: number[]) =>
+      drawn({ plots: [["x", { ...base, values }]] }).querySelector(".lrp-timeline-range")!.textContent;
+    expect(ranges([0.123456, 7, 255])).toBe("0.1235 to 255");
+    expect(ranges([3, 3, 3])).toBe("3");
+  });
+});
+
+describe("changes", () => {
+  it("are found before and after a tick, but for commands", () => {
+    const happened = new Happened();
+    const command = happening({ tick: 7, kind: "command", lane: "" });
+    happened.merge(answer({ first: 2, happenings: [...RUN, command] }));
+    expect([0, 3, 4, 5].map((tick) => happened.changeFrom(tick, true))).toEqual([3, 5, 5, null]);
+    expect([9, 5, 3].map((tick) => happened.changeFrom(tick, false))).toEqual([5, 3, null]);
+  });
+
+  it("are the end of a visit and the beginning of the next, unless its machine ended", () => {
+    const happened = new Happened();
+    happened.merge(answer({ happenings: RUN }));
+    const [outer, inner] = happened.lanes();
+    expect(happened.after(outer!.segments[1]!)).toMatchObject({ by: "m:back" });
+    expect(happened.after(outer!.segments[2]!)).toBeNull();
+    expect(happened.after(inner!.segments[0]!)).toBeNull();
   });
 });

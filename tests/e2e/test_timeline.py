@@ -6,7 +6,7 @@ from e2e import axe
 from e2e.programs import COUNTER, FOLLOWER
 
 PLAYHEAD = ".lrp-playhead"
-BAND = '[data-lrp="band"]'
+BAND = ".lrp-band"
 VISITS = ".lrp-timeline-visit:not([data-other])"
 
 

@@ -10,6 +10,14 @@ export interface Span {
   to: number;
 }
 
+/** `isOpenLoop`: the recorded readings of a real robot were fed, whatever was commanded. */
+interface Other {
+  lanes: readonly Lane[];
+  end: number;
+  divergence: { time: number; text: string } | null;
+  isOpenLoop: boolean;
+}
+
 export interface Drawing {
   span: Span;
   /** Up to where anything is known, in seconds: what lasts is drawn so far. */
@@ -21,7 +29,7 @@ export interface Drawing {
   marks: readonly Mark[];
   plots: readonly [string, Plotted][];
   /** The lanes of another course, and where it differs first. */
-  other: { lanes: readonly Lane[]; end: number; divergence: { time: number; text: string } | null } | null;
+  other: Other | null;
   styleOf(state: string): { color: string; dash: number[] };
 }
 
@@ -65,11 +73,13 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   const { left, width, lanes, plots, other } = drawing;
   const height = heightOf(drawing);
   const parts: Node[] = [];
-  for (const time of ticksOf(drawing.span, width)) {
+  const times = ticksOf(drawing.span, width);
+  const isFine = times.length > 1 && times[1]! - times[0]! < 0.99;
+  for (const time of times) {
     const x = xOf(drawing, time);
     parts.push(
       s("line", { class: "lrp-timeline-grid", x1: x, x2: x, y1: AXIS, y2: height }),
-      s("text", { class: "lrp-timeline-time", x, y: AXIS - 5 }, timeText(time)),
+      s("text", { class: "lrp-timeline-time", x, y: AXIS - 5 }, timeText(time, isFine)),
     );
   }
   let y = AXIS;
@@ -81,10 +91,7 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   }
   y = Math.max(y, AXIS + MARKS + LANE);
   if (other) {
-    const words = other.divergence
-      ? `with the edit: ${unmarked(other.divergence.text)}`
-      : "with the edit: the same";
-    parts.push(s("text", { class: "lrp-timeline-other", x: left + 4, y: y + LANE - 5 }, words));
+    const heading = s("text", { class: "lrp-timeline-other", x: left + 4, y: y + LANE - 5 }, wordsOf(other));
     const top = y + 2;
     y += LANE;
     for (const lane of other.lanes) {
@@ -93,7 +100,7 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
     }
     if (other.divergence) {
       const x = xOf(drawing, other.divergence.time);
-      if (x >= left) {
+      if (x >= left && x <= left + width) {
         parts.push(
           s(
             "line",
@@ -103,7 +110,7 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
         );
       }
     }
-    parts.push(s("line", { class: "lrp-timeline-grid", x1: 0, x2: left + width, y1: top, y2: top }));
+    parts.push(s("line", { class: "lrp-timeline-grid", x1: 0, x2: left + width, y1: top, y2: top }), heading);
   }
   for (const [name, plotted] of plots) {
     y += GAP;
@@ -114,22 +121,36 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   svg.replaceChildren(...parts);
 }
 
-function timeText(time: number): string {
-  if (time < 60) return `${Number(time.toFixed(1))} s`;
-  const seconds = Math.round(time % 60);
-  return `${Math.floor(time / 60)}:${String(seconds).padStart(2, "0")}`;
+/** What is different after an edit of the past. */
+function wordsOf({ divergence, end, isOpenLoop }: Other): string {
+  const words = divergence ? unmarked(divergence.text) : `nothing is different until ${end.toFixed(1)} s.`;
+  return `with the edit${isOpenLoop ? " (open loop: the readings are the recorded ones)" : ""}: ${words}`;
+}
+
+function timeText(time: number, isFine: boolean): string {
+  const seconds = isFine ? time.toFixed(1) : String(Math.round(time));
+  if (time < 60) return `${seconds} s`;
+  const minutes = Math.floor(Number(seconds) / 60);
+  const rest = Number(seconds) - 60 * minutes;
+  return `${minutes}:${(isFine ? rest.toFixed(1) : String(rest)).padStart(isFine ? 4 : 2, "0")}`;
 }
 
 function marksOf(drawing: Drawing, y: number): Node[] {
   const { left, width, marks } = drawing;
   const shown: Node[] = [];
-  const last = new Map<HappeningKind, number>();
+  const last = new Map<HappeningKind, { x: number; title: Element }>();
   for (const { kind, tick, time, text } of marks) {
     const x = xOf(drawing, time);
     const shape = MARK_SHAPES[kind];
     if (!shape || x < left || x > left + width) continue;
-    if (x - (last.get(kind) ?? Number.NEGATIVE_INFINITY) < (kind === "command" ? 3 : 6)) continue;
-    last.set(kind, x);
+    const words = `${time.toFixed(1)} s: ${unmarked(text)}`;
+    const before = last.get(kind);
+    if (before && x - before.x < (kind === "command" ? 3 : 6)) {
+      before.title.append(`\n${words}`);
+      continue;
+    }
+    const title = s("title", {}, words);
+    last.set(kind, { x, title });
     shown.push(
       s(
         "g",
@@ -140,7 +161,7 @@ function marksOf(drawing: Drawing, y: number): Node[] {
           "data-tick": tick,
           transform: `translate(${x.toFixed(1)} ${y})`,
         },
-        s("title", {}, `${time.toFixed(1)} s: ${unmarked(text)}`),
+        title,
         kind === "command"
           ? null
           : s("rect", { class: "lrp-timeline-hit", x: -5, y: -7, width: 10, height: 14 }),
@@ -180,7 +201,7 @@ function visit(
   { color, dash }: { color: string; dash: number[] },
   isOther: boolean,
 ): Node {
-  const { state, by, text, tick, begin, end } = segment;
+  const { lane, state, by, text, tick, begin, end } = segment;
   const until = end === Number.POSITIVE_INFINITY ? "" : ` to ${end.toFixed(1)} s`;
   const height = LANE - 4;
   return s(
@@ -188,6 +209,7 @@ function visit(
     {
       class: "lrp-timeline-visit",
       "data-lrp-visit": state,
+      "data-lane": lane,
       "data-by": by,
       "data-tick": tick,
       "data-begin": begin,
@@ -222,6 +244,11 @@ function named(text: string, title: string, y: number, height: number, left: num
     s("title", {}, title),
     s("text", { class: "lrp-timeline-name", x: 0, y: Math.min(height, LANE) - 5 }, text),
   );
+}
+
+/** A number with as many digits as fit beside a plot. */
+function rounded(number: number): string {
+  return String(Number(number.toPrecision(4)));
 }
 
 /** The name of what is plotted, as short as it can be read. */
@@ -261,6 +288,13 @@ function plotOf(drawing: Drawing, name: string, plotted: Plotted, y: number): No
   const low = seen.reduce((a, b) => Math.min(a, b));
   const high = seen.reduce((a, b) => Math.max(a, b));
   const yOf = (value: number) => y + PLOT - 4 - ((value - low) / (high - low || 1)) * (PLOT - 8);
+  parts.push(
+    s(
+      "text",
+      { class: "lrp-timeline-range", x: 8, y: y + PLOT - 6 },
+      low === high ? rounded(low) : `${rounded(low)} to ${rounded(high)}`,
+    ),
+  );
   const line = (samples: (number | null)[]) => pathOf(times, samples, range, drawing, yOf);
   const labels: number[] = []; // where they stand, from above
   for (const [text, samples] of thresholds) {

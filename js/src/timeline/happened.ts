@@ -66,14 +66,26 @@ export class Happened {
     this.arranged = null;
   }
 
-  forget(): void {
-    Object.assign(this, { epoch: 0, first: 0, last: 0, begin: 0, end: 0, happenings: [], arranged: null });
-    this.plots.clear();
-  }
-
   lanes(): Lane[] {
     this.arranged ??= lanesOf(this.happenings);
     return this.arranged;
+  }
+
+  /** The tick of the next change after a tick, or of the last one before it; null if there is none. */
+  changeFrom(tick: number, forward: boolean): number | null {
+    const changes = this.happenings.filter(({ kind, tick }) => kind !== "command" && tick >= this.first);
+    const found = forward
+      ? changes.find((each) => each.tick > tick)
+      : changes.findLast((each) => each.tick < tick);
+    return found?.tick ?? null;
+  }
+
+  /** The visit with which another one ended; null if it lasts, or its machine ended. */
+  after({ lane, state, tick }: Pick<Segment, "lane" | "state" | "tick">): Segment | null {
+    const segments = this.lanes().find(({ machine }) => machine === lane)?.segments ?? [];
+    const index = segments.findIndex((each) => each.state === state && each.tick === tick);
+    const next = segments[index + 1];
+    return next && next.begin === segments[index]?.end ? next : null;
   }
 
   marks(): Mark[] {

@@ -18,7 +18,10 @@ export class Looking {
   moved = () => {};
 
   constructor(private readonly lab: Lab) {
-    lab.store.watch(["looking"], () => this.arrived());
+    lab.store.watch(["looking"], () => {
+      setAttribute(lab.root, "data-looking", Boolean(lab.store.state.looking));
+      this.arrived();
+    });
   }
 
   /** Show a moment; of several that come quickly, the last one. */
@@ -50,11 +53,12 @@ export class Looking {
   }
 }
 
-/** The line below the controls that says that everything shown is the past. */
+/** Says that everything shown is the past: in the head of the timeline, where it pushes nothing. */
 export function band(lab: Lab, looking: Looking): HTMLElement {
   const { store } = lab;
   const words = h("span", { role: "status" });
   const ago = h("span", {});
+  const more = h("span", { class: "lrp-band-more" });
   const run = button({
     label: "Run on from here",
     title: "Go back to this moment, and run on from there",
@@ -63,8 +67,8 @@ export function band(lab: Lab, looking: Looking): HTMLElement {
   });
   const element = h(
     "div",
-    { class: "lrp-band", "data-lrp": "band", hidden: true },
-    h("div", { class: "lrp-band-words" }, words, ago),
+    { class: "lrp-band", hidden: true },
+    h("div", { class: "lrp-band-words" }, words, ago, more),
     run,
     button({
       label: "Back to now",
@@ -73,20 +77,17 @@ export function band(lab: Lab, looking: Looking): HTMLElement {
       onclick: () => looking.back(),
     }),
   );
-  store.watch(["looking", "bridge"], () => {
-    const { looking: moment, bridge } = store.state;
-    setAttribute(lab.root, "data-looking", Boolean(moment));
+  store.watch(["looking", "bridge", "status"], () => {
+    const { looking: moment, bridge, status } = store.state;
     setHidden(element, !moment);
     if (!moment) return;
-    const edited = moment.edited ? " The program was edited since." : "";
-    setText(words, `Looking at ${moment.time.toFixed(1)} s`);
-    setText(ago, `, ${moment.ago.toFixed(1)} s ago.${edited}`);
-    const label = run.querySelector(".lrp-button-label");
-    if (label)
-      setText(
-        label,
-        moment.edited ? `Run on from ${moment.time.toFixed(1)} s with the edit` : "Run on from here",
-      );
+    const time = `${moment.time.toFixed(1)} s`;
+    const goesOn = bridge.hardware && status === "running" ? " The robot goes on meanwhile." : "";
+    setText(words, `Looking at ${time}`);
+    setText(ago, `, ${moment.ago.toFixed(1)} s ago.`);
+    setText(more, `${moment.edited ? " The program was edited since." : ""}${goesOn}`);
+    const label = run.querySelector(".lrp-button-label")!;
+    setText(label, moment.edited ? `Run on from ${time} with the edit` : "Run on from here");
     run.disabled = bridge.hardware && bridge.armed;
     setAttribute(
       run,

@@ -11,9 +11,12 @@ import { type MenuItem, openMenu } from "../ui/menu";
 import { trailStyles } from "../world/legend";
 import { type Drawing, draw, heightOf, type Span, shortOf } from "./draw";
 import { Happened, lanesOf, segmentAt, valueAt } from "./happened";
-import type { Looking } from "./looking";
+import { band, type Looking } from "./looking";
 
-const COLORS = [1, 2, 3, 4, 5, 6, 7, 8].map((number) => `var(--lrp-world-trail-${number})`);
+/** Those of the trail; in the dark as much lighter as the stylesheet says. */
+const COLORS = [1, 2, 3, 4, 5, 6, 7, 8].map(
+  (number) => `color-mix(in srgb, white var(--lrp-timeline-light), var(--lrp-world-trail-${number}))`,
+);
 const INTERVAL = 250; // ms between two questions at least
 const NARROW = 700; // px of a lab in which the timeline is closed at first
 const USUAL = 30; // s that the window shows
@@ -27,7 +30,7 @@ const STILL = 1500; // ms
 
 export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const { store } = lab;
-  const happened = new Happened();
+  let happened = new Happened();
   let seconds = USUAL;
   let end: number | null = null; // of the window; null: it follows the present
   let plots: string[] = [];
@@ -42,7 +45,8 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     role: "slider",
     tabindex: "0",
     "aria-label": "Moment that the lab shows",
-    title: "Drag, or use the arrow keys; Home, End, Escape",
+    title:
+      "Drag, or press ←, →, with Shift ten ticks; Page Up and Down: changes; Home, End; Escape: back to now",
   });
   const area = h("div", { class: "lrp-timeline-area" }, svg, playhead);
   const body = h("div", { class: "lrp-timeline-body" }, area);
@@ -75,7 +79,14 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const element = h(
     "section",
     { class: "lrp-timeline", "data-lrp": "timeline", "aria-label": "Timeline" },
-    h("header", { class: "lrp-timeline-head" }, opener, h("div", { class: "lrp-title" }, "Timeline"), tools),
+    h(
+      "header",
+      { class: "lrp-timeline-head" },
+      opener,
+      h("div", { class: "lrp-title" }, "Timeline"),
+      band(lab, looking),
+      tools,
+    ),
     body,
   );
 
@@ -98,9 +109,10 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     }
     asking = true;
     const wanted = Object.fromEntries(plots.map((name) => [name, happened.plots.get(name)?.tick ?? 0]));
-    const { epoch, last } = happened;
+    const run = happened; // another one after a snapshot
+    const { epoch, last } = run;
     const { timeline } = await lab.ask({ type: "timeline", epoch, tick: last, plots: wanted });
-    if (timeline) happened.merge(timeline);
+    if (timeline) run.merge(timeline);
     if (performance.now() > stillUntil) redraw();
     setTimeout(() => {
       asking = false;
@@ -112,8 +124,13 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
 
   /* ---------------------------------------------------------------- drawing */
 
+  /** The last moment that the window shows: of the present, or of what would happen after an edit. */
+  const latest = () => {
+    const { whatIf, looking: moment } = store.state;
+    return Math.max(now(), (moment && whatIf?.end) ?? 0) + seconds * 0.02;
+  };
   const span = (): Span => {
-    const to = end ?? now() + seconds * 0.02;
+    const to = end ?? latest();
     return { from: Math.max(0, to - seconds), to: Math.max(to, seconds) };
   };
   const redraw = () => {
@@ -134,7 +151,12 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
       }),
       other:
         whatIf && moment
-          ? { lanes: lanesOf(whatIf.changed.happenings), end: whatIf.end, divergence: whatIf.divergence }
+          ? {
+              lanes: lanesOf(whatIf.changed.happenings),
+              end: whatIf.end,
+              divergence: whatIf.divergence,
+              isOpenLoop: whatIf.open_loop,
+            }
           : null,
       styleOf: trailStyles(store.state.program, COLORS),
     };
@@ -151,11 +173,12 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const { from, to } = drawing.span;
     const x = drawing.left + ((Math.min(to, Math.max(from, at)) - from) / (to - from)) * drawing.width;
     playhead.style.transform = `translateX(${x.toFixed(1)}px)`;
-    playhead.toggleAttribute("data-past", Boolean(moment ?? wanted));
+    playhead.toggleAttribute("data-past", isPast());
+    playhead.toggleAttribute("data-right", x > drawing.left + drawing.width / 2);
     setAttribute(playhead, "aria-valuemin", happened.begin);
     setAttribute(playhead, "aria-valuemax", now().toFixed(1));
     setAttribute(playhead, "aria-valuenow", at.toFixed(1));
-    const ago = moment ? `, ${moment.ago.toFixed(1)} s ago` : ", now";
+    const ago = isPast() ? `, ${Math.max(0, now() - at).toFixed(1)} s ago` : ", now";
     setAttribute(playhead, "aria-valuetext", `${at.toFixed(1)} s${ago}`);
     playhead.dataset.label = `${at.toFixed(1)} s${valuesAt(at)}`;
   };
@@ -171,20 +194,20 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
       })
       .join("");
 
-  const zoom = (factor: number) => {
+  /** End the window at a time; at the present, it follows that. */
+  const endAt = (time: number) => {
+    end = time >= latest() && !store.state.looking ? null : Math.min(time, latest());
+    redraw();
+  };
+  /** Show a longer or shorter time; one moment stays where it is, the one looked at if no other is meant. */
+  const zoom = (factor: number, moment = store.state.looking?.time) => {
     const { from, to } = span();
-    const middle = store.state.looking?.time ?? (end === null ? null : (from + to) / 2);
+    const fixed = moment ?? (end === null ? to : (from + to) / 2);
+    const share = (to - fixed) / (to - from);
     seconds = Math.min(LONGEST, Math.max(SHORTEST, seconds * factor));
-    if (end !== null && middle !== null) end = middle + seconds / 2;
-    redraw();
+    endAt(fixed + share * seconds);
   };
-  const pan = (by: number) => {
-    const { to } = span();
-    const latest = now() + seconds * 0.02;
-    const next = Math.max(Math.min(seconds, latest), to + by);
-    end = next >= latest && !store.state.looking ? null : Math.min(next, latest);
-    redraw();
-  };
+  const pan = (by: number) => endAt(Math.max(Math.min(seconds, latest()), span().to + by));
   /** Keep the moment looked at in the window, and the window where it is. */
   const hold = () => {
     const moment = store.state.looking;
@@ -200,19 +223,22 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
 
   /* ---------------------------------------------------------------- pointer and keys */
 
-  const timeAt = (event: MouseEvent): number | null => {
-    if (!drawing) return null;
-    const x = event.clientX - area.getBoundingClientRect().left - drawing.left;
+  /** The time at the pointer, in seconds. */
+  const timeAt = ({ clientX }: MouseEvent): number => {
+    if (!drawing) return 0;
     const { from, to } = drawing.span;
-    if (x < -NEAR) return null;
-    const time = from + (Math.max(0, x) / drawing.width) * (to - from);
-    return Math.max(happened.begin, Math.min(happened.end, time));
+    const x = clientX - area.getBoundingClientRect().left - drawing.left;
+    return from + (x / drawing.width) * (to - from);
   };
+  const isAtName = ({ clientX }: MouseEvent) =>
+    clientX < area.getBoundingClientRect().left + (drawing?.left ?? 0) - NEAR;
+  const isPast = () => Boolean(store.state.looking ?? looking.wanted);
+  /** Show the moment at the pointer; the present has no moment, nor has what comes after it. */
   const go = (event: MouseEvent) => {
     const time = timeAt(event);
-    if (time === null || !happened.last) return;
+    if (!happened.last || (time > happened.end && !isPast())) return;
     end ??= span().to; // the window stands still from now on
-    void looking.at({ time });
+    void looking.at({ time: Math.max(happened.begin, Math.min(happened.end, time)) });
   };
   const lookAt = async (tick: number) => {
     end ??= span().to;
@@ -225,44 +251,49 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     stillUntil = 0;
   });
   area.addEventListener("pointerdown", (event) => {
-    if (event.button !== 0 || timeAt(event) === null) return;
+    if (event.button !== 0 || isAtName(event)) return;
     const border = borderAt(event);
     const mark = (event.target as Element).closest("[data-lrp-mark]");
+    const { looking: before } = store.state;
     playhead.focus({ preventScroll: true });
     event.preventDefault();
     trackDrag(area, event, {
       move: (last) => go(last),
       end: (last, moved) => {
-        if (moved || !last) return;
-        if (mark) void lookAt(Number(mark.getAttribute("data-tick")));
-        else if (border) void whyFired(border, { x: last.clientX, y: last.clientY });
+        if (!last && before) void lookAt(before.tick);
+        else if (!last || timeAt(last) > happened.end) {
+          if (isPast()) looking.back();
+        } else if (moved) return;
+        else if (mark) void lookAt(Number(mark.getAttribute("data-tick")));
+        else if (border) void whyFired(border.dataset, { x: last.clientX, y: last.clientY });
         else go(last);
       },
     });
   });
-  /** The visit whose beginning is under the pointer, if a transition led to it. */
+  /** The visit whose beginning is at the pointer, if a transition led to it and there is room to aim at it. */
   const borderAt = (event: MouseEvent): SVGElement | null => {
     const visits = [...svg.querySelectorAll<SVGElement>(".lrp-timeline-visit[data-by]:not([data-other])")];
     return (
       visits.findLast((visit) => {
-        const { left, top, bottom } = visit.getBoundingClientRect();
+        const { left, top, bottom, width } = visit.getBoundingClientRect();
         const isIn = top <= event.clientY && event.clientY <= bottom;
-        return visit.dataset.by && isIn && Math.abs(event.clientX - left) <= NEAR;
+        return visit.dataset.by && isIn && width > 3 * NEAR && Math.abs(event.clientX - left) <= NEAR;
       }) ?? null
     );
   };
-  const whyFired = async (visit: SVGElement, at: { x: number; y: number }) => {
-    await lookAt(Number(visit.dataset.tick));
-    askWhy(lab, "transition", visit.dataset.by ?? "", at);
+  const whyFired = async (visit: { tick?: unknown; by?: string }, at: { x: number; y: number }) => {
+    await lookAt(Number(visit.tick));
+    askWhy(lab, "transition", visit.by ?? "", at);
   };
   area.addEventListener("contextmenu", (event) => {
     const visit = (event.target as Element).closest<SVGElement>(".lrp-timeline-visit");
-    const time = timeAt(event);
-    if (!visit || time === null || visit.hasAttribute("data-other")) return;
+    if (!visit || visit.hasAttribute("data-other")) return;
     event.preventDefault();
     event.stopPropagation();
     const at = { x: event.clientX, y: event.clientY };
-    const { lrpVisit: state = "", by = "", begin = "0" } = visit.dataset;
+    const { lrpVisit: state = "", lane = "", by = "", tick = "0" } = visit.dataset;
+    const time = Math.min(happened.end, timeAt(event));
+    const next = happened.after({ lane, state, tick: Number(tick) });
     openMenu(
       lab.root,
       at,
@@ -272,13 +303,15 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
           label: "Why did it begin?",
           action: "why-begin",
           disabled: !by,
-          run: () => void whyFired(visit, at),
+          run: () => void whyFired({ tick, by }, at),
         },
         {
-          label: "Look at its beginning",
-          action: "look",
-          run: () => void looking.at({ time: Number(begin) }),
+          label: "Why did it end?",
+          action: "why-end",
+          disabled: !next?.by,
+          run: () => next && void whyFired(next, at),
         },
+        { label: "Look at its beginning", action: "look", run: () => void lookAt(Number(tick)) },
         null,
         { label: "Go to source", action: "source", run: () => lab.goTo("state", state) },
       ],
@@ -293,7 +326,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   area.addEventListener(
     "wheel",
     (event) => {
-      if (event.ctrlKey || event.metaKey) zoom(Math.exp(event.deltaY * 0.002));
+      if (event.ctrlKey || event.metaKey) zoom(Math.exp(event.deltaY * 0.002), timeAt(event));
       else if (event.shiftKey || Math.abs(event.deltaX) > Math.abs(event.deltaY)) {
         pan(((event.deltaX || event.deltaY) / (drawing?.width ?? 1)) * seconds);
       } else return;
@@ -309,6 +342,10 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const { key } = event;
     if (key === "ArrowLeft" || key === "ArrowDown") step(tick - by);
     else if (key === "ArrowRight" || key === "ArrowUp") step(tick + by);
+    else if (key === "PageUp" || key === "PageDown")
+      step(
+        happened.changeFrom(tick, key === "PageUp") ?? (key === "PageUp" ? Number.POSITIVE_INFINITY : tick),
+      );
     else if (key === "Home") step(happened.first);
     else if (key === "End" || key === "Escape") looking.back();
     else if (key === "+" || key === "=") zoom(0.5);
@@ -319,10 +356,8 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     event.stopPropagation();
   });
   const step = (tick: number) => {
-    const { looking: moment, tick: shown } = store.state;
-    const isPast = moment ?? looking.wanted;
-    if (tick > (isPast ? happened.last : shown)) {
-      if (isPast) looking.back();
+    if (tick > (isPast() ? happened.last : store.state.tick)) {
+      if (isPast()) looking.back();
     } else void lookAt(Math.max(happened.first, tick));
   };
   /** Ask about the states that are active at the playhead. */
@@ -358,7 +393,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   /* ---------------------------------------------------------------- what changes it */
 
   store.watch(["snapshot"], () => {
-    happened.forget();
+    happened = new Happened();
     const names: unknown = JSON.parse(kept(PLOTS + store.state.name) ?? "[]");
     plots = Array.isArray(names) ? names.filter((name) => typeof name === "string") : [];
     void ask();
@@ -368,7 +403,12 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     hold();
     redraw();
   });
-  store.watch(["whatIf", "program"], redraw);
+  store.watch(["whatIf"], () => {
+    const { whatIf, looking: moment } = store.state;
+    if (whatIf && moment && whatIf.end > span().to) end = Math.min(latest(), moment.time + seconds * 0.9);
+    redraw();
+  });
+  store.watch(["program"], redraw);
   new ResizeObserver(() => {
     if (body.hasAttribute("data-new") && lab.root.clientWidth) {
       body.removeAttribute("data-new");

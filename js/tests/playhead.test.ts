@@ -1,0 +1,265 @@
+// @vitest-environment happy-dom
+
+import { afterEach, beforeEach, describe, expect, it } from "vitest";
+import type { HappeningView, LookingView, ReplyMessage, TimelineView, WhatIfView } from "../src/protocol";
+import type { Act, Question } from "../src/session/connection";
+import { type Lab, Store } from "../src/session/store";
+import { Looking } from "../src/timeline/looking";
+import { timelineView } from "../src/timeline/view";
+
+const WIDTH = 700; // px
+const LEFT = 84; // px of the names
+const SECONDS = 30;
+const END = 20; // s, the present
+const xOf = (time: number) => LEFT + (time / SECONDS) * (WIDTH - LEFT - 14);
+
+const entered = (time: number, state: string, by: string): HappeningView => ({
+  tick: time * 10 + 1,
+  time,
+  kind: "entered",
+  lane: "m",
+  state,
+  by,
+  text: "",
+});
+const RUN = [entered(0, "m/a", ""), entered(8, "m/b", "m:go"), entered(12, "m/a", "m:back")];
+const timeline = (fields: Partial<TimelineView> = {}): TimelineView => ({
+  epoch: 1,
+  first: 1,
+  last: 10 * END + 1,
+  begin: 0,
+  end: END,
+  kept: -1,
+  happenings: RUN,
+  plots: [],
+  names: [],
+  ...fields,
+});
+const moment = (time: number): LookingView => ({ tick: 10 * time + 1, time, ago: END - time, edited: false });
+
+/** A timeline, and the kernel's end of its wire: a moment that is asked for is shown. */
+class Page {
+  readonly store = new Store();
+  readonly root = document.createElement("div");
+  readonly looks: Act[] = [];
+  readonly asked: Question[] = [];
+  answer = async (): Promise<Partial<ReplyMessage>> => ({ timeline: timeline() });
+  readonly element: HTMLElement;
+
+  constructor() {
+    document.body.append(this.root);
+    const act = async (command: Act) => {
+      if (command.do !== "look") return null;
+      this.looks.push(command);
+      const time = command.time ?? (command.tick ? (command.tick - 1) / 10 : null);
+      this.show(time);
+      return null;
+    };
+    const ask = (question: Question) => {
+      this.asked.push(question);
+      return question.type === "timeline" ? this.answer() : Promise.resolve({ error: "not asked here" });
+    };
+    const closed = new AbortController().signal;
+    const lab = { store: this.store, root: this.root, closed, act, ask } as unknown as Lab;
+    this.element = timelineView(lab, new Looking(lab));
+    this.root.append(this.element);
+    Object.defineProperty(this.area, "clientWidth", { value: WIDTH });
+    Object.assign(this.store.state, { tick: 10 * END + 1, time: END });
+  }
+
+  show(time: number | null): void {
+    this.store.set("looking", time === null ? null : moment(time));
+  }
+
+  async open(): Promise<this> {
+    this.find('[data-lrp-action="timeline"]').click();
+    await this.drawn();
+    return this;
+  }
+
+  drawn(): Promise<void> {
+    return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => resolve())));
+  }
+
+  find<E extends Element = HTMLElement>(selector: string): E {
+    const found = this.root.querySelector<E>(selector);
+    if (!found) throw new Error(`nothing is ${selector}`);
+    return found;
+  }
+
+  get area(): HTMLElement {
+    return this.element.querySelector<HTMLElement>(".lrp-timeline-area")!;
+  }
+
+  /** Where the playhead stands, in px. */
+  get head(): number {
+    return Number(/[\d.]+/.exec(this.find(".lrp-playhead").style.transform)![0]);
+  }
+
+  /** The numbers on the axis. */
+  get axis(): string[] {
+    return [...this.root.querySelectorAll(".lrp-timeline-time")].map((each) => each.textContent ?? "");
+  }
+
+  press(type: string, time: number, target: EventTarget = this.area): void {
+    const fields = { clientX: xOf(time), clientY: 5, pointerId: 1, button: 0, buttons: 1, bubbles: true };
+    target.dispatchEvent(new PointerEvent(type, fields));
+  }
+
+  async click(time: number): Promise<void> {
+    this.press("pointerdown", time);
+    this.press("pointerup", time, window);
+    await this.drawn();
+  }
+
+  async key(key: string): Promise<void> {
+    this.find(".lrp-playhead").dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
+    await this.drawn();
+  }
+}
+
+let page: Page;
+beforeEach(async () => {
+  localStorage.clear();
+  page = await new Page().open();
+});
+afterEach(() => {
+  page.store.close();
+  page.root.remove();
+});
+
+describe("a pointer on the timeline", () => {
+  it("goes to the moment where it is pressed, and the window stays", async () => {
+    const { axis } = page;
+    await page.click(10);
+    expect(page.looks).toEqual([{ do: "look", time: expect.closeTo(10, 5) }]);
+    expect(page.head).toBeCloseTo(xOf(10), 0);
+    expect(page.axis).toEqual(axis);
+  });
+
+  it("does nothing behind the present, but to lead back there from the past", async () => {
+    await page.click(25);
+    expect(page.looks).toEqual([]);
+    await page.click(10);
+    await page.click(25);
+    expect(page.looks.at(-1)).toEqual({ do: "look" });
+  });
+
+  it("drags the playhead to the first moment if it moves over the names", async () => {
+    page.press("pointerdown", 10);
+    page.press("pointermove", 5, window);
+    page.press("pointermove", -3, window);
+    await page.drawn();
+    expect(page.looks.at(-1)).toEqual({ do: "look", time: 0 });
+    page.press("pointerup", -3, window);
+  });
+
+  it("leads back to the present at the end of a drag to it", async () => {
+    page.press("pointerdown", 10);
+    page.press("pointermove", 5, window);
+    await page.drawn();
+    page.press("pointermove", 22, window);
+    page.press("pointerup", 22, window);
+    await page.drawn();
+    expect(page.looks.at(-1)).toEqual({ do: "look" });
+  });
+
+  it("puts the playhead back where it was if the drag is given up", async () => {
+    page.show(15);
+    await page.drawn();
+    page.press("pointerdown", 10);
+    page.press("pointermove", 5, window);
+    await page.drawn();
+    window.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape" }));
+    await page.drawn();
+    expect(page.looks.at(-1)).toEqual({ do: "look", tick: 151 });
+  });
+
+  it("zooms about the time where it is", async () => {
+    const wheel = new WheelEvent("wheel", { deltaY: -500 * Math.LN2 });
+    Object.defineProperties(wheel, { ctrlKey: { value: true }, clientX: { value: xOf(6) } });
+    page.area.dispatchEvent(wheel);
+    await page.click(6);
+    expect(page.looks).toEqual([{ do: "look", time: expect.closeTo(6, 5) }]);
+    expect(page.axis[0]).not.toBe("0 s");
+  });
+});
+
+describe("keys on the playhead", () => {
+  it("go from change to change, and after the last one back to the present", async () => {
+    await page.key("PageDown");
+    await page.key("PageDown");
+    await page.key("PageUp");
+    await page.key("PageUp");
+    expect(page.looks).toEqual([
+      { do: "look", tick: 121 },
+      { do: "look", tick: 81 },
+      { do: "look", tick: 121 },
+      { do: "look" },
+    ]);
+  });
+
+  it("say where it stands, and how long ago that was", async () => {
+    const head = page.find(".lrp-playhead");
+    expect(head.getAttribute("aria-valuetext")).toBe("20.0 s, now");
+    await page.key("Home");
+    expect(head.getAttribute("aria-valuetext")).toBe("0.0 s, 20.0 s ago");
+  });
+});
+
+describe("the menu of a visit", () => {
+  it("asks why it began and why it ended", async () => {
+    const menuOf = async (tick: number) => {
+      page
+        .find(`.lrp-timeline-visit[data-tick="${tick}"]`)
+        .dispatchEvent(new MouseEvent("contextmenu", { bubbles: true, cancelable: true, clientX: xOf(9) }));
+      const disabled = (action: string) =>
+        page.find<HTMLButtonElement>(`[data-lrp-action="${action}"]`).disabled;
+      const both = [disabled("why-begin"), disabled("why-end")];
+      page.find('[role="menu"]').dispatchEvent(new KeyboardEvent("keydown", { key: "Escape" }));
+      return both;
+    };
+    expect(await menuOf(1)).toEqual([true, false]);
+    expect(await menuOf(81)).toEqual([false, false]);
+    expect(await menuOf(121)).toEqual([false, true]);
+    page
+      .find('.lrp-timeline-visit[data-tick="81"]')
+      .dispatchEvent(new MouseEvent("contextmenu", { bubbles: true, cancelable: true, clientX: xOf(9) }));
+    page.find('[data-lrp-action="why-end"]').click();
+    await page.drawn();
+    expect(page.looks.at(-1)).toEqual({ do: "look", tick: 121 });
+    expect(page.asked.at(-1)).toMatchObject({ type: "why", kind: "transition", path: "m:back" });
+  });
+});
+
+describe("the window", () => {
+  it("shows the end of what would happen after an edit of the past", async () => {
+    page.show(18);
+    await page.drawn();
+    const course = { happenings: [entered(18, "m/a", "")], way: [] };
+    const whatIf: WhatIfView = {
+      ...{ tick: 181, begin: 18, end: 40, recorded: course, changed: course, divergence: null },
+      ...{ collision: "", collision_at: null, open_loop: true },
+    };
+    page.store.set("whatIf", whatIf);
+    await page.drawn();
+    expect(page.axis).toContain("40 s");
+    expect(page.find(".lrp-timeline-other").textContent).toContain("open loop");
+  });
+});
+
+describe("what a session told before another snapshot", () => {
+  it("is not mixed with what it tells after it", async () => {
+    page.root.remove();
+    page = new Page();
+    let reply: (reply: Partial<ReplyMessage>) => void = () => {};
+    page.answer = () => new Promise((resolve) => (reply = resolve));
+    await page.open();
+    page.store.touch(["snapshot"]);
+    await page.drawn();
+    page.answer = async () => ({ timeline: timeline({ happenings: [] }) });
+    reply({ timeline: timeline() });
+    await page.drawn();
+    expect(page.root.querySelectorAll(".lrp-timeline-visit")).toHaveLength(0);
+  });
+});
