@@ -1,5 +1,6 @@
 """Breakpoints: set in the graph, in the text and in the list, and why the program paused."""
 
+from e2e import axe
 from e2e.programs import VISITS
 
 BLINK = VISITS.replace(
@@ -62,3 +63,35 @@ def test_the_gutter_sets_breakpoints_and_asks_why(open_lab):
     lab.select("state there")
     lab.page.keyboard.press("Alt+F8")
     lab.sees(".lrp-why[aria-label='Why there?']")
+
+
+def test_the_list_takes_a_condition_and_changes_breakpoints(open_lab):
+    lab = open_lab(BLINK)
+    lab.is_active("m/here")
+    lab.find('[data-lrp="breakpoints"] > summary').click()
+    field = lab.find(".lrp-condition input")
+    field.fill("visits = 3")
+    field.press("Enter")
+    lab.sees(".lrp-condition .lrp-error:has-text('not an expression')")
+    field.fill("visits > 1")
+    field.press("Enter")
+    paused_by(lab, "visits > 1 became True (breakpoint 1, 1st time).")
+    lab.sees(".lrp-breakpoint-item:has-text('1 hit')")
+    lab.find("[data-lrp-action=breakpoint-on]").uncheck()
+    lab.do("remove-breakpoint")
+    lab.misses(".lrp-breakpoint-item")
+    field.fill("missing > 1")
+    field.press("Enter")
+    lab.sees(".lrp-breakpoint-item .lrp-error:has-text('missing')")
+    axe.finds_nothing_serious(lab)
+
+
+def test_a_breakpoint_is_kept_over_an_edit_and_a_reset(open_lab):
+    lab = open_lab(BLINK)
+    lab.is_active("m/here")
+    lab.state("m/there").click(button="right")
+    lab.choose("pause-left")
+    lab.sees('[data-lrp-state="m/there"] > .lrp-breakpoint')
+    lab.replace("visits = visits + 1", "visits = visits + 2")
+    lab.do("reset")
+    lab.sees('[data-lrp-state="m/there"] > .lrp-breakpoint')

@@ -4,6 +4,7 @@ import type { FindingView, IssueView, Severity, TextRange } from "../protocol";
 import type { Lab } from "../session/store";
 import { button, panel, setSwitch, toggle } from "../ui/button";
 import { h, prose, reconcile, setAttribute, setText } from "../ui/dom";
+import { breakpointList } from "./breakpointlist";
 
 interface Entry {
   key: string;
@@ -31,7 +32,14 @@ export function issuesView(lab: Lab): HTMLElement {
     onclick: () => void lab.act({ do: "clear_issues" }),
   });
   const list = h("ul", { class: "lrp-issues" });
-  const { element, heading } = panel("issues", "Issues", [pause, clear], list, printed(lab));
+  const { element, heading } = panel(
+    "issues",
+    "Issues",
+    [pause, clear],
+    list,
+    breakpointList(lab),
+    printed(lab),
+  );
   store.watch(["settings"], () => setSwitch(pause, store.state.settings.pause_on_issue));
   store.watch(["findings", "issues"], () => {
     const { findings, issues } = store.state;

@@ -1,0 +1,135 @@
+/** The list of breakpoints in the panel of issues, and the form for a condition. */
+
+import type { BreakpointView } from "../protocol";
+import type { Lab } from "../session/store";
+import { button } from "../ui/button";
+import { freshId, h, prose, reconcile, setAttribute, setHidden, setText } from "../ui/dom";
+import { ELEMENT_OF } from "./breakpoints";
+
+type Entry = [string, BreakpointView];
+
+const WORDS: Record<BreakpointView["kind"], string> = {
+  entered: "is entered",
+  left: "is left",
+  fired: "fires",
+  event: "occurs",
+  condition: "becomes True",
+};
+
+export function breakpointList(lab: Lab): HTMLElement {
+  const list = h("ul", { class: "lrp-breakpoints" });
+  const title = h("summary", {}, "Breakpoints");
+  const details = h(
+    "details",
+    { class: "lrp-details", "data-lrp": "breakpoints" },
+    title,
+    list,
+    conditionForm(lab),
+  );
+  lab.store.watch(["breakpoints"], () => {
+    const all = Object.entries(lab.store.state.breakpoints);
+    setText(title, all.length ? `Breakpoints (${all.length})` : "Breakpoints");
+    if (all.length > list.children.length) details.open = true;
+    const make = ([number]: Entry) => item(lab, number);
+    reconcile(list, all, ([number]) => number, make, update);
+  });
+  return details;
+}
+
+function item(lab: Lab, number: string): HTMLElement {
+  const current = () => lab.store.state.breakpoints[number];
+  const on = h("input", {
+    type: "checkbox",
+    "data-lrp-action": "breakpoint-on",
+    onchange: () => void lab.act({ do: "change_breakpoint", number: Number(number), on: on.checked }),
+  });
+  const after = h("input", {
+    class: "lrp-input",
+    type: "number",
+    min: "1",
+    "aria-label": `Breakpoint ${number} pauses from this hit on`,
+    onchange: () => {
+      if (after.reportValidity() && after.value)
+        void lab.act({ do: "change_breakpoint", number: Number(number), after: Number(after.value) });
+    },
+  });
+  const go = h("button", {
+    type: "button",
+    class: "lrp-link",
+    onclick: () => {
+      const { kind, path } = current() ?? {};
+      const noun = kind && ELEMENT_OF[kind];
+      if (noun && path) lab.goTo(noun, path);
+    },
+  });
+  return h(
+    "li",
+    { class: "lrp-breakpoint-item", "data-lrp-breakpoint": number },
+    on,
+    go,
+    h("span", { class: "lrp-faint" }),
+    h("label", { class: "lrp-faint" }, "from hit ", after, " on"),
+    button({
+      icon: "remove",
+      title: `Remove breakpoint ${number}`,
+      action: "remove-breakpoint",
+      onclick: () => void lab.act({ do: "remove_breakpoint", number: Number(number) }),
+    }),
+    h("p", { class: "lrp-error", role: "status" }),
+  );
+}
+
+function update(element: Element, [number, each]: Entry): void {
+  const [on, go, note, , , problem] = element.children;
+  const words = `${each.name} ${WORDS[each.kind]}`;
+  (on as HTMLInputElement).checked = each.enabled;
+  setAttribute(on!, "aria-label", `Breakpoint ${number}: pause when ${words}`);
+  setText(go!, words);
+  (go as HTMLButtonElement).disabled = !each.line;
+  const hits = each.hits === 1 ? "1 hit" : `${each.hits} hits`;
+  setText(
+    note!,
+    [each.line ? `line ${each.line}` : "", hits, each.dormant ? "dormant" : ""].filter(Boolean).join(" · "),
+  );
+  const after = element.querySelector<HTMLInputElement>('input[type="number"]')!;
+  if (after !== document.activeElement) after.value = String(each.after);
+  if (problem!.textContent !== each.problem.replaceAll("`", ""))
+    problem!.replaceChildren(...prose(each.problem));
+  setHidden(problem as HTMLElement, !each.problem);
+}
+
+/** "Pause when…": a condition in Python, with what is wrong with it below. */
+function conditionForm(lab: Lab): HTMLElement {
+  const id = freshId();
+  const error = h("p", { class: "lrp-error", role: "alert", id, hidden: true });
+  const field = h("input", {
+    class: "lrp-input",
+    "aria-label": "Pause when this Python condition becomes True",
+    "aria-describedby": id,
+    placeholder: "a condition, such as n > 3",
+    spellcheck: "false",
+    autocomplete: "off",
+  });
+  const show = (sentence: string | null) => {
+    error.replaceChildren(...prose(sentence ?? ""));
+    setHidden(error, !sentence);
+    setAttribute(field, "aria-invalid", sentence ? "true" : null);
+  };
+  return h(
+    "form",
+    {
+      class: "lrp-condition",
+      onsubmit: async (event: Event) => {
+        event.preventDefault();
+        const act = { do: "add_breakpoint", kind: "condition", expression: field.value } as const;
+        const refused = await lab.act(act, true);
+        show(refused);
+        if (!refused) field.value = "";
+      },
+    },
+    h("span", { class: "lrp-faint" }, "Pause when…"),
+    field,
+    h("button", { type: "submit", class: "lrp-button", "data-lrp-action": "add-condition" }, "Add"),
+    error,
+  );
+}
