@@ -7,6 +7,8 @@ from e2e.programs import COUNTER, FOLLOWER
 
 PLAYHEAD = ".lrp-playhead"
 BAND = ".lrp-band"
+BODY = ".lrp-timeline-body"
+PARTS = ("editor", "tree", "graph", "world", "variables", "issues", "timeline")
 VISITS = ".lrp-timeline-visit:not([data-other])"
 
 
@@ -191,16 +193,56 @@ def test_an_edit_and_an_issue_are_marked(counter):
     looks(lab)
 
 
-def test_it_is_closed_where_there_is_little_room_and_remembers_what_was_chosen(counter):
+def test_nothing_moves_when_the_past_is_shown(counter):
     lab = counter
-    lab.do("timeline")
-    lab.until("body => body.hidden", ".lrp-timeline-body")
-    lab.do("timeline")
-    lab.until("body => !body.hidden", ".lrp-timeline-body")
+    lab.pause()
+    before = {part: lab.box(f'[data-lrp="{part}"]') for part in PARTS}
+    press(lab, "Home")
+    looks(lab)
+    assert {part: lab.box(f'[data-lrp="{part}"]') for part in PARTS} == before
 
 
-def test_nothing_serious_is_found_in_it(follower):
+def test_where_there_is_little_room_it_is_one_line_that_still_says_that_the_past_is_shown(page, open_lab):
+    page.set_viewport_size({"width": 700, "height": 900})
+    lab = open_lab(COUNTER)
+    lab.goes_on()
+    assert not lab.find(BODY).is_visible()
+    lab.do("timeline")
+    lab.sees(VISITS)
+    press(lab, "ArrowLeft")
+    looks(lab)
+    lab.do("timeline")
+    assert not lab.find(BODY).is_visible()
+    assert lab.find(BAND).is_visible()
+    assert lab.root.evaluate("root => root.scrollWidth <= root.clientWidth")
+    lab.do("back-to-now")
+    is_back(lab)
+    lab.ready("running")
+
+
+def test_it_stays_as_it_was_left_and_so_do_its_plots(counter):
+    lab = counter
+    lab.do("plot")
+    lab.choose("plot-m/n")
+    lab.sees('[data-lrp-plot="m/n"]')
+    lab.do("timeline")
+    lab.until("body => body.hidden", BODY)
+    lab.notebook.save()
+    lab.page.reload()
+    lab.notebook.ready()
+    lab.notebook.begin_cell(1)
+    again = lab.notebook.lab().ready()
+    again.goes_on()
+    assert not again.find(BODY).is_visible()
+    again.do("timeline")
+    again.sees('[data-lrp-plot="m/n"]')
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_nothing_serious_is_found_in_it(follower, theme):
     lab = follower
+    axe.choose_theme(lab, theme)
+    axe.finds_nothing_serious(lab)
     press(lab, "Shift+ArrowLeft")
     looks(lab)
     axe.finds_nothing_serious(lab)

@@ -398,10 +398,16 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     plots = Array.isArray(names) ? names.filter((name) => typeof name === "string") : [];
     void ask();
   });
-  store.watch(["tick", "revision", "issues", "status"], () => void ask());
+  store.watch(["revision", "issues", "status"], () => void ask());
+  store.watch(["tick", "looking"], () => {
+    const { looking: moment, bridge } = store.state;
+    if (!moment || bridge.hardware) void ask(); // a simulation stands still while its past is shown
+  });
   store.watch(["looking"], () => {
     hold();
-    redraw();
+    const { from, to } = span();
+    if (drawing?.span.from === from && drawing.span.to === to) point();
+    else redraw();
   });
   store.watch(["whatIf"], () => {
     const { whatIf, looking: moment } = store.state;
