@@ -21,7 +21,7 @@ export function breakpointList(lab: Lab): HTMLElement {
   const title = h("summary", {}, "Breakpoints");
   const details = h(
     "details",
-    { class: "lrp-details", "data-lrp": "breakpoints" },
+    { class: "lrp-details lrp-breakpoint-list" },
     title,
     list,
     conditionForm(lab),
