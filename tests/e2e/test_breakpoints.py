@@ -68,7 +68,7 @@ def test_the_gutter_sets_breakpoints_and_asks_why(open_lab):
 def test_the_list_takes_a_condition_and_changes_breakpoints(open_lab):
     lab = open_lab(BLINK)
     lab.is_active("m/here")
-    lab.find('.lrp-breakpoint-list > summary').click()
+    lab.find(".lrp-breakpoint-list > summary").click()
     field = lab.find(".lrp-condition input")
     field.fill("visits = 3")
     field.press("Enter")
