@@ -1,6 +1,6 @@
 // @vitest-environment happy-dom
 
-import { afterEach, beforeEach, describe, expect, it } from "vitest";
+import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { HappeningView, LookingView, ReplyMessage, TimelineView, WhatIfView } from "../src/protocol";
 import type { Act, Question } from "../src/session/connection";
 import { type Lab, Store } from "../src/session/store";
@@ -245,6 +245,20 @@ describe("the window", () => {
     await page.drawn();
     expect(page.axis).toContain("40 s");
     expect(page.find(".lrp-timeline-other").textContent).toContain("open loop");
+  });
+});
+
+describe("a drawing under a pointer that is aiming", () => {
+  it("stays for a moment, and is up to date after it", async () => {
+    page.area.dispatchEvent(new PointerEvent("pointermove"));
+    const more = [...RUN, entered(15, "m/b", "m:go")];
+    page.answer = async () => ({ timeline: timeline({ happenings: more }) });
+    page.store.touch(["revision"]);
+    const visits = () => page.root.querySelectorAll(".lrp-timeline-visit").length;
+    await vi.waitUntil(() => page.asked.length > 1, { timeout: 1000 });
+    await page.drawn();
+    expect(visits()).toBe(3);
+    await vi.waitUntil(() => visits() === 4, { timeout: 3000 });
   });
 });
 

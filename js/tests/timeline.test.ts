@@ -244,6 +244,17 @@ describe("the drawing", () => {
     expect(axis(0, 2)).toContain("0.5 s");
   });
 
+  it("draws a long plot with a few points for each px, and misses no peak", () => {
+    const times = Array.from({ length: 60000 }, (_, i) => i / 6000);
+    const values = times.map((_, i) => (i === 31234 ? 9 : i % 2));
+    const plotted = { kind: "number" as const, tick: 1, times, values, thresholds: new Map() };
+    const svg = drawn({ plots: [["x", plotted]] });
+    const points = svg.querySelector(".lrp-timeline-curve")!.getAttribute("d")!.split(/[ML]/).slice(1);
+    expect(points.length).toBeLessThan(4 * 502);
+    const y = Number(svg.querySelector(".lrp-timeline-plot")!.getAttribute("y"));
+    expect(points.filter((point) => Number(point.split(" ")[1]) === y + 4)).toHaveLength(1); // at its upper edge
+  });
+
   it("says the range of a plot", () => {
     const base = { kind: "number" as const, tick: 3, times: [0, 1, 2], thresholds: new Map() };
     const ranges = (values: number[]) =>

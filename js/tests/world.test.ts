@@ -320,6 +320,18 @@ describe("the trail", () => {
     expect(style("m/outer").color).toBe("blue"); // after all others
     expect(style("m/outer").dash).not.toEqual(style("m/c").dash);
   });
+
+  it("has other styles for states of another program than for those of this one", () => {
+    const states = [{ path: "m/a", machines: [] }];
+    const machine = { path: "m", parent: null, states, transitions: [], variables: [], events: [] };
+    const style = trailStyles({ variables: [], events: [], machines: [machine] }, ["red", "blue", "green"]);
+    expect(["m/gone", "m/a", "m/new", "m/gone"].map((state) => style(state).color)).toEqual([
+      "blue",
+      "red",
+      "green",
+      "blue",
+    ]);
+  });
 });
 
 /** Linear RGB, as seen without one kind of cones. Machado, Oliveira and Fernandes 2009, severity 1. */

@@ -310,6 +310,7 @@ function plotOf(drawing: Drawing, name: string, plotted: Plotted, y: number): No
   return parts;
 }
 
+/** A line through samples; of those that are drawn in the same px, the first and last, the least and greatest. */
 function pathOf(
   times: number[],
   samples: (number | null)[],
@@ -319,17 +320,34 @@ function pathOf(
 ): string {
   const { left, width } = drawing;
   let path = "";
-  let pen = false;
+  let pen = "M";
+  let column: { x: number; values: number[] } | null = null;
+  const flush = () => {
+    if (!column) return;
+    const { x, values } = column;
+    for (const value of values) {
+      path += `${pen}${x.toFixed(1)} ${yOf(value).toFixed(1)}`;
+      pen = "L";
+    }
+    column = null;
+  };
   for (let index = from; index < to && index < times.length; index++) {
     const value = samples[index];
     if (value === null || value === undefined) {
-      pen = false;
+      flush();
+      pen = "M";
       continue;
     }
     const x = Math.min(left + width, Math.max(left, xOf(drawing, times[index]!)));
-    path += `${pen ? "L" : "M"}${x.toFixed(1)} ${yOf(value).toFixed(1)}`;
-    pen = true;
+    if (column && x - column.x < 1) {
+      const [first = value, low = first, high = first] = column.values;
+      column.values = [first, Math.min(low, value), Math.max(high, value), value];
+    } else {
+      flush();
+      column = { x, values: [value] };
+    }
   }
+  flush();
   return path;
 }
 

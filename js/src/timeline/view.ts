@@ -37,7 +37,9 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   let asking = false;
   let isDue = false;
   let drawing: Drawing | null = null;
+  let styleOf = trailStyles(store.state.program, COLORS);
   let stillUntil = 0; // nothing moves away under a pointer that is aiming
+  let later: ReturnType<typeof setTimeout> | undefined;
 
   const svg = s("svg", { class: "lrp-timeline-drawing", "aria-hidden": "true" });
   const playhead = h("div", {
@@ -113,7 +115,10 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const { epoch, last } = run;
     const { timeline } = await lab.ask({ type: "timeline", epoch, tick: last, plots: wanted });
     if (timeline) run.merge(timeline);
-    if (performance.now() > stillUntil) redraw();
+    const wait = stillUntil - performance.now();
+    clearTimeout(later);
+    if (wait <= 0) redraw();
+    else later = setTimeout(redraw, wait);
     setTimeout(() => {
       asking = false;
       if (!isDue || lab.closed.aborted) return;
@@ -158,7 +163,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
               isOpenLoop: whatIf.open_loop,
             }
           : null,
-      styleOf: trailStyles(store.state.program, COLORS),
+      styleOf,
     };
     draw(svg, drawing);
     area.style.height = `${heightOf(drawing)}px`;
@@ -381,7 +386,8 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
       checked: plots.includes(name),
       run: () => choose(plots.includes(name) ? plots.filter((each) => each !== name) : [...plots, name]),
     }));
-    openMenu(lab.root, { x: left, y: top }, items, "Plots");
+    const none = { label: "Nothing has a number yet", action: "plot-none", disabled: true, run: () => {} };
+    openMenu(lab.root, { x: left, y: top }, items.length ? items : [none], "Plots");
   };
   const choose = (names: string[]) => {
     plots = names;
@@ -414,7 +420,10 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     if (whatIf && moment && whatIf.end > span().to) end = Math.min(latest(), moment.time + seconds * 0.9);
     redraw();
   });
-  store.watch(["program"], redraw);
+  store.watch(["program"], () => {
+    styleOf = trailStyles(store.state.program, COLORS);
+    redraw();
+  });
   new ResizeObserver(() => {
     if (body.hasAttribute("data-new") && lab.root.clientWidth) {
       body.removeAttribute("data-new");

@@ -12,7 +12,8 @@ const STRIPES = [3, 3]; // px
 
 /**
  * The colours in the order of the program; once they are used up, they come again with a dash. The states in
- * which machines run come after the others, striped: they are seen where no machine runs in them.
+ * which machines run come after the others, striped: they are seen where no machine runs in them. States of another
+ * program, an earlier one or one with an edit of the past, get the next colours when they are first seen.
  */
 export function trailStyles(
   program: ProgramView,
@@ -21,12 +22,13 @@ export function trailStyles(
   const order = new Map<string, number>();
   const states = program.machines.flatMap((machine) => machine.states);
   for (const { path, machines } of states) if (!machines.length) order.set(path, order.size);
-  const inner = order.size;
-  for (const { path, machines } of states) if (machines.length) order.set(path, order.size);
+  const outer = new Set(states.flatMap(({ path, machines }) => (machines.length ? [path] : [])));
+  for (const path of outer) order.set(path, order.size);
   return (state) => {
-    const index = order.get(state) ?? 0;
+    const index = order.get(state) ?? order.size;
+    order.set(state, index);
     const again = Math.floor(index / colors.length) % 2 ? DASH : [];
-    return { color: colors[index % colors.length] ?? "gray", dash: index < inner ? again : STRIPES };
+    return { color: colors[index % colors.length] ?? "gray", dash: outer.has(state) ? STRIPES : again };
   };
 }
 
