@@ -19,13 +19,7 @@ const WORDS: Record<BreakpointView["kind"], string> = {
 export function breakpointList(lab: Lab): HTMLElement {
   const list = h("ul", { class: "lrp-breakpoints" });
   const title = h("summary", {}, "Breakpoints");
-  const details = h(
-    "details",
-    { class: "lrp-details lrp-breakpoint-list" },
-    title,
-    list,
-    conditionForm(lab),
-  );
+  const details = h("details", { class: "lrp-details lrp-breakpoint-list" }, title, list, conditionForm(lab));
   lab.store.watch(["breakpoints"], () => {
     const all = Object.entries(lab.store.state.breakpoints);
     setText(title, all.length ? `Breakpoints (${all.length})` : "Breakpoints");
