@@ -211,6 +211,7 @@ describe("the drawing", () => {
         .querySelector(`[data-lrp-visit="${state}"] > line`)!
         .getAttribute("stroke-dasharray");
     expect([stripes("m/a"), stripes("m/b")]).toEqual([null, "3 3"]);
+    expect(drawn({ styleOf }).querySelectorAll(".lrp-timeline-visit > .lrp-timeline-hit")).toHaveLength(4);
   });
 
   it("leaves gaps in curves where there is no value, and draws truth as bands", () => {

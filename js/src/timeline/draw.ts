@@ -225,6 +225,7 @@ function visit(
       height,
     },
     s("title", {}, `${nameOf(state)}, from ${begin.toFixed(1)} s${until}. ${unmarked(text)}`),
+    s("rect", { class: "lrp-timeline-hit", width, height }), // between the stripes, too
     bar(height / 2, height, isOther ? 0.2 : 0.32),
     bar(height - 1, 2, 1),
     width > 3 && s("rect", { width: 2, height, fill: color }),
