@@ -101,13 +101,13 @@ class Page {
     return [...this.root.querySelectorAll(".lrp-timeline-time")].map((each) => each.textContent ?? "");
   }
 
-  press(type: string, time: number, target: EventTarget = this.area): void {
-    const fields = { clientX: xOf(time), clientY: 5, pointerId: 1, button: 0, buttons: 1, bubbles: true };
+  press(type: string, time: number, target: EventTarget = this.area, clientY = 5): void {
+    const fields = { clientX: xOf(time), clientY, pointerId: 1, button: 0, buttons: 1, bubbles: true };
     target.dispatchEvent(new PointerEvent(type, fields));
   }
 
-  async click(time: number): Promise<void> {
-    this.press("pointerdown", time);
+  async click(time: number, y = 5): Promise<void> {
+    this.press("pointerdown", time, this.area, y);
     this.press("pointerup", time, window);
     await this.drawn();
   }
@@ -143,6 +143,15 @@ describe("a pointer on the timeline", () => {
     await page.click(10);
     await page.click(25);
     expect(page.looks.at(-1)).toEqual({ do: "look" });
+  });
+
+  it("asks why the transition fired at the border of two visits, and goes to the moment beside it", async () => {
+    const asked = () => page.asked.filter(({ type }) => type === "why");
+    await page.click(8.5, 40);
+    expect(asked()).toEqual([]);
+    await page.click(8.1, 40);
+    expect(page.looks.at(-1)).toEqual({ do: "look", tick: 81 });
+    expect(asked()).toMatchObject([{ kind: "transition", path: "m:go" }]);
   });
 
   it("drags the playhead to the first moment if it moves over the names", async () => {

@@ -204,6 +204,16 @@ describe("the drawing", () => {
     expect(svg.querySelector(".lrp-timeline-divergence")).not.toBeNull();
   });
 
+  it("stripes a visit as the trail of its state is dashed", () => {
+    const styleOf = (state: string) => ({ color: "red", dash: state === "m/b" ? [3, 3] : [] });
+    const stripes = (state: string) =>
+      drawn({ styleOf })
+        .querySelector(`[data-lrp-visit="${state}"] > line`)!
+        .getAttribute("stroke-dasharray");
+    expect([stripes("m/a"), stripes("m/b")]).toEqual([null, "3 3"]);
+    expect(drawn({ styleOf }).querySelectorAll(".lrp-timeline-visit > .lrp-timeline-hit")).toHaveLength(4);
+  });
+
   it("leaves gaps in curves where there is no value, and draws truth as bands", () => {
     const base = { tick: 4, times: [0, 1, 2, 3], thresholds: new Map([["9", [9, 9, 9, 9]]]) };
     const number = { ...base, kind: "number" as const, values: [1, null, 3, 4] };

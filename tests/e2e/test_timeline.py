@@ -166,10 +166,12 @@ def test_an_edit_of_the_past_shows_the_other_course_and_runs_on_from_there(follo
 def test_a_border_in_the_timeline_says_why_the_transition_fired(follower):
     lab = follower
     lab.pause()
-    border = lab.box(f'{VISITS}[data-by="follower:tmoving"]')
-    lab.page.mouse.click(border["x"] + 1, border["y"] + border["height"] / 2)
+    area, visit = lab.box(".lrp-timeline-area"), lab.find(f'{VISITS}[data-by="follower:tmoving"]').first
+    x, y = (float(visit.get_attribute(name)) for name in ("x", "y"))
+    lab.page.mouse.click(area["x"] + x + 1, area["y"] + y + 5)
     lab.sees('.lrp-why[data-code="fired"]')
     lab.reads(".lrp-why-sentence", "tmoving")
+    lab.reads(".lrp-why .lrp-title", "Why tmoving?")
     looks(lab)
 
 

@@ -14,6 +14,7 @@ const INTERVAL = 500; // ms between two questions while the program runs
 export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: number; y: number }): void {
   const sentence = h("p", { class: "lrp-why-sentence", role: "status" });
   const lines = h("div", { class: "lrp-why-lines" });
+  const title = h("span", {}, titleOf(kind, path));
   const when = h("span", { class: "lrp-faint" });
   const card = h(
     "section",
@@ -31,7 +32,7 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: numbe
     h(
       "header",
       { class: "lrp-head" },
-      h("div", { class: "lrp-title" }, titleOf(kind, path), when),
+      h("div", { class: "lrp-title" }, title, when),
       h(
         "div",
         { class: "lrp-tools" },
@@ -47,6 +48,8 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: numbe
   const show = (why: WhyView) => {
     when.textContent = ` at ${why.time.toFixed(1)} s`;
     card.dataset.code = why.code;
+    title.textContent = titleOf(kind, path, why.code);
+    card.setAttribute("aria-label", title.textContent);
     const content = JSON.stringify([why.sentence, why.lines, why.present]);
     if (content === shown) return;
     shown = content;
@@ -90,8 +93,8 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: numbe
   });
 }
 
-function titleOf(kind: ElementKind, path: string): string {
+function titleOf(kind: ElementKind, path: string, code = ""): string {
   if (kind === "robot") return "Why does the robot do this?";
   const name = path.slice(Math.max(path.lastIndexOf("/"), path.indexOf(":")) + 1);
-  return kind === "state" ? `Why ${name}?` : `Why not ${name}?`;
+  return kind === "state" || code === "fired" ? `Why ${name}?` : `Why not ${name}?`;
 }

@@ -204,6 +204,11 @@ function visit(
   const { lane, state, by, text, tick, begin, end } = segment;
   const until = end === Number.POSITIVE_INFINITY ? "" : ` to ${end.toFixed(1)} s`;
   const height = LANE - 4;
+  const bar = (y: number, thickness: number, opacity: number) =>
+    s("line", {
+      ...{ x1: 0, x2: width, y1: y, y2: y, stroke: color, "stroke-opacity": opacity },
+      ...{ "stroke-width": thickness, "stroke-dasharray": dash.length ? dash.join(" ") : null },
+    });
   return s(
     "svg",
     {
@@ -220,16 +225,9 @@ function visit(
       height,
     },
     s("title", {}, `${nameOf(state)}, from ${begin.toFixed(1)} s${until}. ${unmarked(text)}`),
-    s("rect", { width: "100%", height, fill: color, "fill-opacity": isOther ? 0.2 : 0.32 }),
-    s("line", {
-      x1: 0,
-      x2: width,
-      y1: height - 1,
-      y2: height - 1,
-      stroke: color,
-      "stroke-width": 2,
-      "stroke-dasharray": dash.length ? dash.join(" ") : null,
-    }),
+    s("rect", { class: "lrp-timeline-hit", width, height }), // between the stripes, too
+    bar(height / 2, height, isOther ? 0.2 : 0.32),
+    bar(height - 1, 2, 1),
     width > 3 && s("rect", { width: 2, height, fill: color }),
     width >= LETTER * nameOf(state).length + 10 && s("text", { x: 6, y: height - 4 }, nameOf(state)),
   );

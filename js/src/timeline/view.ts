@@ -278,11 +278,15 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   /** The visit whose beginning is at the pointer, if a transition led to it and there is room to aim at it. */
   const borderAt = (event: MouseEvent): SVGElement | null => {
     const visits = [...svg.querySelectorAll<SVGElement>(".lrp-timeline-visit[data-by]:not([data-other])")];
+    const frame = area.getBoundingClientRect();
+    const [left, top] = [event.clientX - frame.left, event.clientY - frame.top];
     return (
       visits.findLast((visit) => {
-        const { left, top, bottom, width } = visit.getBoundingClientRect();
-        const isIn = top <= event.clientY && event.clientY <= bottom;
-        return visit.dataset.by && isIn && width > 3 * NEAR && Math.abs(event.clientX - left) <= NEAR;
+        const [x = 0, y = 0, width = 0, height = 0] = ["x", "y", "width", "height"].map((name) =>
+          Number(visit.getAttribute(name)),
+        );
+        const isIn = 0 <= top - y && top - y <= height;
+        return visit.dataset.by && isIn && width > 3 * NEAR && Math.abs(left - x) <= NEAR;
       }) ?? null
     );
   };
