@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import math
+import operator
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
@@ -84,7 +85,10 @@ def plots_of(loop: Loop, wanted: Mapping[str, int]) -> list[Plot]:
     compared = {name: list(_compared(program, name)) for name in wanted}
     paths = {as_path(name) for name in wanted if not name.startswith(_ROBOT)}
     paths |= {path for each in compared.values() for other in each for path in other.variables.values()}
-    samples = list(_samples(loop, paths, first))
+    reads = any(name.startswith(_ROBOT) for name in wanted) or any(
+        other.reads_robot for each in compared.values() for other in each
+    )
+    samples = list(_samples(loop, paths, first, reads))
     samples.reverse()
     plots = []
     for name, after in wanted.items():
@@ -112,7 +116,7 @@ class _Sample(NamedTuple):
         return self.variables.get(as_path(name))
 
 
-def _samples(loop: Loop, paths: set[Path], after: int) -> Iterator[_Sample]:
+def _samples(loop: Loop, paths: set[Path], after: int, reads: bool) -> Iterator[_Sample]:
     """Yield the values of variables and the readings in the ticks after a tick, the last one first."""
     bridge, now = loop.bridge, loop.interpreter.tick
     nodes = bridge.nodes.table
@@ -121,7 +125,7 @@ def _samples(loop: Loop, paths: set[Path], after: int) -> Iterator[_Sample]:
         if -place > len(loop.moments):
             return
         time, _, sensed = loop.moments[place]
-        yield _Sample(tick, time, variables, bridge.readings_of(sensed), nodes)
+        yield _Sample(tick, time, variables, bridge.readings_of(sensed) if reads else {}, nodes)
 
 
 class _Compared(NamedTuple):
@@ -135,7 +139,19 @@ class _Compared(NamedTuple):
         """Return its values."""
         if isinstance(self.tree, ast.Constant):
             return (_number(self.tree.value),) * len(samples)
-        return tuple([self._at(sample) for sample in samples])
+        values: list[float | None] = []
+        before: list[object] | None = None
+        for sample in samples:
+            now = [sample.variables.get(path) for path in self.variables.values()]
+            is_same = before is not None and all(map(operator.is_, now, before))
+            values.append(values[-1] if is_same and not self.reads_robot else self._at(sample))
+            before = now
+        return tuple(values)
+
+    @property
+    def reads_robot(self) -> bool:
+        """Whether its value depends on readings."""
+        return "robot" in names_in(self.tree)
 
     def _at(self, sample: _Sample) -> float | None:
         def lookup(name: str) -> object:
