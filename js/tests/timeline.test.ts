@@ -2,7 +2,7 @@
 
 import { describe, expect, it } from "vitest";
 import type { HappeningView, PlotView, TimelineView } from "../src/protocol";
-import { type Drawing, draw, heightOf, ticksOf, xOf } from "../src/timeline/draw";
+import { type Drawing, draw, heightOf, roomFor, ticksOf, xOf } from "../src/timeline/draw";
 import { Happened, lanesOf, segmentAt, valueAt } from "../src/timeline/happened";
 import { s } from "../src/ui/dom";
 
@@ -189,6 +189,14 @@ describe("the drawing", () => {
     expect(drawn({ span: { from: 20, to: 30 }, now: 30 }).querySelectorAll("[data-lrp-visit]")).toHaveLength(
       1,
     );
+  });
+
+  it("has as much room with one machine as with many", () => {
+    const many = lanesOf(["a", "b", "c", "d"].map((lane) => happening({ lane, state: `${lane}/x` })));
+    const rooms = [0, 1, 2, 4].map((count) =>
+      roomFor({ lanes: many.slice(0, count), plots: [], other: null }),
+    );
+    expect(new Set(rooms)).toEqual(new Set([69]));
   });
 
   it("is as high as what it holds", () => {

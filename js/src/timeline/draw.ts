@@ -37,6 +37,7 @@ export const AXIS = 16; // px
 const MARKS = 14;
 const LANE = 18;
 const PLOT = 40;
+const LANES = 2; // for which there is room
 const GAP = 3;
 const LETTER = 6; // px, about
 const ROUND = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
@@ -53,6 +54,18 @@ const MARK_SHAPES: Partial<Record<HappeningKind, string>> = {
 export function heightOf({ lanes, plots, other }: Pick<Drawing, "lanes" | "plots" | "other">): number {
   const more = other ? LANE + other.lanes.length * LANE : 0;
   return AXIS + MARKS + Math.max(1, lanes.length) * LANE + more + plots.length * (PLOT + GAP) + GAP;
+}
+
+/**
+ * The height of the panel for a drawing, in px: it does not change while machines start and end, or everything
+ * above it would move under the pointer. What is higher can be scrolled.
+ */
+export function roomFor({ lanes, plots, other }: Pick<Drawing, "lanes" | "plots" | "other">): number {
+  const some = other && { ...other, lanes: other.lanes.slice(0, LANES) };
+  return (
+    heightOf({ lanes: lanes.slice(0, LANES), plots, other: some }) +
+    Math.max(0, LANES - Math.max(1, lanes.length)) * LANE
+  );
 }
 
 /** Times at which the axis has a number. */

@@ -9,7 +9,7 @@ import { trackDrag } from "../ui/drag";
 import { isOn, keep, keepOn, kept } from "../ui/kept";
 import { type MenuItem, openMenu } from "../ui/menu";
 import { trailStyles } from "../world/legend";
-import { type Drawing, draw, heightOf, type Span, shortOf } from "./draw";
+import { type Drawing, draw, heightOf, roomFor, type Span, shortOf } from "./draw";
 import { Happened, lanesOf, segmentAt, valueAt } from "./happened";
 import { band, type Looking } from "./looking";
 
@@ -167,6 +167,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     };
     draw(svg, drawing);
     area.style.height = `${heightOf(drawing)}px`;
+    body.style.height = `${roomFor(drawing)}px`;
     point();
   };
   /** Put the playhead where it belongs. */
