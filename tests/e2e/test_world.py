@@ -28,6 +28,7 @@ def open_world(open_lab):
         lab.sees(".lrp-canvas[data-view]").scroll_into_view_if_needed()
         lab.do("world-zoom-fit")
         lab.do("edit-world")
+        lab.place(0, 0)  # the tools have taken some room: wait until what was painted is of that size
         return lab
 
     return open_world
