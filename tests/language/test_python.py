@@ -31,6 +31,7 @@ def busy_collector() -> Iterator[None]:
     sys.setswitchinterval(interval)
 
 
+@pytest.mark.skipif(sys.platform == "emscripten", reason="Python in a page has no threads")
 @pytest.mark.usefixtures("busy_collector")
 @pytest.mark.parametrize("parse", [parse_python, parse_suite])
 def test_two_threads_can_parse_at_once(parse: object) -> None:
