@@ -67,7 +67,7 @@ describe("a preview", () => {
   let store: Store;
   let preview: Preview;
   let questions: { resolve: (reply: Partial<ReplyMessage>) => void }[];
-  const frames = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+  const frames = () => new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve, 5)));
   const set = async (fields: Partial<Store["state"]>) => {
     Object.assign(store.state, fields);
     store.touch(Object.keys(fields) as (keyof Store["state"])[]);
@@ -82,7 +82,7 @@ describe("a preview", () => {
     store = new Store();
     questions = [];
     const ask = vi.fn(() => new Promise((resolve) => questions.push({ resolve })));
-    preview = new Preview({ store, ask } as unknown as Lab, true);
+    preview = new Preview({ store, ask } as unknown as Lab, true, 0);
     Object.assign(store.state, { status: "running", time: 5, revision: 1, world: {} });
     store.touch(["snapshot", "status", "time", "revision", "world"]);
     await frames();

@@ -5,6 +5,7 @@ import type { Lab } from "../session/store";
 import { ghostAt } from "./ghost";
 
 const SECONDS = 3;
+const CALM = 300; // ms after an edit: first it is applied and drawn
 const LATE = 1; // s of the session: what is older is no news
 const ASTRAY = 0.1; // metres: something else has happened than was foretold
 
@@ -19,6 +20,7 @@ export class Preview {
   constructor(
     private readonly lab: Lab,
     private isOn: boolean,
+    private readonly calm = CALM,
   ) {
     lab.store.watch(["revision", "snapshot"], (changed) => {
       const { revision } = lab.store.state;
@@ -62,6 +64,8 @@ export class Preview {
     let whatIf: WhatIfView | undefined;
     while (this.isEdited && this.isWanted) {
       this.isEdited = false;
+      await new Promise((over) => setTimeout(over, this.calm));
+      if (this.isEdited) continue;
       whatIf = (await this.lab.ask({ type: "what_if", seconds: SECONDS })).what_if;
     }
     this.isAsking = this.isEdited = false;
