@@ -471,7 +471,7 @@ PLANTED: tuple[Planted, ...] = (
         says="done",
     ),
     Planted(
-        name="a counter that starts anew with every spawn",
+        name="a counter that starts again with every spawn",
         question="It has turned far more than three times. Why is it not done?",
         program="""\
 (machine dancer
@@ -1133,7 +1133,7 @@ PLANTED: tuple[Planted, ...] = (
         says="busy",
     ),
     Planted(
-        name="a nested machine that nobody spawns",
+        name="a nested machine that is never spawned",
         question="Why does it not sweep to the right?",
         program="""\
 (machine follower

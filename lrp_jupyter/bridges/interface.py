@@ -238,7 +238,7 @@ class Interface:
 
 
 def _ignore(what: object, surely: bool) -> None:
-    """Do nothing: nobody records."""
+    """Do nothing: there is no recording."""
 
 
 def _moves(value: object) -> bool:

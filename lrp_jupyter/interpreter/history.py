@@ -2,7 +2,7 @@
 
 The journal is written for undoing, from the end. Read backward without undoing anything, the same records
 give every earlier state: each says what a variable, an active state or the tree of machines was *before*. So
-the past costs a running program nothing until somebody asks.
+the past costs a running program nothing until a question is asked.
 
 A value that was changed in place is shown as it is now: only its variable is in the journal. Who needs its
 earlier content runs the tick again.

@@ -1,4 +1,4 @@
-"""Forks: independent copies of a session at a moment of its past, in virtual time, that nobody hears.
+"""Forks: independent copies of a session at a moment of its past, in virtual time, with no effect outside.
 
 A fork begins at the last checkpoint before the moment and repeats the recorded ticks and inputs up to it.
 What its blocks do stays inside: variables and the objects of the namespace that they change are copies, the

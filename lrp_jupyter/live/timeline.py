@@ -1,6 +1,6 @@
 """The timeline: what happened in a run, in order, as it is drawn.
 
-It is read from the journal, the inputs and the log of commands when somebody looks; who has seen a part of it
+It is read from the journal, the inputs and the log of commands when it is asked for; a caller that has a part of it
 asks for the rest.
 """
 
@@ -61,7 +61,7 @@ class Happening:
 
 
 class TimelineCursor(NamedTuple):
-    """How much of a timeline somebody has: up to which tick, in the run of which epoch."""
+    """How much of a timeline a caller has: up to which tick, in the run of which epoch."""
 
     epoch: int = -1
     tick: int = -1
@@ -101,7 +101,7 @@ class Timeline:
 
     @property
     def cursor(self) -> TimelineCursor:
-        """What somebody has who has this."""
+        """What a caller has after this answer."""
         return TimelineCursor(self.epoch, self.last)
 
 

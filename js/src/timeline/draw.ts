@@ -81,7 +81,7 @@ export function xOf({ span, left, width }: Drawing, time: number): number {
   return left + ((time - span.from) / (span.to - span.from)) * width;
 }
 
-/** Draw everything anew. */
+/** Redraw everything. */
 export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   const { left, width, lanes, plots, other } = drawing;
   const height = heightOf(drawing);
