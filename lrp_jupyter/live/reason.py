@@ -18,7 +18,8 @@ EXPLANATIONS: Mapping[str, Mapping[str, str]] = {
         "exit-took-parent": "The `exit` of a machine beside its own fired first and ended both.",
         "condition-false": "It was tested, and its condition was False.",
         "not-boolean": "Its condition was neither True nor False. This is an issue.",
-        "raised": "Its condition or delay raised an exception, or the delay is not a number. This is an issue.",
+        "raised": "Its condition or delay raised an exception, or the delay is not a number. "
+        "This is an issue.",
         "no-data": "Its condition needs a reading that had not arrived yet.",
         "delay-not-over": "Its state had not been active for long enough.",
         "unknown-event": "Its event is not defined. This is an issue.",

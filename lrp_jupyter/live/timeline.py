@@ -1,7 +1,7 @@
 """The timeline: what happened in a run, in order, as it is drawn.
 
-It is read from the journal, the inputs and the log of commands when it is asked for; a caller that has a part of it
-asks for the rest.
+It is read from the journal, the inputs and the log of commands when it is asked for. A caller that has a part
+of it asks for the rest.
 """
 
 from __future__ import annotations
