@@ -40,3 +40,10 @@ def test_one_module_writes_the_files_of_a_user():
         or (isinstance(node, ast.Call) and ast.unparse(node.func) in ("open", "os.open"))
     }
     assert writing == {"files.py", "cli/run.py"}, "the latter opens what stands for a closed pipe"
+
+
+def test_a_session_without_a_simulated_robot_does_not_import_the_physics():
+    program = (
+        "import sys; from lrp_jupyter import Session; Session().run(1); sys.exit('pymunk' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

@@ -250,6 +250,20 @@ class Bridge(Interface, ABC):
     def forget(self, moment: object) -> None:
         """Drop what only `rewind` and `fork` to moments before this one need."""
 
+    def world_form(self) -> Mapping[str, Any] | None:
+        """Return the bridge's own world in a JSON form, noise included; None where it has none."""
+        return None
+
+    def repeat(self, what: object) -> None:
+        """Do again what was done to the bridge's own world by hand.
+
+        Raises
+        ------
+        BridgeError
+            It has no world.
+        """
+        raise BridgeError(f"`{self.name}` has no world to which {what!r} could be done.")
+
     def fork(self, moment: object) -> Bridge | None:
         """Return an open, independent copy of the robot with its world at a moment.
 

@@ -16,7 +16,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from types import NoneType
-from typing import NamedTuple, cast
+from typing import Any, NamedTuple, cast
 
 from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge, Panel
@@ -410,6 +410,17 @@ class SimBridge(Bridge):
         """Apply an input of the world now. On the interpreter's thread, between two ticks."""
         self.simulation.apply(what)
         self._note(what)
+
+    def world_form(self) -> Mapping[str, Any]:
+        """See :class:`Bridge`."""
+        return self.world.to_dict()
+
+    def repeat(self, what: object) -> None:
+        """See :class:`Bridge`."""
+        if isinstance(what, WorldLoaded):
+            self.load_world(what.world)
+        else:
+            self.apply(cast(Input, what))
 
     def undo_world(self) -> None:
         """Undo the last edit of the world, or the change of worlds. On the interpreter's thread.

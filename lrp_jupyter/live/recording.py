@@ -36,10 +36,10 @@ from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped, WorldLoaded
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
-from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError, FileError, NoDataYet, ended, sentence_of
 from lrp_jupyter.files import shown
 from lrp_jupyter.interpreter.rendering import render
@@ -105,7 +105,7 @@ class RunStart:
         if self.bridge == "none":
             return Bridge.registry["none"]()
         if self.world is not None:
-            return SimBridge(self.world)
+            return make_bridge("sim", world=self.world)
         bridge = RecordedBridge(self.bridge, recorded_members(self.members))
         bridge.open()
         return bridge
@@ -155,7 +155,7 @@ def start_of(
 ) -> RunStart:
     """Return where a session begins that has not ticked yet."""
     interpreter = loop.interpreter
-    world = dict(bridge.world.to_dict()) if isinstance(bridge, SimBridge) else None
+    world = bridge.world_form()
     members = [] if world is not None else [_member(node) for node in bridge.nodes.members()]
     return RunStart(
         interpreter.program.text,
@@ -366,8 +366,8 @@ def _encoded(what: object, loop: Loop) -> Line:
             return {"input": "reset world"}
         case Draw(path, width, grey):
             return {"input": "draw", "path": path, "width": width, "grey": grey}
-        case WorldEdit() if isinstance(loop.bridge, SimBridge):
-            return {"input": "edit world", "world": loop.bridge.world.to_dict()}
+        case WorldEdit():
+            return {"input": "edit world", "world": loop.bridge.world_form()}
     return {"input": _BEYOND, "what": render(what)}
 
 

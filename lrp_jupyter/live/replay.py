@@ -9,19 +9,16 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
-from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped, WorldLoaded
+from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped
 from lrp_jupyter.bridges.recorded import RecordedBridge
-from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.program import Element
 from lrp_jupyter.live.commands import Rename, RepeatEdit, ReplaceProgram
 from lrp_jupyter.live.inbox import Command
 from lrp_jupyter.live.inputs import Input, Paused, Resumed, RunEnded
 from lrp_jupyter.live.loop import Loop
-from lrp_jupyter.sim.inputs import Input as WorldInput
 
 __all__ = ["Entry", "Ticked", "merged", "play", "repeat", "tested_again", "without_edits"]
 
@@ -110,13 +107,8 @@ def _apply(loop: Loop, what: object) -> None:
             bridge.stop_all()
         case RobotCommanded(name, arguments):
             bridge.nodes.table[name](**arguments)  # type: ignore[operator]
-        case WorldLoaded(world):
-            if isinstance(bridge, SimBridge):
-                bridge.load_world(world)
         case _:
-            if not isinstance(bridge, SimBridge):
-                raise BridgeError(f"`{bridge.name}` has no world to which {what!r} could be done.")
-            bridge.apply(cast(WorldInput, what))
+            bridge.repeat(what)
 
 
 def tested_again(loop: Loop, script: deque[Entry], element: Element) -> Evaluation | Exception | None:

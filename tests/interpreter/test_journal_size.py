@@ -2,7 +2,6 @@
 
 import subprocess
 import sys
-from importlib.util import find_spec
 from types import SimpleNamespace
 
 import pytest
@@ -118,7 +117,6 @@ def test_a_proxy_is_weighed_without_being_asked_for_attributes(error):
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="needs /proc")
-@pytest.mark.skipif(find_spec("pymunk") is None, reason="a session imports the simulator")
 def test_three_thousand_large_values_fit_into_memory():
     program = f"""
 from lrp_jupyter import Session
