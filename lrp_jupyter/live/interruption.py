@@ -5,7 +5,8 @@ So is foreign code that a loop has called, such as the ``sense`` of a bridge or 
 Python can raise an exception in another thread, at its next bytecode. A block may catch it, as a loop
 around ``try: … except: pass`` does. Then the exception returns: when it is caught and when it is discarded,
 it sets a trace function that raises another one at the next line of the block or of a function called
-by it, and so on until the block has ended.
+by it, and so on until the block has ended. Thus it is not lost either where Python discards it at once:
+in a finalizer (``__del__``, the callback of a weak reference), which Python would report on standard error.
 
 Nothing can be raised inside a call of C before it returns, unless it is one that Ctrl-C ends
 (``time.sleep``) and runs on the main thread: there, a signal ends it. A call that in addition holds the
@@ -117,6 +118,7 @@ def interrupt(thread: int, block: RunningBlock) -> bool:
     if frame is None:
         return False
     _requested[thread] = block.frame
+    _do_not_report_in_finalizers()
     limit = sys.getrecursionlimit()
     sys.setrecursionlimit(limit + _ROOM)  # a block at the limit would raise a RecursionError instead
     try:
@@ -128,6 +130,19 @@ def interrupt(thread: int, block: RunningBlock) -> bool:
     finally:
         sys.setrecursionlimit(limit)
     return raised == 1
+
+
+def _do_not_report_in_finalizers() -> None:
+    report = sys.unraisablehook
+    if getattr(report, "passes_interruptions", False):
+        return
+
+    def unless_it_returns(unraisable: sys.UnraisableHookArgs) -> None:
+        if not issubclass(unraisable.exc_type, Interruption):
+            report(unraisable)
+
+    unless_it_returns.passes_interruptions = True  # type: ignore[attr-defined]
+    sys.unraisablehook = unless_it_returns  # and stays: the thread may raise it much later
 
 
 @contextmanager

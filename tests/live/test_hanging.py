@@ -94,6 +94,32 @@ def test_an_edit_interrupts_a_block_that_is_at_the_limit_of_recursion(hanging):
     assert sys.getrecursionlimit() == limit
 
 
+class SlowlyFinalized:
+    def __del__(self):
+        for _ in range(200_000):
+            pass
+
+
+def test_an_interruption_that_meets_a_finalizer_is_not_reported_and_returns(hanging, monkeypatch):
+    reported = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda unraisable: reported.append(unraisable.exc_type))
+    session = hanging(RUNNING.format("while True: Slow()"), namespace={"Slow": SlowlyFinalized})
+    session.edit(GOOD)
+    assert runs_on(session).issues[0].code == "LRP611"
+    assert reported == []
+
+
+def test_other_errors_of_finalizers_are_still_reported(hanging, monkeypatch):
+    reported = []
+    monkeypatch.setattr(sys, "unraisablehook", lambda unraisable: reported.append(unraisable.exc_type))
+    session = hanging(RUNNING.format("while True: pass"))
+    session.edit(
+        "(var n := [\n class A:\n  def __del__(self): 1/0\n A() and 0])" + GOOD[len("(var n := [0])") :]
+    )
+    runs_on(session)
+    assert reported == [ZeroDivisionError]
+
+
 FINALIZED_AT_THE_LIMIT = """
 import gc, time
 from lrp_jupyter import Session
