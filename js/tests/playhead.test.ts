@@ -128,6 +128,44 @@ afterEach(() => {
   page.root.remove();
 });
 
+describe("a timeline with many machines", () => {
+  it("is drawn where it is scrolled to", async () => {
+    const many = Array.from({ length: 200 }, (_, i) => ({ ...entered(0, `m${i}/a`, ""), lane: `m${i}` }));
+    page.answer = async () => ({ timeline: timeline({ happenings: many }) });
+    page.store.set("revision", 2);
+    const lanes = () =>
+      [...page.root.querySelectorAll<SVGElement>("[data-lrp-visit]")].map((each) => each.dataset.lane);
+    await vi.waitFor(() => expect(lanes()).toContain("m0"));
+    expect(lanes()).not.toContain("m150");
+    const body = page.find(".lrp-timeline-body");
+    body.scrollTop = 150 * 18;
+    body.dispatchEvent(new Event("scroll"));
+    expect(lanes()).toContain("m150");
+    expect(lanes()).not.toContain("m0");
+  });
+});
+
+describe("an edit", () => {
+  it("is applied and drawn before the timeline asks what happened", async () => {
+    const { answer } = page;
+    const calm: number[] = []; // ms from the last edit to a question
+    let edited = 0;
+    page.answer = () => {
+      calm.push(performance.now() - edited);
+      return answer();
+    };
+    await new Promise((over) => setTimeout(over, 300)); // it may ask again at once
+    for (let revision = 2; revision < 7; revision++) {
+      edited = performance.now();
+      page.store.set("revision", revision);
+      page.store.set("tick", page.store.state.tick + 1);
+      await page.drawn();
+    }
+    await vi.waitUntil(() => calm.length, { timeout: 5000 });
+    expect(Math.min(...calm)).toBeGreaterThan(200);
+  });
+});
+
 describe("a pointer on the timeline", () => {
   it("goes to the moment where it is pressed, and the window stays", async () => {
     const { axis } = page;

@@ -145,6 +145,7 @@ describe("plots", () => {
 describe("the drawing", () => {
   const drawing = (fields: Partial<Drawing> = {}): Drawing => ({
     span: { from: 0, to: 10 },
+    sight: { top: 0, bottom: 500 },
     now: 8,
     left: 100,
     width: 500,
@@ -189,6 +190,21 @@ describe("the drawing", () => {
     expect(drawn({ span: { from: 20, to: 30 }, now: 30 }).querySelectorAll("[data-lrp-visit]")).toHaveLength(
       1,
     );
+  });
+
+  it("draws only the lanes and plots in sight, and is as high as all of them", () => {
+    const lanes = lanesOf(
+      Array.from({ length: 200 }, (_, i) => happening({ lane: `m${i}`, state: `m${i}/x` })),
+    );
+    const plotted = { kind: "number" as const, tick: 1, times: [0], values: [1], thresholds: new Map() };
+    const plots: Drawing["plots"] = [["x", plotted]];
+    const svg = drawn({ lanes, plots, sight: { top: 930, bottom: 1000 } });
+    const shown = [...svg.querySelectorAll("[data-lrp-visit]")];
+    expect(shown.map((each) => each.getAttribute("data-lane"))).toEqual(["m50", "m51", "m52", "m53"]);
+    expect(svg.querySelector("[data-lrp-plot]")).toBeNull();
+    expect(svg.getAttribute("height")).toBe(String(heightOf({ lanes, plots, other: null })));
+    const end = drawn({ lanes, plots, sight: { top: 3600, bottom: 3700 } });
+    expect(end.querySelector("[data-lrp-plot]")).not.toBeNull();
   });
 
   it("has as much room with one machine as with many", () => {

@@ -1,4 +1,7 @@
-/** The drawing of a timeline: lanes, marks, plots, the axis of time. Only what is in the window is drawn. */
+/**
+ * The drawing of a timeline: lanes, marks, plots, the axis of time. Only what can be seen is drawn: the time in
+ * the window, and the lanes and plots in the part to which the panel is scrolled. A program may have hundreds.
+ */
 
 import { nameOf } from "../language/paths";
 import type { HappeningKind } from "../protocol";
@@ -20,6 +23,8 @@ interface Other {
 
 export interface Drawing {
   span: Span;
+  /** The part that can be seen, in px from the top. */
+  sight: { top: number; bottom: number };
   /** Up to where anything is known, in seconds: what lasts is drawn so far. */
   now: number;
   /** px of the part in which time passes: what is left of it holds names. */
@@ -83,8 +88,9 @@ export function xOf({ span, left, width }: Drawing, time: number): number {
 
 /** Redraw everything. */
 export function draw(svg: SVGSVGElement, drawing: Drawing): void {
-  const { left, width, lanes, plots, other } = drawing;
+  const { left, width, lanes, plots, other, sight } = drawing;
   const height = heightOf(drawing);
+  const isSeen = (y: number, height: number) => y < sight.bottom && y + height > sight.top;
   const parts: Node[] = [];
   const times = ticksOf(drawing.span, width);
   const isFine = times.length > 1 && times[1]! - times[0]! < 0.99;
@@ -99,7 +105,7 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   parts.push(...marksOf(drawing, y + MARKS / 2));
   y += MARKS;
   for (const lane of lanes) {
-    parts.push(...laneOf(drawing, lane, y, drawing.now, false));
+    if (isSeen(y, LANE)) parts.push(...laneOf(drawing, lane, y, drawing.now, false));
     y += LANE;
   }
   y = Math.max(y, AXIS + MARKS + LANE);
@@ -108,7 +114,7 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
     const top = y + 2;
     y += LANE;
     for (const lane of other.lanes) {
-      parts.push(...laneOf(drawing, lane, y, other.end, true));
+      if (isSeen(y, LANE)) parts.push(...laneOf(drawing, lane, y, other.end, true));
       y += LANE;
     }
     if (other.divergence) {
@@ -127,7 +133,7 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   }
   for (const [name, plotted] of plots) {
     y += GAP;
-    parts.push(...plotOf(drawing, name, plotted, y));
+    if (isSeen(y, PLOT)) parts.push(...plotOf(drawing, name, plotted, y));
     y += PLOT;
   }
   svg.setAttribute("height", String(height));

@@ -150,16 +150,13 @@ export function lanesOf(happenings: readonly HappeningView[]): Lane[] {
     } else if (kind === "ended") close(lanes.get(lane) ?? [], time);
     else if (kind === "restart") for (const segments of lanes.values()) close(segments, time);
   }
-  const outer = (machine: string) => [...lanes.keys()].filter((other) => machine.startsWith(`${other}/`));
-  const order = [...lanes.keys()];
-  const key = (machine: string) => [...outer(machine).sort(), machine].map((each) => order.indexOf(each));
-  return order
-    .map((machine) => ({
-      machine,
-      depth: outer(machine).length,
-      segments: lanes.get(machine)!,
-      place: key(machine),
-    }))
+  const order = new Map([...lanes.keys()].map((machine, index) => [machine, index]));
+  return [...lanes]
+    .map(([machine, segments]) => {
+      const names = machine.split("/");
+      const place = names.flatMap((_, index) => order.get(names.slice(0, index + 1).join("/")) ?? []);
+      return { machine, depth: place.length - 1, segments, place };
+    })
     .sort((a, b) => compared(a.place, b.place))
     .map(({ place, ...lane }) => lane);
 }

@@ -17,7 +17,8 @@ import { band, type Looking } from "./looking";
 const COLORS = [1, 2, 3, 4, 5, 6, 7, 8].map(
   (number) => `color-mix(in srgb, white var(--lrp-timeline-light), var(--lrp-world-trail-${number}))`,
 );
-const INTERVAL = 250; // ms between two questions at least
+const INTERVAL = 250; // ms between an answer and the next question
+const CALM = 300; // ms after an edit: first it is applied and drawn
 const NARROW = 700; // px of a lab in which the timeline is closed at first
 const USUAL = 30; // s that the window shows
 const SHORTEST = 1;
@@ -25,6 +26,7 @@ const LONGEST = 3600;
 const OPEN = "timeline";
 const PLOTS = "plots:";
 const NEAR = 4; // px
+const MARGIN = 200; // px above and below what is in sight, to be scrolled to
 const STEPS = 10; // ticks, with Shift
 const STILL = 1500; // ms
 
@@ -36,6 +38,8 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   let plots: string[] = [];
   let asking = false;
   let isDue = false;
+  let answered = Number.NEGATIVE_INFINITY; // when the last question was, in ms
+  let edited = Number.NEGATIVE_INFINITY;
   let drawing: Drawing | null = null;
   let styleOf = trailStyles(store.state.program, COLORS);
   let stillUntil = 0; // nothing moves away under a pointer that is aiming
@@ -104,27 +108,27 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
 
   const now = () => (store.state.looking ? happened.end : Math.max(happened.end, store.state.time));
   const ask = async () => {
-    if (body.hidden || !store.state.tick) return;
-    if (asking) {
-      isDue = true;
-      return;
-    }
+    isDue = Boolean(store.state.tick);
+    if (asking) return;
     asking = true;
-    const wanted = Object.fromEntries(plots.map((name) => [name, happened.plots.get(name)?.tick ?? 0]));
-    const run = happened; // another one after a snapshot
-    const { epoch, last } = run;
-    const { timeline } = await lab.ask({ type: "timeline", epoch, tick: last, plots: wanted });
-    if (timeline) run.merge(timeline);
-    const wait = stillUntil - performance.now();
-    clearTimeout(later);
-    if (wait <= 0) redraw();
-    else later = setTimeout(redraw, wait);
-    setTimeout(() => {
-      asking = false;
-      if (!isDue || lab.closed.aborted) return;
+    while (isDue && !body.hidden && !lab.closed.aborted) {
+      const wait = Math.max(answered + INTERVAL, edited + CALM) - performance.now();
+      if (wait > 0) {
+        await new Promise((over) => setTimeout(over, wait));
+        continue;
+      }
       isDue = false;
-      void ask();
-    }, INTERVAL);
+      const wanted = Object.fromEntries(plots.map((name) => [name, happened.plots.get(name)?.tick ?? 0]));
+      const run = happened; // another one after a snapshot
+      const { epoch, last } = run;
+      const { timeline } = await lab.ask({ type: "timeline", epoch, tick: last, plots: wanted });
+      if (timeline) run.merge(timeline);
+      answered = performance.now();
+      clearTimeout(later);
+      if (answered >= stillUntil) redraw();
+      else later = setTimeout(redraw, stillUntil - answered);
+    }
+    asking = false;
   };
 
   /* ---------------------------------------------------------------- drawing */
@@ -143,8 +147,10 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     if (body.hidden || !whole) return;
     const left = Math.min(130, Math.max(84, whole * 0.12));
     const { whatIf, looking: moment } = store.state;
+    const { scrollTop, clientHeight } = body;
     drawing = {
       span: span(),
+      sight: { top: scrollTop - MARGIN, bottom: scrollTop + clientHeight + MARGIN },
       left,
       width: whole - left - 14,
       now: now(),
@@ -344,6 +350,11 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     },
     { passive: false },
   );
+  body.addEventListener("scroll", () => {
+    const { scrollTop, clientHeight } = body;
+    if (!drawing || scrollTop < drawing.sight.top || scrollTop + clientHeight > drawing.sight.bottom)
+      redraw();
+  });
   playhead.addEventListener("keydown", (event) => {
     const { looking: moment, tick: present } = store.state;
     const { wanted } = looking;
@@ -407,9 +418,11 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     happened = new Happened();
     const names: unknown = JSON.parse(kept(PLOTS + store.state.name) ?? "[]");
     plots = Array.isArray(names) ? names.filter((name) => typeof name === "string") : [];
+  });
+  store.watch(["snapshot", "revision", "issues", "status"], (changed) => {
+    if (changed.has("revision") && !changed.has("snapshot")) edited = performance.now();
     void ask();
   });
-  store.watch(["revision", "issues", "status"], () => void ask());
   store.watch(["tick", "looking"], () => {
     const { looking: moment, bridge } = store.state;
     if (!moment || bridge.hardware) void ask(); // a simulation stands still while its past is shown
