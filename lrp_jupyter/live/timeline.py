@@ -160,11 +160,12 @@ def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> li
     failing = _failing(history, first - 1)
     for tick in range(first, ticks.stop):
         each = history.facts(tick)
-        if tick > first or gap:  # what came before belongs to the tick before
+        if each.before and (tick > first or gap):  # what came before belongs to the tick before
             then = history.facts(tick - 1).now if tick - 1 in ticks else each.now
             found += _of(each.before, tick - 1, then, set())
-        found += _of(each.facts, tick, each.now, failing)
-        failing = _faults(each.facts)
+        if each.facts or failing:
+            found += _of(each.facts, tick, each.now, failing)
+            failing = _faults(each.facts)
     if ticks:
         found += _of(history.since(), ticks.stop - 1, history.facts(ticks.stop - 1).now, set())
     names = Names(loop.interpreter.moves, math.inf)
