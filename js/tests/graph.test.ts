@@ -1,7 +1,7 @@
 // @vitest-environment happy-dom
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { AutoFit, LEGIBLE } from "../src/graph/autofit";
-import { Camera } from "../src/graph/camera";
+import { type Box, Camera } from "../src/graph/camera";
 import { Dragging } from "../src/graph/drag";
 import { draw, type Layers, makeLayers } from "../src/graph/draw";
 import { nearest } from "../src/graph/focus";
@@ -275,7 +275,7 @@ describe("the camera's own movements", () => {
   });
 
   it("do not happen while everything is in view", () => {
-    autofit.update(box(50, 50, 200, 200), box(60, 60, 10, 10));
+    autofit.update(box(50, 50, 200, 200), () => box(60, 60, 10, 10));
     vi.advanceTimersByTime(5000);
     expect(at()).toEqual([0, 0, 1]);
   });
@@ -292,7 +292,7 @@ describe("the camera's own movements", () => {
   });
 
   it("stop at a key, and go on when the user pauses", () => {
-    autofit.update(box(0, 0, 400, 3000), box(100, 2000, 60, 36));
+    autofit.update(box(0, 0, 400, 3000), () => box(100, 2000, 60, 36));
     vi.advanceTimersByTime(60);
     autofit.typed();
     const stopped = at();
@@ -327,11 +327,25 @@ describe("the camera's own movements", () => {
   });
 
   it("never make names too small: what is new is scrolled into view instead", () => {
-    autofit.update(box(0, 0, 400, 3000), box(100, 2000, 60, 36));
+    autofit.update(box(0, 0, 400, 3000), () => box(100, 2000, 60, 36));
     vi.advanceTimersByTime(500);
     expect(camera.scale).toBe(LEGIBLE);
     const [, y] = camera.inside(200, 150);
     expect(y).toBeCloseTo(2018);
+  });
+
+  it("bring what is new into view where it is then, not where it was drawn first", () => {
+    let fresh: Box | null = box(560, 100, 60, 36);
+    autofit.typed();
+    autofit.update(box(0, 0, 400, 300), () => fresh);
+    fresh = box(200, 100, 60, 36); // it was put where the user had clicked
+    autofit.update(box(0, 0, 400, 300), null);
+    vi.advanceTimersByTime(5000);
+    expect(at()).toEqual([0, 0, 1]);
+    autofit.update(box(0, 0, 400, 300), () => fresh);
+    fresh = null; // and removed again
+    vi.advanceTimersByTime(5000);
+    expect(at()).toEqual([0, 0, 1]);
   });
 
   it("leave a camera alone that the user has moved, except for what is new", () => {
@@ -339,7 +353,7 @@ describe("the camera's own movements", () => {
     autofit.update(box(0, 0, 600, 300), null);
     vi.advanceTimersByTime(500);
     expect(at()).toEqual([30, 0, 1]);
-    autofit.update(box(0, 0, 600, 300), box(500, 100, 60, 36));
+    autofit.update(box(0, 0, 600, 300), () => box(500, 100, 60, 36));
     vi.advanceTimersByTime(500);
     expect(camera.x).toBe(400 - 14 - 560);
   });

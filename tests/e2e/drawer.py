@@ -16,19 +16,22 @@ class Drawer:
     def box(self, state):
         """The frame of a state that has come to rest."""
         self.lab.state(state)
+        return self.at_rest(f'[data-lrp-state="{state}"] .lrp-box')
+
+    def at_rest(self, selector):
+        """The frame of what has come to rest. (Playwright's own clicks scroll the page if it moves.)"""
+        self.lab.sees(selector)
         return self.page.evaluate(
-            "async ([root, id]) => { let last = ''; for (;;) {"
-            " const box = root.querySelector(`[data-lrp-state='${id}'] .lrp-box`);"
-            " const {x, y, width, height} = box.getBoundingClientRect();"
+            "async ([root, selector]) => { let last = ''; for (;;) {"
+            " const {x, y, width, height} = root.querySelector(selector).getBoundingClientRect();"
             " const now = JSON.stringify({x, y, width, height});"
             " if (now === last) return {x, y, width, height};"
             " last = now; await new Promise(done => setTimeout(done, 120)); } }",
-            [self.lab.root.element_handle(), state],
+            [self.lab.root.element_handle(), selector],
         )
 
     def middle(self, state):
-        box = self.box(state)
-        return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        return middle(self.box(state))
 
     def fill(self, *values, check=False):
         """Fill in the field that is open, and apply it."""
@@ -80,5 +83,10 @@ class Drawer:
 
     def edit(self, transition, text):
         """Write a transition in another way, in the field that a double click on its arrow opens."""
-        self.lab.sees(f'.lrp-layer-labels [data-of="{transition}"]').dblclick()
+        label = self.at_rest(f'.lrp-layer-labels [data-of="{transition}"]')
+        self.mouse.dblclick(*middle(label))
         self.fill(text)
+
+
+def middle(box):
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2

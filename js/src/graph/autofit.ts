@@ -12,6 +12,9 @@ const QUIET = 1000; // ms without a key before anything moves
 const GLIDE = 260; // ms
 const EDGE = 14; // px between the panel's border and what is brought into view
 
+/** Where something is in the drawing now; null when it is gone. It may be moved before it is brought into view. */
+export type Subject = () => Box | null;
+
 interface View {
   x: number;
   y: number;
@@ -22,7 +25,7 @@ export class AutoFit {
   private camera: Camera;
   private content: Box = { x: 0, y: 0, width: 0, height: 0 };
   /** What is to be brought into view when the user pauses; until it is. */
-  private wanted: Box | null = null;
+  private wanted: Subject | null = null;
   /** Of the panel, when it was last seen: in a tab that is not shown it has none. */
   private size = { width: 0, height: 0 };
   private lastKey = Number.NEGATIVE_INFINITY;
@@ -51,7 +54,7 @@ export class AutoFit {
   }
 
   /** The drawing has changed; `fresh` is what is new in it. */
-  update(content: Box, fresh: Box | null): void {
+  update(content: Box, fresh: Subject | null): void {
     this.content = content;
     this.wanted = fresh ?? this.wanted;
     this.check();
@@ -91,9 +94,9 @@ export class AutoFit {
     this.check();
   }
 
-  /** Bring a box of the drawing into view when the user pauses, or at once if the user asked for it. */
-  reveal(box: Box, now = false): void {
-    this.wanted = box;
+  /** Bring something into view when the user pauses, or at once if the user asked for it. */
+  reveal(wanted: Subject, now = false): void {
+    this.wanted = wanted;
     if (now) this.bringWantedIntoView();
     else this.check();
   }
@@ -151,15 +154,17 @@ export class AutoFit {
       this.resized(null);
       return;
     }
-    if (!camera.moved && this.isCutOff()) this.glide(this.target(this.wanted));
+    if (!camera.moved && this.isCutOff()) this.glide(this.target(this.wanted?.()));
     else this.bringWantedIntoView();
   };
 
   private bringWantedIntoView(): void {
-    const { wanted, camera, size } = this;
-    if (!wanted || !size.width) return;
-    const x = shift(wanted.x * camera.scale + camera.x, wanted.width * camera.scale, size.width);
-    const y = shift(wanted.y * camera.scale + camera.y, wanted.height * camera.scale, size.height);
+    const { camera, size } = this;
+    const wanted = this.wanted?.();
+    if (!size.width) return;
+    const by = (at: "x" | "y", extent: "width" | "height") =>
+      wanted ? shift(wanted[at] * camera.scale + camera[at], wanted[extent] * camera.scale, size[extent]) : 0;
+    const [x, y] = [by("x", "width"), by("y", "height")];
     if (x || y) this.glide({ x: camera.x + x, y: camera.y + y, scale: camera.scale });
     else this.wanted = null;
   }
@@ -183,7 +188,7 @@ export class AutoFit {
   }
 
   /** Where the camera shows everything, or as much as is legible: then `focus`, or what is in the middle now. */
-  private target(focus: Box | null = null): View {
+  private target(focus?: Box | null): View {
     const { camera, content } = this;
     const { width, height } = this.size;
     const scale = this.scale();

@@ -52,9 +52,10 @@ export function graphView(lab: Lab): HTMLElement {
     return { x, y, width, height };
   };
   /** The state that must be in view: the active one, or where the machine starts. */
-  const focus = (): Box | null => {
-    const states = shown?.states ?? [];
-    const shape = states.find(({ id }) => store.state.lit.includes(id)) ?? states.find(({ start }) => start);
+  const focus = (): Box | null =>
+    boxOf(({ id }) => store.state.lit.includes(id)) ?? boxOf(({ start }) => start);
+  const boxOf = (isMeant: (shape: StateShape) => unknown): Box | null => {
+    const shape = shown?.states.find(isMeant);
     return shape ? around(shape) : null;
   };
   const redraw = (force = false) => {
@@ -87,7 +88,7 @@ export function graphView(lab: Lab): HTMLElement {
       camera = store.state.cameras[layout.machine] ??= new Camera();
       fitting.show(camera, contents(), focus());
     } else if (isRearranged) fitting.rearranged(contents(), focus());
-    else fitting.update(contents(), fresh ? around(fresh) : null);
+    else fitting.update(contents(), fresh ? () => boxOf(({ id }) => id === fresh.id) : null);
     dragging.drawn(parts);
   };
 
@@ -185,8 +186,7 @@ export function graphView(lab: Lab): HTMLElement {
     isWaiting = true;
     setTimeout(() => {
       isWaiting = false;
-      const active = focus();
-      if (active && store.state.follow) fitting.reveal(active);
+      if (store.state.follow) fitting.reveal(focus);
     }, ACTIVE_FOR);
   });
   let resizing: ReturnType<typeof setTimeout> | undefined;
@@ -322,7 +322,8 @@ export function graphView(lab: Lab): HTMLElement {
     const { left, top, width, height } = focused.getBoundingClientRect();
     const corner = local({ clientX: left, clientY: top });
     const [x, y] = camera.inside(corner.x, corner.y);
-    fitting.reveal({ x, y, width: width / camera.scale, height: height / camera.scale }, true);
+    const box = { x, y, width: width / camera.scale, height: height / camera.scale };
+    fitting.reveal(() => box, true);
   });
   const pencil = lab.pen && attachPencil(lab, svg, layers.root, lab.pen);
   return element;
