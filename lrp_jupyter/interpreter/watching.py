@@ -32,21 +32,15 @@ def items(evaluation: Evaluation) -> list[tuple[str, object]]:
 
 def watch(run: Run, edge: Edge, seen: Callable[[Evaluation | Exception], object]) -> None:
     """Replace the test of a bound transition by one that shows its parts; of a delay, only show them."""
-    scope = resolve(run.program).by_path[edge.plan.site.element.path[:-1]]
-    arrow = next(
-        each for each in resolve(run.program).arrows[scope] if each.element == edge.plan.site.element
-    )
-    trigger, owner = arrow.noun.trigger, scope
-    block = trigger.block[1] if trigger.block is not None else None
-    if block is None and trigger.reference is not None and arrow.owner is not None:
-        owner = arrow.owner
-        event = owner.events.get(trigger.reference[1])
-        block = event.condition if event is not None else None
-    expression = expression_of(block.text) if block is not None else None
-    if expression is None or owner.path not in run.live:
+    arrow = resolve(run.program).arrow(edge.plan.site.element)
+    if arrow is None or arrow.tested is None:
         return
-    visible, test = run.live[owner.path].visible, edge.test
-    is_delay = trigger.keyword == "ontime"
+    block, scope = arrow.tested
+    expression = expression_of(block.text)
+    if expression is None or scope.path not in run.live:
+        return
+    visible, test = run.live[scope.path].visible, edge.test
+    is_delay = arrow.noun.trigger.keyword == "ontime"
 
     def lookup(name: str) -> Any:
         if name in visible:

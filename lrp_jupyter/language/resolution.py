@@ -252,6 +252,17 @@ class Arrow(NamedTuple):
         return self.element.shown[-1]
 
     @property
+    def tested(self) -> tuple[Block, Scope] | None:
+        """The block of its condition, event or delay, and the scope in which that is evaluated, or None."""
+        trigger = self.noun.trigger
+        if trigger.block is not None:
+            return trigger.block[1], self.scope
+        if trigger.reference is None or self.owner is None:
+            return None
+        kind, name = trigger.reference
+        return (self.owner.events[name].condition, self.owner) if kind == "event" else None
+
+    @property
     def unresolved_trigger(self) -> Unresolved | None:
         """Why its event or the variable of its delay cannot be resolved, or None."""
         reference = self.noun.trigger.reference
@@ -336,6 +347,12 @@ class Resolution:
     def arrows(self) -> dict[Scope, tuple[Arrow, ...]]:
         """The transitions of every machine, in the order of the text."""
         return {scope: tuple(self._arrows(scope)) for scope in self.scopes}
+
+    def arrow(self, element: Element) -> Arrow | None:
+        """Return a transition; None if the program does not have it."""
+        scope = self.by_path.get(element.path[:-1])
+        arrows = self.arrows[scope] if scope is not None else ()
+        return next((arrow for arrow in arrows if arrow.element == element), None)
 
     def _arrows(self, scope: Scope) -> Iterator[Arrow]:
         if scope.noun is None:

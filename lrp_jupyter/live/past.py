@@ -20,7 +20,7 @@ from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.renamed import Names
 
-__all__ = ["frame_at"]
+__all__ = ["frame_at", "tick_of"]
 
 
 def frame_at(loop: Loop, tick: int) -> Frame:
@@ -65,6 +65,13 @@ def frame_at(loop: Loop, tick: int) -> Frame:
         robot=bridge.picture_after(moment, after),
         hung=None,
     )
+
+
+def tick_of(loop: Loop, time: float) -> int:
+    """Return the last recorded tick that was not after a time, in seconds of the run."""
+    times = [moment.time for moment in loop.moments]
+    tick = loop.interpreter.tick - len(times) + bisect_right(times, time + 1e-9)
+    return max(tick, loop.interpreter.history.ticks.start)
 
 
 def _text(value: object) -> str:

@@ -7,13 +7,13 @@ import math
 import operator
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from itertools import chain
 from typing import Literal, NamedTuple
 
 from lrp_jupyter.language.expressions import UnknownValueError, evaluate, expression_of, names_in
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, path_text
 from lrp_jupyter.language.resolution import Scope, resolve
-from lrp_jupyter.live.answers import condition_of
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.recorded_robot import RecordedRobot
 
@@ -172,12 +172,12 @@ def _compared(program: Program, name: str) -> Iterator[_Compared]:
     """Yield what the conditions of a program compare a name with."""
     is_reading, path = name.startswith(_ROBOT), as_path(name)
     written = name if is_reading else path[-1]
-    scopes = resolve(program)
     seen: set[object] = set()
-    for element in scopes.elements():
-        test = condition_of(program, element) if element.kind == "transition" else None
-        tree = expression_of(test.block.text) if test is not None and test.block is not None else None
-        scope = scopes.by_path.get(test.machine, scopes.top) if test is not None else scopes.top
+    for arrow in chain.from_iterable(resolve(program).arrows.values()):
+        if arrow.tested is None:
+            continue
+        block, scope = arrow.tested
+        tree = expression_of(block.text)
         if tree is None or not (is_reading or _means(scope, path)):
             continue
         for other in _others(tree, written):

@@ -84,7 +84,6 @@ from lrp_jupyter.language.program import Element, Finding, Path, Program, path_t
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.language.unmeant import Cursor, Judgement, judge
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.live.answers import Answers, tick_of
 from lrp_jupyter.live.breakpoints import element_of, noun_of
 from lrp_jupyter.live.checking import members_of
 from lrp_jupyter.live.clock import Clock, MonotonicClock, VirtualClock
@@ -93,7 +92,7 @@ from lrp_jupyter.live.foreign import surviving
 from lrp_jupyter.live.fork import ForkStart, fork_start, private_namespace
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
-from lrp_jupyter.live.past import frame_at
+from lrp_jupyter.live.past import frame_at, tick_of
 from lrp_jupyter.live.plots import Plot, plots_of
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recording import Recorder, start_of
@@ -102,6 +101,7 @@ from lrp_jupyter.live.timeline import Timeline, TimelineCursor, timeline_of
 from lrp_jupyter.live.trials import Trial, Trials
 from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.live.what_if import Course, Observation, WhatIf, divergence
+from lrp_jupyter.live.why.answers import Answers
 
 __all__ = ["Session", "Until"]
 

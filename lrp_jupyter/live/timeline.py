@@ -16,10 +16,10 @@ from lrp_jupyter.bridges.safety import CommandRecord
 from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Fact, Faulted, Fired
 from lrp_jupyter.interpreter.history import History, PastState
 from lrp_jupyter.language.program import Path, path_text
-from lrp_jupyter.live.answers import call_text
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.plots import Plot, plots_of, plottable
 from lrp_jupyter.live.renamed import Names
+from lrp_jupyter.live.why.wording import call_text
 from lrp_jupyter.sim.edits import WorldEdit
 from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
 

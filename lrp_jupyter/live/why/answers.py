@@ -1,0 +1,122 @@
+"""Answers to questions about a session: *why* and *why not*."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import replace
+
+from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.why.evaluation import Again, PastTests
+from lrp_jupyter.live.why.finding import find_state, find_transition, states_in, transitions_in
+from lrp_jupyter.live.why.recorded_run import RecordedRun
+from lrp_jupyter.live.why.robot_commands import command_reason
+from lrp_jupyter.live.why.states import state_reason
+from lrp_jupyter.live.why.transitions import transition_reason
+
+__all__ = ["Answers"]
+
+_ROBOT = "robot."
+
+
+class Answers:
+    """Answers questions about a session. Used on the thread that ticks, between two ticks.
+
+    Parameters
+    ----------
+    loop : Loop
+    again : callable
+        See :data:`Again`.
+    """
+
+    def __init__(self, loop: Loop, again: Again) -> None:
+        self._loop = loop
+        self._run = RecordedRun(loop.interpreter)
+        self._tests = PastTests(loop, again)
+
+    def why_not(self, transition: str | Path, at: int | None = None) -> Reason:
+        """Return why a transition did not fire in a tick, or that it did.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such transition, or there are several.
+        ValueError
+            The tick is not recorded.
+        """
+        reason = self._of_transition(transition, at)
+        if reason is None:
+            known = [each.shown[-1] for program in self._programs(at) for each in transitions_in(program)]
+            raise _unknown("transition", transition, known)
+        return reason
+
+    def why(self, what: str | Path, at: int | None = None) -> Reason:
+        """Return why a state was entered last, or why the robot got its last command (`robot.move`).
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such state or command, or there are several.
+        ValueError
+            The tick is not recorded.
+        """
+        reason = self._of_state_or_command(what, at)
+        if reason is None:
+            known = [path[-1] for program in self._programs(at) for path in states_in(program)]
+            raise _unknown("state", what, known)
+        return reason
+
+    def explain(self, name: str | Path, at: int | None = None) -> Reason:
+        """Return why a transition did not fire or, if there is no such transition, what `why` returns.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such transition, state or command, or there are several.
+        ValueError
+            The tick is not recorded.
+        """
+        reason = self._of_transition(name, at) or self._of_state_or_command(name, at)
+        if reason is None:
+            elements = resolve(self._run.present_program).elements()
+            known = [each.shown[-1] for each in elements if each.path]
+            raise _unknown("transition, state or command", name, known)
+        return reason
+
+    def _of_transition(self, wanted: str | Path, at: int | None) -> Reason | None:
+        """Return the answer about a transition; None if there is no such transition."""
+        tick = self._run.tick(at)
+        found = find_transition(wanted, self._programs(at))
+        if found is None:
+            return None
+        reason = transition_reason(self._run, self._tests, *found, tick)
+        if at is not None or not self._loop.interpreter.paused:
+            return reason
+        time = self._loop.now
+        paused = f"The session has been paused since {time:g} s, so nothing is tested."
+        sentence = f"{paused} In the last tick: {reason}"
+        facts = {**reason.facts, "otherwise": reason.code}
+        return replace(reason, code="paused", time=time, sentence=sentence, facts=facts)
+
+    def _of_state_or_command(self, wanted: str | Path, at: int | None) -> Reason | None:
+        """Return the answer about a state or a command of the robot; None if there is no such state."""
+        text = path_text(as_path(wanted))
+        tick = self._run.tick(at)
+        if text.startswith(_ROBOT):
+            name = text.removeprefix(_ROBOT)
+            return command_reason(self._run, self._loop, name, tick, now=at is None)
+        state = find_state(wanted, self._programs(at))
+        return None if state is None else state_reason(self._run, self._tests, state, tick)
+
+    def _programs(self, at: int | None) -> tuple[Program, Program]:
+        """Return the programs in which a name is looked up: that of the tick, then the present one."""
+        return self._run.program(self._run.tick(at)), self._run.present_program
+
+
+def _unknown(kind: str, wanted: str | Path, known: Iterable[str]) -> UnknownElementError:
+    text = path_text(as_path(wanted))
+    return UnknownElementError(f"There is no {kind} `{text}`.{did_you_mean(text, known)}")

@@ -1,0 +1,85 @@
+"""A transition in a tick: what a question is about, with what is recorded of it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from lrp_jupyter.interpreter.history import PastMachine, PastState
+from lrp_jupyter.interpreter.reasons import Cause, transition_of
+from lrp_jupyter.language.program import Block, Element, Program, Transition
+from lrp_jupyter.language.resolution import Scope, resolve
+
+__all__ = ["Case"]
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A transition in a tick.
+
+    Parameters
+    ----------
+    element : Element
+        The transition, by path of definition.
+    label : str
+        How it is displayed.
+    line : int
+        Where it stands; 0 if nowhere.
+    tick : int
+    time : float
+        That of the tick, in seconds.
+    state : PastState
+        The state of the run when the tick began.
+    cause : Cause
+        Why it fired, or did not.
+    """
+
+    element: Element
+    label: str
+    line: int
+    tick: int
+    time: float
+    state: PastState
+    cause: Cause
+
+    @property
+    def did_not_fire(self) -> str:
+        """The beginning of a sentence that says so."""
+        return f"{self._named} did not fire at {self.time:g} s"
+
+    @property
+    def did_fire(self) -> str:
+        """The beginning of a sentence that says so."""
+        return f"{self._named} fired at {self.time:g} s"
+
+    @property
+    def _named(self) -> str:
+        return f"`{self.label}` (line {self.line})" if self.line else f"`{self.label}`"
+
+    @property
+    def program(self) -> Program:
+        """The program that ran."""
+        return self.state.program
+
+    @property
+    def noun(self) -> Transition:
+        """The transition as that program has it."""
+        noun = transition_of(self.program, self.element)
+        assert noun is not None
+        return noun
+
+    @property
+    def tested(self) -> tuple[Block, Scope] | None:
+        """The block that it tests and the scope of that, or None."""
+        arrow = resolve(self.program).arrow(self.element)
+        return arrow.tested if arrow is not None else None
+
+    @property
+    def machine(self) -> PastMachine:
+        """Its machine, which ran."""
+        assert self.cause.machine is not None
+        return self.cause.machine
+
+    @property
+    def elapsed(self) -> float:
+        """For how many milliseconds the active state of its machine had been active."""
+        return (self.time - self.machine.entered) * 1000

@@ -1,0 +1,42 @@
+"""Elements in the text of a program: the lines in which they begin, and what leads to them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from lrp_jupyter.interpreter.reasons import transition_of
+from lrp_jupyter.language.program import Block, Element, Path, Program, Spawn, State, Transition
+from lrp_jupyter.language.resolution import Arrow, Spawning, resolve
+
+__all__ = ["arrows_to", "line_of", "line_of_state", "line_of_transition", "spawns_of"]
+
+
+def line_of(program: Program, part: Block | Spawn | State | Transition | None) -> int:
+    """Return the line in which a part of a program begins, from 1; 0 for None."""
+    return program.place(part.span.start)[0] if part is not None else 0
+
+
+def line_of_transition(program: Program, element: Element) -> int:
+    """Return the line of a transition; 0 if the program does not have it."""
+    return line_of(program, transition_of(program, element))
+
+
+def line_of_state(program: Program, path: Path) -> int:
+    """Return the line of a state by its path of definition; 0 if the program does not have it."""
+    scope = resolve(program).by_path.get(path[:-1])
+    return line_of(program, scope.states.get(path[-1]) if scope is not None else None)
+
+
+def spawns_of(program: Program, machine: Path) -> list[Spawning]:
+    """Return every spawn of a machine, whose path of definition is given."""
+    spawns = resolve(program).spawns
+    return [each for each in spawns if each.machine is not None and each.machine.path == machine]
+
+
+def arrows_to(program: Program, state: Path) -> Iterator[Arrow]:
+    """Yield the transitions of its own machine that lead to a state, by path of definition."""
+    names = resolve(program)
+    scope = names.by_path.get(state[:-1])
+    for arrow in names.arrows[scope] if scope is not None else ():
+        if arrow.noun.destination == state[-1] and not arrow.noun.outward:
+            yield arrow

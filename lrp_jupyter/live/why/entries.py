@@ -1,0 +1,64 @@
+"""How a state was entered other than by a transition: by force, at a restart, or because it was spawned."""
+
+from __future__ import annotations
+
+from lrp_jupyter.interpreter.facts import Commanded, Entered, Fired, Spawned
+from lrp_jupyter.interpreter.history import PastMachine
+from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.why.draft import AnswerDraft
+from lrp_jupyter.live.why.elements import line_of, line_of_state, line_of_transition, spawns_of
+from lrp_jupyter.live.why.recorded_run import RecordedRun
+from lrp_jupyter.live.why.wording import restart_text
+
+__all__ = ["entered_otherwise", "entry_text"]
+
+
+def entered_otherwise(run: RecordedRun, entered: Entered, when: float) -> Reason:
+    """Return why a state was entered without a transition."""
+    *_, machine, name = entered.state
+    tick, time, program = max(int(when), 1), run.time(when), run.program(int(when + 0.5))
+    draft = AnswerDraft()
+    line = line_of_state(program, entered.state)
+    was_entered = f"`{name}` was entered at {time:g} s"
+    facts = run.facts(when)
+    place = max(index for index, fact in enumerate(facts) if fact is entered)
+    for fact in facts[place:]:
+        if isinstance(fact, Commanded) and fact.kind == "forced":
+            how = "a forced transition" if fact.text == "transition" else "a teleport"
+            draft.say(f"{was_entered} by {how}, not by the program.", line)
+            return draft.reason("forced", tick, time)
+    spawned = [
+        fact for fact in facts[:place] if isinstance(fact, Spawned) and fact.machine == entered.path[:-1]
+    ]
+    by = spawned[-1].by if spawned else ()
+    lines = [
+        line_of(program, spawning.noun)
+        for spawning in spawns_of(program, entered.state[:-1])
+        if spawning.noun.state == name and spawning.spawner[-1:] == by[-1:]
+    ]
+    where = f" (line {lines[0]})" if lines else ""
+    starts = f"its `spawn`{where} starts `{machine}` there"
+    before = run.facts(int(when) - 0.5)
+    restarts = [fact for fact in before if isinstance(fact, Commanded) and fact.kind == "restarted"]
+    code = "spawned"
+    if by:
+        why = f"because `{by[-1]}` was entered, which spawns `{machine}`{where} in this state"
+    elif restarts:
+        code, why = "restarted", f"because the program restarted ({restart_text(restarts[-1])}): {starts}"
+    else:
+        why = f"when the program started: {starts}"
+    draft.say(f"{was_entered} {why}.", *lines, line)
+    return draft.reason(code, tick, time)
+
+
+def entry_text(run: RecordedRun, machine: PastMachine, tick: int) -> tuple[str, int]:
+    """Return in words how the active state of a machine was entered before a tick, and the line."""
+    for when, fact in run.backward(tick, before=True):
+        if isinstance(fact, Fired) and fact.path == machine.full_path:
+            line = line_of_transition(run.program(int(when)), fact.transition)
+            return f" by `{fact.label}` (line {line})", line
+        if isinstance(fact, Entered) and fact.path == machine.full_path:
+            reason = entered_otherwise(run, fact, when)
+            words = {"forced": " by force", "restarted": " at the restart"}
+            return words.get(reason.code, f", when `{machine.path[-1]}` started"), reason.line
+    return "", 0

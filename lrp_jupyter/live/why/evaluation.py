@@ -1,0 +1,147 @@
+"""Evaluate what a transition tests again, over the values that were recorded."""
+
+from __future__ import annotations
+
+import builtins
+from collections.abc import Callable, Mapping
+from time import perf_counter
+from types import BuiltinFunctionType, CellType, FunctionType, ModuleType
+from typing import Any
+
+from lrp_jupyter.interpreter.events import UNSET
+from lrp_jupyter.interpreter.history import PastState
+from lrp_jupyter.language.expressions import Evaluation, UnknownValueError, evaluate, expression_of
+from lrp_jupyter.language.program import Element, Path
+from lrp_jupyter.language.triggers import Delay
+from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.recorded_robot import RecordedRobot
+from lrp_jupyter.live.why.case import Case
+
+__all__ = ["Again", "PastTests"]
+
+Again = Callable[[int, Element], "Evaluation | Exception | None"]
+"""Runs a tick again in a fork and returns how a transition was tested there; None if that is impossible."""
+
+_SEARCH = 0.03  # wall seconds for which the last time that a condition was true is searched
+_IMMUTABLE = (int, float, complex, str, bytes, type(None))
+_UNCHANGING = (FunctionType, BuiltinFunctionType, ModuleType, type)
+
+
+class PastTests:
+    """The tests of transitions in earlier ticks. Used on the thread that ticks, between two ticks.
+
+    Parameters
+    ----------
+    loop : Loop
+    again : callable
+        See :data:`Again`.
+    """
+
+    def __init__(self, loop: Loop, again: Again) -> None:
+        self._loop = loop
+        self._again = again
+        self._history = loop.interpreter.history
+
+    def evaluation(self, case: Case) -> Evaluation | Exception | None:
+        """Return a test with its parts: from what is recorded, else by running the tick again.
+
+        An exception says why they are not known; None means that there is no expression.
+        """
+        if case.tested is None:
+            return None
+        block, scope = case.tested
+        expression = expression_of(block.text)
+        problem: Exception | None = None
+        if expression is not None:
+            cells, written = _cells(case.state, scope.path), self._history.facts(case.tick).written
+            try:
+                return evaluate(expression, self._lookup(case.tick, cells, case.state.value, written))
+            except Exception as error:  # of the expression itself, or a value is not known
+                problem = error
+        again = self._again(case.tick, case.element)
+        return problem if again is None else again
+
+    def delay(self, case: Case) -> float | None:
+        """Return the milliseconds of the delay of a transition; None if they are not known."""
+        trigger = case.noun.trigger
+        assert isinstance(trigger, Delay)
+        value: object
+        match trigger.amount:
+            case int():
+                return trigger.amount
+            case str():
+                cell = case.machine.cells.get(str(trigger.amount))
+                value = case.state.value(cell) if cell is not None else None
+            case _:
+                evaluation = self.evaluation(case)
+                value = evaluation.value if isinstance(evaluation, Evaluation) else None
+        return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
+
+    def last_true(self, case: Case) -> int | None:
+        """Return the last tick before in which a condition was true, whether it was tested then or not.
+
+        It is 0 if the condition was never true before, None if that is not known.
+        """
+        expression = expression_of(case.tested[0].text) if case.tested is not None else None
+        if case.tested is None or expression is None:
+            return None
+        cells = _cells(case.state, case.tested[1].path)
+        end = perf_counter() + _SEARCH
+        for tick, value_of in self._history.values_before(case.tick):
+            if perf_counter() > end:
+                return None
+            try:
+                if evaluate(expression, self._lookup(tick, cells, value_of)).value is True:
+                    return tick
+            except UnknownValueError:
+                return None
+            except Exception:  # of the expression itself
+                continue
+        return 0 if self._history.ticks.start == 1 else None
+
+    def _lookup(
+        self,
+        tick: int,
+        cells: Mapping[str, CellType],
+        value_of: Callable[[CellType], object],
+        written: frozenset[int] = frozenset(),
+    ) -> Callable[[str], Any]:
+        """Return what returns the value that a name had in a tick."""
+        interpreter, bridge = self._loop.interpreter, self._loop.bridge
+        namespace, nodes = interpreter.namespace, bridge.nodes.table
+        readings = bridge.readings_of(self._loop.moments[tick - interpreter.tick - 1].sensed)
+
+        def lookup(name: str) -> Any:
+            if name == "robot":
+                return RecordedRobot(readings, nodes)
+            if name in cells:
+                if id(cells[name]) in written:
+                    raise UnknownValueError(f"`{name}` was also assigned in this tick.")
+                value = value_of(cells[name])
+                if value is UNSET:
+                    raise NameError(f"`{name}` had no value.")
+                if not _is_immutable(value):
+                    raise UnknownValueError(f"`{name}` may have been changed in place.")
+                return value
+            if name in namespace:
+                value = namespace[name]
+                if not (_is_immutable(value) or isinstance(value, _UNCHANGING)):
+                    raise UnknownValueError(f"`{name}` may have been changed since.")
+                return value
+            if hasattr(builtins, name):
+                return getattr(builtins, name)
+            raise NameError(f"`{name}` is not defined.")
+
+        return lookup
+
+
+def _cells(state: PastState, machine: Path) -> Mapping[str, CellType]:
+    """Return the variables in the scope of a machine that ran, or of the top level."""
+    found = next((each for each in state.walk() if each.state[:-1] == machine), None)
+    return state.cells if found is None else found.cells
+
+
+def _is_immutable(value: object) -> bool:
+    if isinstance(value, tuple):
+        return all(map(_is_immutable, value))
+    return isinstance(value, _IMMUTABLE)

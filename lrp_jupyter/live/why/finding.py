@@ -1,0 +1,77 @@
+"""The transition or state that a question names."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.language.names import as_path
+from lrp_jupyter.language.program import Element, Path, Program, path_text
+from lrp_jupyter.language.resolution import resolve
+
+__all__ = ["find_state", "find_transition", "states_in", "transitions_in"]
+
+
+def transitions_in(program: Program) -> list[Element]:
+    """Return all transitions of a program."""
+    return [element for element in resolve(program).elements() if element.kind == "transition"]
+
+
+def find_transition(wanted: str | Path, programs: Iterable[Program]) -> tuple[Element, Program] | None:
+    """Return the transition of a name, label, id or path, and the first program that has it; or None.
+
+    Raises
+    ------
+    UnknownElementError
+        There are several.
+    """
+    for program in programs:
+        found = [each for each in transitions_in(program) if _is_called(each, wanted)]
+        if len(found) == 1:
+            return found[0], program
+        if found:
+            raise _several("transitions", str(wanted), [each.path for each in found])
+    return None
+
+
+def _is_called(transition: Element, wanted: str | Path) -> bool:
+    """Return whether a transition has a name, label, id or path."""
+    path, shown = transition.path, transition.shown
+    texts = {path[-1], shown[-1], path_text(path), path_text(shown), f"{path_text(path[:-1])}:{path[-1]}"}
+    return wanted in texts or as_path(wanted) == path
+
+
+def states_in(program: Program) -> list[Path]:
+    """Return the paths of definition of all states of a program."""
+    return list(
+        dict.fromkeys(
+            (*path, str(state.name)) for path, machine in program.walk() for state in machine.states
+        )
+    )
+
+
+def find_state(wanted: str | Path, programs: Iterable[Program]) -> Path | None:
+    """Return the path of definition of a state of a name or path, also as spawned; None if there is none.
+
+    Raises
+    ------
+    UnknownElementError
+        There are several.
+    """
+    path = as_path(wanted)
+    for program in programs:
+        known = states_in(program)
+        found = [each for each in known if each == path or each[-1:] == path]
+        if len(path) > 1 and not found:
+            defined = (*resolve(program).defined(path[:-1]), path[-1])
+            found = [each for each in known if each == defined]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise _several("states", path_text(path), found)
+    return None
+
+
+def _several(kind: str, text: str, paths: Iterable[Path]) -> UnknownElementError:
+    listed = ", ".join(f"`{path_text(each)}`" for each in paths)
+    return UnknownElementError(f"Several {kind} are called `{text}`. Use one of {listed}.")

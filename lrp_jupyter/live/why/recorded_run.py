@@ -1,0 +1,87 @@
+"""A run as it is recorded: its facts in order, and the time and the program of every tick."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from lrp_jupyter.interpreter.facts import Fact
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.program import Program
+
+__all__ = ["RecordedRun"]
+
+
+class RecordedRun:
+    """Reads what is recorded of a run. Used on the thread that ticks, between two ticks.
+
+    *When* something happened is a number: that of its tick, or, between two ticks, that of the first one and
+    a half.
+
+    Parameters
+    ----------
+    interpreter : Interpreter
+
+    Attributes
+    ----------
+    history : History
+    """
+
+    def __init__(self, interpreter: Interpreter) -> None:
+        self.history = interpreter.history
+        self._interpreter = interpreter
+
+    def tick(self, at: int | None) -> int:
+        """Return a tick that somebody asks about; for None the last one.
+
+        Raises
+        ------
+        ValueError
+            It is not recorded.
+        """
+        ticks = self.history.ticks
+        tick = ticks.stop - 1 if at is None else at
+        if not len(ticks):
+            raise ValueError("No tick is recorded yet. Run the program first.")
+        if tick not in ticks:
+            raise ValueError(f"Tick {tick} is not recorded: only {ticks.start} to {ticks.stop - 1} are.")
+        return tick
+
+    def time(self, when: float) -> float:
+        """Return the time of a tick, or of the one before what happened between two."""
+        return self.history.facts(int(when)).now if int(when) in self.history.ticks else 0.0
+
+    def program(self, tick: int) -> Program:
+        """Return the program that ran in a tick; the present one for a tick that is still to come."""
+        if tick in self.history.ticks:
+            return self.history.state(tick, before=True).program
+        return self.present_program
+
+    @property
+    def present_program(self) -> Program:
+        """The program that runs now."""
+        return self._interpreter.program
+
+    def facts(self, when: float) -> tuple[Fact, ...]:
+        """Return what happened in a tick, or between two, in order."""
+        ticks, following = self.history.ticks, int(when + 0.5)
+        if following in ticks:
+            facts = self.history.facts(following)
+            return facts.facts if following == when else facts.before
+        return self.history.since() if following == ticks.stop else ()
+
+    def backward(self, tick: int, *, before: bool = False) -> Iterator[tuple[float, Fact]]:
+        """Yield what happened up to the end of a tick, the last fact first, each with when that was.
+
+        What happened since the last tick belongs to it. With `before`, only what came before the tick began.
+        """
+        ticks = self.history.ticks
+        if tick == ticks.stop - 1 and not before:
+            for fact in reversed(self.history.since()):
+                yield tick + 0.5, fact
+        for number in range(tick, ticks.start - 1, -1):
+            facts = self.history.facts(number)
+            if number < tick or not before:
+                for fact in reversed(facts.facts):
+                    yield number, fact
+            for fact in reversed(facts.before):
+                yield number - 0.5, fact

@@ -1,0 +1,112 @@
+"""Why the robot got its last command, and what has become of it."""
+
+from __future__ import annotations
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.nodes import RobotMethod
+from lrp_jupyter.bridges.safety import CommandRecord
+from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.interpreter.facts import Commanded
+from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.why.draft import AnswerDraft
+from lrp_jupyter.live.why.recorded_run import RecordedRun
+from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_text
+
+__all__ = ["command_reason"]
+
+
+def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool) -> Reason:
+    """Return why the robot got its last command of a name.
+
+    Parameters
+    ----------
+    run : RecordedRun
+    loop : Loop
+    name : str
+        That of the command; of one that sets the velocity, every other one that does counts, too.
+    tick : int
+        Up to which tick.
+    now : bool
+        Whether what has happened since that tick counts, too.
+
+    Raises
+    ------
+    UnknownElementError
+        The robot has no such command.
+    """
+    safety, time = loop.bridge.safety, run.time(tick)
+    names = _alike(loop.bridge, name)
+    given = [each for each in safety.commands if each.name in names and each.first.tick <= tick]
+    if not given:
+        return _never_given(run, name, tick)
+    last = given[-1]
+    origin = last.origin if last.origin.tick <= tick else last.first
+    where = f"`{origin.block}` (line {origin.line})" if origin.block else "a command given by hand"
+    since = f", repeated since {run.time(last.first.tick):g} s" if last.first.tick < origin.tick else ""
+    draft = AnswerDraft(
+        {
+            "command": last.name,
+            "arguments": dict(given_arguments(last.arguments)),
+            "block": origin.block,
+            "state": origin.block.partition(".")[0],
+            "since": last.first.tick,
+            "limited": last.limited,
+        }
+    )
+    call = call_text(last.name, last.arguments)
+    draft.say(f"The last command was {call}, given by {where} at {run.time(origin.tick):g} s{since}.")
+    draft.lines.append(origin.line)
+    for sentence in last.limited:
+        draft.say(sentence)
+    code, sentence = _fate(run, loop, last, origin.tick, tick, now)
+    if sentence:
+        draft.say(sentence)
+    return draft.reason(code, tick, time)
+
+
+def _alike(bridge: Bridge, name: str) -> set[str]:
+    """Return the commands of which the last one is meant."""
+    methods = {each.path: each for each in bridge.nodes.members() if isinstance(each, RobotMethod)}
+    if name not in methods:
+        raise UnknownElementError(f"`robot` has no command `{name}`.{did_you_mean(name, methods)}")
+    if name == "stop" or not methods[name].velocity:
+        return {name}
+    return {path for path, method in methods.items() if method.velocity}
+
+
+def _never_given(run: RecordedRun, name: str, tick: int) -> Reason:
+    lines = [
+        number
+        for number, line in enumerate(run.program(tick).text.splitlines(), 1)
+        if f"robot.{name}" in line.partition(";")[0]
+    ]
+    where = f"It stands in line {lines[0]}." if lines else "No line of the program has it."
+    draft = AnswerDraft()
+    draft.say(f"`robot.{name}` has not been called. {where}", *lines)
+    return draft.reason("never", tick, run.time(tick))
+
+
+def _fate(
+    run: RecordedRun, loop: Loop, last: CommandRecord, given: int, tick: int, now: bool
+) -> tuple[str, str]:
+    """Return what became of a command that was given in a tick: the code, and a sentence or nothing."""
+    safety = loop.bridge.safety
+    if not last.sent and not safety.armed:
+        return "disarmed", "It was not sent, because the robot is disarmed."
+    if not last.sent:
+        return "stopped", "It was not sent."
+    notices = [each for each in safety.notices if each.kind == "command watchdog"]
+    notices = [each for each in notices if last.now < each.now <= loop.now]
+    if notices and (now or notices[-1].now <= run.time(tick) + 1e-9):
+        return "watchdog", f"The robot was stopped at {notices[-1].now:g} s: {notices[-1].text}"
+    for when, fact in run.backward(tick):
+        if when <= given:
+            break
+        if isinstance(fact, Commanded) and fact.kind == "paused":
+            why = loop.reason if now else ""
+            return "stopped", f"Then the program was paused, which stops the robot. {why}".strip()
+        if isinstance(fact, Commanded) and fact.kind == "restarted":
+            restarted = f"Then the program was restarted ({restart_text(fact)})"
+            return "stopped", f"{restarted}, which stops the robot."
+    return ("limited" if last.limited else "commanded"), ""

@@ -1,0 +1,52 @@
+"""Why a state is active: how it was entered last."""
+
+from __future__ import annotations
+
+from lrp_jupyter.interpreter.facts import Entered, Fired
+from lrp_jupyter.interpreter.reasons import Cause
+from lrp_jupyter.language.program import Path
+from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.why.case import Case
+from lrp_jupyter.live.why.draft import AnswerDraft
+from lrp_jupyter.live.why.elements import arrows_to, line_of, line_of_state, line_of_transition
+from lrp_jupyter.live.why.entries import entered_otherwise
+from lrp_jupyter.live.why.evaluation import PastTests
+from lrp_jupyter.live.why.recorded_run import RecordedRun
+from lrp_jupyter.live.why.transitions import because, transition_reason
+
+__all__ = ["state_reason"]
+
+
+def state_reason(run: RecordedRun, tests: PastTests, state: Path, tick: int) -> Reason:
+    """Return why a state, by path of definition, was entered last before the end of a tick."""
+    for when, fact in run.backward(tick):
+        if isinstance(fact, Fired) and fact.state == state:
+            return _entered_by(run, tests, fact, int(when))
+        if isinstance(fact, Entered) and fact.state == state:
+            return entered_otherwise(run, fact, when)
+    return _never_entered(run, tests, state, tick)
+
+
+def _entered_by(run: RecordedRun, tests: PastTests, fired: Fired, tick: int) -> Reason:
+    before = run.history.state(tick, before=True)
+    machine = next((each for each in before.walk() if each.path == fired.machine), None)
+    line = line_of_transition(before.program, fired.transition)
+    time, cause = run.time(tick), Cause("fired", machine, fired)
+    case = Case(fired.transition, fired.label, line, tick, time, before, cause)
+    draft = AnswerDraft({"transition": fired.transition.path})
+    by = f"`{fired.label}` (line {line}), from `{fired.source[-1]}`{because(draft, case, tests)}"
+    block = case.tested[0] if case.tested is not None else None
+    draft.say(f"`{fired.state[-1]}` was entered at {time:g} s by {by}.", line, line_of(before.program, block))
+    return draft.reason("fired", tick, time)
+
+
+def _never_entered(run: RecordedRun, tests: PastTests, state: Path, tick: int) -> Reason:
+    """Say so, and why the transitions that lead to the state did not fire."""
+    program, first = run.program(tick), run.history.ticks.start
+    since = "" if first == 1 else f" since tick {first}, as far as is recorded"
+    draft = AnswerDraft()
+    draft.say(f"`{state[-1]}` has not been entered{since}.", line_of_state(program, state))
+    for arrow in arrows_to(program, state):
+        reason = transition_reason(run, tests, arrow.element, program, tick)
+        draft.say(str(reason), line_of(program, arrow.noun))
+    return draft.reason("never", tick, run.time(tick))

@@ -1,0 +1,228 @@
+"""Why a transition fired in a tick, or did not, in sentences: a function for each kind of cause."""
+
+from __future__ import annotations
+
+from lrp_jupyter.errors import did_you_mean, ended
+from lrp_jupyter.interpreter.facts import Commanded, Discarded, Fired, Spawned
+from lrp_jupyter.interpreter.reasons import cause_of
+from lrp_jupyter.language.expressions import Evaluation
+from lrp_jupyter.language.program import Element, Path, Program
+from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.language.triggers import Delay, Epsilon
+from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.why.case import Case
+from lrp_jupyter.live.why.draft import AnswerDraft
+from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
+from lrp_jupyter.live.why.entries import entry_text
+from lrp_jupyter.live.why.evaluation import PastTests
+from lrp_jupyter.live.why.recorded_run import RecordedRun
+from lrp_jupyter.live.why.wording import number_text, plain_values, unknown_text, values_text
+
+__all__ = ["because", "transition_reason"]
+
+
+def transition_reason(
+    run: RecordedRun, tests: PastTests, element: Element, known: Program, tick: int
+) -> Reason:
+    """Return why a transition, of a program that is known to have it, fired in a tick, or did not."""
+    cause, state = cause_of(run.history, element, tick), run.history.state(tick, before=True)
+    arrow = resolve(known).arrow(element)
+    label = arrow.label if arrow is not None else element.shown[-1]
+    line = line_of_transition(known if cause.code == "not-in-program" else state.program, element)
+    case = Case(element, label, line, tick, run.time(tick), state, cause)
+    draft = AnswerDraft({"transition": element.path, "state": cause.machine and cause.machine.full_path})
+    match cause.code:
+        case "fired":
+            _fired(draft, case, tests)
+        case "condition-false":
+            _condition_false(draft, case, tests)
+            _last_true(draft, case, tests, run)
+        case "delay-not-over":
+            _delay_not_over(draft, case, tests, run)
+        case "source-inactive":
+            _source_inactive(draft, case, run)
+        case "machine-not-running":
+            _machine_not_running(draft, case, run)
+        case "earlier-fired" | "outer-fired" | "exit-took-parent":
+            _other_fired(draft, case)
+        case "not-in-program":
+            draft.say(f"The program of tick {tick} (at {case.time:g} s) had no transition `{label}`.")
+        case _:
+            _failed(draft, case)
+    draft.lines.append(line)
+    return draft.reason(cause.code, tick, case.time)
+
+
+def because(draft: AnswerDraft, case: Case, tests: PastTests) -> str:
+    """Say what made a transition fire, as the end of a sentence, and keep the values in a draft."""
+    trigger = case.noun.trigger
+    if case.cause.machine is None or isinstance(trigger, Epsilon):
+        return ""
+    if isinstance(trigger, Delay):
+        return f", {case.elapsed:g} ms after `{case.machine.state[-1]}` was entered"
+    evaluation = tests.evaluation(case)
+    if not isinstance(evaluation, Evaluation):
+        return ""
+    _keep(draft, evaluation)
+    return f", because `{evaluation.decides}` was True{values_text(evaluation)}"
+
+
+def _keep(draft: AnswerDraft, evaluation: Evaluation) -> None:
+    draft.facts |= {"values": plain_values(evaluation), "decides": evaluation.decides}
+
+
+def _fired(draft: AnswerDraft, case: Case, tests: PastTests) -> None:
+    fired = case.cause.fired
+    assert fired is not None
+    way = f"from `{fired.source[-1]}` to `{fired.state[-1]}`"
+    draft.say(f"{case.did_fire}, {way}{because(draft, case, tests)}.")
+
+
+def _condition_false(draft: AnswerDraft, case: Case, tests: PastTests) -> None:
+    assert case.tested is not None
+    line, where = _line_and_place(case)
+    evaluation = tests.evaluation(case)
+    if isinstance(evaluation, Evaluation):
+        _keep(draft, evaluation)
+        draft.say(
+            f"{case.did_not_fire}: `{evaluation.decides}`{where} was False{values_text(evaluation)}.", line
+        )
+    else:
+        unknown = draft.facts["unknown"] = unknown_text(evaluation)
+        draft.say(f"{case.did_not_fire}: `{case.tested[0].text.strip()}`{where} was False.", line)
+        draft.say(f"The values of its parts are not known: {unknown}")
+
+
+def _line_and_place(case: Case) -> tuple[int, str]:
+    """Return the line of what is tested, and words for it if the transition stands in another one."""
+    line = line_of(case.program, case.tested[0] if case.tested is not None else None)
+    return line, f" (line {line})" if line != case.line else ""
+
+
+def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
+    """Say when a condition was true before."""
+    tick = tests.last_true(case)
+    if tick is None:
+        return
+    draft.facts["last_true"] = tick or None
+    if not tick:
+        draft.say("It was never true before.")
+        return
+    then = run.history.state(tick, before=True)
+    states = [each.state for each in then.walk() if each.state[:-1] == case.machine.state[:-1]]
+    elsewhere = f", when `{states[0][-1]}` was active" if states and states[0] != case.machine.state else ""
+    draft.say(f"It was last true at {run.time(tick):g} s{elsewhere}.")
+
+
+def _delay_not_over(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
+    machine, delay = case.machine, tests.delay(case)
+    of = "" if delay is None else f" of {number_text(delay)}"
+    how, line = entry_text(run, machine, case.tick)
+    draft.facts |= {"elapsed": case.elapsed, "delay": delay}
+    draft.say(
+        f"{case.did_not_fire}: {number_text(case.elapsed)}{of} ms had passed since `{machine.state[-1]}` was "
+        f"entered at {machine.entered:g} s{how}.",
+        case.line,
+        line,
+    )
+
+
+def _source_inactive(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
+    machine, noun = case.machine, case.noun
+    how, line = entry_text(run, machine, case.tick)
+    other = "a state other than " if noun.wildcard else ""
+    names = (*noun.sources, noun.destination) if noun.wildcard else noun.sources
+    listed = " or ".join(f"`{name}`" for name in names)
+    draft.say(
+        f"{case.did_not_fire}: it leaves {other}{listed}, but `{machine.path[-1]}` was in "
+        f"`{machine.state[-1]}`, entered at {machine.entered:g} s{how}.",
+        line,
+    )
+    scope = resolve(case.program).by_path.get(case.element.path[:-1])
+    if scope is None or noun.wildcard:
+        return
+    for name in noun.sources:
+        if name not in scope.states:
+            draft.say(f"There is no state `{name}`.{did_you_mean(str(name), scope.states)}", case.line)
+
+
+def _machine_not_running(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
+    path = case.element.path[:-1]
+    name = path[-1]
+    facts = run.history.facts(case.tick)
+    spawns = spawns_of(case.program, path)
+    for fact in facts.facts:
+        if isinstance(fact, Spawned) and fact.machine[-1] == name:
+            by = f"when `{fact.by[-1]}` was entered" if fact.by else "when the program started"
+            lines = [line_of(case.program, spawning.noun) for spawning in spawns]
+            if fact.by:
+                entering = [each for each in facts.fired if each.path == fact.by]
+                lines += [line_of_transition(case.program, each.transition) for each in entering]
+            draft.say(f"{case.did_not_fire}: `{name}` was only spawned in this tick, {by}.", *lines)
+            draft.say("It is tested from the next tick on.")
+            return
+    restarts = [fact for fact in facts.before if isinstance(fact, Commanded) and fact.kind == "restarted"]
+    if restarts:
+        draft.say(f"{case.did_not_fire}: the program was restarted before this tick ({restarts[-1].text}).")
+    _how_it_ended(draft, case, run, name)
+    for spawning in spawns:
+        line = line_of(case.program, spawning.noun)
+        spawner = spawning.spawner
+        when = f"when `{spawner[-1]}` is entered" if spawner else "when the program starts"
+        draft.say(f"It is spawned {when} (line {line}).", line)
+    if not spawns:
+        draft.say(f"No `(spawn {name} …)` starts it.")
+
+
+def _how_it_ended(draft: AnswerDraft, case: Case, run: RecordedRun, name: str) -> None:
+    """Say how a machine that did not run ended before, or that it never ran."""
+    for when, fact in run.backward(case.tick, before=True):
+        if isinstance(fact, Discarded) and fact.machine[-1] == name:
+            tick, by, line = int(when), "", 0
+            leaving = [each for each in run.history.facts(tick).fired if _ends(each, fact.machine)]
+            if leaving:
+                last = leaving[-1]
+                line = line_of_transition(run.program(tick), last.transition)
+                by = f", because `{last.label}` (line {line}) left `{last.source[-1]}`"
+            ended_at = f"It ended at {run.time(when):g} s{by}."
+            draft.say(f"{case.did_not_fire}: `{name}` did not run. {ended_at}", line)
+            return
+    draft.say(f"{case.did_not_fire}: `{name}` was not running; it had not been spawned.")
+
+
+def _ends(fired: Fired, machine: Path) -> bool:
+    """Return whether a machine was inside the state that a transition left."""
+    home = fired.path[:-1]
+    return machine[: len(home)] == home
+
+
+def _other_fired(draft: AnswerDraft, case: Case) -> None:
+    fired = case.cause.fired
+    assert fired is not None
+    line = line_of_transition(case.program, fired.transition)
+    what, way = f"`{fired.label}` (line {line})", f"from `{fired.source[-1]}` to `{fired.state[-1]}`"
+    match case.cause.code:
+        case "earlier-fired":
+            text = f"{what} stands before it and fired first, {way}"
+        case "outer-fired":
+            outer = f"of the outer machine `{fired.machine[-1]}`"
+            text = f"{what} {outer} fired first, {way}, and ended this machine"
+        case _:
+            beside = f"the `exit` of `{fired.machine[-1]}` beside it"
+            text = f"{what}, {beside}, fired first and took the outer machine to `{fired.state[-1]}`"
+    draft.facts["fired"] = fired.transition.path
+    draft.say(f"{case.did_not_fire}: {text}.", line)
+
+
+def _failed(draft: AnswerDraft, case: Case) -> None:
+    """Say what the fault says."""
+    fault = case.cause.fault
+    assert fault is not None
+    what, line = case.did_not_fire, case.line
+    if case.tested is not None:
+        line, where = _line_and_place(case)
+        what += f": its condition is `{case.tested[0].text.strip()}`{where}"
+    if case.cause.code == "unknown-destination":
+        what = f"{case.did_not_fire}: it was enabled, but leads nowhere"
+    draft.facts["message"] = fault.message
+    draft.say(f"{what}. {ended(fault.message)}", line)

@@ -1,0 +1,92 @@
+"""The wording of values, commands and restarts in answers."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from lrp_jupyter.errors import sentence_of
+from lrp_jupyter.interpreter.facts import Commanded
+from lrp_jupyter.interpreter.rendering import short
+from lrp_jupyter.interpreter.watching import Shown, items
+from lrp_jupyter.language.expressions import Evaluation, UnknownValueError
+from lrp_jupyter.language.python import parse_python
+
+__all__ = [
+    "call_text",
+    "given_arguments",
+    "number_text",
+    "plain_values",
+    "restart_text",
+    "unknown_text",
+    "values_text",
+]
+
+
+def number_text(value: float) -> str:
+    """Return a number with at most three decimals."""
+    return f"{round(value, 3):g}" if abs(value) < 1e6 else f"{value:.0f}"
+
+
+def plain_values(evaluation: Evaluation) -> dict[str, object]:
+    """Return the values of the parts of an evaluation as plain data, by their texts."""
+    return {text: _plain(value) for text, value in items(evaluation)}
+
+
+def _plain(value: object) -> object:
+    """Return a value itself if it is a number, a text or None, else a short text."""
+    if isinstance(value, Shown):
+        return str(value)
+    return value if isinstance(value, (int, float, str, type(None))) else short(value)
+
+
+def values_text(evaluation: Evaluation) -> str:
+    """Say the values of the parts of what decides; empty if it has none."""
+    tree = parse_python(evaluation.decides, mode="eval").body
+    parts = [ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.expr)]
+    shown = [
+        f"`{text}` was {_rounded(value, tree)}"
+        for text, value in items(evaluation)
+        if text in parts and text != evaluation.decides
+    ]
+    return f", since {_and(shown)}" if shown else ""
+
+
+def _rounded(value: object, tree: ast.expr) -> str:
+    """Return a value as text; a number with six digits, unless it is compared for equality."""
+    exact = any(isinstance(node, (ast.Eq, ast.NotEq)) for node in ast.walk(tree))
+    if isinstance(value, Shown):
+        return str(value)
+    return f"{value:.6g}" if type(value) is float and not exact else short(value)
+
+
+def _and(texts: list[str]) -> str:
+    return " and ".join([", ".join(texts[:-1]), texts[-1]] if len(texts) > 1 else texts)
+
+
+def unknown_text(problem: Exception | None) -> str:
+    """Say why the values of a condition are not known; None if it is no expression."""
+    if isinstance(problem, UnknownValueError):
+        return str(problem)
+    return "the block is more than one expression." if problem is None else sentence_of(problem)
+
+
+def restart_text(restart: Commanded) -> str:
+    """Say why the program restarted, without a full stop."""
+    return "it was reset" if restart.text == "reset" else restart.text.rstrip(".")
+
+
+def call_text(name: str, arguments: Mapping[str, Any]) -> str:
+    """Return a command of the robot as a program writes it."""
+    given = ", ".join(f"{key}={_plain(value)}" for key, value in given_arguments(arguments))
+    return f"`robot.{name}({given})`"
+
+
+def given_arguments(arguments: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield the arguments of a command that are not zero, with dotted names."""
+    for name, value in arguments.items():
+        if isinstance(value, Mapping):
+            yield from given_arguments(value, f"{prefix}{name}.")
+        elif value != 0:
+            yield f"{prefix}{name}", value
