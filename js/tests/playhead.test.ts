@@ -256,10 +256,12 @@ describe("keys on the playhead", () => {
 
 describe("the menu of a visit", () => {
   it("asks why it began and why it ended", async () => {
-    const menuOf = async (tick: number) => {
-      page
-        .find(`.lrp-timeline-visit[data-tick="${tick}"]`)
-        .dispatchEvent(new MouseEvent("contextmenu", { bubbles: true, cancelable: true, clientX: xOf(9) }));
+    const open = (time: number) =>
+      page.area.dispatchEvent(
+        new MouseEvent("contextmenu", { cancelable: true, clientX: xOf(time), clientY: 40 }),
+      );
+    const menuOf = async (time: number) => {
+      open(time);
       const disabled = (action: string) =>
         page.find<HTMLButtonElement>(`[data-lrp-action="${action}"]`).disabled;
       const both = [disabled("why-begin"), disabled("why-end")];
@@ -267,11 +269,9 @@ describe("the menu of a visit", () => {
       return both;
     };
     expect(await menuOf(1)).toEqual([true, false]);
-    expect(await menuOf(81)).toEqual([false, false]);
-    expect(await menuOf(121)).toEqual([false, true]);
-    page
-      .find('.lrp-timeline-visit[data-tick="81"]')
-      .dispatchEvent(new MouseEvent("contextmenu", { bubbles: true, cancelable: true, clientX: xOf(9) }));
+    expect(await menuOf(9)).toEqual([false, false]);
+    expect(await menuOf(15)).toEqual([false, true]);
+    open(9);
     page.find('[data-lrp-action="why-end"]').click();
     await page.drawn();
     expect(page.looks.at(-1)).toEqual({ do: "look", tick: 121 });

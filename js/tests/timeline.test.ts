@@ -186,7 +186,9 @@ describe("the drawing", () => {
       happening({ tick: i, time: i / 100, state: `m/${i % 2}` }),
     );
     const shown = drawn({ span: { from: 0, to: 60 }, lanes: lanesOf(many), now: 60 });
-    expect(shown.querySelectorAll("[data-lrp-visit]").length).toBeLessThan(520);
+    expect(shown.querySelectorAll("*").length).toBeLessThan(100);
+    const drawnTogether = shown.querySelector("g > path")?.getAttribute("d") ?? "";
+    expect(drawnTogether.split("M").length).toBeGreaterThan(200);
     expect(drawn({ span: { from: 20, to: 30 }, now: 30 }).querySelectorAll("[data-lrp-visit]")).toHaveLength(
       1,
     );
@@ -232,7 +234,7 @@ describe("the drawing", () => {
     const styleOf = (state: string) => ({ color: "red", dash: state === "m/b" ? [3, 3] : [] });
     const stripes = (state: string) =>
       drawn({ styleOf })
-        .querySelector(`[data-lrp-visit="${state}"] > line`)!
+        .querySelector(`[data-lrp-visit="${state}"] > path`)!
         .getAttribute("stroke-dasharray");
     expect([stripes("m/a"), stripes("m/b")]).toEqual([null, "3 3"]);
     expect(drawn({ styleOf }).querySelectorAll(".lrp-timeline-visit > .lrp-timeline-hit")).toHaveLength(4);

@@ -41,8 +41,10 @@ export interface Drawing {
 export const AXIS = 16; // px
 const MARKS = 14;
 const LANE = 18;
+const BAR = LANE - 4;
 const PLOT = 40;
 const LANES = 2; // for which there is room
+const NARROW = 8; // px of a visit at which nobody can aim: all of a lane are drawn together
 const GAP = 3;
 const LETTER = 6; // px, about
 const ROUND = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
@@ -80,6 +82,11 @@ export function ticksOf({ from, to }: Span, width: number): number[] {
   const ticks = [];
   for (let index = Math.ceil(from / step); index * step <= to; index++) ticks.push(index * step);
   return ticks;
+}
+
+/** The lane at so many px from the top; null between and below the recorded ones. */
+export function laneAt({ lanes }: Drawing, y: number): Lane | null {
+  return lanes[Math.floor((y - AXIS - MARKS) / LANE)] ?? null;
 }
 
 export function xOf({ span, left, width }: Drawing, time: number): number {
@@ -200,6 +207,7 @@ function laneOf(
 ): Node[] {
   const { left, width, span, styleOf } = drawing;
   const parts: Node[] = [named(nameOf(machine), machine, y, LANE, left, depth)];
+  const narrow = new Map<string, string>(); // by colour
   let blurred = Number.NEGATIVE_INFINITY; // up to where visits too short to see were drawn
   for (const segment of segments) {
     if (segment.end < span.from || segment.begin > span.to) continue;
@@ -207,9 +215,26 @@ function laneOf(
     const to = Math.min(left + width, xOf(drawing, Math.min(segment.end, now, span.to)));
     if (to - from < 1 && to <= blurred) continue;
     blurred = Math.max(blurred, from + 1);
-    parts.push(visit(segment, from, Math.max(1, to - from), y, styleOf(segment.state), isOther));
+    const style = styleOf(segment.state);
+    if (to - from >= NARROW) parts.push(visit(segment, from, to - from, y, style, isOther));
+    else {
+      const line = `M${from.toFixed(1)} 0h${Math.max(1, to - from).toFixed(1)}`;
+      narrow.set(style.color, (narrow.get(style.color) ?? "") + line);
+    }
   }
+  for (const [color, d] of narrow)
+    parts.push(s("g", { transform: `translate(0 ${y + 2})` }, ...bars(isOther, color, { d })));
   return parts;
+}
+
+/** The bars of visits along a path at the height 0: a wide pale one above a thin one. */
+function bars(isOther: boolean, color: string, line: { d: string; "stroke-dasharray"?: string }): Node[] {
+  const bar = (y: number, thickness: number, opacity: number) =>
+    s("path", {
+      ...{ ...line, transform: `translate(0 ${y})`, fill: "none" },
+      ...{ stroke: color, "stroke-width": thickness, "stroke-opacity": opacity },
+    });
+  return [bar(BAR / 2, BAR, isOther ? 0.2 : 0.32), bar(BAR - 1, 2, 1)];
 }
 
 function visit(
@@ -222,12 +247,10 @@ function visit(
 ): Node {
   const { lane, state, by, text, tick, begin, end } = segment;
   const until = end === Number.POSITIVE_INFINITY ? "" : ` to ${end.toFixed(1)} s`;
-  const height = LANE - 4;
-  const bar = (y: number, thickness: number, opacity: number) =>
-    s("line", {
-      ...{ x1: 0, x2: width, y1: y, y2: y, stroke: color, "stroke-opacity": opacity },
-      ...{ "stroke-width": thickness, "stroke-dasharray": dash.length ? dash.join(" ") : null },
-    });
+  const line = {
+    d: `M0 0h${width.toFixed(1)}`,
+    ...(dash.length ? { "stroke-dasharray": dash.join(" ") } : {}),
+  };
   return s(
     "svg",
     {
@@ -241,14 +264,13 @@ function visit(
       x: x.toFixed(1),
       y: y + 2,
       width: width.toFixed(1),
-      height,
+      height: BAR,
     },
     s("title", {}, `${nameOf(state)}, from ${begin.toFixed(1)} s${until}. ${unmarked(text)}`),
-    s("rect", { class: "lrp-timeline-hit", width, height }), // between the stripes, too
-    bar(height / 2, height, isOther ? 0.2 : 0.32),
-    bar(height - 1, 2, 1),
-    width > 3 && s("rect", { width: 2, height, fill: color }),
-    width >= LETTER * nameOf(state).length + 10 && s("text", { x: 6, y: height - 4 }, nameOf(state)),
+    s("rect", { class: "lrp-timeline-hit", width, height: BAR }), // between the stripes, too
+    ...bars(isOther, color, line),
+    s("rect", { width: 2, height: BAR, fill: color }),
+    width >= LETTER * nameOf(state).length + 10 && s("text", { x: 6, y: BAR - 4 }, nameOf(state)),
   );
 }
 

@@ -9,8 +9,8 @@ import { trackDrag } from "../ui/drag";
 import { isOn, keep, keepOn, kept } from "../ui/kept";
 import { type MenuItem, openMenu } from "../ui/menu";
 import { trailStyles } from "../world/legend";
-import { type Drawing, draw, heightOf, roomFor, type Span, shortOf } from "./draw";
-import { Happened, lanesOf, segmentAt, valueAt } from "./happened";
+import { type Drawing, draw, heightOf, laneAt, roomFor, type Span, shortOf } from "./draw";
+import { Happened, lanesOf, type Segment, segmentAt, valueAt } from "./happened";
 import { band, type Looking } from "./looking";
 
 /** Those of the trail; in the dark as much lighter as the stylesheet says. */
@@ -26,7 +26,7 @@ const LONGEST = 3600;
 const OPEN = "timeline";
 const PLOTS = "plots:";
 const NEAR = 4; // px
-const MARGIN = 200; // px above and below what is in sight, to be scrolled to
+const MARGIN = 60; // px above and below what is in sight, to be scrolled to
 const STEPS = 10; // ticks, with Shift
 const STILL = 1500; // ms
 
@@ -277,39 +277,39 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
           if (isPast()) looking.back();
         } else if (moved) return;
         else if (mark) void lookAt(Number(mark.getAttribute("data-tick")));
-        else if (border) void whyFired(border.dataset, { x: last.clientX, y: last.clientY });
+        else if (border) void whyFired(border, { x: last.clientX, y: last.clientY });
         else go(last);
       },
     });
   });
-  /** The visit whose beginning is at the pointer, if a transition led to it and there is room to aim at it. */
-  const borderAt = (event: MouseEvent): SVGElement | null => {
-    const visits = [...svg.querySelectorAll<SVGElement>(".lrp-timeline-visit[data-by]:not([data-other])")];
-    const frame = area.getBoundingClientRect();
-    const [left, top] = [event.clientX - frame.left, event.clientY - frame.top];
-    return (
-      visits.findLast((visit) => {
-        const [x = 0, y = 0, width = 0, height = 0] = ["x", "y", "width", "height"].map((name) =>
-          Number(visit.getAttribute(name)),
-        );
-        const isIn = 0 <= top - y && top - y <= height;
-        return visit.dataset.by && isIn && width > 3 * NEAR && Math.abs(left - x) <= NEAR;
-      }) ?? null
-    );
+  /** The visit at the pointer, at a time in seconds. */
+  const visitAt = ({ clientY }: MouseEvent, time: number): Segment | null => {
+    const lane = drawing && laneAt(drawing, clientY - area.getBoundingClientRect().top);
+    return lane && segmentAt(lane, time);
   };
-  const whyFired = async (visit: { tick?: unknown; by?: string }, at: { x: number; y: number }) => {
-    await lookAt(Number(visit.tick));
-    askWhy(lab, "transition", visit.by ?? "", at);
+  /** The visit whose beginning is at the pointer, if a transition led to it and there is room to aim at it. */
+  const borderAt = (event: MouseEvent): Segment | null => {
+    if (!drawing) return null;
+    const { span, width } = drawing;
+    const near = (NEAR / width) * (span.to - span.from); // s
+    const time = timeAt(event);
+    const visit = visitAt(event, time + near);
+    if (!visit?.by || Math.abs(visit.begin - time) > near) return null;
+    return Math.min(visit.end, now()) - visit.begin > 3 * near ? visit : null;
+  };
+  const whyFired = async ({ tick, by }: Segment, at: { x: number; y: number }) => {
+    await lookAt(tick);
+    askWhy(lab, "transition", by, at);
   };
   area.addEventListener("contextmenu", (event) => {
-    const visit = (event.target as Element).closest<SVGElement>(".lrp-timeline-visit");
-    if (!visit || visit.hasAttribute("data-other")) return;
+    const time = Math.min(happened.end, timeAt(event));
+    const visit = isAtName(event) ? null : visitAt(event, time);
+    if (!visit) return;
     event.preventDefault();
     event.stopPropagation();
     const at = { x: event.clientX, y: event.clientY };
-    const { lrpVisit: state = "", lane = "", by = "", tick = "0" } = visit.dataset;
-    const time = Math.min(happened.end, timeAt(event));
-    const next = happened.after({ lane, state, tick: Number(tick) });
+    const { state, by, tick } = visit;
+    const next = happened.after(visit);
     openMenu(
       lab.root,
       at,
@@ -319,7 +319,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
           label: "Why did it begin?",
           action: "why-begin",
           disabled: !by,
-          run: () => void whyFired({ tick, by }, at),
+          run: () => void whyFired(visit, at),
         },
         {
           label: "Why did it end?",
@@ -327,7 +327,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
           disabled: !next?.by,
           run: () => next && void whyFired(next, at),
         },
-        { label: "Look at its beginning", action: "look", run: () => void lookAt(Number(tick)) },
+        { label: "Look at its beginning", action: "look", run: () => void lookAt(tick) },
         null,
         { label: "Go to source", action: "source", run: () => lab.goTo("state", state) },
       ],
