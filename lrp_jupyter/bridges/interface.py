@@ -191,7 +191,7 @@ class Interface:
                 node.perform(node.standstill())
 
     def stop_all(self) -> bool:
-        """Stop the robot: from any thread, in bounded time, armed or not. Never raises.
+        """Stop the robot: from any thread, in bounded time, armed or not. Never raises, whatever its bridge does.
 
         While a loop ticks, further commands of the present tick are not sent.
 
@@ -200,9 +200,11 @@ class Interface:
         bool
             Whether the robot was stopped; if not, a notice contains the reason.
         """
-        self.outside(RobotStopped(), False)
         self.safety.stopped()
-        return self._stop_now()
+        try:
+            return self._stop_now()
+        finally:  # a recording that fails does not keep the robot moving
+            self.outside(RobotStopped(), False)
 
     def _stop_now(self) -> bool:
         return self.safety.run_stop(self.stop, self.stop_timeout)

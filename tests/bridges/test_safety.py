@@ -281,6 +281,18 @@ def test_the_stop_is_sent_while_disarmed(disarmed: Any) -> None:
     assert disarmed.sent == [(0.0, 0.0)]
 
 
+def test_the_robot_is_stopped_before_anybody_is_told(cart: Any) -> None:
+    cart.robot.move(linear=0.2)
+
+    def recording(_what: object, _surely: bool) -> None:
+        raise OSError("The disk is full.")
+
+    cart.outside = recording
+    with pytest.raises(OSError, match="disk"):
+        cart.stop_all()
+    assert cart.sent == [(0.2, 0.0), (0.0, 0.0)]
+
+
 @pytest.mark.parametrize(
     ("timeout", "error"),
     [(None, OSError("unplugged")), (60.0, OSError("unplugged")), (60.0, KeyboardInterrupt("unplugged"))],

@@ -81,7 +81,9 @@ def test_the_graph_and_the_robot_are_those_of_the_moment(follower):
     lab.pause()
     lab.page.wait_for_timeout(500)  # the last readings arrive
     now = place(lab)
-    lab.find(f'{VISITS}[data-lrp-visit="follower/looking"]').nth(1).click(button="right")
+    for _ in range(3):
+        lab.do("timeline-in")  # visits of a tick are wide enough to aim at
+    lab.find(f'{VISITS}[data-lrp-visit="follower/looking"]').last.click(button="right")
     lab.choose("look")
     looks(lab)
     lab.is_active("follower/looking")
