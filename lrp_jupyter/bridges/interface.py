@@ -191,7 +191,7 @@ class Interface:
                 node.perform(node.standstill())
 
     def stop_all(self) -> bool:
-        """Stop the robot: from any thread, in bounded time, armed or not. Never raises, whatever its bridge does.
+        """Stop the robot: from any thread, in bounded time, armed or not. Its own failures raise nothing.
 
         While a loop ticks, further commands of the present tick are not sent.
 
