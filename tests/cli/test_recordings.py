@@ -69,14 +69,14 @@ def difference(lrp, path, other):
             "> 300",
             "> -1",
             "The first difference is at 0.1 s (tick 2), in the machine `m`. Recorded: `drive.running` "
-            "(line 5) called `robot.move(linear.x=0.2)`. Now: `bright` fired, from `drive` to `stop`.",
+            "(line 5) called `robot.move(linear=0.2)`. Now: `bright` fired, from `drive` to `stop`.",
         ),
         (
             "linear=0.2",
             "linear=0.1",
             "The first difference is at 0.1 s (tick 2), in the machine `m`. Recorded: `drive.running` "
-            "(line 5) called `robot.move(linear.x=0.2)`. Now: `drive.running` (line 5) called "
-            "`robot.move(linear.x=0.1)`.",
+            "(line 5) called `robot.move(linear=0.2)`. Now: `drive.running` (line 5) called "
+            "`robot.move(linear=0.1)`.",
         ),
         (
             "(var n := [0])",

@@ -3,6 +3,7 @@
 import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
@@ -143,3 +144,57 @@ def test_reading_the_past_leaves_the_session_as_it_was():
         assert live.frame.variables == before.variables
         live.rewind(5)
         assert live.frame.tick == 5
+
+
+class Drawing(Bridge):
+    """A robot with a velocity and a pen."""
+
+    name = "drawing"
+    hardware = False
+
+    def open_interface(self) -> None:
+        """Add a velocity and a pen."""
+        self.add_method("move", lambda velocity: None, message=Twist, velocity=True)
+        self.add_method("pen", lambda down=True: None)
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        ("robot.move(linear=0.2)", "`robot.move(linear=0.2)`"),
+        ("robot.move(angular=-1)", "`robot.move(angular=-1.0)`"),
+        ("robot.move()", "`robot.move(linear=0.0, angular=0.0)`"),
+        ("robot.pen(False)", "`robot.pen(down=False)`"),
+    ],
+)
+def test_a_command_is_told_as_a_program_writes_it(call, told):
+    with session(f"(machine m (state a (onentry [{call}]))) (spawn m a)", Drawing()) as live:
+        live.run(0.3)
+        name = call.partition("(")[0]
+        assert told in str(live.why(name))
+        assert [each.text for each in live.timeline().happenings if each.kind == "command"] == [
+            f"{told}, line 1."
+        ]
+
+
+INNER = """(machine m
+  (state a (onentry (spawn i x)) (machine i (state x) (state y) (on [True] x -> y go)))
+  (state b)
+  (ontime 300 a -> b))
+(spawn m a)"""
+
+
+def test_a_machine_whose_end_is_not_remembered_is_not_said_to_have_never_run():
+    with session(INNER) as live:
+        live.run(5)
+        assert "It ended at" in str(live.why_not("go"))
+    with session(INNER, journal=20) as live:
+        live.run(5)
+        first = live.frame.tick - 19
+        assert f"`i` was not running. It was not spawned since tick {first}." in str(live.why_not("go"))
+
+
+def test_a_machine_that_waits_for_its_spawner_was_never_spawned():
+    with session(INNER.replace("(spawn m a)", "(spawn m b)")) as live:
+        live.run(1)
+        assert "`i` was not running. It had never been spawned." in str(live.why_not("go"))

@@ -24,8 +24,7 @@ def entered_otherwise(run: RecordedRun, entered: Entered, when: float) -> Reason
     place = max(index for index, fact in enumerate(facts) if fact is entered)
     for fact in facts[place:]:
         if isinstance(fact, Commanded) and fact.kind == "forced":
-            how = "a forced transition" if fact.text == "transition" else "a teleport"
-            draft.say(f"{was_entered} by {how}, not by the program.", line)
+            draft.say(f"{was_entered} by hand ({fact.text}), not by the program.", line)
             return draft.reason("forced", tick, time)
     spawned = [
         fact for fact in facts[:place] if isinstance(fact, Spawned) and fact.machine == entered.path[:-1]
@@ -37,12 +36,12 @@ def entered_otherwise(run: RecordedRun, entered: Entered, when: float) -> Reason
         if spawning.noun.state == name and spawning.spawner[-1:] == by[-1:]
     ]
     where = f" (line {lines[0]})" if lines else ""
-    starts = f"its `spawn`{where} starts `{machine}` there"
+    starts = f"`(spawn {machine} {name})`{where} starts it there"
     before = run.facts(int(when) - 0.5)
     restarts = [fact for fact in before if isinstance(fact, Commanded) and fact.kind == "restarted"]
     code = "spawned"
     if by:
-        why = f"because `{by[-1]}` was entered, which spawns `{machine}`{where} in this state"
+        why = f"because `{by[-1]}` was entered, and its `(spawn {machine} {name})`{where} starts it there"
     elif restarts:
         code, why = "restarted", f"because the program restarted ({restart_text(restarts[-1])}): {starts}"
     else:
@@ -59,6 +58,6 @@ def entry_text(run: RecordedRun, machine: PastMachine, tick: int) -> tuple[str, 
             return f" by `{fact.label}` (line {line})", line
         if isinstance(fact, Entered) and fact.path == machine.full_path:
             reason = entered_otherwise(run, fact, when)
-            words = {"forced": " by force", "restarted": " at the restart"}
+            words = {"forced": " by hand", "restarted": " at the restart"}
             return words.get(reason.code, f", when `{machine.path[-1]}` started"), reason.line
     return "", 0

@@ -47,7 +47,7 @@ def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool
     draft = AnswerDraft(
         {
             "command": last.name,
-            "arguments": dict(given_arguments(last.arguments)),
+            "arguments": given_arguments(last.arguments),
             "block": origin.block,
             "state": origin.block.partition(".")[0],
             "since": last.first.tick,
@@ -81,7 +81,7 @@ def _never_given(run: RecordedRun, name: str, tick: int) -> Reason:
         for number, line in enumerate(run.program(tick).text.splitlines(), 1)
         if f"robot.{name}" in line.partition(";")[0]
     ]
-    where = f"It stands in line {lines[0]}." if lines else "No line of the program has it."
+    where = f"It appears in line {lines[0]}." if lines else "It does not appear in the program."
     draft = AnswerDraft()
     draft.say(f"`robot.{name}` has not been called. {where}", *lines)
     return draft.reason("never", tick, run.time(tick))
@@ -95,7 +95,7 @@ def _fate(
     if not last.sent and not safety.armed:
         return "disarmed", "It was not sent, because the robot is disarmed."
     if not last.sent:
-        return "stopped", "It was not sent."
+        return "stopped", "It was not sent: the robot was disarmed, or had been stopped in that tick."
     notices = [each for each in safety.notices if each.kind == "command watchdog"]
     notices = [each for each in notices if last.now < each.now <= loop.now]
     if notices and (now or notices[-1].now <= run.time(tick) + 1e-9):

@@ -16,7 +16,7 @@ from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
 from lrp_jupyter.live.why.entries import entry_text
 from lrp_jupyter.live.why.evaluation import PastTests
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.wording import number_text, plain_values, unknown_text, values_text
+from lrp_jupyter.live.why.wording import number_text, plain_values, restart_text, unknown_text, values_text
 
 __all__ = ["because", "transition_reason"]
 
@@ -120,8 +120,8 @@ def _delay_not_over(draft: AnswerDraft, case: Case, tests: PastTests, run: Recor
     how, line = entry_text(run, machine, case.tick)
     draft.facts |= {"elapsed": case.elapsed, "delay": delay}
     draft.say(
-        f"{case.did_not_fire}: {number_text(case.elapsed)}{of} ms had passed since `{machine.state[-1]}` was "
-        f"entered at {machine.entered:g} s{how}.",
+        f"{case.did_not_fire}: only {number_text(case.elapsed)}{of} ms had passed since "
+        f"`{machine.state[-1]}` was entered at {machine.entered:g} s{how}.",
         case.line,
         line,
     )
@@ -158,12 +158,14 @@ def _machine_not_running(draft: AnswerDraft, case: Case, run: RecordedRun) -> No
             if fact.by:
                 entering = [each for each in facts.fired if each.path == fact.by]
                 lines += [line_of_transition(case.program, each.transition) for each in entering]
-            draft.say(f"{case.did_not_fire}: `{name}` was only spawned in this tick, {by}.", *lines)
-            draft.say("It is tested from the next tick on.")
+            draft.say(f"{case.did_not_fire}: `{name}` was spawned in this very tick, {by}.", *lines)
+            draft.say("Its transitions are tested from the next tick on.")
             return
     restarts = [fact for fact in facts.before if isinstance(fact, Commanded) and fact.kind == "restarted"]
-    if restarts:
-        draft.say(f"{case.did_not_fire}: the program was restarted before this tick ({restarts[-1].text}).")
+    restart = (
+        f"the program restarted before this tick ({restart_text(restarts[-1])}), and " if restarts else ""
+    )
+    draft.say(f"{case.did_not_fire}: {restart}`{name}` was not running.")
     _how_it_ended(draft, case, run, name)
     for spawning in spawns:
         line = line_of(case.program, spawning.noun)
@@ -184,10 +186,10 @@ def _how_it_ended(draft: AnswerDraft, case: Case, run: RecordedRun, name: str) -
                 last = leaving[-1]
                 line = line_of_transition(run.program(tick), last.transition)
                 by = f", because `{last.label}` (line {line}) left `{last.source[-1]}`"
-            ended_at = f"It ended at {run.time(when):g} s{by}."
-            draft.say(f"{case.did_not_fire}: `{name}` did not run. {ended_at}", line)
+            draft.say(f"It ended at {run.time(when):g} s{by}.", line)
             return
-    draft.say(f"{case.did_not_fire}: `{name}` was not running; it had not been spawned.")
+    first = run.history.ticks.start
+    draft.say("It had never been spawned." if first == 1 else f"It was not spawned since tick {first}.")
 
 
 def _ends(fired: Fired, machine: Path) -> bool:
@@ -203,12 +205,12 @@ def _other_fired(draft: AnswerDraft, case: Case) -> None:
     what, way = f"`{fired.label}` (line {line})", f"from `{fired.source[-1]}` to `{fired.state[-1]}`"
     match case.cause.code:
         case "earlier-fired":
-            text = f"{what} stands before it and fired first, {way}"
+            text = f"{what} comes first in the text and fired, {way}"
         case "outer-fired":
             outer = f"of the outer machine `{fired.machine[-1]}`"
             text = f"{what} {outer} fired first, {way}, and ended this machine"
         case _:
-            beside = f"the `exit` of `{fired.machine[-1]}` beside it"
+            beside = f"the `exit` of the sibling machine `{fired.machine[-1]}`"
             text = f"{what}, {beside}, fired first and took the outer machine to `{fired.state[-1]}`"
     draft.facts["fired"] = fired.transition.path
     draft.say(f"{case.did_not_fire}: {text}.", line)

@@ -6,6 +6,7 @@ import ast
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.errors import sentence_of
 from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.interpreter.rendering import short
@@ -50,7 +51,7 @@ def values_text(evaluation: Evaluation) -> str:
         for text, value in items(evaluation)
         if text in parts and text != evaluation.decides
     ]
-    return f", since {_and(shown)}" if shown else ""
+    return f": {_and(shown)}" if shown else ""
 
 
 def _rounded(value: object, tree: ast.expr) -> str:
@@ -79,14 +80,23 @@ def restart_text(restart: Commanded) -> str:
 
 def call_text(name: str, arguments: Mapping[str, Any]) -> str:
     """Return a command of the robot as a program writes it."""
-    given = ", ".join(f"{key}={_plain(value)}" for key, value in given_arguments(arguments))
+    given = ", ".join(f"{key}={_plain(value)}" for key, value in given_arguments(arguments).items())
     return f"`robot.{name}({given})`"
 
 
-def given_arguments(arguments: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the arguments of a command that are not zero, with dotted names."""
+def given_arguments(arguments: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the arguments of a command: of a velocity those that are not zero, in their short forms."""
+    if arguments.keys() != Twist.FIELDS.keys():
+        return dict(arguments)
+    short_forms = {path: word for word, path in Twist.WORDS.items()}
+    parts = dict(_flat(arguments))
+    given = {short_forms.get(path, path): value for path, value in parts.items() if value != 0}
+    return given or dict.fromkeys(Twist.WORDS, 0.0)
+
+
+def _flat(arguments: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
     for name, value in arguments.items():
         if isinstance(value, Mapping):
-            yield from given_arguments(value, f"{prefix}{name}.")
-        elif value != 0:
+            yield from _flat(value, f"{prefix}{name}.")
+        else:
             yield f"{prefix}{name}", value
