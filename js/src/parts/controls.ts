@@ -58,7 +58,7 @@ export function controls(lab: Lab, choices: Choices): HTMLElement {
   });
   const hold = toggle(
     "Hold edits",
-    "Edits wait until they are applied",
+    "Edits take effect only when you choose Apply (Ctrl+Enter)",
     "hold",
     (on) => void lab.act({ do: "hold", on }),
   );

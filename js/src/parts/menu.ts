@@ -72,7 +72,7 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
       run: () => fills.show(!fills.shown()),
     },
     ...panels,
-    ...(layout ? [{ label: "Usual sizes", action: "usual-sizes", run: choices.resetSizes }] : []),
+    ...(layout ? [{ label: "Reset panel sizes", action: "usual-sizes", run: choices.resetSizes }] : []),
     ...(programs.length ? [null, ...programs] : []),
   ];
 }

@@ -21,7 +21,7 @@ export function openForm(
     open(name) {
       wanted = name;
       if (!text().trim()) return void load();
-      const sentence = `Replace \`${lab.store.state.name}\` by \`${name}\`? Its text stays in the versions.`;
+      const sentence = `Replace \`${lab.store.state.name}\` with \`${name}\`? Its text stays under Versions….`;
       question.replaceChildren(...prose(sentence));
       form.show();
       ok.focus();

@@ -149,7 +149,7 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
 
 /** What is different after an edit of the past. */
 function wordsOf({ divergence, end, isOpenLoop }: Other): string {
-  const words = divergence ? unmarked(divergence.text) : `nothing is different until ${end.toFixed(1)} s.`;
+  const words = divergence ? unmarked(divergence.text) : `there is no difference up to ${end.toFixed(1)} s.`;
   return `with the edit${isOpenLoop ? " (open loop: the readings are the recorded ones)" : ""}: ${words}`;
 }
 

@@ -61,7 +61,7 @@ export function band(lab: Lab, looking: Looking): HTMLElement {
   const more = h("span", { class: "lrp-band-more" });
   const run = button({
     label: "Run on from here",
-    title: "Go back to this moment, and run on from there",
+    title: "Continue from this moment. What came later is deleted.",
     action: "run-from",
     onclick: () => void lab.act({ do: "run_from" }),
   });
@@ -82,10 +82,10 @@ export function band(lab: Lab, looking: Looking): HTMLElement {
     setHidden(element, !moment);
     if (!moment) return;
     const time = `${moment.time.toFixed(1)} s`;
-    const goesOn = bridge.hardware && status === "running" ? " The robot goes on meanwhile." : "";
+    const goesOn = bridge.hardware && status === "running" ? " The real robot keeps running." : "";
     setText(words, `Looking at ${time}`);
     setText(ago, `, ${moment.ago.toFixed(1)} s ago.`);
-    setText(more, `${moment.edited ? " The program was edited since." : ""}${goesOn}`);
+    setText(more, `${moment.edited ? " The program has been edited since." : ""}${goesOn}`);
     const label = run.querySelector(".lrp-button-label")!;
     setText(label, moment.edited ? `Run on from ${time} with the edit` : "Run on from here");
     run.disabled = bridge.hardware && bridge.armed;
@@ -94,7 +94,7 @@ export function band(lab: Lab, looking: Looking): HTMLElement {
       "title",
       run.disabled
         ? "The robot is armed, and a real robot cannot go back. Disarm it first."
-        : "Go back to this moment, and run on from there",
+        : "Continue from this moment. What came later is deleted.",
     );
   });
   return element;

@@ -52,7 +52,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     tabindex: "0",
     "aria-label": "Moment that the lab shows",
     title:
-      "Drag, or press ←, →, with Shift ten ticks; Page Up and Down: changes; Home, End; Escape: back to now",
+      "Drag, or use the keys. ←, →: one tick, with Shift ten. Page Up, Down: previous, next change. Home: start. End, Escape: now. Enter, ?: why. +, −: zoom",
   });
   const area = h("div", { class: "lrp-timeline-area" }, svg, playhead);
   const body = h("div", { class: "lrp-timeline-body" }, area);
@@ -65,13 +65,13 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   });
   const zoomOut = button({
     icon: "minus",
-    title: "Show a longer time",
+    title: "Zoom out",
     action: "timeline-out",
     onclick: () => zoom(2),
   });
   const zoomIn = button({
     icon: "plus",
-    title: "Show a shorter time",
+    title: "Zoom in",
     action: "timeline-in",
     onclick: () => zoom(0.5),
   });
@@ -402,7 +402,12 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
       checked: plots.includes(name),
       run: () => choose(plots.includes(name) ? plots.filter((each) => each !== name) : [...plots, name]),
     }));
-    const none = { label: "Nothing has a number yet", action: "plot-none", disabled: true, run: () => {} };
+    const none = {
+      label: "No numeric values to plot yet",
+      action: "plot-none",
+      disabled: true,
+      run: () => {},
+    };
     openMenu(lab.root, { x: left, y: top }, items.length ? items : [none], "Plots");
   };
   const choose = (names: string[]) => {
