@@ -201,7 +201,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   root.append(foot(lab, text, save.element, versions.element, opening.element));
   root.append(inspecting.element, toast, announcer(lab));
 
-  if (part === "lab" || part === "editor") askWhatIf(lab);
+  if (part === "lab" || part === "world") askWhatIf(lab);
   store.watch(["tick", "revision", "status", "link"], () => {
     const { tick, revision, status, link } = store.state;
     setAttribute(root, "data-lrp-tick", tick);

@@ -82,7 +82,7 @@ describe("a preview", () => {
     store = new Store();
     questions = [];
     const ask = vi.fn(() => new Promise((resolve) => questions.push({ resolve })));
-    preview = new Preview({ store, ask } as unknown as Lab, true, 0);
+    preview = new Preview({ store, ask, closed: new AbortController().signal } as unknown as Lab, true, 0);
     Object.assign(store.state, { status: "running", time: 5, revision: 1, world: {} });
     store.touch(["snapshot", "status", "time", "revision", "world"]);
     await frames();

@@ -470,7 +470,7 @@ describe("the page", () => {
     page.find(`[role="menu"] [data-lrp-action="load-${programs[0]}"]`).click();
     const form = page.find('form[aria-label="Open a program"]');
     expect(form.hidden).toBe(false);
-    expect(form.textContent).toContain(`Replace follower by ${programs[0]}?`);
+    expect(form.textContent).toContain(`Replace follower with ${programs[0]}?`);
     expect(page.commands("load")).toEqual([]);
     page.find('[data-lrp-action="open"]').click();
     page.deliver({ type: "reply", id: page.commands("load")[0]!.id, error: null });

@@ -14,12 +14,11 @@ import {
 import { type BlockInfo, EditorView, GutterMarker, gutter, keymap } from "@codemirror/view";
 import { outlineOf } from "../language/lrp";
 import type { Item, Outline } from "../language/outline";
-import { type Dot, dotOf, toggleBreakpoint, USUAL } from "../parts/breakpoints";
+import { breakpointsOf, type Dot, dotsOf, keyOf, toggleBreakpoint, USUAL } from "../parts/breakpoints";
 import { askWhy } from "../parts/why";
 import type { ElementKind } from "../protocol";
 import type { Lab } from "../session/store";
 import { h } from "../ui/dom";
-import { liveChanged } from "./live";
 
 const ASKED: ElementKind[] = ["state", "transition"];
 
@@ -71,10 +70,12 @@ const hoveredLine = StateField.define<number>({
 function marks(editor: EditorState, lab: Lab): RangeSet<GutterMarker> {
   const outline = outlineOf(editor);
   const dots = new Map<number, Dot>();
-  for (const { kind, path, nameFrom } of outline.items) {
-    const dot = USUAL[kind] ? dotOf(lab.store.state, kind, path) : null;
+  const all = dotsOf(lab.store.state);
+  for (const { kind, path, nameFrom } of all.size ? outline.items : []) {
+    const dot = all.get(keyOf(kind, path));
+    if (!dot) continue;
     const { from } = editor.doc.lineAt(nameFrom);
-    if (dot && dots.get(from) !== "on") dots.set(from, dot);
+    if (dots.get(from) !== "on") dots.set(from, dot);
   }
   const shown = new Set(dots.keys());
   const asking = new Set<number>();
@@ -89,11 +90,17 @@ function marks(editor: EditorState, lab: Lab): RangeSet<GutterMarker> {
   return built.finish();
 }
 
+/** Remove the breakpoints that the dot of a line stands for; where there is none, set one. */
 function toggleAt(view: EditorView, lab: Lab, offset: number): boolean {
   const { from, to } = view.state.doc.lineAt(offset);
-  const item = definedOn(outlineOf(view.state), from, to, Object.keys(USUAL) as ElementKind[]);
+  const outline = outlineOf(view.state);
+  const item = definedOn(outline, from, to, Object.keys(USUAL) as ElementKind[]);
   const kind = item && USUAL[item.kind];
-  if (item && kind) void toggleBreakpoint(lab, kind, item.path);
+  const known = outline.items
+    .filter(({ nameFrom }) => from <= nameFrom && nameFrom <= to)
+    .flatMap(({ kind, path }) => breakpointsOf(lab.store.state, kind, path));
+  if (known.length) for (const [number] of known) void lab.act({ do: "remove_breakpoint", number });
+  else if (item && kind) void toggleBreakpoint(lab, kind, item.path);
   else lab.notify("This line defines no state, transition or event. A breakpoint belongs to one of these.");
   return true;
 }
@@ -123,12 +130,6 @@ export function breakpointGutter(lab: Lab): Extension {
     gutter({
       class: "lrp-breakpoint-gutter",
       markers: (view) => marks(view.state, lab),
-      lineMarkerChange: (update) =>
-        update.docChanged ||
-        update.selectionSet ||
-        update.transactions.some(({ effects }) =>
-          effects.some((each) => each.is(liveChanged) || each.is(hovered)),
-        ),
       initialSpacer: () => new Mark(null, false),
       domEventHandlers: {
         mousedown,
@@ -137,10 +138,7 @@ export function breakpointGutter(lab: Lab): Extension {
       },
     }),
     EditorView.domEventHandlers({
-      mousemove: (event, view) => {
-        const { top } = view.contentDOM.getBoundingClientRect();
-        return hover(view, view.lineBlockAtHeight(event.clientY - top).from);
-      },
+      mousemove: (event, view) => hover(view, view.lineBlockAtHeight(event.clientY - view.documentTop).from),
       mouseleave: (_, view) => hover(view, -1),
     }),
     keymap.of([

@@ -1,6 +1,7 @@
 /** The list of breakpoints in the panel of issues, and the form for a condition. */
 
 import type { BreakpointView } from "../protocol";
+import type { Act } from "../session/connection";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { freshId, h, prose, reconcile, setAttribute, setHidden, setText } from "../ui/dom";
@@ -32,10 +33,14 @@ export function breakpointList(lab: Lab): HTMLElement {
 
 function item(lab: Lab, number: string): HTMLElement {
   const current = () => lab.store.state.breakpoints[number];
+  /** What is refused is shown again as it is. */
+  const act = async (command: Act) => {
+    if (await lab.act(command)) lab.store.touch(["breakpoints"]);
+  };
   const on = h("input", {
     type: "checkbox",
     "data-lrp-action": "breakpoint-on",
-    onchange: () => void lab.act({ do: "change_breakpoint", number: Number(number), on: on.checked }),
+    onchange: () => void act({ do: "change_breakpoint", number: Number(number), on: on.checked }),
   });
   const after = h("input", {
     class: "lrp-input",
@@ -44,7 +49,7 @@ function item(lab: Lab, number: string): HTMLElement {
     "aria-label": `Breakpoint ${number} pauses from this hit on`,
     onchange: () => {
       if (after.reportValidity() && after.value)
-        void lab.act({ do: "change_breakpoint", number: Number(number), after: Number(after.value) });
+        void act({ do: "change_breakpoint", number: Number(number), after: Number(after.value) });
     },
   });
   const go = h("button", {
@@ -62,7 +67,7 @@ function item(lab: Lab, number: string): HTMLElement {
     on,
     go,
     h("span", { class: "lrp-faint" }),
-    h("label", { class: "lrp-faint" }, "from hit ", after, " on"),
+    h("label", { class: "lrp-faint" }, "from hit ", after, " onwards"),
     button({
       icon: "remove",
       title: `Remove breakpoint ${number}`,
@@ -104,6 +109,7 @@ function conditionForm(lab: Lab): HTMLElement {
     spellcheck: "false",
     autocomplete: "off",
   });
+  const add = h("button", { type: "submit", class: "lrp-button", "data-lrp-action": "add-condition" }, "Add");
   const show = (sentence: string | null) => {
     error.replaceChildren(...prose(sentence ?? ""));
     setHidden(error, !sentence);
@@ -115,15 +121,18 @@ function conditionForm(lab: Lab): HTMLElement {
       class: "lrp-condition",
       onsubmit: async (event: Event) => {
         event.preventDefault();
-        const act = { do: "add_breakpoint", kind: "condition", expression: field.value } as const;
-        const refused = await lab.act(act, true);
+        if (add.disabled) return;
+        add.disabled = true;
+        const { value } = field;
+        const refused = await lab.act({ do: "add_breakpoint", kind: "condition", expression: value }, true);
+        add.disabled = false;
         show(refused);
-        if (!refused) field.value = "";
+        if (!refused && field.value === value) field.value = "";
       },
     },
     h("span", { class: "lrp-faint" }, "Pause when…"),
     field,
-    h("button", { type: "submit", class: "lrp-button", "data-lrp-action": "add-condition" }, "Add"),
+    add,
     error,
   );
 }

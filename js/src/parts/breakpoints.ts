@@ -44,11 +44,19 @@ export function breakpointsOf(
     .map(([number, each]) => [Number(number), each]);
 }
 
-/** The dot of an element, or null if it has no breakpoint. */
-export function dotOf(state: Pick<LabState, "breakpoints">, kind: ElementKind, path: string): Dot | null {
-  const all = breakpointsOf(state, kind, path);
-  if (!all.length) return null;
-  return all.some(([, { enabled, dormant }]) => enabled && !dormant) ? "on" : "off";
+/** The dots of the elements that have a breakpoint, by kind and path: see `keyOf`. */
+export function dotsOf({ breakpoints }: Pick<LabState, "breakpoints">): Map<string, Dot> {
+  const dots = new Map<string, Dot>();
+  for (const { kind, path, enabled, dormant } of Object.values(breakpoints)) {
+    const noun = ELEMENT_OF[kind];
+    const key = noun && keyOf(noun, path);
+    if (key && dots.get(key) !== "on") dots.set(key, enabled && !dormant ? "on" : "off");
+  }
+  return dots;
+}
+
+export function keyOf(kind: ElementKind, path: string): string {
+  return `${kind} ${path}`;
 }
 
 /** Add a breakpoint of this kind to an element, or remove those that it has. */

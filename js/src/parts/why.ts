@@ -1,6 +1,7 @@
 /** The card that says why: why a transition did not fire, why a state is active, why the robot does what it does. */
 
 import type { ElementKind, WhyView } from "../protocol";
+import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { h, prose } from "../ui/dom";
@@ -42,7 +43,7 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: numbe
     sentence,
     lines,
   );
-  let asked = Number.NEGATIVE_INFINITY;
+  let answered = Number.NEGATIVE_INFINITY; // when, in ms
   let shown = "";
   let isOpen = true;
   const show = (why: WhyView) => {
@@ -52,6 +53,7 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: numbe
     card.setAttribute("aria-label", title.textContent);
     const content = JSON.stringify([why.sentence, why.lines, why.present]);
     if (content === shown) return;
+    if (shown) sentence.removeAttribute("role"); // only the first answer is read out by itself
     shown = content;
     sentence.replaceChildren(...prose(why.sentence));
     lines.replaceChildren(
@@ -67,14 +69,25 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: numbe
       }),
     );
   };
-  const ask = async () => {
-    asked = performance.now();
-    const reply = await lab.ask({ type: "why", kind, path });
-    if (!isOpen) return;
-    if (reply.why) show(reply.why);
-    else sentence.replaceChildren(...prose(reply.error ?? "Nothing is known about this."));
-    if (!card.style.left) place();
+  const fail = (error: string) => {
+    shown = "";
+    when.textContent = "";
+    sentence.replaceChildren(...prose(error));
+    lines.replaceChildren();
   };
+  const ask = newest(
+    lab.closed,
+    () => answered + INTERVAL,
+    async () => {
+      if (!isOpen) return;
+      const reply = await lab.ask({ type: "why", kind, path });
+      answered = performance.now();
+      if (!isOpen) return;
+      if (reply.why) show(reply.why);
+      else fail(reply.error ?? "Nothing is known about this.");
+      place();
+    },
+  );
   const place = () => {
     const frame = lab.root.getBoundingClientRect();
     const { top, bottom } = partInSight(lab.root);
@@ -87,10 +100,9 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: numbe
     isOpen = false;
     unwatch();
   });
+  place();
   card.focus({ preventScroll: true });
-  const unwatch = lab.store.watch(["tick", "status", "program"], () => {
-    if (performance.now() - asked > INTERVAL) void ask();
-  });
+  const unwatch = lab.store.watch(["tick", "status", "program", "looking"], ask);
 }
 
 function titleOf(kind: ElementKind, path: string, code = ""): string {

@@ -25,7 +25,7 @@ export interface Drawing {
   span: Span;
   /** The part that can be seen, in px from the top. */
   sight: { top: number; bottom: number };
-  /** Up to where anything is known, in seconds: what lasts is drawn so far. */
+  /** The end of the known run, in seconds: visits that last are drawn up to here. */
   now: number;
   /** px of the part in which time passes: what is left of it holds names. */
   left: number;
@@ -46,6 +46,7 @@ const PLOT = 40;
 const LANES = 2; // for which there is room
 const NARROW = 8; // px of a visit at which nobody can aim: all of a lane are drawn together
 const GAP = 3;
+const MOST_WORDS = 10; // marks in one place that are named
 const LETTER = 6; // px, about
 const ROUND = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
 const MARK_SHAPES: Partial<Record<HappeningKind, string>> = {
@@ -164,7 +165,7 @@ function timeText(time: number, isFine: boolean): string {
 function marksOf(drawing: Drawing, y: number): Node[] {
   const { left, width, marks } = drawing;
   const shown: Node[] = [];
-  const last = new Map<HappeningKind, { x: number; title: Element }>();
+  const last = new Map<HappeningKind, { x: number; title: Element; count: number }>();
   for (const { kind, tick, time, text } of marks) {
     const x = xOf(drawing, time);
     const shape = MARK_SHAPES[kind];
@@ -172,11 +173,13 @@ function marksOf(drawing: Drawing, y: number): Node[] {
     const words = `${time.toFixed(1)} s: ${unmarked(text)}`;
     const before = last.get(kind);
     if (before && x - before.x < (kind === "command" ? 3 : 6)) {
-      before.title.append(`\n${words}`);
+      before.count += 1;
+      if (before.count < MOST_WORDS) before.title.append(`\n${words}`);
+      else if (before.count === MOST_WORDS) before.title.append("\n…");
       continue;
     }
     const title = s("title", {}, words);
-    last.set(kind, { x, title });
+    last.set(kind, { x, title, count: 1 });
     shown.push(
       s(
         "g",

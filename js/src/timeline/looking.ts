@@ -4,15 +4,15 @@ import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { h, setAttribute, setHidden, setText } from "../ui/dom";
 
-const LATE = 300; // ms in which the moment is shown after the reply
+const LATE = 300; // ms by which the frame of the moment may come after the reply
 
-type Moment = { tick: number } | { time: number };
+export type Moment = { tick: number } | { time: number };
 
 export class Looking {
   /** The moment that is about to be shown; null once it is. */
   wanted: Moment | null = null;
   private next: Moment | null = null;
-  private busy = false;
+  private going: Promise<boolean> | null = null;
 
   /** Called when another moment is wanted, or shown. */
   moved = () => {};
@@ -24,21 +24,25 @@ export class Looking {
     });
   }
 
-  /** Show a moment; of several that come quickly, the last one. */
-  async at(moment: Moment): Promise<void> {
+  /** Show a moment; of several that come quickly, the last one. Resolves to whether it is shown. */
+  at(moment: Moment): Promise<boolean> {
     this.next = this.wanted = moment;
     this.moved();
-    if (this.busy) return;
-    this.busy = true;
+    this.going ??= this.go();
+    return this.going;
+  }
+
+  private async go(): Promise<boolean> {
     let refused: string | null = null;
     while (this.next) {
       const now: Moment = this.next;
       this.next = null;
       refused = await this.lab.act({ do: "look", ...now }, true);
     }
-    this.busy = false;
+    this.going = null;
     if (refused) this.lab.notify(refused);
     setTimeout(() => this.arrived(), refused ? 0 : LATE);
+    return !refused;
   }
 
   back(): void {
@@ -47,7 +51,7 @@ export class Looking {
   }
 
   private arrived(): void {
-    if (this.busy || !this.wanted) return;
+    if (this.going || !this.wanted) return;
     this.wanted = null;
     this.moved();
   }

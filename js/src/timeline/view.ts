@@ -2,6 +2,7 @@
 
 import { nameOf } from "../language/paths";
 import { askWhy } from "../parts/why";
+import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { h, s, setAttribute, setHidden } from "../ui/dom";
@@ -11,9 +12,9 @@ import { type MenuItem, openMenu } from "../ui/menu";
 import { trailStyles } from "../world/legend";
 import { type Drawing, draw, heightOf, laneAt, roomFor, type Span, shortOf } from "./draw";
 import { Happened, lanesOf, type Segment, segmentAt, valueAt } from "./happened";
-import { band, type Looking } from "./looking";
+import { band, type Looking, type Moment } from "./looking";
 
-/** Those of the trail; in the dark as much lighter as the stylesheet says. */
+/** The colours of the trail; the stylesheet lightens them in the dark. */
 const COLORS = [1, 2, 3, 4, 5, 6, 7, 8].map(
   (number) => `color-mix(in srgb, white var(--lrp-timeline-light), var(--lrp-world-trail-${number}))`,
 );
@@ -36,9 +37,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   let seconds = USUAL;
   let end: number | null = null; // of the window; null: it follows the present
   let plots: string[] = [];
-  let asking = false;
-  let isDue = false;
-  let answered = Number.NEGATIVE_INFINITY; // when the last question was, in ms
+  let answered = Number.NEGATIVE_INFINITY; // when, in ms
   let edited = Number.NEGATIVE_INFINITY;
   let drawing: Drawing | null = null;
   let styleOf = trailStyles(store.state.program, COLORS);
@@ -52,7 +51,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     tabindex: "0",
     "aria-label": "Moment that the lab shows",
     title:
-      "Drag, or use the keys. ←, →: one tick, with Shift ten. Page Up, Down: previous, next change. Home: start. End, Escape: now. Enter, ?: why. +, −: zoom",
+      "Drag, or use the keys. ←, →: one tick, with Shift ten. Page Up, Down: next, previous change. Home: start. End, Escape: now. Enter, ?: why. +, −: zoom",
   });
   const area = h("div", { class: "lrp-timeline-area" }, svg, playhead);
   const body = h("div", { class: "lrp-timeline-body" }, area);
@@ -107,29 +106,23 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   /* ---------------------------------------------------------------- data */
 
   const now = () => (store.state.looking ? happened.end : Math.max(happened.end, store.state.time));
-  const ask = async () => {
-    isDue = Boolean(store.state.tick);
-    if (asking) return;
-    asking = true;
-    while (isDue && !body.hidden && !lab.closed.aborted) {
-      const wait = Math.max(answered + INTERVAL, edited + CALM) - performance.now();
-      if (wait > 0) {
-        await new Promise((over) => setTimeout(over, wait));
-        continue;
-      }
-      isDue = false;
+  const ask = newest(
+    lab.closed,
+    () => Math.max(answered + INTERVAL, edited + CALM),
+    async () => {
+      if (body.hidden || !store.state.tick) return;
       const wanted = Object.fromEntries(plots.map((name) => [name, happened.plots.get(name)?.tick ?? 0]));
       const run = happened; // another one after a snapshot
       const { epoch, last } = run;
       const { timeline } = await lab.ask({ type: "timeline", epoch, tick: last, plots: wanted });
-      if (timeline) run.merge(timeline);
       answered = performance.now();
+      if (timeline) run.merge(timeline);
+      else if (store.state.link !== "dead") ask(); // the kernel was too busy to answer in time
       clearTimeout(later);
       if (answered >= stillUntil) redraw();
       else later = setTimeout(redraw, stillUntil - answered);
-    }
-    asking = false;
-  };
+    },
+  );
 
   /* ---------------------------------------------------------------- drawing */
 
@@ -190,8 +183,8 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     setAttribute(playhead, "aria-valuemin", happened.begin);
     setAttribute(playhead, "aria-valuemax", now().toFixed(1));
     setAttribute(playhead, "aria-valuenow", at.toFixed(1));
-    const ago = isPast() ? `, ${Math.max(0, now() - at).toFixed(1)} s ago` : ", now";
-    setAttribute(playhead, "aria-valuetext", `${at.toFixed(1)} s${ago}`);
+    const ago = `${at.toFixed(1)} s, ${Math.max(0, now() - at).toFixed(1)} s ago`;
+    setAttribute(playhead, "aria-valuetext", isPast() ? ago : "now"); // or it would be read out in every tick
     playhead.dataset.label = `${at.toFixed(1)} s${valuesAt(at)}`;
   };
   const valuesAt = (time: number) =>
@@ -249,12 +242,19 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   const go = (event: MouseEvent) => {
     const time = timeAt(event);
     if (!happened.last || (time > happened.end && !isPast())) return;
-    end ??= span().to; // the window stands still from now on
-    void looking.at({ time: Math.max(happened.begin, Math.min(happened.end, time)) });
+    void look({ time: Math.max(happened.begin, Math.min(happened.end, time)) });
   };
-  const lookAt = async (tick: number) => {
+  /** Show a moment; the window stands still from now on. Resolves to whether it is shown. */
+  const look = async (moment: Moment) => {
     end ??= span().to;
-    await looking.at({ tick });
+    const isShown = await looking.at(moment);
+    if (!isShown && !store.state.looking) returnToNow();
+    return isShown;
+  };
+  const returnToNow = () => {
+    end = null;
+    looking.back();
+    redraw();
   };
   area.addEventListener("pointermove", () => {
     stillUntil = performance.now() + STILL;
@@ -272,11 +272,11 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     trackDrag(area, event, {
       move: (last) => go(last),
       end: (last, moved) => {
-        if (!last && before) void lookAt(before.tick);
+        if (!last && before) void look({ tick: before.tick });
         else if (!last || timeAt(last) > happened.end) {
-          if (isPast()) looking.back();
+          if (isPast()) returnToNow();
         } else if (moved) return;
-        else if (mark) void lookAt(Number(mark.getAttribute("data-tick")));
+        else if (mark) void look({ tick: Number(mark.getAttribute("data-tick")) });
         else if (border) void whyFired(border, { x: last.clientX, y: last.clientY });
         else go(last);
       },
@@ -298,8 +298,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     return Math.min(visit.end, now()) - visit.begin > 3 * near ? visit : null;
   };
   const whyFired = async ({ tick, by }: Segment, at: { x: number; y: number }) => {
-    await lookAt(tick);
-    askWhy(lab, "transition", by, at);
+    if (await look({ tick })) askWhy(lab, "transition", by, at);
   };
   area.addEventListener("contextmenu", (event) => {
     const time = Math.min(happened.end, timeAt(event));
@@ -308,36 +307,32 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     event.preventDefault();
     event.stopPropagation();
     const at = { x: event.clientX, y: event.clientY };
-    const { state, by, tick } = visit;
-    const next = happened.after(visit);
-    openMenu(
-      lab.root,
-      at,
-      [
-        { label: `Why ${nameOf(state)}?`, action: "why-visit", run: () => void whyState(state, time, at) },
-        {
-          label: "Why did it begin?",
-          action: "why-begin",
-          disabled: !by,
-          run: () => void whyFired(visit, at),
-        },
-        {
-          label: "Why did it end?",
-          action: "why-end",
-          disabled: !next?.by,
-          run: () => next && void whyFired(next, at),
-        },
-        { label: "Look at its beginning", action: "look", run: () => void lookAt(tick) },
-        null,
-        { label: "Go to source", action: "source", run: () => lab.goTo("state", state) },
-      ],
-      `Visit of ${nameOf(state)}`,
-    );
+    openMenu(lab.root, at, menuOf(visit, time, at), `Visit of ${nameOf(visit.state)}`);
   });
+  const menuOf = (visit: Segment, time: number, at: { x: number; y: number }): MenuItem[] => {
+    const { state, by, tick } = visit;
+    const name = nameOf(state);
+    const next = happened.after(visit);
+    return [
+      { label: `Why ${name}?`, action: "why-visit", run: () => void whyState(state, time, at) },
+      {
+        label: `Why was ${name} entered?`,
+        action: "why-begin",
+        disabled: !by,
+        run: () => void whyFired(visit, at),
+      },
+      {
+        label: `Why was ${name} left?`,
+        action: "why-end",
+        disabled: !next?.by,
+        run: () => next && void whyFired(next, at),
+      },
+      { label: `Look at the entry of ${name}`, action: "look", run: () => void look({ tick }) },
+      { label: `Go to the source of ${name}`, action: "source", run: () => lab.goTo("state", state) },
+    ];
+  };
   const whyState = async (state: string, time: number, at: { x: number; y: number }) => {
-    end ??= span().to;
-    await looking.at({ time });
-    askWhy(lab, "state", state, at);
+    if (await look({ time })) askWhy(lab, "state", state, at);
   };
   area.addEventListener(
     "wheel",
@@ -368,7 +363,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
         happened.changeFrom(tick, key === "PageUp") ?? (key === "PageUp" ? Number.POSITIVE_INFINITY : tick),
       );
     else if (key === "Home") step(happened.first);
-    else if (key === "End" || key === "Escape") looking.back();
+    else if (key === "End" || key === "Escape") returnToNow();
     else if (key === "+" || key === "=") zoom(0.5);
     else if (key === "-") zoom(2);
     else if (key === "Enter" || key === "?") whyMenu();
@@ -378,20 +373,19 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   });
   const step = (tick: number) => {
     if (tick > (isPast() ? happened.last : store.state.tick)) {
-      if (isPast()) looking.back();
-    } else void lookAt(Math.max(happened.first, tick));
+      if (isPast()) returnToNow();
+    } else void look({ tick: Math.max(happened.first, tick) });
   };
   /** Ask about the states that are active at the playhead. */
   const whyMenu = () => {
     const time = store.state.looking?.time ?? now();
     const frame = playhead.getBoundingClientRect();
     const at = { x: frame.left, y: frame.top };
-    const items = happened.lanes().flatMap((lane): MenuItem[] => {
+    const items = happened.lanes().flatMap((lane): (MenuItem | null)[] => {
       const visit = segmentAt(lane, time);
-      if (!visit) return [];
-      const run = () => askWhy(lab, "state", visit.state, at);
-      return [{ label: `Why ${nameOf(visit.state)}?`, action: "why-visit", run }];
+      return visit ? [null, ...menuOf(visit, time, at)] : [];
     });
+    items.shift();
     if (items.length) openMenu(lab.root, at, items, "States at this moment");
   };
   const plotMenu = () => {
@@ -414,7 +408,7 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     plots = names;
     keep(PLOTS + store.state.name, JSON.stringify(names));
     redraw();
-    void ask();
+    ask();
   };
 
   /* ---------------------------------------------------------------- what changes it */
@@ -426,11 +420,11 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
   });
   store.watch(["snapshot", "revision", "issues", "status"], (changed) => {
     if (changed.has("revision") && !changed.has("snapshot")) edited = performance.now();
-    void ask();
+    ask();
   });
   store.watch(["tick", "looking"], () => {
     const { looking: moment, bridge } = store.state;
-    if (!moment || bridge.hardware) void ask(); // a simulation stands still while its past is shown
+    if (!moment || bridge.hardware) ask(); // a simulation stands still while its past is shown
   });
   store.watch(["looking"], () => {
     hold();

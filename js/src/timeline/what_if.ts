@@ -1,5 +1,6 @@
 /** What if the program as it is now had run from the moment looked at? Asked after every edit made there. */
 
+import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
 
 const LEAST = 10; // s
@@ -8,27 +9,29 @@ const CALM = 150; // ms without another edit or moment
 
 export function askWhatIf(lab: Lab): void {
   const { store } = lab;
-  let timer: ReturnType<typeof setTimeout> | undefined;
-  let number = 0;
-  let shown = ""; // for which moment and revision
+  let wanted = ""; // for which moment and revision
+  let changed = 0; // when, in ms
+  const ask = newest(
+    lab.closed,
+    () => changed + CALM,
+    async () => {
+      const { looking } = store.state;
+      if (!looking?.edited) return;
+      const asked = wanted;
+      const seconds = Math.min(MOST, Math.max(LEAST, looking.ago));
+      const reply = await lab.ask({ type: "what_if", seconds });
+      if (asked !== wanted) return;
+      if (reply.error) lab.notify(reply.error);
+      store.set("whatIf", reply.what_if ?? null);
+    },
+  );
   store.watch(["looking", "revision"], () => {
     const { looking, revision } = store.state;
     const key = looking?.edited ? `${looking.tick} ${revision}` : "";
-    if (key === shown) return;
-    shown = key;
-    clearTimeout(timer);
-    number += 1;
-    if (!looking?.edited) {
-      store.set("whatIf", null);
-      return;
-    }
-    const mine = number;
-    timer = setTimeout(async () => {
-      const seconds = Math.min(MOST, Math.max(LEAST, looking.ago));
-      const reply = await lab.ask({ type: "what_if", seconds });
-      if (mine !== number) return;
-      if (reply.error) lab.notify(reply.error);
-      store.set("whatIf", reply.what_if ?? null);
-    }, CALM);
+    if (key === wanted) return;
+    wanted = key;
+    changed = performance.now();
+    if (key) ask();
+    else store.set("whatIf", null);
   });
 }

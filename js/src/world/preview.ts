@@ -1,6 +1,7 @@
 /** What an edit is going to do: after each one the next seconds are asked for, and shown as a ghost's way. */
 
 import type { WhatIfView } from "../protocol";
+import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
 import { ghostAt } from "./ghost";
 
@@ -14,19 +15,26 @@ export class Preview {
   private latest: WhatIfView | null = null;
   private revision: number | null = null;
   private time = 0;
-  private isAsking = false;
-  private isEdited = false;
+  private edited = 0; // when, in ms
+  private readonly ask: () => void;
 
   constructor(
     private readonly lab: Lab,
     private isOn: boolean,
-    private readonly calm = CALM,
+    calm = CALM,
   ) {
+    this.ask = newest(
+      lab.closed,
+      () => this.edited + calm,
+      () => this.foretell(),
+    );
     lab.store.watch(["revision", "snapshot"], (changed) => {
       const { revision } = lab.store.state;
       const isEdit = revision !== this.revision && !changed.has("snapshot");
       this.revision = revision;
-      if (isEdit) void this.ask();
+      if (!isEdit) return;
+      this.edited = performance.now();
+      this.ask();
     });
     lab.store.watch(["time", "looking", "world"], () => this.check());
   }
@@ -56,21 +64,12 @@ export class Preview {
     return this.isOn && !looking && world !== null && (status === "running" || status === "paused");
   }
 
-  /** Ask about the newest edit; one question at a time. */
-  private async ask(): Promise<void> {
-    this.isEdited = true;
-    if (this.isAsking) return;
-    this.isAsking = true;
-    let whatIf: WhatIfView | undefined;
-    while (this.isEdited && this.isWanted) {
-      this.isEdited = false;
-      await new Promise((over) => setTimeout(over, this.calm));
-      if (this.isEdited) continue;
-      whatIf = (await this.lab.ask({ type: "what_if", seconds: SECONDS })).what_if;
-    }
-    this.isAsking = this.isEdited = false;
-    const isLate = !whatIf || this.lab.store.state.time - whatIf.begin > LATE;
-    this.show(isLate || !this.isWanted ? null : whatIf!);
+  private async foretell(): Promise<void> {
+    const { edited } = this;
+    const whatIf = this.isWanted && (await this.lab.ask({ type: "what_if", seconds: SECONDS })).what_if;
+    if (edited !== this.edited) return; // there is a newer edit
+    const isNews = whatIf && this.isWanted && this.lab.store.state.time - whatIf.begin <= LATE;
+    this.show(isNews ? whatIf : null);
   }
 
   private show(whatIf: WhatIfView | null): void {
