@@ -662,14 +662,15 @@ class Loop:
 
     def _note(self, what: object) -> None:
         """Record an input, after the stops of other threads."""
-        while self._stops:
-            self._note(self._stops.popleft())
-        entry = self.inputs.next(self.interpreter.tick, self.now, what)
-        if self._remembers and not (isinstance(what, Command) and what.undoes):
-            kept, letters = what.kept() if isinstance(what, Command) else (what, 0)
-            self.inputs.keep(entry._replace(what=kept), letters)
-        if self.record is not None:
-            self.record(entry)
+        with self.inputs.lock:  # from the reading of the tick on, so that ticks and numbers are in order
+            while self._stops:
+                self._note(self._stops.popleft())
+            entry = self.inputs.next(self.interpreter.tick, self.now, what)
+            if self._remembers and not (isinstance(what, Command) and what.undoes):
+                kept, letters = what.kept() if isinstance(what, Command) else (what, 0)
+                self.inputs.keep(entry._replace(what=kept), letters)
+            if self.record is not None:
+                self.record(entry)
 
     def _from_outside(self, what: object, surely: bool) -> None:
         """Record what was done to the robot, unless the program or a recorded input did it."""

@@ -1,12 +1,14 @@
 """The timeline of a session: what happened, in order, and only what is new."""
 
 from itertools import pairwise
+from threading import Thread
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lrp_jupyter import programs
+from lrp_jupyter.live.inputs import Inputs, Resumed
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.timeline import TimelineCursor
 
@@ -174,3 +176,28 @@ def test_an_earlier_moment_is_found_by_its_time(session):
     assert session.at(11).time == 1.0
     with pytest.raises(ValueError, match=r"Tick 0 is not recorded: only 1 to 20 are\."):
         session.at(0)
+
+
+def test_inputs_can_be_read_while_another_thread_adds_some():
+    inputs = Inputs()
+    for tick in (0, 0, 3, 5):
+        inputs.keep(inputs.next(tick, tick / 10, Resumed()))
+    read = iter(inputs)
+    next(read)
+    inputs.keep(inputs.next(7, 0.7, Resumed()))
+    assert [entry.tick for entry in read] == [0, 3, 5]
+    assert [entry.number for entry in inputs.since(3)] == [3, 4, 5]
+
+
+def test_the_tick_of_an_input_is_read_when_no_other_is_noted(session):
+    """Else a thread that was held up would add an earlier tick after a later one."""
+    loop, held = session._loop, session._loop.inputs.lock
+    with held:
+        other = Thread(target=loop._note, args=(Resumed(),))
+        other.start()
+        other.join(0.05)
+        for _ in range(3):
+            loop.tick()
+        loop._note(Resumed())
+    other.join()
+    assert [entry.tick for entry in loop.inputs.since(0)] == [3, 3]
