@@ -69,8 +69,9 @@ def frame_at(loop: Loop, tick: int) -> Frame:
 
 def tick_of(loop: Loop, time: float) -> int:
     """Return the last recorded tick that was not after a time, in seconds of the run."""
-    times = [moment.time for moment in loop.moments]
-    tick = loop.interpreter.tick - len(times) + bisect_right(times, time + 1e-9)
+    moments = loop.moments
+    count = bisect_right(range(len(moments)), time + 1e-9, key=lambda index: moments[index].time)
+    tick = loop.interpreter.tick - len(moments) + count
     return max(tick, loop.interpreter.history.ticks.start)
 
 
@@ -94,7 +95,7 @@ def _counts_at(
                 path = names.of("transition", fact.transition.path, at)
                 ticks["transition"].setdefault(path, []).append(at)
 
-    for each in history.all():
+    for each in history.told():
         note(each.before, each.tick - 0.5)
         note(each.facts, each.tick)
     note(history.since(), history.ticks.stop - 0.5)
@@ -116,7 +117,7 @@ def _counts_at(
 def _issues_at(history: History, tick: int, issues: Iterable[Issue]) -> Iterable[Issue]:
     """Yield the issues that had occurred by a tick, as they were then as far as that is recorded."""
     ticks: dict[tuple[Element, str], list[int]] = {}
-    for each in history.all():
+    for each in history.told():
         for fact in each.facts:
             if isinstance(fact, Faulted):
                 ticks.setdefault((fact.element, fact.kind), []).append(each.tick)
