@@ -80,11 +80,10 @@ class Looking:
         ValueError
             It is not recorded.
         """
-        before = self._of(session)
+        before, past = self._of(session), session.at(at)
         running = session.status == "running" and not session.bridge.hardware
         if running:
             session.ask(do.Pause()).result()
-        past = session.at(at)
         if before is None:
             self._moment = _Moment(session, past, session.frame.tick, session.program, running)
         else:
