@@ -48,7 +48,7 @@ from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issue
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.tree import Count, bind_block
-from lrp_jupyter.interpreter.variables import VariableMapping, assign, evaluate, holds
+from lrp_jupyter.interpreter.variables import ExpressionTest, VariableMapping, assign, evaluate
 from lrp_jupyter.interpreter.watching import watch
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.expressions import Evaluation
@@ -246,23 +246,9 @@ class Interpreter:
             self._run.event_values = {}
             self._run.rebind()
 
-    def test(self, expression: str, machine: Path = ()) -> bool:
-        """Return whether a Python expression is True now, in the scope of a machine, or at the top level.
-
-        Parameters
-        ----------
-        expression : str
-        machine : path
-            Path of definition; False is returned while it does not run.
-
-        Raises
-        ------
-        SyntaxError
-            It is not an expression.
-        Exception
-            Whatever the expression raises.
-        """
-        return holds(self._run, expression, machine)
+    def holds(self, test: ExpressionTest) -> bool:
+        """Return whether an expression is True now; raises what :meth:`ExpressionTest.holds` raises."""
+        return test.holds(self._run)
 
     def watch_test(self, element: Element, seen: Callable[[Evaluation | Exception], object]) -> None:
         """Evaluate the test of a transition part by part in the next tick, and call `seen` with each result.

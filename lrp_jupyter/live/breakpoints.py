@@ -15,6 +15,7 @@ from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import Hit
 from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.variables import ExpressionTest
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
@@ -69,6 +70,7 @@ class Breakpoints:
         self._last = 0
         self._seen: list[TraceEvent] = []
         self._held: dict[int, bool] = {}  # what each condition was the last time
+        self._conditions: dict[int, ExpressionTest | None] = {}  # of this revision
         self._revision = interpreter.revision
         self._end: Callable[[], None] | None = None
 
@@ -117,6 +119,7 @@ class Breakpoints:
         """
         self._known(number)
         del self._all[number]
+        self._conditions.pop(number, None)
         if not self._all and self._end is not None:
             self._end()
             self._end = None
@@ -129,7 +132,10 @@ class Breakpoints:
         return self._all[number]
 
     def check(self) -> Hit | None:
-        """Count what was hit since the last call; return the first one that pauses."""
+        """Count what was hit since the last call; return the first one that pauses.
+
+        In a tick it is called while the readings of the tick last: conditions test what the program has seen.
+        """
         if not self._all:
             return None
         self._carry()
@@ -161,19 +167,24 @@ class Breakpoints:
 
     def _holds(self, each: Breakpoint) -> tuple[bool, str]:
         """Return whether a condition holds now, and why it could not be evaluated."""
-        expression, machine = each.expression, each.machine
-        if each.element is not None:
-            scope = resolve(self._interpreter.program).by_path.get(each.element.path[:-1])
-            event = scope.events.get(each.element.path[-1]) if scope is not None else None
-            if event is None:
-                return False, ""
-            expression, machine = event.condition.text, each.element.path[:-1]
+        if each.number not in self._conditions:
+            self._conditions[each.number] = self._condition(each)
+        condition = self._conditions[each.number]
         try:
-            return self._interpreter.test(expression, machine), ""
+            return condition is not None and self._interpreter.holds(condition), ""
         except KeyboardInterrupt:
             raise
         except BaseException as error:
             return False, sentence_of(error)
+
+    def _condition(self, each: Breakpoint) -> ExpressionTest | None:
+        """Return the condition of a breakpoint; None if its event is missing."""
+        if each.element is None:
+            return ExpressionTest(each.expression, each.machine)
+        machine, name = each.element.path[:-1], each.element.path[-1]
+        scope = resolve(self._interpreter.program).by_path.get(machine)
+        event = scope.events.get(name) if scope is not None else None
+        return None if event is None else ExpressionTest(event.condition.text, machine)
 
     def _carry(self) -> None:
         """Follow the elements to their new names, and see which of them exist."""
@@ -187,6 +198,7 @@ class Breakpoints:
                         element = successors.of(each.element) or each.element
                         self._all[number] = replace(each, element=element)
         self._revision = interpreter.revision
+        self._conditions.clear()
         existing = set(resolve(interpreter.program).elements())
         for number, each in self._all.items():
             missing = each.element is not None and each.element not in existing

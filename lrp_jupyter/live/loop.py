@@ -321,6 +321,7 @@ class Loop:
             bridge.begin_tick(now, self.period)
             self.moments.add((now, moment, bridge.readings if step is None else bridge.sensed()))
             interpreter.step(now)
+            hit = None if self.breakpoints is None else self._hit()
             bridge.end_tick(now)
         finally:
             self.ticking = None
@@ -328,6 +329,8 @@ class Loop:
         self.due = (self.due if on_time else now) + self.period
         for call in self.after_tick:
             call()
+        if hit is not None:
+            self._pause_at(hit)
         if interpreter.paused and self.status == "running":
             self._stop_at_issue()
 
@@ -427,15 +430,18 @@ class Loop:
         self.bridge.safety.begin(first.tick)
         self.bridge.forget(first.moment)
 
-    def check_breakpoints(self) -> None:
-        """Pause if a breakpoint was hit."""
-        assert self.breakpoints is not None
+    def _hit(self) -> Hit | None:
+        """Return the breakpoint that was hit, if one was."""
+        if self.breakpoints is None:
+            return None
         with self._calling("a breakpoint"):
-            hit = self.breakpoints.check()
-        if hit is not None:
-            if self.status == "running":
-                self.pause(str(hit))
-            self.reason, self.paused_by = str(hit), hit
+            return self.breakpoints.check()
+
+    def _pause_at(self, hit: Hit) -> None:
+        """Pause because a breakpoint was hit."""
+        if self.status == "running":
+            self.pause(str(hit))
+        self.reason, self.paused_by = str(hit), hit
 
     def _stop_at_issue(self) -> None:
         """Pause as the interpreter has done, because of an issue in a tick or a command."""
@@ -638,8 +644,8 @@ class Loop:
                 result = command.apply(self)
             if command.recorded:
                 self._note(command)
-                if self.breakpoints is not None and not command.undoes:
-                    self.check_breakpoints()
+                if not command.undoes and (hit := self._hit()) is not None:
+                    self._pause_at(hit)
             if self.interpreter.paused and self.status == "running":
                 self._stop_at_issue()
             return result, None
