@@ -174,6 +174,21 @@ class History:
         reach = run.journal.reach(run.ticks) if run.journal is not None else 0
         return range(run.ticks - reach + 1, run.ticks + 1)
 
+    @property
+    def _log(self) -> Log:
+        return self.run.journal.log if self.run.journal is not None else []
+
+    def refusal(self, tick: int, first: int = 0) -> str:
+        """Return a sentence: why a tick is unknown, and which ones from `first` on are known."""
+        ticks = self.ticks
+        if self.run.journal is None:
+            return "No tick is remembered, because `journal` is 0."
+        if not ticks:
+            return "No tick has run yet. Run the program first."
+        first, last = max(first, ticks.start), ticks.stop - 1
+        known = f"ticks {first} to {last}" if first < last else f"tick {last}"
+        return f"Tick {tick} is not remembered. Ask about {known}."
+
     def facts(self, tick: int) -> TickFacts:
         """Return what happened in a tick.
 
@@ -209,7 +224,7 @@ class History:
     def since(self) -> tuple[Fact, ...]:
         """Return what happened after the last tick."""
         found: list[Fact] = []
-        for function, values in _backward(self.run.journal.log if self.run.journal else []):
+        for function, values in _backward(self._log):
             if function is None:
                 break
             if function is note or function is undo_fired:
@@ -219,7 +234,7 @@ class History:
     def written(self, tick: int) -> frozenset[int]:
         """Return the ids of the cells that were written in a tick."""
         number, found = self.run.ticks + 1, set()
-        for function, values in _backward(self.run.journal.log if self.run.journal else []):
+        for function, values in _backward(self._log):
             if function is None:
                 number -= 1
             if number < tick or (number == tick and function is note and type(values[0]) is Commanded):
@@ -235,8 +250,6 @@ class History:
     def _read(self) -> None:
         """Read the ticks that were added to the journal, and forget those that it has dropped."""
         run, ticks = self.run, self.ticks
-        if run.journal is None:
-            return
         if self._epoch != run.epoch:  # it was undone, and other ticks may have the same numbers now
             self._epoch = run.epoch
             self._forget(ticks.start, run.kept)
@@ -247,7 +260,7 @@ class History:
         facts: list[Fact] | None = None
         before: list[Fact] = []
         now = 0.0
-        for function, values in _backward(run.journal.log):
+        for function, values in _backward(self._log):
             if function is None:
                 if facts is not None:
                     times.append(now)
@@ -286,11 +299,10 @@ class History:
         run = self.run
         ticks = self.ticks
         if not (tick in ticks or (tick == ticks.start - 1 and not before)):
-            raise ValueError(f"Tick {tick} is not recorded: only {ticks.start} to {ticks.stop - 1} are.")
+            raise ValueError(self.refusal(tick))
         view = _View()
-        assert run.journal is not None
         number = run.ticks + 1
-        for function, values in _backward(run.journal.log):
+        for function, values in _backward(self._log):
             if function is None:
                 number -= 1
                 if number == tick and not before:
@@ -316,7 +328,7 @@ class History:
         view, number, first = _View(), self.run.ticks, max(after + 1, self.ticks.start)
         cells: dict[Path, CellType] | None = self._cells(view, wanted)
         begun = False  # what was done since the last tick comes first
-        for function, values in _backward(self.run.journal.log if self.run.journal else []):
+        for function, values in _backward(self._log):
             if function is None:
                 if begun:
                     number -= 1
@@ -346,7 +358,7 @@ class History:
         """Yield the ticks before a tick, the last one first, each with what a cell held when it began."""
         view, number = _View(), self.run.ticks + 1
         passed = True  # whether the beginning of the tick is behind
-        for function, values in _backward(self.run.journal.log if self.run.journal else []):
+        for function, values in _backward(self._log):
             begins = function is None or (function is note and type(values[0]) is Commanded)
             if begins and not passed:
                 passed = True

@@ -66,7 +66,7 @@ from lrp_jupyter.live.foreign import Foreign, on_main_thread
 from lrp_jupyter.live.inbox import Command, Inbox
 from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, RunEnded
 from lrp_jupyter.live.moments import Moments
-from lrp_jupyter.live.values import ValueTexts
+from lrp_jupyter.live.values import ValueTexts, numbers_of
 
 __all__ = ["FASTEST", "SLOWEST", "STEP", "Loop"]
 
@@ -534,12 +534,6 @@ class Loop:
         values = interpreter.variables.pairs()
         over = self.status in ("stopped", "closed")  # nothing may run any more that might not return
         variables = self._texts.of(values, now=self.status != "running", foreign=not over)
-        numbers: dict[Path, float] = {}
-        for path, value in values:
-            kind = type(value)
-            if issubclass(kind, (int, float)) and kind is not bool:
-                with suppress(OverflowError):
-                    numbers[path] = (int if issubclass(kind, int) else float).__float__(value)  # type: ignore[arg-type]
         visits, firings = interpreter.visits, interpreter.firings
         rate, speed = self._achieved if self.status == "running" else (0.0, 0.0)
         return Frame(
@@ -550,7 +544,7 @@ class Loop:
             active=interpreter.active,
             values=ByPath(dict(values)),
             variables=ByPath(variables),
-            numbers=ByPath(numbers),
+            numbers=ByPath(numbers_of(values)),
             visits=MappingProxyType({path: count.times for path, count in visits.items()}),
             visited_at=MappingProxyType({path: count.tick for path, count in visits.items()}),
             fired=MappingProxyType({path: count.times for path, count in firings.items()}),

@@ -19,24 +19,24 @@ from lrp_jupyter.interpreter.tree import Count
 from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.renamed import Names
+from lrp_jupyter.live.values import numbers_of
 
 __all__ = ["frame_at", "tick_of"]
 
 
 def frame_at(loop: Loop, tick: int) -> Frame:
-    """Return the frame of a tick that is recorded.
+    """Return the frame of a tick that is remembered.
 
     Raises
     ------
     ValueError
-        It is not recorded.
+        It is not remembered.
     """
     interpreter, bridge = loop.interpreter, loop.bridge
     history = interpreter.history
     least = interpreter.tick - min(len(loop.moments), len(history.ticks)) + 1
     if not least <= tick <= interpreter.tick:
-        known = f"only {least} to {interpreter.tick} are" if least <= interpreter.tick else "none is yet"
-        raise ValueError(f"Tick {tick} is not recorded: {known}.")
+        raise ValueError(history.refusal(tick, least))
     state = history.state(tick)
     variables = state.variables
     time, moment, sensed = loop.moments[tick - interpreter.tick - 1]
@@ -51,9 +51,7 @@ def frame_at(loop: Loop, tick: int) -> Frame:
         active=state.active,
         values=ByPath(variables),
         variables=ByPath({path: _text(value) for path, value in variables.items()}),
-        numbers=ByPath(
-            {path: float(value) for path, value in variables.items() if type(value) in (int, float)}  # type: ignore[arg-type]
-        ),
+        numbers=ByPath(numbers_of(variables.items())),
         visits=MappingProxyType({path: times for path, (times, _) in visits.items()}),
         visited_at=MappingProxyType({path: last for path, (_, last) in visits.items()}),
         fired=MappingProxyType({path: times for path, (times, _) in firings.items()}),

@@ -78,7 +78,7 @@ class Looking:
         Raises
         ------
         ValueError
-            It is not recorded.
+            It is not remembered.
         """
         before, past = self._of(session), session.at(at)
         running = session.status == "running" and not session.bridge.hardware

@@ -139,7 +139,7 @@ def test_only_what_the_journal_holds_is_known():
     i = started(NESTED, 30, journal=10)
     assert (i.history.ticks.start, i.history.ticks.stop) == (21, 31)
     i.history.state(20)
-    with pytest.raises(ValueError, match="only 21 to 30"):
+    with pytest.raises(ValueError, match="Ask about ticks 21 to 30"):
         i.history.state(19)
 
 

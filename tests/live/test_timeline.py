@@ -174,7 +174,7 @@ def test_an_earlier_moment_is_found_by_its_time(session):
     assert session.at(1.0).tick == 11
     assert session.at(1.05).tick == 11
     assert session.at(11).time == 1.0
-    with pytest.raises(ValueError, match=r"Tick 0 is not recorded: only 1 to 20 are\."):
+    with pytest.raises(ValueError, match=r"Tick 0 is not remembered\. Ask about ticks 1 to 20\."):
         session.at(0)
 
 
@@ -201,3 +201,24 @@ def test_the_tick_of_an_input_is_read_when_no_other_is_noted(session):
         loop._note(Resumed())
     other.join()
     assert [entry.tick for entry in loop.inputs.since(0)] == [3, 3]
+
+
+def test_a_session_that_remembers_nothing_says_so_and_has_a_timeline():
+    with Session(PROGRAM, journal=0) as session:
+        session.run(1)
+        timeline = session.timeline(plots={"m/n": 0})
+        assert [(plot.name, plot.values) for plot in timeline.plots] == [("m/n", ())]
+        with pytest.raises(ValueError, match=r"^No tick is remembered, because `journal` is 0\.$"):
+            session.at(3)
+    with Session(PROGRAM) as session:
+        with pytest.raises(ValueError, match=r"^No tick has run yet\. Run the program first\.$"):
+            session.at(1)
+        session.step()
+        with pytest.raises(ValueError, match=r"^Tick 99 is not remembered\. Ask about tick 1\.$"):
+            session.at(99)
+
+
+def test_a_number_that_no_float_can_hold_is_no_number_of_the_past_either():
+    with Session("(var n := [10 ** 400]) (machine m (state a)) (spawn m a)") as session:
+        session.run(1)
+        assert session.at(3).numbers == session.frame.numbers == {}

@@ -171,7 +171,7 @@ def test_a_collision_is_told_before_it_happens(lab, page):
 
 
 def test_a_moment_that_is_not_recorded_is_refused_in_a_sentence(page):
-    assert page.do("look", tick=1000) == "Tick 1000 is not recorded: only 1 to 40 are."
+    assert page.do("look", tick=1000) == "Tick 1000 is not remembered. Ask about ticks 1 to 40."
     assert page.do("run_from").startswith("The lab shows the present.")
 
 
