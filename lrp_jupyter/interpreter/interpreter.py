@@ -525,8 +525,9 @@ class Interpreter:
     def _force(self, how: How, path: Path | str, now: float | None) -> None:
         run = self._run
         self._advance(now)
-        force(run, find_state(run, as_path(path)), how)
-        self._note("forced", how)
+        target = find_state(run, as_path(path))
+        force(run, target, how)
+        self._note("forced", how, target.path)
         self._done()
 
     def reset(self, now: float | None = None) -> None:
@@ -683,9 +684,9 @@ class Interpreter:
             except BaseException as error:
                 run.fault(block.site, error)
 
-    def _note(self, kind: str, text: str = "") -> None:
+    def _note(self, kind: str, text: str = "", state: Path = ()) -> None:
         """Log that a command was applied, unless the one before was the same."""
-        log, fact = self._run.log, Commanded(kind, text)
+        log, fact = self._run.log, Commanded(kind, text, state)
         if log is not None and not (len(log) > 2 and log[-1] is note and log[-2] == fact):
             log += (fact, note)
 

@@ -217,16 +217,16 @@ def _of(facts: Iterable[Fact], tick: int, time: float, failing: set[object]) -> 
                 yield Happening(tick, time, "restart", text=_restarted(reason))
             case Commanded("paused", reason) if reason:
                 yield Happening(tick, time, "pause", text=reason)
-            case Commanded("forced", how):
-                yield Happening(tick, time, "hand", text=_FORCED.get(how, "A state was forced."))
+            case Commanded("forced", how, state):
+                yield Happening(tick, time, "hand", text=f"`{state[-1]}` was entered by hand {_FORCED[how]}.")
             case Commanded("assigned", name):
                 yield Happening(tick, time, "hand", text=f"`{name}` was set.")
 
 
 _EDITED = {"patched": "The program was edited.", "renamed": "An element was renamed."}
 _FORCED = {
-    "transition": "A transition was forced.",
-    "teleport": "A state was made active without any action.",
+    "transition": "(Transition here)",
+    "teleport": "(Teleport here), without running actions",
 }
 
 
@@ -251,7 +251,7 @@ def _commands(history: History, commands: Sequence[CommandRecord], first: int) -
             continue
         said = call_text(command.name, command.arguments)
         where = f", line {origin.line}" if origin.line else ""
-        sent = "" if command.sent else ", not sent because the robot is disarmed"
+        sent = "" if command.sent else ", not sent"
         time = history.time(origin.tick)
         yield Happening(
             origin.tick, time, "command", by=tuple(command.name.split(".")), text=f"{said}{where}{sent}."

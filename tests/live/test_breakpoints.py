@@ -91,8 +91,8 @@ def test_breakpoints_are_listed_switched_off_and_removed(live):
     live.pause_when(fires="back")
     live.set_breakpoint(1, False)
     assert [str(each) for each in live.breakpoints] == [
-        "1: `b` was entered, hit 0 times, switched off",
-        "2: `back` fired, hit 0 times",
+        "1: pause when `b` is entered; 0 hits, switched off",
+        "2: pause when `back` fires; 0 hits",
     ]
     assert pauses(live, 1) == [7]
     assert live.breakpoints[0].hits == 2, "it is counted though it is switched off"
@@ -139,7 +139,7 @@ def test_a_breakpoint_follows_its_element_over_renames_and_edits(live):
 def test_a_breakpoint_of_a_removed_element_is_dormant_until_it_comes_back(live):
     live.pause_when(fires="back")
     live.edit(TEXT.replace("(ontime 300 b -> a back)", ""))
-    assert str(live.breakpoints[0]) == "1: `back` fired, hit 0 times, dormant"
+    assert str(live.breakpoints[0]) == "1: pause when `back` fires; 0 hits, dormant"
     live.edit(TEXT)
     assert pauses(live, 1) == [7]
 

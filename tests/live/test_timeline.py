@@ -110,6 +110,7 @@ def test_what_people_did_is_marked(session):
     session.edit(PROGRAM.replace("n > 4", "n > 5"))
     session.variables["n"] = 1
     session.transition_to("m/a")
+    session.teleport_to("b")
     session.run(1)
     session.reset()
     session.pause("A person wanted it.")
@@ -118,7 +119,8 @@ def test_what_people_did_is_marked(session):
     assert marks == [
         ("edit", "The program was edited."),
         ("hand", "`m/n` was set."),
-        ("hand", "A transition was forced."),
+        ("hand", "`a` was entered by hand (Transition here)."),
+        ("hand", "`b` was entered by hand (Teleport here), without running actions."),
         ("restart", "The program was reset."),
     ]
 
@@ -222,3 +224,13 @@ def test_a_number_that_no_float_can_hold_is_no_number_of_the_past_either():
     with Session("(var n := [10 ** 400]) (machine m (state a)) (spawn m a)") as session:
         session.run(1)
         assert session.at(3).numbers == session.frame.numbers == {}
+
+
+def test_a_command_that_a_stop_held_is_not_said_to_be_one_of_a_disarmed_robot():
+    text = "(machine m (state a (running [stop(); robot.move(linear=0.1)]))) (spawn m a)"
+    names = {}
+    with Session(text, "sim", world="empty", namespace=names) as session:
+        names["stop"] = session.bridge.stop_all
+        session.run(0.2)
+        (command,) = told(session, "command")
+        assert command.text.endswith(", line 1, not sent.")
