@@ -15,12 +15,12 @@ from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import Hit
 from lrp_jupyter.interpreter.interpreter import Interpreter
-from lrp_jupyter.interpreter.variables import ExpressionTest
+from lrp_jupyter.interpreter.variables import ExpressionTest, check_expression
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["Breakpoints", "element_of", "noun_of"]
+__all__ = ["Breakpoints", "breakpoint_of", "element_of", "noun_of"]
 
 
 def noun_of(kind: BreakpointKind) -> str:
@@ -54,6 +54,41 @@ def element_of(program: Program, kind: str, wanted: str | Path) -> Element:
         raise UnknownElementError(f"Several {kind}s are called `{text}`. Use one of {listed}.")
     hint = did_you_mean(path[-1], [element.shown[-1] for element in known])
     raise UnknownElementError(f"There is no {kind} `{text}`.{hint}")
+
+
+def breakpoint_of(
+    program: Program,
+    kind: BreakpointKind,
+    wanted: str | Path,
+    machine: str | Path = (),
+    *,
+    after: int = 1,
+    once: bool = False,
+) -> Breakpoint:
+    """Return a new breakpoint, which has no number yet.
+
+    Parameters
+    ----------
+    program : Program
+    kind : str
+    wanted : str or path
+        The element by its name, label or path; or the condition.
+    machine : str or path
+        The machine in whose scope a condition is evaluated; by default the top level.
+    after : int
+    once : bool
+
+    Raises
+    ------
+    UnknownElementError
+        There is no such element, or there are several.
+    SyntaxError
+        The condition is not an expression.
+    """
+    if kind != "condition":
+        return Breakpoint(0, kind, element_of(program, noun_of(kind), wanted), after=after, once=once)
+    home = element_of(program, "machine", machine).path if machine else ()
+    return Breakpoint(0, kind, None, check_expression(str(wanted)), home, after=after, once=once)
 
 
 class Breakpoints:

@@ -27,6 +27,7 @@ __all__ = [
     "ChangeBreakpoint",
     "Force",
     "Pause",
+    "RemoveBreakpoint",
     "Rename",
     "Renew",
     "RepeatEdit",
