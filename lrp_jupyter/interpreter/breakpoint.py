@@ -10,12 +10,12 @@ from lrp_jupyter.language.program import Element, Path
 __all__ = ["Breakpoint", "BreakpointKind"]
 
 BreakpointKind = Literal["entered", "left", "fired", "event", "condition"]
-_WORDS = {
-    "entered": "`{}` was entered",
-    "left": "`{}` was left",
-    "fired": "`{}` fired",
-    "event": "The event `{}` occurred",
-    "condition": "`{}` became True",
+_WORDS = {  # when it pauses, and why it has paused
+    "entered": ("`{}` is entered", "`{}` was entered"),
+    "left": ("`{}` is left", "`{}` was left"),
+    "fired": ("`{}` fires", "`{}` fired"),
+    "event": ("the event `{}` occurs", "The event `{}` occurred"),
+    "condition": ("`{}` becomes True", "`{}` became True"),
 }
 
 
@@ -67,11 +67,11 @@ class Breakpoint:
 
     @property
     def what(self) -> str:
-        """What happens when it is hit: ``"`looking` was entered"``."""
-        return _WORDS[self.kind].format(self.name)
+        """What has happened when it is hit: ``"`looking` was entered"``."""
+        return _WORDS[self.kind][1].format(self.name)
 
     def __str__(self) -> str:
         state = "" if self.enabled else ", switched off"
         state += ", dormant" if self.dormant else ""
-        hits = f", hit {self.hits} times" if self.hits != 1 else ", hit once"
-        return f"{self.number}: {self.what}{hits}{state}"
+        hits = f"{self.hits} hits" if self.hits != 1 else "1 hit"
+        return f"{self.number}: pause when {_WORDS[self.kind][0].format(self.name)}; {hits}{state}"

@@ -98,10 +98,13 @@ class Commanded(NamedTuple):
         ``patched``, ``renamed``, ``restarted``, ``forced``, ``assigned``, ``paused`` or ``resumed``.
     text : str
         The reason of a restart, ``transition`` or ``teleport``, the variable that was assigned, …
+    state : path
+        The state that was forced, by path of definition.
     """
 
     kind: str
     text: str = ""
+    state: Path = ()
 
 
 Fact = Fired | Spawned | Entered | Discarded | Faulted | Commanded

@@ -213,11 +213,6 @@ class Frame:
         active = ", ".join(map(path_text, self.active)) or "nothing"
         return f"<Frame: {self.status}, tick {self.tick}, {self.time:g} s, {active} active>"
 
-    @property
-    def last_fired(self) -> Path:
-        """The transition that fired last, by path of definition; empty if none has."""
-        return max(self.fired_at, key=self.fired_at.__getitem__, default=())
-
     def is_active(self, state: str | Path) -> bool:
         """Return whether a state is active, at any depth.
 

@@ -10,10 +10,12 @@ earlier content runs the tick again.
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, field
+from operator import attrgetter
 from types import CellType
-from typing import Any, NamedTuple
+from typing import Any
 
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.events import UNSET
@@ -29,9 +31,11 @@ __all__ = ["History", "PastMachine", "PastState", "TickFacts"]
 
 _Record = tuple[Any, list[Any]]
 """A function that undoes a change, and its values; or None, and the time at which a tick ended."""
+_tick = attrgetter("tick")
 
 
-class TickFacts(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class TickFacts:
     """What happened in a tick.
 
     Parameters
@@ -44,20 +48,25 @@ class TickFacts(NamedTuple):
         What happened between the tick before and this one.
     facts : tuple of Fact
         What happened in it, in order.
-    written : frozenset of int
-        The ids of the cells that were written in it.
+    history : History
+        Whose tick it is.
     """
 
     tick: int
     now: float
     before: tuple[Fact, ...]
     facts: tuple[Fact, ...]
-    written: frozenset[int]
+    history: History = field(repr=False, compare=False)
 
     @property
     def fired(self) -> list[Fired]:
         """The transitions that fired, in order."""
         return [fact for fact in self.facts if type(fact) is Fired]
+
+    @property
+    def written(self) -> frozenset[int]:
+        """The ids of the cells that were written in it; read from the journal, which must hold it still."""
+        return self.history.written(self.tick)
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +161,9 @@ class History:
 
     def __init__(self, run: Run) -> None:
         self.run = run
-        self._known: dict[int, TickFacts] = {}
+        self._last = 0  # the last tick that was read
+        self._times: list[float] = []  # of the ticks that were read, in order
+        self._told: list[TickFacts] = []  # those of them in which something happened
         self._epoch = run.epoch
         self._programs: dict[object, Program] = {}
 
@@ -163,6 +174,21 @@ class History:
         reach = run.journal.reach(run.ticks) if run.journal is not None else 0
         return range(run.ticks - reach + 1, run.ticks + 1)
 
+    @property
+    def _log(self) -> Log:
+        return self.run.journal.log if self.run.journal is not None else []
+
+    def refusal(self, tick: int, first: int = 0) -> str:
+        """Return a sentence: why a tick is unknown, and which ones from `first` on are known."""
+        ticks = self.ticks
+        if self.run.journal is None:
+            return "No tick is remembered, because `journal` is 0."
+        if not ticks:
+            return "No tick has run yet. Run the program first."
+        first, last = max(first, ticks.start), ticks.stop - 1
+        known = f"ticks {first} to {last}" if first < last else f"tick {last}"
+        return f"Tick {tick} is not remembered. Ask about {known}."
+
     def facts(self, tick: int) -> TickFacts:
         """Return what happened in a tick.
 
@@ -171,49 +197,96 @@ class History:
         KeyError
             The journal does not hold this tick.
         """
-        self._read()
-        return self._known[tick]
+        now = self.time(tick)
+        place = self._place(tick)
+        if place < len(self._told) and self._told[place].tick == tick:
+            return self._told[place]
+        return TickFacts(tick, now, (), (), self)
 
-    def all(self) -> Iterator[TickFacts]:
-        """Yield what happened in every tick that the journal holds, in order."""
+    def time(self, tick: int) -> float:
+        """Return the time of a tick, in seconds.
+
+        Raises
+        ------
+        KeyError
+            The journal does not hold this tick.
+        """
         self._read()
-        return (self._known[tick] for tick in self.ticks)
+        if tick not in self.ticks:
+            raise KeyError(tick)
+        return self._times[tick - self._last - 1]
+
+    def told(self, first: int = 0) -> list[TickFacts]:
+        """Return what happened in the ticks from one on, in order; without those in which nothing did."""
+        self._read()
+        return self._told[self._place(max(first, self.ticks.start)) :]
 
     def since(self) -> tuple[Fact, ...]:
         """Return what happened after the last tick."""
-        records = []
-        for function, values in _backward(self.run.journal.log if self.run.journal else []):
+        found: list[Fact] = []
+        for function, values in _backward(self._log):
             if function is None:
                 break
-            records.append((function, values))
-        return _facts(records)
+            if function is note or function is undo_fired:
+                found.append(values[0])
+        return tuple(reversed(found))
+
+    def written(self, tick: int) -> frozenset[int]:
+        """Return the ids of the cells that were written in a tick."""
+        number, found = self.run.ticks + 1, set()
+        for function, values in _backward(self._log):
+            if function is None:
+                number -= 1
+            if number < tick or (number == tick and function is note and type(values[0]) is Commanded):
+                break
+            if number == tick and function is undo_write:
+                found.add(id(values[1]))
+        return frozenset(found)
+
+    def _place(self, tick: int) -> int:
+        """Return how many of the ticks in which something happened were before a tick."""
+        return bisect_left(self._told, tick, key=_tick)
 
     def _read(self) -> None:
-        """Read the ticks that were added to the journal."""
-        run = self.run
-        if run.journal is None:
-            return
+        """Read the ticks that were added to the journal, and forget those that it has dropped."""
+        run, ticks = self.run, self.ticks
         if self._epoch != run.epoch:  # it was undone, and other ticks may have the same numbers now
             self._epoch = run.epoch
-            self._known = {tick: facts for tick, facts in self._known.items() if tick <= run.kept}
-        if run.ticks in self._known:
+            self._forget(ticks.start, run.kept)
+        if self._last == run.ticks:
             return
-        ticks = self.ticks
-        tick, now = run.ticks, 0.0
-        records: list[_Record] | None = None
-        for function, values in _backward(run.journal.log):
-            if function is not None:
-                if records is not None:
-                    records.append((function, values))
-                continue
-            if records is not None:
-                self._known[tick] = _tick_facts(tick, now, records)
-                tick -= 1
-            if tick < ticks.start or tick in self._known:
-                break
-            now, records = values[0], []
-        for old in [old for old in self._known if old < ticks.start]:
-            del self._known[old]
+        self._forget(ticks.start, self._last)
+        tick, times, told = run.ticks, list[float](), list[TickFacts]()
+        facts: list[Fact] | None = None
+        before: list[Fact] = []
+        now = 0.0
+        for function, values in _backward(self._log):
+            if function is None:
+                if facts is not None:
+                    times.append(now)
+                    if facts or before:
+                        told.append(TickFacts(tick, now, tuple(before[::-1]), tuple(facts[::-1]), self))
+                    tick -= 1
+                if tick < max(self._last + 1, ticks.start):
+                    break
+                now, facts, before = values[0], [], []
+            elif facts is not None and (function is note or function is undo_fired):
+                if before or type(values[0]) is Commanded:  # what comes before it happened before the tick
+                    before.append(values[0])
+                else:
+                    facts.append(values[0])
+        self._last = run.ticks
+        self._times += reversed(times)
+        self._told += reversed(told)
+
+    def _forget(self, first: int, last: int) -> None:
+        """Forget the ticks before the first and after the last one."""
+        begun = self._last - len(self._times) + 1
+        del self._times[max(0, last + 1 - begun) :]
+        del self._times[: max(0, first - begun)]
+        del self._told[self._place(last + 1) :]
+        del self._told[: self._place(first)]
+        self._last = min(self._last, last) if self._times else first - 1
 
     def state(self, tick: int, *, before: bool = False) -> PastState:
         """Return the state after a tick; or `before` it, when it began.
@@ -226,11 +299,10 @@ class History:
         run = self.run
         ticks = self.ticks
         if not (tick in ticks or (tick == ticks.start - 1 and not before)):
-            raise ValueError(f"Tick {tick} is not recorded: only {ticks.start} to {ticks.stop - 1} are.")
+            raise ValueError(self.refusal(tick))
         view = _View()
-        assert run.journal is not None
         number = run.ticks + 1
-        for function, values in _backward(run.journal.log):
+        for function, values in _backward(self._log):
             if function is None:
                 number -= 1
                 if number == tick and not before:
@@ -256,7 +328,7 @@ class History:
         view, number, first = _View(), self.run.ticks, max(after + 1, self.ticks.start)
         cells: dict[Path, CellType] | None = self._cells(view, wanted)
         begun = False  # what was done since the last tick comes first
-        for function, values in _backward(self.run.journal.log if self.run.journal else []):
+        for function, values in _backward(self._log):
             if function is None:
                 if begun:
                     number -= 1
@@ -286,7 +358,7 @@ class History:
         """Yield the ticks before a tick, the last one first, each with what a cell held when it began."""
         view, number = _View(), self.run.ticks + 1
         passed = True  # whether the beginning of the tick is behind
-        for function, values in _backward(self.run.journal.log if self.run.journal else []):
+        for function, values in _backward(self._log):
             begins = function is None or (function is note and type(values[0]) is Commanded)
             if begins and not passed:
                 passed = True
@@ -382,22 +454,3 @@ def _backward(log: Log) -> Iterator[_Record]:
         else:
             yield item, log[place - count : place]
             place -= 1 + count
-
-
-def _facts(records: list[_Record]) -> tuple[Fact, ...]:
-    """Return the facts among records, which are in reverse order."""
-    return tuple(
-        [values[0] for function, values in reversed(records) if function is note or function is undo_fired]
-    )
-
-
-def _tick_facts(tick: int, now: float, records: list[_Record]) -> TickFacts:
-    """Return what happened in a tick; the records are in reverse order."""
-    begin = len(records)
-    for index, (function, values) in enumerate(records):
-        if function is note and type(values[0]) is Commanded:
-            begin = index
-            break
-    inside = records[:begin]
-    written = frozenset([id(values[1]) for function, values in inside if function is undo_write])
-    return TickFacts(tick, now, _facts(records[begin:]), _facts(inside), written)

@@ -48,7 +48,7 @@ from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issue
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.tree import Count, bind_block
-from lrp_jupyter.interpreter.variables import VariableMapping, assign, evaluate, holds
+from lrp_jupyter.interpreter.variables import ExpressionTest, VariableMapping, assign, evaluate
 from lrp_jupyter.interpreter.watching import watch
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.expressions import Evaluation
@@ -246,23 +246,9 @@ class Interpreter:
             self._run.event_values = {}
             self._run.rebind()
 
-    def test(self, expression: str, machine: Path = ()) -> bool:
-        """Return whether a Python expression is True now, in the scope of a machine, or at the top level.
-
-        Parameters
-        ----------
-        expression : str
-        machine : path
-            Path of definition; False is returned while it does not run.
-
-        Raises
-        ------
-        SyntaxError
-            It is not an expression.
-        Exception
-            Whatever the expression raises.
-        """
-        return holds(self._run, expression, machine)
+    def holds(self, test: ExpressionTest) -> bool:
+        """Return whether an expression is True now; raises what :meth:`ExpressionTest.holds` raises."""
+        return test.holds(self._run)
 
     def watch_test(self, element: Element, seen: Callable[[Evaluation | Exception], object]) -> None:
         """Evaluate the test of a transition part by part in the next tick, and call `seen` with each result.
@@ -539,8 +525,9 @@ class Interpreter:
     def _force(self, how: How, path: Path | str, now: float | None) -> None:
         run = self._run
         self._advance(now)
-        force(run, find_state(run, as_path(path)), how)
-        self._note("forced", how)
+        target = find_state(run, as_path(path))
+        force(run, target, how)
+        self._note("forced", how, target.path)
         self._done()
 
     def reset(self, now: float | None = None) -> None:
@@ -697,9 +684,9 @@ class Interpreter:
             except BaseException as error:
                 run.fault(block.site, error)
 
-    def _note(self, kind: str, text: str = "") -> None:
+    def _note(self, kind: str, text: str = "", state: Path = ()) -> None:
         """Log that a command was applied, unless the one before was the same."""
-        log, fact = self._run.log, Commanded(kind, text)
+        log, fact = self._run.log, Commanded(kind, text, state)
         if log is not None and not (len(log) > 2 and log[-1] is note and log[-2] == fact):
             log += (fact, note)
 

@@ -14,7 +14,7 @@ from operator import itemgetter
 from types import CellType
 from typing import Any
 
-from lrp_jupyter.errors import NoDataYet, NotAValue
+from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.facts import Discarded, Entered, Fact, Faulted, Fired, Spawned
@@ -30,7 +30,6 @@ from lrp_jupyter.interpreter.linker import (
     VariablePlan,
     link,
 )
-from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.interpreter.tree import (
     Action,
     Activation,
@@ -41,6 +40,7 @@ from lrp_jupyter.interpreter.tree import (
     bind_block,
     bind_row,
     is_boolean,
+    not_boolean,
 )
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.parser import parse
@@ -144,11 +144,7 @@ class Run:
         """Return whether a condition that is neither True nor False holds: only numpy's True does."""
         if is_boolean(value):
             return bool(value)
-        if issubclass(type(value), NotAValue):
-            message = value._not_a_value()  # type: ignore[attr-defined]
-        else:
-            message = f"A condition must be True or False, not {short(value)}. Compare it with something."
-        self.report(edge.tested, "not boolean", message, edge)
+        self.report(edge.tested, "not boolean", not_boolean(value), edge)
         return False
 
     def find_destination(self, edge: Edge) -> Row | None:

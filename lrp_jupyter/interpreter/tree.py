@@ -16,6 +16,7 @@ from numbers import Real
 from types import CellType, CodeType
 from typing import Any, Protocol
 
+from lrp_jupyter.errors import NotAValue
 from lrp_jupyter.interpreter.cells import Slot, content, writes_of
 from lrp_jupyter.interpreter.events import UNSET, Firing
 from lrp_jupyter.interpreter.facts import Fired
@@ -50,6 +51,7 @@ __all__ = [
     "bind_row",
     "broken",
     "is_boolean",
+    "not_boolean",
 ]
 
 Call = Callable[[], object]
@@ -261,6 +263,13 @@ def is_boolean(value: object) -> bool:
         return True
     numpy = sys.modules.get("numpy")
     return numpy is not None and kind is getattr(numpy, "bool_", None)
+
+
+def not_boolean(value: object) -> str:
+    """Return a sentence: why a value that is not a boolean is no condition."""
+    if issubclass(type(value), NotAValue):
+        return str(value._not_a_value())  # type: ignore[attr-defined]
+    return f"A condition must be True or False, not {short(value)}. Compare it with something."
 
 
 class Host(Protocol):

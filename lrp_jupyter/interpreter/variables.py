@@ -5,26 +5,26 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from types import CodeType
 
-from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.errors import LRPError, UnknownElementError
 from lrp_jupyter.interpreter.by_path import full_path
-from lrp_jupyter.interpreter.cells import content
+from lrp_jupyter.interpreter.cells import Slot, content
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.journal import undo_write
 from lrp_jupyter.interpreter.run import Run
-from lrp_jupyter.interpreter.tree import Environment, bind_code
+from lrp_jupyter.interpreter.tree import Call, Environment, bind_code, is_boolean, not_boolean
 from lrp_jupyter.language.blocks import compile_block, facts_of, faults_of
 from lrp_jupyter.language.names import as_path
-from lrp_jupyter.language.program import Block, Path, path_text
+from lrp_jupyter.language.program import Block, Path, Program, path_text
 from lrp_jupyter.language.python import parse_python
 
 __all__ = [
     "EXPRESSION",
+    "ExpressionTest",
     "VariableMapping",
     "assign",
     "check_expression",
     "evaluate",
     "find_variable",
-    "holds",
 ]
 
 EXPRESSION = "<expression>"
@@ -126,19 +126,47 @@ def evaluate(run: Run, path: Path | str, expression: str) -> object:
     return bind_code(run, _compiled(expression, environment), environment.visible)()
 
 
-def holds(run: Run, expression: str, machine: Path) -> bool:
-    """Return whether a Python expression is True in the scope of a machine; False while that does not run.
+class ExpressionTest:
+    """A Python expression that is tested in the scope of a machine, again and again.
 
-    Raises
-    ------
-    SyntaxError
-        It is not an expression.
-    Exception
-        Whatever the expression raises.
+    It is compiled and bound when the program or the variables of that scope are others than before.
+
+    Parameters
+    ----------
+    expression : str
+    machine : path
+        Path of definition; empty for the top level.
     """
-    environment = run.live.get(machine)
-    code = _compiled(expression, environment or run.globals)
-    return environment is not None and run.started and bind_code(run, code, environment.visible)() is True
+
+    def __init__(self, expression: str, machine: Path = ()) -> None:
+        self._expression = expression
+        self._machine = machine
+        self._bound: tuple[Program, dict[str, Slot], Call] | None = None
+
+    def holds(self, run: Run) -> bool:
+        """Return whether it is True now; False while the machine does not run.
+
+        Raises
+        ------
+        SyntaxError
+            It is not an expression.
+        LRPError
+            Its value is no boolean.
+        Exception
+            Whatever the expression raises.
+        """
+        environment = run.live.get(self._machine)
+        visible = (environment or run.globals).visible
+        bound = self._bound
+        if bound is None or bound[0] is not run.program or bound[1] is not visible:
+            code = _compiled(self._expression, environment or run.globals)
+            self._bound = bound = run.program, visible, bind_code(run, code, visible)
+        if environment is None or not run.started:
+            return False
+        value = bound[2]()
+        if not is_boolean(value):
+            raise LRPError(not_boolean(value))
+        return bool(value)
 
 
 def check_expression(expression: str) -> str:

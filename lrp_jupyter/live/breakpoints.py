@@ -15,11 +15,12 @@ from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import Hit
 from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.variables import ExpressionTest, check_expression
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["Breakpoints", "element_of", "noun_of"]
+__all__ = ["Breakpoints", "breakpoint_of", "element_of", "noun_of"]
 
 
 def noun_of(kind: BreakpointKind) -> str:
@@ -55,6 +56,41 @@ def element_of(program: Program, kind: str, wanted: str | Path) -> Element:
     raise UnknownElementError(f"There is no {kind} `{text}`.{hint}")
 
 
+def breakpoint_of(
+    program: Program,
+    kind: BreakpointKind,
+    wanted: str | Path,
+    machine: str | Path = (),
+    *,
+    after: int = 1,
+    once: bool = False,
+) -> Breakpoint:
+    """Return a new breakpoint, which has no number yet.
+
+    Parameters
+    ----------
+    program : Program
+    kind : str
+    wanted : str or path
+        The element by its name, label or path; or the condition.
+    machine : str or path
+        The machine in whose scope a condition is evaluated; by default the top level.
+    after : int
+    once : bool
+
+    Raises
+    ------
+    UnknownElementError
+        There is no such element, or there are several.
+    SyntaxError
+        The condition is not an expression.
+    """
+    if kind != "condition":
+        return Breakpoint(0, kind, element_of(program, noun_of(kind), wanted), after=after, once=once)
+    home = element_of(program, "machine", machine).path if machine else ()
+    return Breakpoint(0, kind, None, check_expression(str(wanted)), home, after=after, once=once)
+
+
 class Breakpoints:
     """The breakpoints of a session. Used on the thread that ticks.
 
@@ -69,6 +105,7 @@ class Breakpoints:
         self._last = 0
         self._seen: list[TraceEvent] = []
         self._held: dict[int, bool] = {}  # what each condition was the last time
+        self._conditions: dict[int, ExpressionTest | None] = {}  # of this revision
         self._revision = interpreter.revision
         self._end: Callable[[], None] | None = None
 
@@ -117,6 +154,7 @@ class Breakpoints:
         """
         self._known(number)
         del self._all[number]
+        self._conditions.pop(number, None)
         if not self._all and self._end is not None:
             self._end()
             self._end = None
@@ -129,7 +167,10 @@ class Breakpoints:
         return self._all[number]
 
     def check(self) -> Hit | None:
-        """Count what was hit since the last call; return the first one that pauses."""
+        """Count what was hit since the last call; return the first one that pauses.
+
+        In a tick it is called while the readings of the tick last: conditions test what the program has seen.
+        """
         if not self._all:
             return None
         self._carry()
@@ -161,19 +202,24 @@ class Breakpoints:
 
     def _holds(self, each: Breakpoint) -> tuple[bool, str]:
         """Return whether a condition holds now, and why it could not be evaluated."""
-        expression, machine = each.expression, each.machine
-        if each.element is not None:
-            scope = resolve(self._interpreter.program).by_path.get(each.element.path[:-1])
-            event = scope.events.get(each.element.path[-1]) if scope is not None else None
-            if event is None:
-                return False, ""
-            expression, machine = event.condition.text, each.element.path[:-1]
+        if each.number not in self._conditions:
+            self._conditions[each.number] = self._condition(each)
+        condition = self._conditions[each.number]
         try:
-            return self._interpreter.test(expression, machine), ""
+            return condition is not None and self._interpreter.holds(condition), ""
         except KeyboardInterrupt:
             raise
         except BaseException as error:
             return False, sentence_of(error)
+
+    def _condition(self, each: Breakpoint) -> ExpressionTest | None:
+        """Return the condition of a breakpoint; None if its event is missing."""
+        if each.element is None:
+            return ExpressionTest(each.expression, each.machine)
+        machine, name = each.element.path[:-1], each.element.path[-1]
+        scope = resolve(self._interpreter.program).by_path.get(machine)
+        event = scope.events.get(name) if scope is not None else None
+        return None if event is None else ExpressionTest(event.condition.text, machine)
 
     def _carry(self) -> None:
         """Follow the elements to their new names, and see which of them exist."""
@@ -187,6 +233,7 @@ class Breakpoints:
                         element = successors.of(each.element) or each.element
                         self._all[number] = replace(each, element=element)
         self._revision = interpreter.revision
+        self._conditions.clear()
         existing = set(resolve(interpreter.program).elements())
         for number, each in self._all.items():
             missing = each.element is not None and each.element not in existing

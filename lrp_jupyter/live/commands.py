@@ -27,6 +27,7 @@ __all__ = [
     "ChangeBreakpoint",
     "Force",
     "Pause",
+    "RemoveBreakpoint",
     "Rename",
     "Renew",
     "RepeatEdit",
@@ -278,8 +279,6 @@ class AddBreakpoint(Command):
         """See :class:`Command`."""
         if loop.breakpoints is None:
             loop.breakpoints = Breakpoints(loop.interpreter)
-        if not loop.breakpoints.all:
-            loop.after_tick.append(loop.check_breakpoints)
         return loop.breakpoints.add(self.breakpoint)
 
 
@@ -306,10 +305,7 @@ class RemoveBreakpoint(Command):
 
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
-        known = loop.breakpoints or Breakpoints(loop.interpreter)
-        known.remove(self.number)
-        if not known.all:
-            loop.after_tick.remove(loop.check_breakpoints)
+        (loop.breakpoints or Breakpoints(loop.interpreter)).remove(self.number)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import takewhile
+from threading import RLock
 from typing import NamedTuple
 
 __all__ = ["Input", "Inputs", "Paused", "Resumed", "RunEnded"]
@@ -57,9 +59,13 @@ _LETTERS = 8_000_000  # of texts kept
 
 
 class Inputs:
-    """The last inputs, bounded in number and in what their texts take."""
+    """The last inputs, bounded in number and in what their texts take; in order of their ticks.
+
+    Robots are commanded from any thread: whoever adds inputs holds :attr:`lock`.
+    """
 
     def __init__(self) -> None:
+        self.lock = RLock()
         self._all: deque[tuple[Input, int]] = deque()
         self._letters = 0
         self.count = 0
@@ -68,36 +74,49 @@ class Inputs:
         """The number of the last one that is not kept any more."""
 
     def __iter__(self) -> Iterator[Input]:
-        return (entry for entry, _ in self._all)
+        """Iterate over those that are there now."""
+        with self.lock:
+            return iter([entry for entry, _ in self._all])
 
     def __len__(self) -> int:
         return len(self._all)
 
+    def since(self, tick: int) -> list[Input]:
+        """Return those that came after so many ticks or more, in order."""
+        with self.lock:
+            found = [entry for entry, _ in takewhile(lambda kept: kept[0].tick >= tick, reversed(self._all))]
+        return found[::-1]
+
     def next(self, tick: int, time: float, what: object) -> Input:
         """Return an input with the next number; it is not kept yet."""
-        self.count += 1
-        return Input(self.count, tick, time, what)
+        with self.lock:
+            self.count += 1
+            return Input(self.count, tick, time, what)
 
     def keep(self, entry: Input, letters: int = 0) -> None:
         """Keep an input, whose text has so many characters; drop the oldest ones beyond the bounds."""
-        self._all.append((entry, letters))
-        self._letters += letters
-        while len(self._all) > _MOST or self._letters > _LETTERS:
-            oldest, weight = self._all.popleft()
-            self._letters -= weight
-            self.lost = oldest.number
+        with self.lock:
+            self._all.append((entry, letters))
+            self._letters += letters
+            while len(self._all) > _MOST or self._letters > _LETTERS:
+                oldest, weight = self._all.popleft()
+                self._letters -= weight
+                self.lost = oldest.number
 
     def begin(self, number: int) -> None:
         """Drop those up to the one with this number."""
-        while self._all and self._all[0][0].number <= number:
-            self._letters -= self._all.popleft()[1]
+        with self.lock:
+            while self._all and self._all[0][0].number <= number:
+                self._letters -= self._all.popleft()[1]
 
     def undo(self, tick: int) -> None:
         """Drop those that came after a tick."""
-        while self._all and self._all[-1][0].tick >= tick:
-            self._letters -= self._all.pop()[1]
+        with self.lock:
+            while self._all and self._all[-1][0].tick >= tick:
+                self._letters -= self._all.pop()[1]
 
     def clear(self) -> None:
         """Drop all."""
-        self._all.clear()
-        self._letters = 0
+        with self.lock:
+            self._all.clear()
+            self._letters = 0

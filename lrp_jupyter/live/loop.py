@@ -66,7 +66,7 @@ from lrp_jupyter.live.foreign import Foreign, on_main_thread
 from lrp_jupyter.live.inbox import Command, Inbox
 from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, RunEnded
 from lrp_jupyter.live.moments import Moments
-from lrp_jupyter.live.values import ValueTexts
+from lrp_jupyter.live.values import ValueTexts, numbers_of
 
 __all__ = ["FASTEST", "SLOWEST", "STEP", "Loop"]
 
@@ -321,6 +321,7 @@ class Loop:
             bridge.begin_tick(now, self.period)
             self.moments.add((now, moment, bridge.readings if step is None else bridge.sensed()))
             interpreter.step(now)
+            hit = None if self.breakpoints is None else self._hit()
             bridge.end_tick(now)
         finally:
             self.ticking = None
@@ -328,6 +329,8 @@ class Loop:
         self.due = (self.due if on_time else now) + self.period
         for call in self.after_tick:
             call()
+        if hit is not None:
+            self._pause_at(hit)
         if interpreter.paused and self.status == "running":
             self._stop_at_issue()
 
@@ -427,15 +430,18 @@ class Loop:
         self.bridge.safety.begin(first.tick)
         self.bridge.forget(first.moment)
 
-    def check_breakpoints(self) -> None:
-        """Pause if a breakpoint was hit."""
-        assert self.breakpoints is not None
+    def _hit(self) -> Hit | None:
+        """Return the breakpoint that was hit, if one was."""
+        if self.breakpoints is None:
+            return None
         with self._calling("a breakpoint"):
-            hit = self.breakpoints.check()
-        if hit is not None:
-            if self.status == "running":
-                self.pause(str(hit))
-            self.reason, self.paused_by = str(hit), hit
+            return self.breakpoints.check()
+
+    def _pause_at(self, hit: Hit) -> None:
+        """Pause because a breakpoint was hit."""
+        if self.status == "running":
+            self.pause(str(hit))
+        self.reason, self.paused_by = str(hit), hit
 
     def _stop_at_issue(self) -> None:
         """Pause as the interpreter has done, because of an issue in a tick or a command."""
@@ -528,12 +534,6 @@ class Loop:
         values = interpreter.variables.pairs()
         over = self.status in ("stopped", "closed")  # nothing may run any more that might not return
         variables = self._texts.of(values, now=self.status != "running", foreign=not over)
-        numbers: dict[Path, float] = {}
-        for path, value in values:
-            kind = type(value)
-            if issubclass(kind, (int, float)) and kind is not bool:
-                with suppress(OverflowError):
-                    numbers[path] = (int if issubclass(kind, int) else float).__float__(value)  # type: ignore[arg-type]
         visits, firings = interpreter.visits, interpreter.firings
         rate, speed = self._achieved if self.status == "running" else (0.0, 0.0)
         return Frame(
@@ -544,7 +544,7 @@ class Loop:
             active=interpreter.active,
             values=ByPath(dict(values)),
             variables=ByPath(variables),
-            numbers=ByPath(numbers),
+            numbers=ByPath(numbers_of(values)),
             visits=MappingProxyType({path: count.times for path, count in visits.items()}),
             visited_at=MappingProxyType({path: count.tick for path, count in visits.items()}),
             fired=MappingProxyType({path: count.times for path, count in firings.items()}),
@@ -638,8 +638,8 @@ class Loop:
                 result = command.apply(self)
             if command.recorded:
                 self._note(command)
-                if self.breakpoints is not None and not command.undoes:
-                    self.check_breakpoints()
+                if not command.undoes and (hit := self._hit()) is not None:
+                    self._pause_at(hit)
             if self.interpreter.paused and self.status == "running":
                 self._stop_at_issue()
             return result, None
@@ -662,14 +662,15 @@ class Loop:
 
     def _note(self, what: object) -> None:
         """Record an input, after the stops of other threads."""
-        while self._stops:
-            self._note(self._stops.popleft())
-        entry = self.inputs.next(self.interpreter.tick, self.now, what)
-        if self._remembers and not (isinstance(what, Command) and what.undoes):
-            kept, letters = what.kept() if isinstance(what, Command) else (what, 0)
-            self.inputs.keep(entry._replace(what=kept), letters)
-        if self.record is not None:
-            self.record(entry)
+        with self.inputs.lock:  # from the reading of the tick on, so that ticks and numbers are in order
+            while self._stops:
+                self._note(self._stops.popleft())
+            entry = self.inputs.next(self.interpreter.tick, self.now, what)
+            if self._remembers and not (isinstance(what, Command) and what.undoes):
+                kept, letters = what.kept() if isinstance(what, Command) else (what, 0)
+                self.inputs.keep(entry._replace(what=kept), letters)
+            if self.record is not None:
+                self.record(entry)
 
     def _from_outside(self, what: object, surely: bool) -> None:
         """Record what was done to the robot, unless the program or a recorded input did it."""

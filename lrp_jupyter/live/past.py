@@ -19,24 +19,24 @@ from lrp_jupyter.interpreter.tree import Count
 from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.renamed import Names
+from lrp_jupyter.live.values import numbers_of
 
 __all__ = ["frame_at", "tick_of"]
 
 
 def frame_at(loop: Loop, tick: int) -> Frame:
-    """Return the frame of a tick that is recorded.
+    """Return the frame of a tick that is remembered.
 
     Raises
     ------
     ValueError
-        It is not recorded.
+        It is not remembered.
     """
     interpreter, bridge = loop.interpreter, loop.bridge
     history = interpreter.history
     least = interpreter.tick - min(len(loop.moments), len(history.ticks)) + 1
     if not least <= tick <= interpreter.tick:
-        known = f"only {least} to {interpreter.tick} are" if least <= interpreter.tick else "none is yet"
-        raise ValueError(f"Tick {tick} is not recorded: {known}.")
+        raise ValueError(history.refusal(tick, least))
     state = history.state(tick)
     variables = state.variables
     time, moment, sensed = loop.moments[tick - interpreter.tick - 1]
@@ -51,9 +51,7 @@ def frame_at(loop: Loop, tick: int) -> Frame:
         active=state.active,
         values=ByPath(variables),
         variables=ByPath({path: _text(value) for path, value in variables.items()}),
-        numbers=ByPath(
-            {path: float(value) for path, value in variables.items() if type(value) in (int, float)}  # type: ignore[arg-type]
-        ),
+        numbers=ByPath(numbers_of(variables.items())),
         visits=MappingProxyType({path: times for path, (times, _) in visits.items()}),
         visited_at=MappingProxyType({path: last for path, (_, last) in visits.items()}),
         fired=MappingProxyType({path: times for path, (times, _) in firings.items()}),
@@ -69,8 +67,9 @@ def frame_at(loop: Loop, tick: int) -> Frame:
 
 def tick_of(loop: Loop, time: float) -> int:
     """Return the last recorded tick that was not after a time, in seconds of the run."""
-    times = [moment.time for moment in loop.moments]
-    tick = loop.interpreter.tick - len(times) + bisect_right(times, time + 1e-9)
+    moments = loop.moments
+    count = bisect_right(range(len(moments)), time + 1e-9, key=lambda index: moments[index].time)
+    tick = loop.interpreter.tick - len(moments) + count
     return max(tick, loop.interpreter.history.ticks.start)
 
 
@@ -94,7 +93,7 @@ def _counts_at(
                 path = names.of("transition", fact.transition.path, at)
                 ticks["transition"].setdefault(path, []).append(at)
 
-    for each in history.all():
+    for each in history.told():
         note(each.before, each.tick - 0.5)
         note(each.facts, each.tick)
     note(history.since(), history.ticks.stop - 0.5)
@@ -116,7 +115,7 @@ def _counts_at(
 def _issues_at(history: History, tick: int, issues: Iterable[Issue]) -> Iterable[Issue]:
     """Yield the issues that had occurred by a tick, as they were then as far as that is recorded."""
     ticks: dict[tuple[Element, str], list[int]] = {}
-    for each in history.all():
+    for each in history.told():
         for fact in each.facts:
             if isinstance(fact, Faulted):
                 ticks.setdefault((fact.element, fact.kind), []).append(each.tick)

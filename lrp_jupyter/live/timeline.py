@@ -7,7 +7,8 @@ of it asks for the rest.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from bisect import bisect_left
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -124,7 +125,7 @@ def timeline_of(
     ticks = history.ticks
     known = cursor is not None and cursor.epoch == epoch and ticks.start <= cursor.tick < ticks.stop
     kept = cursor.tick - 1 if known and cursor is not None else -1
-    begin = history.facts(ticks.start).now if ticks else loop.now
+    begin = history.time(ticks.start) if ticks else loop.now
     return Timeline(
         epoch,
         ticks.start,
@@ -154,20 +155,19 @@ def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> li
     found: list[Happening] = []
     if after is None:
         after = ticks.start - 1
-        time = history.facts(ticks.start).now if ticks else loop.now
+        time = history.time(ticks.start) if ticks else loop.now
         found += present(history.state(after), after, time)
     first = max(after + 1, ticks.start)
-    failing = _failing(history, first - 1)
-    for tick in range(first, ticks.stop):
-        each = history.facts(tick)
+    failed, failing = first - 1, _failing(history, first - 1)  # in which tick, and what
+    for each in history.told(first):
+        tick = each.tick
         if each.before and (tick > first or gap):  # what came before belongs to the tick before
-            then = history.facts(tick - 1).now if tick - 1 in ticks else each.now
+            then = history.time(tick - 1) if tick - 1 in ticks else each.now
             found += _of(each.before, tick - 1, then, set())
-        if each.facts or failing:
-            found += _of(each.facts, tick, each.now, failing)
-            failing = _faults(each.facts)
+        found += _of(each.facts, tick, each.now, failing if failed == tick - 1 else set())
+        failed, failing = tick, _faults(each.facts)
     if ticks:
-        found += _of(history.since(), ticks.stop - 1, history.facts(ticks.stop - 1).now, set())
+        found += _of(history.since(), ticks.stop - 1, history.time(ticks.stop - 1), set())
     names = Names(loop.interpreter.moves, math.inf)
     found = [_renamed(each, names) for each in found]
     if ticks:
@@ -217,16 +217,16 @@ def _of(facts: Iterable[Fact], tick: int, time: float, failing: set[object]) -> 
                 yield Happening(tick, time, "restart", text=_restarted(reason))
             case Commanded("paused", reason) if reason:
                 yield Happening(tick, time, "pause", text=reason)
-            case Commanded("forced", how):
-                yield Happening(tick, time, "hand", text=_FORCED.get(how, "A state was forced."))
+            case Commanded("forced", how, state):
+                yield Happening(tick, time, "hand", text=f"`{state[-1]}` was entered by hand {_FORCED[how]}.")
             case Commanded("assigned", name):
                 yield Happening(tick, time, "hand", text=f"`{name}` was set.")
 
 
 _EDITED = {"patched": "The program was edited.", "renamed": "An element was renamed."}
 _FORCED = {
-    "transition": "A transition was forced.",
-    "teleport": "A state was made active without any action.",
+    "transition": "(Transition here)",
+    "teleport": "(Teleport here), without running actions",
 }
 
 
@@ -243,16 +243,16 @@ def _faults(facts: Iterable[Fact]) -> set[object]:
     return {(fact.element, fact.kind) for fact in facts if isinstance(fact, Faulted)}
 
 
-def _commands(history: History, commands: Iterable[CommandRecord], first: int) -> Iterator[Happening]:
+def _commands(history: History, commands: Sequence[CommandRecord], first: int) -> Iterator[Happening]:
     """Yield the commands of the robot that differ from those before."""
-    for command in commands:
+    for command in commands[bisect_left(commands, first, key=lambda each: each.first.tick) :]:
         origin = command.first
-        if origin.tick not in history.ticks or origin.tick < first:
+        if origin.tick not in history.ticks:
             continue
         said = call_text(command.name, command.arguments)
         where = f", line {origin.line}" if origin.line else ""
-        sent = "" if command.sent else ", not sent because the robot is disarmed"
-        time = history.facts(origin.tick).now
+        sent = "" if command.sent else ", not sent"
+        time = history.time(origin.tick)
         yield Happening(
             origin.tick, time, "command", by=tuple(command.name.split(".")), text=f"{said}{where}{sent}."
         )
@@ -260,11 +260,11 @@ def _commands(history: History, commands: Iterable[CommandRecord], first: int) -
 
 def _by_hand(loop: Loop, first: int) -> Iterator[Happening]:
     """Yield what was done to the robot and its world from outside."""
-    ticks = loop.interpreter.history.ticks
-    for entry in loop.inputs:
+    history = loop.interpreter.history
+    for entry in loop.inputs.since(first):
         text = _hand(entry.what)
-        if text and first <= entry.tick < ticks.stop:
-            yield Happening(entry.tick, loop.interpreter.history.facts(entry.tick).now, "hand", text=text)
+        if text and entry.tick in history.ticks:
+            yield Happening(entry.tick, history.time(entry.tick), "hand", text=text)
 
 
 def _hand(what: object) -> str:

@@ -9,17 +9,28 @@ are; until then a frame shows its earlier text. While the program is paused noth
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, suppress
 from time import perf_counter
 
 from lrp_jupyter.errors import name_of
 from lrp_jupyter.interpreter.rendering import is_scalar, of_type, render
 from lrp_jupyter.language.program import Path, path_text
 
-__all__ = ["ValueTexts"]
+__all__ = ["ValueTexts", "numbers_of"]
 
 _SPACING = 20.0
 """Time between two renderings of a value, in multiples of what those of one frame take."""
+
+
+def numbers_of(values: Iterable[tuple[Path, object]]) -> dict[Path, float]:
+    """Return the variables that are numbers, as far as a float can hold them."""
+    numbers: dict[Path, float] = {}
+    for path, value in values:
+        kind = type(value)
+        if issubclass(kind, (int, float)) and kind is not bool:
+            with suppress(OverflowError):
+                numbers[path] = (int if issubclass(kind, int) else float).__float__(value)  # type: ignore[arg-type]
+    return numbers
 
 
 class ValueTexts:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
-from lrp_jupyter.interpreter.variables import check_expression
+from lrp_jupyter.interpreter.breakpoint import BreakpointKind
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.live.breakpoints import element_of, noun_of
+from lrp_jupyter.live.breakpoints import breakpoint_of, noun_of
 from lrp_jupyter.widgets.commands import Applied
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
 from lrp_jupyter.widgets.protocol import path_of
@@ -32,14 +31,11 @@ class AddBreakpointCommand(PageCommand, do="add_breakpoint"):
 
     def apply(self, opened: OpenProgram) -> Applied:
         """See the base class."""
-        session = opened.session
-        if self.kind == "condition":
-            new = Breakpoint(0, self.kind, None, check_expression(self.expression), after=self.after)
-        else:
-            noun = noun_of(self.kind)
-            element = element_of(session.program, noun, path_of(noun, self.path))
-            new = Breakpoint(0, self.kind, element, after=self.after)
-        return session.ask(do.AddBreakpoint(new))
+        session, noun = opened.session, noun_of(self.kind)
+        wanted = path_of(noun, self.path) if noun else self.expression
+        return session.ask(
+            do.AddBreakpoint(breakpoint_of(session.program, self.kind, wanted, after=self.after))
+        )
 
 
 @dataclass(frozen=True)

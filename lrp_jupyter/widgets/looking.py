@@ -78,13 +78,12 @@ class Looking:
         Raises
         ------
         ValueError
-            It is not recorded.
+            It is not remembered.
         """
-        before = self._of(session)
+        before, past = self._of(session), session.at(at)
         running = session.status == "running" and not session.bridge.hardware
         if running:
             session.ask(do.Pause()).result()
-        past = session.at(at)
         if before is None:
             self._moment = _Moment(session, past, session.frame.tick, session.program, running)
         else:

@@ -88,7 +88,7 @@ def compare(facts, events):
 
 def test_the_facts_of_a_tick_name_what_fired_and_who_spawned():
     i = started(NESTED, 7)
-    first, _, third, *_ = i.history.all()
+    first, third, *_ = i.history.told()
     assert first.facts == (
         Spawned(("m",), ()),
         Entered(("m", "a"), ("m", "a")),
@@ -105,7 +105,7 @@ def test_the_facts_of_a_tick_name_what_fired_and_who_spawned():
 
 def test_a_fault_that_is_known_already_is_a_fact_of_every_tick():
     i = started(NESTED.replace("400", "4000"), 8)
-    assert sum(isinstance(fact, Faulted) for tick in i.history.all() for fact in tick.facts) == 5
+    assert sum(isinstance(fact, Faulted) for tick in i.history.told() for fact in tick.facts) == 5
 
 
 def test_a_command_belongs_to_the_time_before_a_tick():
@@ -139,7 +139,7 @@ def test_only_what_the_journal_holds_is_known():
     i = started(NESTED, 30, journal=10)
     assert (i.history.ticks.start, i.history.ticks.stop) == (21, 31)
     i.history.state(20)
-    with pytest.raises(ValueError, match="only 21 to 30"):
+    with pytest.raises(ValueError, match="Ask about ticks 21 to 30"):
         i.history.state(19)
 
 
@@ -149,3 +149,18 @@ def test_the_past_follows_a_new_run():
     assert list(i.history.ticks) == []
     i.step(1.0)
     assert len(i.history.facts(1).facts) == 4
+
+
+def test_what_is_dropped_and_what_is_undone_is_forgotten():
+    i = started(NESTED, 30, journal=10)
+    assert [facts.tick for facts in i.history.told()] == [21, 23, 24, 25, 26, 28, 29, 30]
+    for tick in range(30, 37):
+        i.step(tick / 10)
+    assert i.history.told()[0].tick > 27
+    assert i.history.time(28) == pytest.approx(2.7)
+    with pytest.raises(KeyError):
+        i.history.time(27)
+    i.rewind(3)
+    i.step(9.0)
+    assert (i.history.time(35), i.history.time(34)) == (9.0, pytest.approx(3.3))
+    assert i.history.written(35) == i.history.facts(35).written != i.history.written(34)

@@ -5,7 +5,10 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from wild import program
 
+from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter import variables
+from lrp_jupyter.language import blocks
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.breakpoints import element_of
@@ -88,8 +91,8 @@ def test_breakpoints_are_listed_switched_off_and_removed(live):
     live.pause_when(fires="back")
     live.set_breakpoint(1, False)
     assert [str(each) for each in live.breakpoints] == [
-        "1: `b` was entered, hit 0 times, switched off",
-        "2: `back` fired, hit 0 times",
+        "1: pause when `b` is entered; 0 hits, switched off",
+        "2: pause when `back` fires; 0 hits",
     ]
     assert pauses(live, 1) == [7]
     assert live.breakpoints[0].hits == 2, "it is counted though it is switched off"
@@ -136,7 +139,7 @@ def test_a_breakpoint_follows_its_element_over_renames_and_edits(live):
 def test_a_breakpoint_of_a_removed_element_is_dormant_until_it_comes_back(live):
     live.pause_when(fires="back")
     live.edit(TEXT.replace("(ontime 300 b -> a back)", ""))
-    assert str(live.breakpoints[0]) == "1: `back` fired, hit 0 times, dormant"
+    assert str(live.breakpoints[0]) == "1: pause when `back` fires; 0 hits, dormant"
     live.edit(TEXT)
     assert pauses(live, 1) == [7]
 
@@ -232,3 +235,67 @@ def test_a_step_back_undoes_the_pause_and_another_pause_has_its_own_reason(live)
     assert live.frame.paused_by is not None
     live.pause("A person wanted it.")
     assert (live.frame.paused_by, live.frame.reason) == (None, "A person wanted it.")
+
+
+class Lamp(Bridge):
+    """A real robot whose lamp blinks with every reading."""
+
+    name = "lamp"
+    hardware = True
+    stop_timeout = None
+
+    def __init__(self):
+        self.reads = 0
+
+    def open_interface(self):
+        self.add_variable("lamp.data", self.read)
+
+    def read(self):
+        self.reads += 1
+        return self.reads
+
+
+LAMP = "(var n := [0]) (machine m (state a (running [n = robot.lamp.data]))) (spawn m a)"
+
+
+def test_a_condition_tests_what_the_program_has_seen():
+    with Session(LAMP, Lamp(), clock=VirtualClock()) as live:
+        live.step()
+        live.pause_when(condition="robot.lamp.data != n")
+        live.pause_when(condition="n == robot.lamp.data")
+        before = live.bridge.reads
+        for _ in range(9):
+            live.step()
+        assert live.bridge.reads - before == 9
+        assert [each.hits for each in live.breakpoints] == [0, 1]
+
+
+def test_a_condition_is_compiled_once(live, monkeypatch):
+    compiled = []
+
+    def compile_block(*arguments):
+        compiled.append(arguments)
+        return blocks.compile_block(*arguments)
+
+    live.step()
+    monkeypatch.setattr(variables, "compile_block", compile_block)
+    live.pause_when(condition="n >= 4")
+    live.pause_when(event="odd", after=1000)
+    live.run(1)
+    assert len(compiled) == 2
+    live.edit(TEXT.replace("own += 1", "own += 2"))
+    live.run(1)
+    assert len(compiled) == 4
+
+
+def test_a_condition_is_true_or_false_as_that_of_a_transition(live):
+    pytest.importorskip("numpy")
+    live.pause_when(condition="n")
+    live.pause_when(condition="robot")
+    live.pause_when(condition="__import__('numpy').int64(n) > 2")
+    live.run(5)
+    number, part, boolean = live.breakpoints
+    assert number.problem == "A condition must be True or False, not 3. Compare it with something."
+    assert part.problem.startswith("`robot` ")
+    assert (number.hits, part.hits, boolean.hits, boolean.problem) == (0, 0, 1, "")
+    assert live.frame.paused_by.number == boolean.number

@@ -1,5 +1,6 @@
 """A session remembers 10,000 ticks or 10 minutes, whichever are more, and no more than that needs."""
 
+import sys
 import tracemalloc
 
 import pytest
@@ -149,3 +150,50 @@ def test_another_number_of_ticks_is_kept_if_that_is_asked_for(ticks):
         assert session.interpreter.journal == ticks
         session.rewind(ticks)
         assert session.frame.values["n"] == 3000 - ticks - 1
+
+
+def calls(function):
+    """Call a function; return how many calls that took, generators that continued included."""
+    count = 0
+
+    def seen(frame, event, argument):
+        nonlocal count
+        count += event == "call"
+
+    sys.setprofile(seen)
+    try:
+        function()
+    finally:
+        sys.setprofile(None)
+    return count
+
+
+def test_looking_at_the_past_takes_almost_no_memory():
+    with started() as session:
+        session.run(100)
+        tracemalloc.start()
+        try:
+            session.at(9_000)
+            session.timeline()
+            assert tracemalloc.get_traced_memory()[0] < 500_000
+        finally:
+            tracemalloc.stop()
+
+
+def test_what_is_new_is_found_without_going_through_what_is_old():
+    with started(DRIVER, "sim", world="empty") as session:
+        session.run(40)
+        for _ in range(4000):
+            session.rate = 100
+        session.run(1)
+        cursor = session.timeline().cursor
+        assert len(session.bridge.safety.commands) > 3000
+        assert len(session._loop.inputs) > 4000
+        session.run(0.1)
+        assert calls(lambda: session.timeline(cursor)) < 1500
+    with started() as session:
+        session.run(100)
+        session.at(9_000)
+        session.run(0.1)
+        assert calls(lambda: session.at(10_009)) < 1500
+        assert calls(lambda: session.at(100.05)) < 1500

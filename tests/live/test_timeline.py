@@ -1,12 +1,14 @@
 """The timeline of a session: what happened, in order, and only what is new."""
 
 from itertools import pairwise
+from threading import Thread
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lrp_jupyter import programs
+from lrp_jupyter.live.inputs import Inputs, Resumed
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.timeline import TimelineCursor
 
@@ -108,6 +110,7 @@ def test_what_people_did_is_marked(session):
     session.edit(PROGRAM.replace("n > 4", "n > 5"))
     session.variables["n"] = 1
     session.transition_to("m/a")
+    session.teleport_to("b")
     session.run(1)
     session.reset()
     session.pause("A person wanted it.")
@@ -116,7 +119,8 @@ def test_what_people_did_is_marked(session):
     assert marks == [
         ("edit", "The program was edited."),
         ("hand", "`m/n` was set."),
-        ("hand", "A transition was forced."),
+        ("hand", "`a` was entered by hand (Transition here)."),
+        ("hand", "`b` was entered by hand (Teleport here), without running actions."),
         ("restart", "The program was reset."),
     ]
 
@@ -172,5 +176,61 @@ def test_an_earlier_moment_is_found_by_its_time(session):
     assert session.at(1.0).tick == 11
     assert session.at(1.05).tick == 11
     assert session.at(11).time == 1.0
-    with pytest.raises(ValueError, match=r"Tick 0 is not recorded: only 1 to 20 are\."):
+    with pytest.raises(ValueError, match=r"Tick 0 is not remembered\. Ask about ticks 1 to 20\."):
         session.at(0)
+
+
+def test_inputs_can_be_read_while_another_thread_adds_some():
+    inputs = Inputs()
+    for tick in (0, 0, 3, 5):
+        inputs.keep(inputs.next(tick, tick / 10, Resumed()))
+    read = iter(inputs)
+    next(read)
+    inputs.keep(inputs.next(7, 0.7, Resumed()))
+    assert [entry.tick for entry in read] == [0, 3, 5]
+    assert [entry.number for entry in inputs.since(3)] == [3, 4, 5]
+
+
+def test_the_tick_of_an_input_is_read_when_no_other_is_noted(session):
+    """Else a thread that was held up would add an earlier tick after a later one."""
+    loop, held = session._loop, session._loop.inputs.lock
+    with held:
+        other = Thread(target=loop._note, args=(Resumed(),))
+        other.start()
+        other.join(0.05)
+        for _ in range(3):
+            loop.tick()
+        loop._note(Resumed())
+    other.join()
+    assert [entry.tick for entry in loop.inputs.since(0)] == [3, 3]
+
+
+def test_a_session_that_remembers_nothing_says_so_and_has_a_timeline():
+    with Session(PROGRAM, journal=0) as session:
+        session.run(1)
+        timeline = session.timeline(plots={"m/n": 0})
+        assert [(plot.name, plot.values) for plot in timeline.plots] == [("m/n", ())]
+        with pytest.raises(ValueError, match=r"^No tick is remembered, because `journal` is 0\.$"):
+            session.at(3)
+    with Session(PROGRAM) as session:
+        with pytest.raises(ValueError, match=r"^No tick has run yet\. Run the program first\.$"):
+            session.at(1)
+        session.step()
+        with pytest.raises(ValueError, match=r"^Tick 99 is not remembered\. Ask about tick 1\.$"):
+            session.at(99)
+
+
+def test_a_number_that_no_float_can_hold_is_no_number_of_the_past_either():
+    with Session("(var n := [10 ** 400]) (machine m (state a)) (spawn m a)") as session:
+        session.run(1)
+        assert session.at(3).numbers == session.frame.numbers == {}
+
+
+def test_a_command_that_a_stop_held_is_not_said_to_be_one_of_a_disarmed_robot():
+    text = "(machine m (state a (running [stop(); robot.move(linear=0.1)]))) (spawn m a)"
+    names = {}
+    with Session(text, "sim", world="empty", namespace=names) as session:
+        names["stop"] = session.bridge.stop_all
+        session.run(0.2)
+        (command,) = told(session, "command")
+        assert command.text.endswith(", line 1, not sent.")

@@ -171,8 +171,14 @@ def test_a_collision_is_told_before_it_happens(lab, page):
 
 
 def test_a_moment_that_is_not_recorded_is_refused_in_a_sentence(page):
-    assert page.do("look", tick=1000) == "Tick 1000 is not recorded: only 1 to 40 are."
+    assert page.do("look", tick=1000) == "Tick 1000 is not remembered. Ask about ticks 1 to 40."
     assert page.do("run_from").startswith("The lab shows the present.")
+
+
+def test_a_moment_that_is_not_recorded_does_not_pause_the_robot(lab, page):
+    lab.session.start()
+    assert page.do("look", tick=10**6).startswith("Tick 1000000 ")
+    assert lab.session.status == "running"
 
 
 def test_why_is_answered_about_the_moment_looked_at(page):
