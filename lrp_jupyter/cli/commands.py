@@ -98,8 +98,8 @@ def lrp(
 
 RUN_EPILOG = """
 **Exit code**: 0 when the run ended normally, 1 when the text is not a valid program (or `--until` was not
-reached, or the run paused, at an issue or a breakpoint, and nothing can resume it, or a block did not return for
-10 s in a run with `--for`), 2 when a file cannot be read, a robot cannot be opened or an option is wrong, 3
+reached, or the run paused, at an issue or a breakpoint, and nothing can resume it, or a block did not return
+for 10 s in a run with `--for`), 2 when a file cannot be read, a robot cannot be opened or an option is wrong, 3
 when the interpreter itself failed, 130 when Ctrl-C stopped the robot and ended the run, 154 when a run with
 `--for` was ended because one call of C did not return: the stacks that are printed then show its line.
 
@@ -110,7 +110,8 @@ does not return is interrupted by the next save, or by the key `i`.
 **Breakpoints**: `--break looking` completes the tick in which the state `looking` is entered, then pauses;
 space resumes, `s` steps. `--break tlooking` waits for a transition, `--break 'left moving'` for the end of a
 state, `--break 'event outofline'` for an event, `--break 'when robot.light.data < 50'` for a condition over
-the global variables and the robot to become True. Without a keyboard or `--watch` the run ends there, with exit code 1.
+the global variables and the robot to become True. Without a keyboard or `--watch` the run ends there, with
+exit code 1.
 
 **Traces**: `--trace` writes JSON Lines, one object per event, with `tick` (the first is 1), `time` (seconds)
 and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired` (`machine`, `transition`,
@@ -247,7 +248,7 @@ Another = Annotated[
     typer.Option(
         metavar="FILE",
         autocompletion=complete.sources,
-        help="Run this program instead of the recorded one, with the recorded inputs. Recorded edits are left out.",
+        help="Run this program instead of the recorded one, with the recorded inputs, but without its edits.",
     ),
 ]
 
