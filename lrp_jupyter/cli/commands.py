@@ -99,8 +99,8 @@ def lrp(
 RUN_EPILOG = """
 **Exit code**: 0 when the run ended normally, 1 when the text is not a valid program (or `--until` was not
 reached, or the run paused, at an issue or a breakpoint, and nothing can resume it, or a block did not return
-for 10 s in a run with `--for`), 2 when a file cannot be read, a robot cannot be opened or an option is wrong, 3
-when the interpreter itself failed, 130 when Ctrl-C stopped the robot and ended the run, 154 when a run with
+for 10 s in a run with `--for`), 2 when a file cannot be read, a robot cannot be opened or an option is wrong,
+3 when the interpreter itself failed, 130 when Ctrl-C stopped the robot and ended the run, 154 when a run with
 `--for` was ended because one call of C did not return: the stacks that are printed then show its line.
 
 **Live programming**: with `--watch` every save of the file patches the running program. A text that is not a
