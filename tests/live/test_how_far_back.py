@@ -69,7 +69,7 @@ def test_a_world_is_remembered_as_long_as_the_program():
             assert fork.frame.robot.robots[0].pose == there.robot.robots[0].pose
             assert fork.frame.values["n"] == there.values["n"]
         answer = session.why("robot.move", at=first + 1)
-        assert answer.facts["arguments"]["angular.z"] == pytest.approx(first % 7 / 10)
+        assert answer.facts["arguments"]["angular"] == pytest.approx(first % 7 / 10)
         pose = session.at(first).robot.robots[0].pose
         session.rewind(session.interpreter.journal)
         assert session.frame.robot.robots[0].pose == pose
@@ -106,7 +106,7 @@ def test_a_command_is_known_for_as_long_as_it_holds():
       (ontime 900000 a -> b)) (spawn m a)"""
     with started(text, "sim", rate=1, world="empty", journal=500) as session:
         session.run(1200)
-        assert session.why("robot.move", at=800).facts["arguments"]["angular.z"] == 0.1
+        assert session.why("robot.move", at=800).facts["arguments"]["angular"] == 0.1
 
 
 def test_typing_does_not_shorten_what_is_remembered():
