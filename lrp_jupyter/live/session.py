@@ -75,7 +75,6 @@ from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches,
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import link
-from lrp_jupyter.interpreter.variables import check_expression
 from lrp_jupyter.language.checks import check
 from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.names import as_path
@@ -84,7 +83,7 @@ from lrp_jupyter.language.program import Element, Finding, Path, Program, path_t
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.language.unmeant import Cursor, Judgement, judge
 from lrp_jupyter.live import commands as do
-from lrp_jupyter.live.breakpoints import element_of, noun_of
+from lrp_jupyter.live.breakpoints import breakpoint_of
 from lrp_jupyter.live.checking import members_of
 from lrp_jupyter.live.clock import Clock, MonotonicClock, VirtualClock
 from lrp_jupyter.live.driver import Driver
@@ -802,18 +801,12 @@ class Session:
             "left": left,
             "fired": fires,
             "event": event,
+            "condition": condition or None,
         }
         chosen = [(kind, what) for kind, what in given.items() if what is not None]
-        if len(chosen) + bool(condition) != 1:
+        if len(chosen) != 1:
             raise TypeError("Pass one of a state, `left`, `fires`, `event` and `condition`.")
-        program = self.program
-        if condition:
-            check_expression(condition)
-            home = element_of(program, "machine", machine).path if machine else ()
-            new = Breakpoint(0, "condition", None, condition, home, after=after, once=once)
-        else:
-            kind, what = chosen[0]
-            new = Breakpoint(0, kind, element_of(program, noun_of(kind), what), after=after, once=once)
+        new = breakpoint_of(self.program, *chosen[0], machine or (), after=after, once=once)
         added: Breakpoint = self._driver.do(do.AddBreakpoint(new))
         return added
 

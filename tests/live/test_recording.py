@@ -270,7 +270,7 @@ def test_the_readings_of_a_real_robot_are_fed_to_the_program_again(tmp_path):
     assert again.session.frame.active == (("m", "stop"),)
     answer = again.session.why_not("near", at=8)
     assert answer.facts["values"] == {"robot.range": 1.3}
-    assert again.session.why("robot.move").facts["arguments"] == {"angular.z": 1.1}
+    assert again.session.why("robot.move").facts["arguments"] == {"angular": 1.1}
     other = reproduce(recording, program=ROVER.replace("< 1", "< 1.5"))
     assert other.difference.tick == 7
 

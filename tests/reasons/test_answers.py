@@ -98,7 +98,7 @@ def test_a_name_that_several_transitions_have_is_refused_with_their_paths():
 
 def test_what_does_not_exist_is_named_with_what_was_probably_meant():
     with session(LISTS, namespace={"ask": len}) as live:
-        with pytest.raises(ValueError, match="No tick is recorded yet"):
+        with pytest.raises(ValueError, match="No tick has run yet"):
             live.why_not("full")
         live.run(1)
         with pytest.raises(UnknownElementError, match="Did you mean `full`"):
@@ -107,7 +107,7 @@ def test_what_does_not_exist_is_named_with_what_was_probably_meant():
             live.why("c")
         with pytest.raises(UnknownElementError, match="no command `mov`"):
             live.why("robot.mov")
-        with pytest.raises(ValueError, match="Tick 99 is not recorded: only 1 to 10"):
+        with pytest.raises(ValueError, match="Tick 99 is not remembered. Ask about ticks 1 to 10"):
             live.why_not("full", at=99)
 
 

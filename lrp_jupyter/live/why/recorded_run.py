@@ -36,14 +36,12 @@ class RecordedRun:
         Raises
         ------
         ValueError
-            It is not recorded.
+            It is not remembered.
         """
         ticks = self.history.ticks
         tick = ticks.stop - 1 if at is None else at
-        if not len(ticks):
-            raise ValueError("No tick is recorded yet. Run the program first.")
         if tick not in ticks:
-            raise ValueError(f"Tick {tick} is not recorded: only {ticks.start} to {ticks.stop - 1} are.")
+            raise ValueError(self.history.refusal(tick))
         return tick
 
     def time(self, when: float) -> float:
