@@ -8,11 +8,13 @@ the old file as it was.
 from __future__ import annotations
 
 import gzip
+import io
 import os
 import secrets
 import stat
 from contextlib import suppress
 from pathlib import Path
+from time import monotonic
 from typing import IO, cast
 
 from lrp_jupyter.errors import FileError, ended
@@ -63,6 +65,23 @@ def write_file(path: str | os.PathLike[str], text: str) -> None:
         raise FileError(f"`{shown(path)}` cannot be the name of a file. Choose another name.") from None
 
 
+_KEPT = 1.0  # s of writing that a process which is killed may lose
+
+
+class _Log(io.TextIOWrapper):
+    """A file of lines, of which nothing older than a second is lost when the process is killed."""
+
+    _flushed = float("-inf")
+
+    def write(self, text: str, /) -> int:
+        """Write a line."""
+        count = super().write(text)
+        if monotonic() > self._flushed + _KEPT:
+            self.flush()
+            self._flushed = monotonic()
+        return count
+
+
 def open_log(path: str | os.PathLike[str]) -> IO[str]:
     """Open a file that is written line by line; compressed, if its name ends with ``.gz``.
 
@@ -72,11 +91,12 @@ def open_log(path: str | os.PathLike[str]) -> IO[str]:
         It cannot be written; the message gives the reason.
     """
     try:
-        if Path(path).suffix == ".gz":
-            return cast("IO[str]", gzip.open(path, "wt", encoding="utf-8", newline="\n"))
-        return open(path, "w", encoding="utf-8", newline="\n")
+        opener = gzip.open if Path(path).suffix == ".gz" else open
+        data = opener(path, "wb")
     except OSError as error:
         raise FileError(f"`{shown(path)}` cannot be written: {ended(error.strerror or str(error))}") from None
+    # a program may print half a character
+    return _Log(cast("IO[bytes]", data), encoding="utf-8", errors="surrogatepass", newline="\n")
 
 
 def append_line(path: str | os.PathLike[str], line: str) -> None:

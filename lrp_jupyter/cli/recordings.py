@@ -33,7 +33,7 @@ def prepared(program: Program, initials: Mapping[str, str]) -> Program:
 
 def replay_file(file: str, program: str | None, begin: float, end: float | None) -> int:
     """Run a recording again, print its events and the first difference; return the exit code."""
-    recording = read_recording(file)
+    recording = read_recording(file, prepared)
     console, complaints = plain_console(), plain_console(stderr=True)
     text = _other_program(program)
     printer = EventPrinter(console, quiet=False)
@@ -48,9 +48,9 @@ def replay_file(file: str, program: str | None, begin: float, end: float | None)
         active = ", ".join("/".join(path) for path in frame.active) or "nothing"
         console.print(f"{recording.name}: {frame.time:.1f} s, {frame.tick} ticks; {active} active")
         if recording.cut:
-            complaints.print("The file ends in the middle of a line; it was run up to its last whole one.")
+            complaints.print("The recording is cut off; it was replayed up to its last complete tick.")
         if again.difference is None:
-            console.print("The run is the recorded one, with no difference.")
+            console.print("The run matches the recording.")
             return 0
         console.print(Text(str(again.difference), "bold yellow"))
         return 0 if text is not None else 1
@@ -58,13 +58,13 @@ def replay_file(file: str, program: str | None, begin: float, end: float | None)
 
 def why_file(file: str, name: str, at: float | None, program: str | None) -> int:
     """Run a recording again up to a time, and print why something happened there or did not."""
-    recording = read_recording(file)
+    recording = read_recording(file, prepared)
     text = _other_program(program)
     again = _run_again(recording, at, text)
     with again.session as session:
         if again.difference is not None and text is None:
             plain_console(stderr=True).print(
-                Text(f"The run is not the recorded one. {again.difference}", "yellow")
+                Text(f"The run differs from the recording. {again.difference}", "yellow")
             )
         try:
             reason = session.explain(name)
@@ -97,8 +97,11 @@ def _run_again(
     if recording.start.names:
         listed = ", ".join(f"`{name}`" for name in recording.start.names)
         _refuse(
-            f"`{recording.name}` was recorded in a notebook, and its blocks use names of that ({listed}). "
-            "Run it again there: `reproduce(read_recording(…), namespace=globals())`."
+            f"`{recording.name}` was recorded in a notebook, and its blocks use names defined there "
+            f"({listed}). "
+            "Replay it in that notebook: `from lrp_jupyter.live.recording import read_recording`, "
+            "`from lrp_jupyter.live.reproduction import reproduce`, "
+            "`reproduce(read_recording(…), namespace=globals())`."
         )
     return reproduce(recording, until, text, show, prepared=prepared)  # type: ignore[arg-type]
 

@@ -46,11 +46,11 @@ class FirstDifference:
         head = f"The first difference is at {self.time:g} s (tick {self.tick}){where}."
         recorded, now = self.recorded, self.now
         if recorded is None or now is None:
-            only = "Only now" if recorded is None else "Only in the recording"
+            only = "Only in the replay" if recorded is None else "Only in the recording"
             return f"{head} {only}: {ended(_told(recorded or now or {}))}"
         other = {**recorded, "readings": _others(recorded, now)} if "readings" in recorded else recorded
         own = {**now, "readings": _others(now, recorded)} if "readings" in now else now
-        return f"{head} Recorded: {ended(_told(other))} Now: {ended(_told(own))}"
+        return f"{head} Recorded: {ended(_told(other))} Replay: {ended(_told(own))}"
 
 
 class Comparison:
@@ -180,7 +180,8 @@ def _told(line: Line) -> str:
             call = call_text(line["command"], unplain(line["arguments"]))
             where = f" (line {line['line']})" if line.get("line") else ""
             sent = "" if line["sent"] else ", which was not sent"
-            return f"`{line['block']}`{where} called {call}{sent}"
+            who = f"`{line['block']}`{where} called {call}" if line["block"] else f"{call} was called by hand"
+            return f"{who}{sent}"
         case None:
             parts = [f"`robot.{name}` was {unplain(value)!r}" for name, value in line["readings"].items()]
             return ", ".join(parts)

@@ -28,7 +28,9 @@ from __future__ import annotations
 
 import ast
 import json
+import math
 import os
+import random
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -42,7 +44,8 @@ from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped, WorldLoade
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
 from lrp_jupyter.errors import BridgeError, FileError, NoDataYet, ended, sentence_of
 from lrp_jupyter.files import shown
-from lrp_jupyter.interpreter.rendering import render
+from lrp_jupyter.interpreter.events import TraceEvent
+from lrp_jupyter.interpreter.rendering import render, short
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Element, Program
 from lrp_jupyter.language.unmeant import Unmeant
@@ -50,18 +53,35 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.inputs import Input, Paused, Resumed, RunEnded
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.replay import Entry, Ticked
-from lrp_jupyter.live.trace import Trace, plain
+from lrp_jupyter.live.trace import Trace, as_dict, plain
 from lrp_jupyter.sim.edits import Become, Draw, WorldEdit
 from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.worlds import load
 
-__all__ = ["Recorder", "Recording", "RunStart", "read_recording", "start_of"]
+__all__ = ["Recorder", "Recording", "RunStart", "random_of", "read_recording", "start_of"]
 
 VERSION = 2
 _OLD = 1  # in it, commands were no events, and what is printed was not recorded
+_GZIP = b"\x1f\x8b"
+_LATEST = 1e7  # s of a run
 _BEYOND = "beyond"  # in the place of a value that no file can hold
 
 Line = dict[str, Any]
+
+_FIELDS: dict[object, tuple[str, ...]] = {
+    "entered": ("state",),
+    "left": ("state",),
+    "forced": ("state",),
+    "spawned": ("machine",),
+    "discarded": ("machine",),
+    "changed": ("variable",),
+    "restarted": ("reason",),
+    "fired": ("machine", "transition", "source", "destination"),
+    "issue": ("element", "line", "message"),
+    "commanded": ("command", "arguments", "sent", "block", "line"),
+    "printed": ("text",),
+}
+"""The fields that the line of an event must have, beside `tick`, `time` and `event`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,8 +102,8 @@ class RunStart:
     on_active_edit, on_issue : str
     names : list of str
         The names that the blocks use and that neither the program nor Python defines: a notebook's.
-    random : int or None
-        The seed of Python's own random numbers, if they were seeded for the recording.
+    random : int, sequence or None
+        The seed of Python's own random numbers, if they were seeded for the recording; else their state.
     initials : mapping of str to str
         Other initial values than those of the text.
     """
@@ -97,7 +117,7 @@ class RunStart:
     on_active_edit: str = "restart"
     on_issue: str = "record"
     names: list[str] = field(default_factory=list)
-    random: int | None = None
+    random: int | Sequence[Any] | None = None
     initials: Mapping[str, str] = field(default_factory=dict)
 
     def make_bridge(self) -> Bridge:
@@ -114,6 +134,8 @@ class RunStart:
 class Recorder(Trace):
     """Writes the recording of a session: its inputs, and its trace. It belongs to the thread that ticks.
 
+    A recording that fails, because a disk is full or a value cannot be written, ends; the session goes on.
+
     Parameters
     ----------
     loop : Loop
@@ -126,6 +148,7 @@ class Recorder(Trace):
     def __init__(self, loop: Loop, write: Callable[[str], object], start: RunStart | None = None) -> None:
         super().__init__(write)
         self._loop = loop
+        self._failure: Exception | None = None
         if start is not None:
             parts = {name: getattr(start, name) for name in RunStart.__dataclass_fields__}
             self.line({"lrplog": VERSION, **parts})
@@ -134,20 +157,43 @@ class Recorder(Trace):
         self._unobserve = loop.interpreter.observe(self)
 
     def end(self) -> None:
-        """Write the time of the end, and nothing more."""
+        """Write the time of the end, and nothing more.
+
+        Raises
+        ------
+        FileError
+            The recording failed before.
+        """
         self._unobserve()
         loop = self._loop
         self._input(Input(0, loop.interpreter.tick, loop.now, RunEnded()))
         loop.record = None
         loop.after_tick.remove(self._tick)
+        if self._failure is not None:
+            raise FileError(f"The recording ended before the run: {sentence_of(self._failure)}")
+
+    def __call__(self, event: TraceEvent) -> None:
+        """Write one event."""
+        self._keep(lambda: as_dict(event))
 
     def _input(self, entry: Input) -> None:
-        self.line({"tick": entry.tick, "time": entry.time, **_encoded(entry.what, self._loop)})
+        self._keep(lambda: {"tick": entry.tick, "time": entry.time, **_encoded(entry.what, self._loop)})
 
     def _tick(self) -> None:
+        self._keep(self._readings)
+
+    def _readings(self) -> Line:
         time, _, sensed = self._loop.moments[-1]
         readings = {name: plain(value) for name, value in self._loop.bridge.readings_of(sensed).items()}
-        self.line({"tick": self._loop.interpreter.tick, "time": time, "readings": readings})
+        return {"tick": self._loop.interpreter.tick, "time": time, "readings": readings}
+
+    def _keep(self, made: Callable[[], Line]) -> None:
+        if self._failure is not None:
+            return
+        try:
+            self.line(made())
+        except Exception as error:
+            self._failure = error
 
 
 def start_of(
@@ -167,7 +213,7 @@ def start_of(
         interpreter.on_active_edit,
         interpreter.on_issue,
         sorted(name for name in loop.names_used() if name in interpreter.namespace),
-        seed,
+        random.getstate() if seed is None else seed,
         dict(initials or {}),
     )
 
@@ -258,7 +304,7 @@ def read_recording(
         raise FileError(f"`{name}` cannot be read: {ended(error.strerror or str(error))}") from None
     *whole, rest = data.split(b"\n")
     if not whole:
-        raise FileError(f"`{name}` is not a recording: it has no whole line.")
+        raise FileError(f"`{name}` is not a recording: it contains no complete line.")
     start: RunStart | None = None
     entries: list[Entry] = []
     followed: list[Line] = []
@@ -267,30 +313,50 @@ def read_recording(
         at = _At(name, index)
         try:
             line = json.loads(raw)
-        except ValueError:
-            raise at.error("This is not JSON.") from None
+        except (ValueError, RecursionError):
+            raise at.error("This line is not JSON, so the file is damaged or is not a recording.") from None
         if not isinstance(line, dict):
-            raise at.error("This is not an object.")
+            raise at.error("This line is not a JSON object.")
         if start is None:
             start = _start(line, at)
             continue
         try:
+            tick, time = _moment(line)
             if "input" in line:
                 number += 1
-                what = _decoded(line, start, prepared)
-                entries.append(Input(number, line["tick"], float(line["time"]), what))
+                entries.append(Input(number, tick, time, _decoded(line, start, prepared)))
                 complete = len(followed)
                 continue
-            followed.append(line if "command" not in line else {**line, "event": "commanded"})
+            followed.append(_event(line))
             if "readings" in line:
                 readings = {name: unplain(value) for name, value in line["readings"].items()}
-                entries.append(Ticked(line["tick"], float(line["time"]), readings))
+                entries.append(Ticked(tick, time, readings))
                 complete = len(followed)
-        except (KeyError, TypeError, ValueError, AttributeError) as error:
-            raise at.error(f"A field is missing or wrong ({sentence_of(error).rstrip('.')}).") from None
+        except KeyError as error:
+            raise at.error(f"The field `{error.args[0]}` is missing.") from None
+        except Exception as error:  # whatever the parser, or an input that is made of it, says of a value
+            raise at.error(f"A field is wrong: {sentence_of(error)}") from None
     assert start is not None
     has_printed = json.loads(whole[0])["lrplog"] != _OLD
     return Recording(name, start, tuple(entries), tuple(followed[:complete]), bool(rest), has_printed)
+
+
+def _moment(line: Line) -> tuple[int, float]:
+    """Return the tick and the time of a line."""
+    tick, time = line["tick"], float(line["time"])
+    if type(tick) is not int or tick < 0:
+        raise ValueError(f"`tick` is {tick!r} instead of a number of ticks.")
+    if not 0 <= time < _LATEST:
+        raise ValueError(f"`time` is {time:g} instead of seconds of a run.")
+    return tick, time
+
+
+def _event(line: Line) -> Line:
+    """Return what followed; every kind of it has its fields."""
+    event = {**line, "event": "commanded"} if "command" in line else line  # as version 1 has it
+    for name in _FIELDS.get(event.get("event"), ()):
+        event[name]
+    return event
 
 
 def gunzipped(data: bytes) -> bytes:
@@ -299,7 +365,12 @@ def gunzipped(data: bytes) -> bytes:
     try:
         return reader.decompress(data) + reader.flush()
     except zlib.error as error:
-        raise OSError(f"It is not compressed ({error}).") from None
+        damaged = data.startswith(_GZIP)
+        raise OSError(
+            "its compressed data is damaged"
+            if damaged
+            else "its name ends with `.gz`, but it is not a gzip file"
+        ) from error
 
 
 def _start(line: Line, at: _At) -> RunStart:
@@ -308,13 +379,60 @@ def _start(line: Line, at: _At) -> RunStart:
         if found is None:
             raise at.error("This is not a recording. One begins with a line that has `lrplog`.")
         raise at.error(
-            f"Recordings of version {found!r} cannot be read, only those of version {VERSION} and {_OLD}."
+            f"This recording is of version {found!r}. This release reads versions {_OLD} and {VERSION}: "
+            "install a newer lrp-jupyter."
         )
-    known = RunStart.__dataclass_fields__
+    missing = [name for name in ("text", "filename", "bridge") if name not in line]
+    if missing:
+        listed = " and no ".join(f"`{name}`" for name in missing)
+        raise at.error(f"This line has no {listed}, so the run cannot be repeated. Record it again.")
+    known = {name: line[name] for name in RunStart.__dataclass_fields__ if name in line}
+    for name, value in known.items():
+        if not _STARTS[name](value):
+            raise at.error(f"The field `{name}` is wrong: it is {short(value)}.")
+    return RunStart(**known)
+
+
+def _are_texts(values: object) -> bool:
+    return isinstance(values, list) and all(isinstance(value, str) for value in values)
+
+
+def _is_state_of_random(value: object) -> bool:
+    """Return whether a value is what `random.setstate` accepts, as JSON has it."""
     try:
-        return RunStart(**{name: value for name, value in line.items() if name in known})
-    except TypeError as error:
-        raise at.error(f"The start of the run is not complete ({error}).") from None
+        random_of(value)
+    except (TypeError, ValueError):
+        return False
+    return True
+
+
+def random_of(seed: object) -> random.Random:
+    """Return the generator that a run began with: its seed, or its state, as JSON has it."""
+    generator = random.Random()
+    if isinstance(seed, (list, tuple)):
+        version, numbers, gauss = seed
+        generator.setstate((version, tuple(numbers), gauss))
+    elif seed is None or type(seed) is int:
+        generator.seed(seed)
+    else:
+        raise TypeError("A seed is a whole number.")
+    return generator
+
+
+_STARTS: dict[str, Callable[[Any], bool]] = {
+    "text": lambda value: isinstance(value, str),
+    "filename": lambda value: isinstance(value, str),
+    "bridge": lambda value: isinstance(value, str),
+    "world": lambda value: value is None or isinstance(value, dict),
+    "members": lambda value: isinstance(value, list) and all(isinstance(each, dict) for each in value),
+    "rate": lambda value: isinstance(value, (int, float)) and 0 < value < math.inf,
+    "on_active_edit": lambda value: value in ("restart", "keep"),
+    "on_issue": lambda value: value in ("record", "pause"),
+    "names": _are_texts,
+    "random": _is_state_of_random,
+    "initials": lambda value: isinstance(value, dict) and _are_texts(list(value.values())),
+}
+"""Whether a value of a field of the first line is possible."""
 
 
 # -- inputs as lines -----------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.comparison import Comparison, FirstDifference
-from lrp_jupyter.live.recording import Recorder, Recording
+from lrp_jupyter.live.recording import Recorder, Recording, random_of
 from lrp_jupyter.live.replay import Ticked, repeat, without_edits
 from lrp_jupyter.live.session import Session
 
@@ -85,7 +85,7 @@ def reproduce(
     if program is not None:
         entries = deque(without_edits(entries))
     if start.random is not None:
-        random.seed(start.random)
+        random.setstate(random_of(start.random).getstate())
     session = Session(
         first,
         start.make_bridge(),

@@ -858,7 +858,10 @@ class Session:
             try:
                 yield
             finally:
-                self.call(recorder.end)
+                if self.status == "closed":
+                    recorder.end()  # nothing ticks any more
+                else:
+                    self.call(recorder.end)
 
     def recorder(
         self,

@@ -34,7 +34,7 @@ def test_a_run_is_recorded_and_run_again(lrp, recorded):
     done = lrp("replay", path)
     assert done.exit_code == 0
     assert "5.0 s, 50 ticks; m/stop active" in done.stdout
-    assert "The run is the recorded one, with no difference." in done.stdout
+    assert "The run matches the recording." in done.stdout
     assert "m/stop  (far)" in done.stdout
 
 
@@ -49,7 +49,7 @@ def test_another_program_is_run_with_the_recorded_inputs(lrp, recorded, program)
     path = recorded()
     done = lrp("replay", path, "--program", program(TEXT.replace("[100]", "[10]"), "other.lrp"))
     assert done.exit_code == 0
-    assert "Recorded: `limit` became 100. Now: `limit` became 10." in done.stdout
+    assert "Recorded: `limit` became 100. Replay: `limit` became 10." in done.stdout
     broken = lrp("replay", path, "--program", program("(machine", "broken.lrp"))
     assert broken.exit_code == 1
     assert "LRP1" in broken.stderr
@@ -69,27 +69,28 @@ def difference(lrp, path, other):
             "> 300",
             "> -1",
             "The first difference is at 0.1 s (tick 2), in the machine `m`. Recorded: `drive.running` "
-            "(line 5) called `robot.move(linear=0.2)`. Now: `bright` fired, from `drive` to `stop`.",
+            "(line 5) called `robot.move(linear=0.2)`. Replay: `bright` fired, from `drive` to `stop`.",
         ),
         (
             "linear=0.2",
             "linear=0.1",
             "The first difference is at 0.1 s (tick 2), in the machine `m`. Recorded: `drive.running` "
-            "(line 5) called `robot.move(linear=0.2)`. Now: `drive.running` (line 5) called "
+            "(line 5) called `robot.move(linear=0.2)`. Replay: `drive.running` (line 5) called "
             "`robot.move(linear=0.1)`.",
         ),
         (
             "(var n := [0])",
             "(var n := [0]) (var more := [1])",
-            "The first difference is at 0 s (tick 1). Only now: `more` became 1.",
+            "The first difference is at 0 s (tick 1). Only in the replay: `more` became 1.",
         ),
         (
             "[n += 1]",
             "[n += 1] [what]",
-            "The first difference is at 0.1 s (tick 2), in the machine `m`. Only now: `drive` (line 5) had "
-            "an issue: `what` is not defined here. Correct the name, or declare `(var what := [value])`.",
+            "The first difference is at 0.1 s (tick 2), in the machine `m`. Only in the replay: `drive` "
+            "(line 5) had an issue: `what` is not defined here. Correct the name, or declare "
+            "`(var what := [value])`.",
         ),
-        ("; world: line\n", "; world: line\n\n\n", "The run is the recorded one, with no difference."),
+        ("; world: line\n", "; world: line\n\n\n", "The run matches the recording."),
     ],
     ids=["fired", "commanded", "more", "issue", "other lines"],
 )
@@ -107,7 +108,7 @@ def test_a_run_that_is_another_one_now_is_told(lrp, recorded):
     path.write_text("\n".join(changed) + "\n", encoding="utf-8")
     done = lrp("replay", path)
     assert done.exit_code == 1
-    assert "Recorded: `n` became 8. Now: `n` became 7." in done.stdout
+    assert "Recorded: `n` became 8. Replay: `n` became 7." in done.stdout
 
 
 def test_a_recording_is_asked_why(lrp, recorded):
@@ -122,7 +123,7 @@ def test_a_recording_is_asked_why(lrp, recorded):
 
 def test_random_numbers_are_recorded_by_their_seed(lrp, recorded):
     text = TEXT.replace("n += 1", "import random; n = random.random()")
-    assert "no difference" in lrp("replay", recorded(text=text)).stdout
+    assert "matches the recording" in lrp("replay", recorded(text=text)).stdout
 
 
 def test_what_cannot_be_run_again_is_refused(lrp, recorded, tmp_path):
@@ -176,3 +177,27 @@ def test_a_breakpoint_that_cannot_be_set_is_refused(lrp, program, what, said):
     done = lrp("run", program(TEXT), "--for", "1", "--break", what)
     assert done.exit_code == 2
     assert said in " ".join(done.stderr.replace("│", " ").split())
+
+
+def test_initial_values_stay_after_a_recorded_edit_and_a_reset(lrp, program, tmp_path):
+    from lrp_jupyter.cli.recordings import prepared
+    from lrp_jupyter.language.parser import parse
+    from lrp_jupyter.live.clock import VirtualClock
+    from lrp_jupyter.live.commands import ReplaceProgram
+    from lrp_jupyter.live.session import Session
+
+    path, initials = tmp_path / "run.lrplog", {"n": "100"}
+    other = prepared(parse(TEXT.replace("[n += 1]", "[n += 2]"), "run.lrp"), initials)
+    first = prepared(parse(TEXT, "run.lrp"), initials)
+    with (
+        open(path, "w", encoding="utf-8") as stream,
+        Session(first, "sim", VirtualClock(), world="line") as session,
+    ):
+        recorder = session.recorder(stream.write, initials=initials)
+        session.run(0.5)
+        session.ask(ReplaceProgram(other))
+        session.reset()
+        session.run(0.5)
+        recorder.end()
+    done = lrp("replay", path)
+    assert (done.exit_code, "matches the recording" in done.stdout) == (0, True)

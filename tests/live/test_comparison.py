@@ -38,18 +38,18 @@ def compared(recorded, now, other=False):
 @pytest.mark.parametrize(
     ("recorded", "now", "told"),
     [
-        ([changed(1, "n", 1)], [changed(1, "n", 2)], "Recorded: `n` became 1. Now: `n` became 2."),
+        ([changed(1, "n", 1)], [changed(1, "n", 2)], "Recorded: `n` became 1. Replay: `n` became 2."),
         ([changed(1, "n", 1)], [], "Only in the recording: `n` became 1."),
-        ([], [changed(1, "n", 1)], "Only now: `n` became 1."),
+        ([], [changed(1, "n", 1)], "Only in the replay: `n` became 1."),
         (
             [changed(1, "n", 1), changed(1, "k", 1)],
             [changed(1, "k", 1), changed(1, "n", 1)],
-            "Recorded: `n` became 1. Now: `k` became 1.",
+            "Recorded: `n` became 1. Replay: `k` became 1.",
         ),
         (
             [read(1, light=3, gap=0.5)],
             [read(1, light=4, gap=0.5)],
-            "Recorded: `robot.light` was 3. Now: `robot.light` was 4.",
+            "Recorded: `robot.light` was 3. Replay: `robot.light` was 4.",
         ),
     ],
     ids=["another value", "only there", "only now", "order", "reading"],

@@ -12,6 +12,7 @@ import pytest
 import wandering
 from seeds import seeds
 
+from lrp_jupyter import files
 from lrp_jupyter.bridges.bridge import Bridge, Twist
 from lrp_jupyter.errors import FileError, NoDataYet
 from lrp_jupyter.live.clock import VirtualClock
@@ -97,7 +98,7 @@ def test_a_run_that_depends_on_something_else_is_told_where(tmp_path):
     assert recording.start.names == ["clock"]
     again = reproduce(recording, namespace={"clock": iter([0, 1, 2, 7, 8]).__next__})
     assert (again.difference.tick, again.difference.now["value"]) == (5, 7)
-    assert str(again.difference).endswith("Recorded: `n` became 3. Now: `n` became 7.")
+    assert str(again.difference).endswith("Recorded: `n` became 3. Replay: `n` became 7.")
 
 
 def test_a_recording_can_be_run_again_up_to_a_time(tmp_path):
@@ -149,7 +150,7 @@ def test_what_a_program_prints_is_compared(tmp_path):
         session.run(1)
     assert reproduce(read_recording(path)).difference is None
     other = reproduce(read_recording(path), program=text.replace("on'", "off'"))
-    assert str(other.difference).endswith(r"Recorded: 'on\n' was printed. Now: 'off\n' was printed.")
+    assert str(other.difference).endswith(r"Recorded: 'on\n' was printed. Replay: 'off\n' was printed.")
 
 
 DRIVER = """(machine m
@@ -160,7 +161,8 @@ DRIVER = """(machine m
 
 
 @pytest.mark.parametrize("name", ["run.lrplog", "run.lrplog.gz"])
-def test_a_running_session_that_is_edited_and_whose_robot_is_moved_is_reproduced(tmp_path, name):
+def test_a_running_session_that_is_edited_and_whose_robot_is_moved_is_reproduced(tmp_path, name, monkeypatch):
+    monkeypatch.setattr(files, "_KEPT", 0.0)  # every line is written at once, also in a short run
     path, options = tmp_path / name, {"world": "line", "noise": {"motor": 0.1}, "seed": 4}
     with Session(DRIVER, "sim", speed=50, **options) as session:
         with session.record(path):
@@ -176,7 +178,7 @@ def test_a_running_session_that_is_edited_and_whose_robot_is_moved_is_reproduced
     assert again.difference is None
     assert wandering.seen(again.session) == seen
     data, ticks = path.read_bytes(), []
-    for part in range(40, 100, 4):
+    for part in range(70, 100, 2):  # the first line is long
         path.write_bytes(data[: len(data) * part // 100])
         cut = read_recording(path)
         assert reproduce(cut).difference is None
@@ -187,12 +189,12 @@ def test_a_running_session_that_is_edited_and_whose_robot_is_moved_is_reproduced
 @pytest.mark.parametrize(
     ("lines", "message"),
     [
-        ("", "it has no whole line"),
-        ("hello\n", "line 1: This is not JSON"),
-        ("[1]\n", "line 1: This is not an object"),
+        ("", "it contains no complete line"),
+        ("hello\n", "line 1: This line is not JSON"),
+        ("[1]\n", "line 1: This line is not a JSON object"),
         ('{"tick":1,"event":"started"}\n', "line 1: This is not a recording"),
-        ('{"lrplog":99}\n', "Recordings of version 99 cannot be read"),
-        ('{"lrplog":1,"text":""}\n', "not complete"),
+        ('{"lrplog":99}\n', "of version 99. This release reads"),
+        ('{"lrplog":1,"text":""}\n', "no `filename` and no `bridge`"),
         (
             '{"lrplog":1,"text":"","filename":"x","bridge":"none"}\n{"input":"dance","tick":0,"time":0}\n',
             "line 2",
@@ -280,3 +282,123 @@ def test_values_are_the_same_as_json():
         assert unplain(json.loads(json.dumps(plain(value)))) == value
     pose = unplain(json.loads(json.dumps(plain(Pose(0.5, Pose(1, None))))))
     assert (pose.x, pose.other.x, pose.other.other) == (0.5, 1, None)
+
+
+class FullDisk:
+    """A file that takes so many lines."""
+
+    def __init__(self, lines):
+        self.lines = lines
+
+    def write(self, _line):
+        self.lines -= 1
+        if self.lines < 0:
+            raise OSError(28, "No space left on device")
+
+
+def test_a_recording_that_fails_ends_and_the_session_goes_on():
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        recorder = session.recorder(FullDisk(8).write)
+        session.run(2)
+        assert session.status == "paused"
+        assert session.frame.tick >= 20
+        with pytest.raises(FileError, match=r"The recording ended before the run: .*No space left"):
+            recorder.end()
+        session.run(1)
+
+
+def test_what_cannot_be_written_ends_the_recording_not_the_session(tmp_path):
+    path, knot = tmp_path / "run.lrplog", []
+    knot.append(knot)
+
+    class Odd(Bridge):
+        """A robot that takes anything."""
+
+        name = "odd"
+        hardware = False
+
+        def open_interface(self):
+            """Add a command."""
+            self.add_method("take", lambda thing: None)
+
+    text = "(machine m (state a (onentry [print('\\ud800')] [robot.take(knot)])))(spawn m a)"
+    session = Session(text, Odd(), clock=VirtualClock(), namespace={"knot": knot})
+    with session:
+        recording = session.record(path)
+        recording.__enter__()
+        session.run(1)
+        assert session.status == "paused"
+        with pytest.raises(FileError, match="recursion"):
+            recording.__exit__(None, None, None)
+    assert b"\xed\xa0\x80" in path.read_bytes()
+
+
+def test_a_session_can_be_closed_while_it_is_recorded(tmp_path):
+    path = tmp_path / "run.lrplog"
+    session = Session(COUNTER, clock=VirtualClock())
+    with session.record(path):
+        session.run(1)
+        session.close()
+    assert reproduce(read_recording(path)).difference is None
+
+
+def test_random_numbers_are_reproduced_though_nobody_seeded_them(tmp_path):
+    path = tmp_path / "run.lrplog"
+    text = "(var r := [0]) (machine m (state a (running [import random; r = random.random()])))(spawn m a)"
+    with Session(text, clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+    random.random()
+    assert reproduce(read_recording(path)).difference is None
+
+
+START = {"lrplog": 2, "text": COUNTER, "filename": "a.lrp", "bridge": "none"}
+
+
+@pytest.mark.parametrize(
+    ("fields", "line", "message"),
+    [
+        ({"text": 5}, {}, "line 1: The field `text` is wrong: it is 5"),
+        ({"rate": "x"}, {}, "line 1: The field `rate` is wrong: it is 'x'"),
+        ({"rate": -1}, {}, "line 1: The field `rate` is wrong: it is -1"),
+        ({"random": [1]}, {}, "line 1: The field `random` is wrong"),
+        ({"initials": [1]}, {}, "line 1: The field `initials` is wrong"),
+        ({"on_issue": "zz"}, {}, "line 1: The field `on_issue` is wrong"),
+        ({"names": 5}, {}, "line 1: The field `names` is wrong"),
+        ({"members": [5]}, {}, "line 1: The field `members` is wrong"),
+        ({}, {"event": "fired"}, "line 2: The field `machine` is missing"),
+        ({}, {"event": "commanded"}, "line 2: The field `command` is missing"),
+        ({}, {"input": "set", "path": "n"}, "line 2: The field `expression` is missing"),
+        ({}, {"tick": "x", "readings": {}}, "line 2: A field is wrong: .*`tick` is 'x'"),
+        ({}, {"time": float("inf"), "readings": {}}, "line 2: A field is wrong: .*`time` is inf"),
+        ({}, {"time": 1e9, "readings": {}}, "line 2: A field is wrong: .*`time` is 1e"),
+        ({}, {"readings": 5}, "line 2: A field is wrong"),
+        ({}, {"input": "edit", "text": "(machine"}, "line 2: A field is wrong: .*LRP1"),
+    ],
+)
+def test_what_is_wrong_in_a_recording_is_told_with_its_line(tmp_path, fields, line, message):
+    path = tmp_path / "run.lrplog"
+    rows = [{**START, **fields}, {"tick": 1, "time": 0.0, **line}]
+    path.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
+    with pytest.raises(FileError, match=message):
+        read_recording(path)
+
+
+def test_a_deep_line_and_a_file_that_is_not_compressed_are_told(tmp_path):
+    path, packed = tmp_path / "run.lrplog", tmp_path / "run.lrplog.gz"
+    path.write_text("[" * 100_000 + "\n")
+    with pytest.raises(FileError, match="line 1: This line is not JSON"):
+        read_recording(path)
+    packed.write_text("{}\n")
+    with pytest.raises(FileError, match="it is not a gzip file"):
+        read_recording(packed)
+    packed.write_bytes(gzip.compress(b"{}\n")[:10] + b"\xff" * 40)
+    with pytest.raises(FileError, match="its compressed data is damaged"):
+        read_recording(packed)
+
+
+def test_of_a_process_that_is_killed_a_compressed_recording_is_kept(tmp_path):
+    path = tmp_path / "run.lrplog.gz"
+    stream = files.open_log(path)
+    stream.write("the first line\n")
+    assert path.stat().st_size > 20
+    stream.close()
