@@ -69,10 +69,10 @@ class Checkpoints:
         """The tick after which the next one is wanted, at the earliest."""
         self._rested = 0.0  # wall time from which on one may be taken
 
-    def add(self, take: Callable[[], SessionCheckpoint]) -> None:
-        """Take a checkpoint, unless the last one was too short a time ago."""
+    def add(self, take: Callable[[], SessionCheckpoint], always: bool = False) -> None:
+        """Take a checkpoint, unless the last one was too short a time ago, or always."""
         start = perf_counter()
-        if start < self._rested:
+        if start < self._rested and not always:
             self.due += _SPACING
             return
         checkpoint = take()
@@ -90,10 +90,10 @@ class Checkpoints:
         return self.all[0] if self.all else None
 
     def cut(self, tick: int) -> None:
-        """Drop those after a tick."""
-        while self.all and self.all[-1].tick > tick:
+        """Drop those after a tick, and those at it, which may contain inputs that are undone."""
+        while self.all and self.all[-1].tick >= tick:
             self.all.pop()
-        self.due = self.all[-1].tick + _SPACING if self.all else tick
+        self.due = tick
 
     def drop(self, inputs: int) -> None:
         """Drop those after which not all inputs are known any more: the ones up to this number are lost."""

@@ -6,10 +6,49 @@ import pytest
 import wandering
 from seeds import seeds
 
+from lrp_jupyter.live import checkpoints
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
 
 COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
+
+
+def test_what_a_rewind_has_undone_is_in_no_fork(monkeypatch):
+    monkeypatch.setattr(checkpoints, "_SHARE", 0)  # one every 200 ticks, however long it takes
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.run(20)
+        session.variables["n"] = 1000
+        session.run(0.5)
+        session.rewind(5)
+        session.run(0.5)
+        assert session.frame.values["n"] == 204
+        assert session.at(205).values["n"] == 204
+        with session.fork(205) as fork:
+            assert fork.frame.values["n"] == 204
+
+
+def test_a_fork_after_a_rewind_to_the_beginning_has_the_program_of_the_session():
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.edit(COUNTER.replace("n += 1", "n += 7"))
+        session.run(0.5)
+        session.rewind(5)
+        session.run(0.5)
+        with session.fork(5) as fork:
+            assert fork.program.text == session.program.text
+            assert fork.frame.values == session.frame.values
+
+
+def test_the_rate_and_the_policies_that_a_rewind_keeps_are_those_of_a_fork():
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.run(1)
+        session.rate, session.on_issue, session.on_active_edit = 20, "pause", "keep"
+        session.run(1)
+        session.rewind(20)
+        session.run(0.5)
+        with session.fork(15) as fork:
+            assert (fork.rate, fork.on_issue, fork.on_active_edit) == (20, "pause", "keep")
+            fork.run(0.3)
+            assert (fork.frame.tick, fork.frame.values) == (session.frame.tick, session.frame.values)
 
 
 def walk(seed, bridge, moves=25, rewinds=True):
@@ -51,6 +90,25 @@ def test_a_fork_of_the_past_with_its_inputs_comes_to_the_present(seed, bridge):
                     fork.run(0.1)
                 assert wandering.seen(fork) == present, f"from tick {tick}"
         assert wandering.seen(session) == present
+
+
+@pytest.mark.parametrize("bridge", ["sim", "none"])
+@pytest.mark.parametrize("seed", seeds(6, 60))
+def test_a_fork_of_the_time_since_a_rewind_comes_to_the_present(seed, bridge):
+    draw = random.Random(seed)
+    with walk(seed, bridge) as session:
+        session.rewind(min(draw.choice([0, 1, 5]), session.frame.tick))
+        since = session.frame.tick
+        for _ in range(10):
+            wandering.act(draw, session, rewinds=False)
+        session.run(1)
+        present = wandering.seen(session)
+        for tick in (since, draw.randint(since, session.frame.tick)):
+            with session.fork(tick, inputs=True) as fork:
+                fork.run(session.frame.time - fork.frame.time)
+                while fork._script:
+                    fork.run(0.1)
+                assert wandering.seen(fork) == present, f"from tick {tick}"
 
 
 @pytest.mark.parametrize("seed", seeds(4, 30))
