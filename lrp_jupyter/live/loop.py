@@ -390,7 +390,7 @@ class Loop:
         def find(token: object) -> object:
             return interpreter.namespace if token == "namespace" else bridge.nodes.table[str(token)]
 
-        beside: dict[str, Any] = interpreter.begin(checkpoint.snapshot, find)
+        beside = interpreter.begin(checkpoint.snapshot, find)
         self.now = checkpoint.time
         if self._step is not None:
             self._steps = round(self.now / self._step)

@@ -51,6 +51,19 @@ def test_the_rate_and_the_policies_that_a_rewind_keeps_are_those_of_a_fork():
             assert (fork.frame.tick, fork.frame.values) == (session.frame.tick, session.frame.values)
 
 
+def test_values_nested_too_deeply_to_be_copied_do_not_disturb_the_session():
+    program = """(var n := [0])(var m := [[]])
+      (machine m (state a (running [n = [n]] [m.append(1)])))(spawn m a)"""
+    with Session(program, clock=VirtualClock()) as session:
+        session.run(200)
+        session._loop.checkpoint()
+        assert (session.status, session.fault, session.frame.tick) == ("paused", "", 2000)
+        with session.fork() as fork:
+            fork.run(1)
+            assert len(fork.interpreter.variables["m"]) == 2009
+            assert len(session.interpreter.variables["m"]) == 1999
+
+
 def walk(seed, bridge, moves=25, rewinds=True):
     """A session after random things."""
     draw = random.Random(seed)
