@@ -51,6 +51,21 @@ def test_the_rate_and_the_policies_that_a_rewind_keeps_are_those_of_a_fork():
             assert (fork.frame.tick, fork.frame.values) == (session.frame.tick, session.frame.values)
 
 
+def test_the_names_that_a_program_uses_are_its_global_names():
+    program = """(machine m (state a (running [
+      import math
+      robot.light.data
+      limit
+      [step for _ in 'a']
+      class Near:
+        def far(self):
+          return self.width + found]))) (spawn m a)"""
+    with Session(program, namespace={"data": [], "limit": 1}) as session:
+        used = session._loop.names_used()
+        assert used >= {"limit", "step", "found"}
+        assert used.isdisjoint({"data", "light", "width", "math"})
+
+
 def test_values_nested_too_deeply_to_be_copied_do_not_disturb_the_session():
     program = """(var n := [0])(var m := [[]])
       (machine m (state a (running [n = [n]] [m.append(1)])))(spawn m a)"""
