@@ -1,6 +1,7 @@
 """A fork is the session as it was, goes on as it did, and the session does not notice."""
 
 import random
+import threading
 
 import pytest
 import wandering
@@ -8,6 +9,7 @@ from seeds import seeds
 
 from lrp_jupyter.live import checkpoints
 from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.fork import private_namespace
 from lrp_jupyter.live.session import Session
 
 COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
@@ -77,6 +79,26 @@ def test_values_nested_too_deeply_to_be_copied_do_not_disturb_the_session():
             fork.run(1)
             assert len(fork.interpreter.variables["m"]) == 2009
             assert len(session.interpreter.variables["m"]) == 1999
+
+
+def test_a_namespace_can_be_written_while_it_is_copied():
+    names, ended = {str(number): number for number in range(2000)}, threading.Event()
+
+    def write():
+        while not ended.is_set():
+            for number in range(2000, 4000):
+                names[str(number)] = number
+            for number in range(2000, 4000):
+                del names[str(number)]
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    try:
+        for _ in range(50):
+            assert "0" in private_namespace(names, random.getstate())
+    finally:
+        ended.set()
+        writer.join()
 
 
 def walk(seed, bridge, moves=25, rewinds=True):
