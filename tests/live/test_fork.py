@@ -7,9 +7,13 @@ import pytest
 import wandering
 from seeds import seeds
 
+from lrp_jupyter.errors import SessionTimeoutError
+from lrp_jupyter.language.program import Element
 from lrp_jupyter.live import checkpoints
+from lrp_jupyter.live import session as live_session
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.fork import private_namespace
+from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.session import Session
 
 COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
@@ -79,6 +83,41 @@ def test_values_nested_too_deeply_to_be_copied_do_not_disturb_the_session():
             fork.run(1)
             assert len(fork.interpreter.variables["m"]) == 2009
             assert len(session.interpreter.variables["m"]) == 1999
+
+
+HANGING = """(var n := [0])
+(machine m (state a (running [n += 1] [
+  while n == 5: pass]))
+  (on [n > 20] a -> a late))
+(spawn m a)"""
+
+
+def test_a_block_that_does_not_return_is_not_repeated_for_ever(monkeypatch):
+    monkeypatch.setattr(live_session, "_REPEATING", 0.2)
+    with Session(HANGING, clock=VirtualClock()) as session:
+        with pytest.raises(SessionTimeoutError):
+            session.run(1, limit=0.2)
+        session.run(1)
+        others = set(live_session._open_sessions)
+        with session.fork(5) as fork:
+            assert fork.frame.values["n"] == 4
+        for ask in (session.fork, session.what_if):
+            with pytest.raises(SessionTimeoutError, match=r"^Tick 6 cannot be repeated: a block did not"):
+                ask(7)
+        late = Element("transition", ("m", "late"))
+        assert session.call(lambda: session._test_again(6, late)) is None
+        assert session.call(lambda: session._test_again(8, late)) is None
+        assert set(live_session._open_sessions) == others, "nothing stays open"
+
+
+def test_a_fork_is_closed_if_its_program_cannot_be_applied(monkeypatch):
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        others = set(live_session._open_sessions)
+        monkeypatch.setattr(Loop, "publish", lambda self: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            session.fork()
+        monkeypatch.undo()
+        assert set(live_session._open_sessions) == others
 
 
 def test_a_namespace_can_be_written_while_it_is_copied():
