@@ -11,7 +11,8 @@ from __future__ import annotations
 import copyreg
 import io
 import pickle
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from types import (
     BuiltinFunctionType,
     CellType,
@@ -29,12 +30,14 @@ from lrp_jupyter.interpreter.journal import weightless
 __all__ = ["Packed", "pack", "unpack"]
 
 _SHARED = (ModuleType, type, CodeType, BuiltinFunctionType, type(UNSET))
-_PLAIN = frozenset({int, float, bool, str, bytes, complex, type(None), list, tuple, dict, set, frozenset})
+_PLAIN = frozenset(
+    {int, float, bool, str, bytes, bytearray, complex, type(None), list, tuple, dict, set, frozenset}
+)
 
 
 @weightless
 class Packed(NamedTuple):
-    """A value packed for copying.
+    """Values packed for copying.
 
     Parameters
     ----------
@@ -50,23 +53,37 @@ class Packed(NamedTuple):
     uncopied: tuple[str, ...]
 
 
-def pack(value: object, cells: Mapping[int, int], known: Callable[[object], object]) -> Packed:
-    """Pack a value; it is read now, and can be unpacked any number of times.
+def pack(values: Sequence[object], cells: Mapping[int, int], known: Callable[[object], object]) -> Packed:
+    """Pack values; they are read now, and can be unpacked any number of times.
 
     Parameters
     ----------
-    value : object
+    values : sequence
+        One that cannot be copied, because of whatever it does or how deep it is nested, is shared.
     cells : mapping of int to int
         The numbers of the program's variables, by id of the cell.
     known : callable
         Returns what stands for an object that every copy has for itself, such as `robot`; None for any other.
     """
-    packer = _Packer(cells, known)
-    return packer.pack(value)
+    refused: dict[int, object] = {}
+    while True:
+        with suppress(Exception):
+            return _Packer(cells, known, refused).pack(values)
+        failing = {id(each): each for each in values if not _is_packed(each, cells, known, refused)}
+        refused |= failing or {id(each): each for each in values}
 
 
-def unpack(packed: Packed, cells: list[CellType], find: Callable[[object], object]) -> Any:
-    """Return a new copy of what was packed.
+def _is_packed(
+    value: object, cells: Mapping[int, int], known: Callable[[object], object], refused: dict[int, object]
+) -> bool:
+    """Return whether a value can be packed by itself."""
+    with suppress(Exception):
+        return bool(_Packer(cells, known, refused).pack([value]))
+    return False
+
+
+def unpack(packed: Packed, cells: list[CellType], find: Callable[[object], object]) -> list[Any]:
+    """Return new copies of the values that were packed.
 
     Parameters
     ----------
@@ -76,60 +93,64 @@ def unpack(packed: Packed, cells: list[CellType], find: Callable[[object], objec
     find : callable
         Returns the object that stands here for what `known` returned.
     """
-    return _Unpacker(packed, cells, find).load()
-
-
-class _RefusalError(Exception):
-    """An object cannot be copied."""
-
-    def __init__(self, value: object) -> None:
-        self.value = value
-        super().__init__()
+    values: list[Any] = _Unpacker(packed, cells, find).load()
+    return values
 
 
 class _Packer(pickle.Pickler):
-    def __init__(self, cells: Mapping[int, int], known: Callable[[object], object]) -> None:
+    def __init__(
+        self, cells: Mapping[int, int], known: Callable[[object], object], refused: Mapping[int, object]
+    ) -> None:
         self._file = io.BytesIO()
         super().__init__(self._file, protocol=5)
         self._cells = cells
         self._known = known
         self._shared: dict[int, tuple[int, object]] = {}  # by id: number, object
-        self._refused: dict[int, object] = {}
+        self._refused = dict(refused)
+        self._reduced: dict[int, tuple[object, tuple[Any, ...]]] = {}  # by id: object, how to copy it
         self._globals: set[int] = set()
 
-    def pack(self, value: object) -> Packed:
-        while True:
-            try:
-                self.dump(value)
-                break
-            except _RefusalError as refusal:  # one object more is shared, and all begins again
-                self._refused[id(refusal.value)] = refusal.value
-                self._shared.clear()
-                self._file.seek(0)
-                self._file.truncate()
-                self.clear_memo()
+    def pack(self, values: Sequence[object]) -> Packed:
+        self.dump(list(values))
         uncopied = dict.fromkeys(name_of(type(value)) for value in self._refused.values())
         shared = tuple(value for _, value in self._shared.values())
         return Packed(self._file.getvalue(), shared, tuple(uncopied))
 
     def persistent_id(self, value: object) -> object:
         kind = type(value)
-        if kind in _PLAIN and id(value) not in self._globals:
+        if id(value) in self._refused or id(value) in self._globals:
+            return self._share(value)
+        if kind in _PLAIN:
             return None
         if kind is CellType and id(value) in self._cells:
             return "cell", self._cells[id(value)]
         token = self._known(value)
         if token is not None:
             return "known", token
-        if (
-            isinstance(value, _SHARED)
-            or (kind is FunctionType and value.__closure__ is None)  # type: ignore[attr-defined]
-            or id(value) in self._refused
-            or id(value) in self._globals
-        ):
-            number, _ = self._shared.setdefault(id(value), (len(self._shared), value))
-            return "shared", number
+        if isinstance(value, _SHARED) or (kind is FunctionType and value.__closure__ is None):  # type: ignore[attr-defined]
+            return self._share(value)
+        if kind is not CellType and kind is not FunctionType and not self._reduce(value):
+            self._refused[id(value)] = value
+            return self._share(value)
         return None
+
+    def _share(self, value: object) -> object:
+        number, _ = self._shared.setdefault(id(value), (len(self._shared), value))
+        return "shared", number
+
+    def _reduce(self, value: object) -> bool:
+        """Note what makes a copy of an object; return whether there is something."""
+        if id(value) in self._reduced:
+            return True
+        try:
+            reduce = copyreg.dispatch_table.get(type(value))
+            reduced: Any = value.__reduce_ex__(5) if reduce is None else reduce(value)
+        except Exception:
+            return False
+        if not isinstance(reduced, tuple) or not 2 <= len(reduced) <= 6 or not callable(reduced[0]):
+            return False  # it can be reduced only to its name, or to nothing that pickle knows
+        self._reduced[id(value)] = value, reduced
+        return True
 
     def reducer_override(self, value: Any) -> Any:
         kind = type(value)
@@ -140,15 +161,7 @@ class _Packer(pickle.Pickler):
             own = [(cell, content(cell)) for cell in value.__closure__ if id(cell) not in self._cells]
             made = value.__code__, value.__globals__, value.__name__, None, value.__closure__
             return FunctionType, made, (value.__defaults__, value.__kwdefaults__, own), None, None, _finish
-        if kind in copyreg.dispatch_table or kind in _PLAIN:
-            return NotImplemented
-        try:
-            reduced = value.__reduce_ex__(5)
-        except Exception:
-            reduced = ""
-        if isinstance(reduced, str):  # it cannot be reduced, or only to its name
-            raise _RefusalError(value)
-        return reduced
+        return self._reduced[id(value)][1] if id(value) in self._reduced else NotImplemented
 
 
 def _finish(function: FunctionType, state: tuple[Any, Any, list[tuple[CellType, object]]]) -> None:

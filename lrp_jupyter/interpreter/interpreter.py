@@ -33,7 +33,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from types import NoneType
+from types import MappingProxyType, NoneType
 from typing import Any, Literal
 
 from lrp_jupyter.arguments import A_PROGRAM, check_choice, check_number, check_type
@@ -538,7 +538,11 @@ class Interpreter:
         self._note("restarted", "reset")
         self._done()
 
-    def snapshot(self, known: Callable[[object], object] = nothing, beside: object = None) -> Snapshot:
+    def snapshot(
+        self,
+        known: Callable[[object], object] = nothing,
+        beside: Mapping[str, object] = MappingProxyType({}),
+    ) -> Snapshot:
         """Take a snapshot of the run, from which :meth:`fork` begins.
 
         Parameters
@@ -546,13 +550,13 @@ class Interpreter:
         known : callable
             Returns what stands for an object that every run has for itself, such as its robot; None for any
             other object, which is copied.
-        beside : object
+        beside : mapping of str to object
             Values that are copied together with the variables.
         """
         taken = take(self._run, lambda value: "robot" if value is self._robot else known(value), beside)
         return replace(taken, settings={name: getattr(self, name) for name in _CARRIED})
 
-    def begin(self, snapshot: Snapshot, find: Callable[[object], object] = nothing) -> Any:
+    def begin(self, snapshot: Snapshot, find: Callable[[object], object] = nothing) -> dict[str, Any]:
         """Continue from a snapshot, in place of the present run.
 
         Parameters
@@ -563,8 +567,8 @@ class Interpreter:
 
         Returns
         -------
-        object
-            The copy of what was `beside`.
+        dict
+            The copies of what was `beside`.
         """
         before = self._run
         program = before.program if before.source == snapshot.source else snapshot.program

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from types import CellType
+from types import CellType, MappingProxyType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.cells import Slot, content, put
@@ -45,7 +45,9 @@ class Snapshot:
     now : float
         Seconds.
     values : Packed
-        The contents of the variables, and values beside them.
+        The contents of the variables, and the values beside them.
+    beside : tuple of str
+        The names of the latter.
     """
 
     source: tuple[str, str] | Program
@@ -59,6 +61,7 @@ class Snapshot:
     issues: IssueLog
     unmeant: Element | None
     values: Packed
+    beside: tuple[str, ...] = ()
     settings: Mapping[str, Any] = field(default_factory=dict)
     """Attributes of the interpreter."""
 
@@ -73,7 +76,9 @@ class Snapshot:
         return self.values.uncopied
 
 
-def take(run: Run, known: Callable[[object], object], beside: object = None) -> Snapshot:
+def take(
+    run: Run, known: Callable[[object], object], beside: Mapping[str, object] = MappingProxyType({})
+) -> Snapshot:
     """Take a snapshot of a run, between two ticks.
 
     Parameters
@@ -82,7 +87,7 @@ def take(run: Run, known: Callable[[object], object], beside: object = None) -> 
     known : callable
         Returns what stands for an object that every run has for itself, such as its robot; None for any
         other.
-    beside : object
+    beside : mapping of str to object
         Values that are copied together with the variables.
     """
     cells: list[CellType] = []
@@ -120,15 +125,16 @@ def take(run: Run, known: Callable[[object], object], beside: object = None) -> 
         {element: (count.times, count.tick) for element, count in run.counts.items()},
         run.issues.copy(),
         run.unmeant,
-        pack((values, beside), {id(cell): number for number, cell in enumerate(cells)}, known),
+        pack([*values, *beside.values()], {id(cell): number for number, cell in enumerate(cells)}, known),
+        tuple(beside),
     )
 
 
-def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> Any:
-    """Continue a new run from a snapshot of its program; return the copy of what was `beside`."""
+def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> dict[str, Any]:
+    """Continue a new run from a snapshot of its program; return the copies of what was `beside`."""
     cells = [CellType() for _ in range(_count(snapshot))]
-    values, beside = unpack(snapshot.values, cells, find)
-    for cell, value in zip(cells, values, strict=True):
+    values = unpack(snapshot.values, cells, find)
+    for cell, value in zip(cells, values, strict=False):  # the others are those beside
         put(cell, value)
     run.ticks, run.now = snapshot.tick, snapshot.now
     run.started, run.pending = snapshot.started, snapshot.pending
@@ -161,7 +167,7 @@ def begin(run: Run, snapshot: Snapshot, find: Callable[[object], object]) -> Any
     for environment in run.live.values():
         environment.sync()
     run.refresh()
-    return beside
+    return dict(zip(snapshot.beside, values[len(cells) :], strict=True))
 
 
 def _count(snapshot: Snapshot) -> int:

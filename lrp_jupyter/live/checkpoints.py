@@ -6,7 +6,9 @@ that an hour of a run takes no more memory than ten minutes.
 
 from __future__ import annotations
 
+import dis
 from collections.abc import Callable
+from functools import lru_cache
 from time import perf_counter
 from types import CodeType
 from typing import Any, NamedTuple
@@ -20,6 +22,7 @@ _SPACING = 200  # ticks, at least, between two checkpoints
 _SHARE = 60  # of the time: a checkpoint may take a sixtieth of it
 _MOST = 60  # kept
 _BYTES = 50_000_000  # kept, of values
+_READING = ("LOAD_GLOBAL", "LOAD_NAME", "LOAD_FROM_DICT_OR_GLOBALS")
 COPIED = (list, dict, set, bytearray)
 """The types of objects of a namespace that are copied; others are shared."""
 
@@ -69,10 +72,10 @@ class Checkpoints:
         """The tick after which the next one is wanted, at the earliest."""
         self._rested = 0.0  # wall time from which on one may be taken
 
-    def add(self, take: Callable[[], SessionCheckpoint]) -> None:
-        """Take a checkpoint, unless the last one was too short a time ago."""
+    def add(self, take: Callable[[], SessionCheckpoint], always: bool = False) -> None:
+        """Take a checkpoint, unless the last one was too short a time ago, or always."""
         start = perf_counter()
-        if start < self._rested:
+        if start < self._rested and not always:
             self.due += _SPACING
             return
         checkpoint = take()
@@ -90,10 +93,10 @@ class Checkpoints:
         return self.all[0] if self.all else None
 
     def cut(self, tick: int) -> None:
-        """Drop those after a tick."""
-        while self.all and self.all[-1].tick > tick:
+        """Drop those after a tick, and those at it, which may contain inputs that are undone."""
+        while self.all and self.all[-1].tick >= tick:
             self.all.pop()
-        self.due = self.all[-1].tick + _SPACING if self.all else tick
+        self.due = tick
 
     def drop(self, inputs: int) -> None:
         """Drop those after which not all inputs are known any more: the ones up to this number are lost."""
@@ -111,15 +114,13 @@ class Checkpoints:
 
 def names_of(plan: Plan) -> frozenset[str]:
     """Return the global names that the blocks of a program use, such as those of a notebook."""
-    names: set[str] = set()
+    codes = (block.code for block in plan.blocks)
+    return frozenset().union(*(_globals_of(code) for code in codes if isinstance(code, CodeType)))
 
-    def inside(code: CodeType) -> None:
-        names.update(code.co_names)
-        for constant in code.co_consts:
-            if isinstance(constant, CodeType):
-                inside(constant)
 
-    for block in plan.blocks:
-        if isinstance(block.code, CodeType):
-            inside(block.code)
-    return frozenset(names)
+@lru_cache(maxsize=20_000)
+def _globals_of(code: CodeType) -> frozenset[str]:
+    """Return the global names that a code object reads; attributes are not among its names."""
+    own = {each.argval for each in dis.get_instructions(code) if each.opname in _READING}
+    inner = (_globals_of(each) for each in code.co_consts if isinstance(each, CodeType))
+    return frozenset(own).union(*inner)

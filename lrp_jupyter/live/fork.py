@@ -112,7 +112,7 @@ def private_namespace(namespace: dict[str, Any], state: tuple[Any, ...]) -> dict
         return module if name == "random" else builtins.__import__(name, *arguments, **keywords)
 
     private: dict[str, Any] = {}
-    for name, value in namespace.items():
+    for name, value in namespace.copy().items():  # other threads may write it
         if value is random:
             value = module
         elif isinstance(value, (MethodType, BuiltinMethodType)) and value.__self__ is shared:

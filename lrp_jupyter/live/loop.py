@@ -393,7 +393,7 @@ class Loop:
         def find(token: object) -> object:
             return interpreter.namespace if token == "namespace" else bridge.nodes.table[str(token)]
 
-        beside: dict[str, Any] = interpreter.begin(checkpoint.snapshot, find)
+        beside = interpreter.begin(checkpoint.snapshot, find)
         self.now = checkpoint.time
         if self._step is not None:
             self._steps = round(self.now / self._step)
@@ -798,6 +798,8 @@ class Loop:
         self._pending_at = 0.0
         for what in kept:
             self.inputs.keep(self.inputs.next(interpreter.tick, self.now, what))
+        if self._remembers:  # the rate and the policies stay, though their inputs are dropped
+            self.checkpoints.add(self.checkpoint, always=True)
 
     def force(self, path: Path, how: Literal["transition", "teleport"]) -> None:
         """Force a state; one that does not exist is an issue, as it is in a transition. Paper: §6.4."""

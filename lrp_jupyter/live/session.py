@@ -105,6 +105,7 @@ from lrp_jupyter.live.why.answers import Answers
 __all__ = ["Session", "Until"]
 
 _ABSENT = object()
+_REPEATING = 2.0  # wall seconds that a block may take in a fork that others wait for
 
 Until = str | Path | Callable[[Frame], object]
 """The end of a run or a wait: a state, by bare name or path, or a condition on a frame."""
@@ -1000,8 +1001,11 @@ class Session:
             return None
         if isinstance(start.bridge, RecordedBridge):
             return None
-        with self._forked(start) as copy:
-            return tested_again(copy._loop, copy._script, element)
+        try:
+            with self._forked(start) as copy, copy.driving(_REPEATING):
+                return tested_again(copy._loop, copy._script, element)
+        except SessionTimeoutError:
+            return None
 
     def fork(
         self, at: int | None = None, program: str | Program | None = None, *, inputs: bool = False
@@ -1026,13 +1030,15 @@ class Session:
         ------
         ValueError
             The tick is not recorded (any more).
+        SessionTimeoutError
+            A tick before it cannot be repeated, because a block does not return.
         LRPSyntaxError
             The other text is not a valid program.
         """
         if isinstance(program, str):
             program = parse(program, self.program.filename)
         copy = self._forked(self.call(partial(fork_start, self._loop, at)))
-        with copy._driver.exclusive("fork"):
+        with copy._closed_on_error(), copy._driver.exclusive("fork"):
             if program is not None:
                 copy._loop.apply(do.ReplaceProgram(program))
                 copy._text = program.text
@@ -1083,7 +1089,7 @@ class Session:
     def _observed(self, tick: int, seconds: float) -> tuple[Course, float, bool]:
         """Run a fork, and return its course, its end in seconds, and whether readings were fed."""
         observation = Observation(self._loop, tick)
-        self.run(seconds, after_tick=observation.watch)
+        self.run(seconds, limit=_REPEATING, after_tick=observation.watch)
         open_loop = isinstance(self.bridge, RecordedBridge)
         return observation.course(), self._loop.now, open_loop
 
@@ -1144,13 +1150,41 @@ class Session:
             name=f"{self.name} fork",
             journal=self._journal,
         )
-        copy.namespace.update(copy._loop.begin(checkpoint))
-        with copy._driver.exclusive("fork"):
-            for entry in start.entries:
-                repeat(copy._loop, entry)
+        with copy._closed_on_error():
+            copy.namespace.update(copy._loop.begin(checkpoint))
+            if start.entries:
+                copy._repeat(start.entries)
         copy._text = copy.interpreter.program.text
         copy._script.extend(start.later)
         return copy
+
+    @contextmanager
+    def _closed_on_error(self) -> Iterator[None]:
+        try:
+            yield
+        except BaseException:
+            self.close()
+            raise
+
+    def _repeat(self, entries: Iterable[Entry]) -> None:
+        """Repeat ticks and inputs.
+
+        Raises
+        ------
+        SessionTimeoutError
+            A block did not return.
+        """
+        queued, tick = self._loop.inbox.queued, 0
+        try:
+            with self.driving(_REPEATING):
+                for entry in entries:
+                    tick = entry.tick
+                    repeat(self._loop, entry)
+                    if queued:  # the limit is exceeded
+                        break
+        except SessionTimeoutError:
+            message = f"Tick {tick} cannot be repeated: a block did not return."
+            raise SessionTimeoutError(message) from None
 
     # -- commands, events and frames -------------------------------------------------------------
 

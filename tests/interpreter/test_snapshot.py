@@ -1,7 +1,9 @@
 """A run that begins from a snapshot goes on as the run that it was taken of; neither notices the other."""
 
+from threading import Lock
 from types import SimpleNamespace
 
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from story import started
@@ -13,6 +15,13 @@ from lrp_jupyter.language.parser import parse
 
 slow = settings(suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large])
 REFUSED = (UnknownElementError, SyntaxError, NameError, ValueError)
+
+
+def nested(value):
+    """A list or a dict in which each value is in the one before."""
+    for _ in range(5000):
+        value = type(value)([("next", value)])
+    return value
 
 
 def copied(i, robot=None):
@@ -100,6 +109,47 @@ def test_what_cannot_be_copied_is_shared_and_named():
     copy = copied(i)
     assert copy.variables["g"] is i.variables["g"]
     assert copy.variables["n"] is not i.variables["n"]
+
+
+def kind(value):
+    return type(value).__name__
+
+
+class Odd:
+    """Its reduction is not what Python asks for."""
+
+    def __reduce_ex__(self, protocol):
+        return (1,)
+
+
+class Hostile:
+    """Its parts cannot be read."""
+
+    def __reduce_ex__(self, protocol):
+        return Hostile, (), None, (1 / 0 for _ in "a")
+
+
+@pytest.mark.parametrize("value", [Odd(), Hostile(), nested([]), nested({})], ids=kind)
+def test_a_value_whose_copy_fails_is_shared_and_the_others_are_copied(value):
+    i = started("(var n := [[]])(var m := [[]])(machine m (state s))(spawn m s)")
+    i.assign(i.variables.path("n"), value, 0.0)
+    copy = copied(i)
+    assert copy.variables["n"] is value
+    assert copy.variables["m"] is not i.variables["m"]
+
+
+def test_what_refuses_to_be_copied_lets_nothing_be_read_twice():
+    read = []
+
+    class Copied:
+        def __reduce_ex__(self, protocol):
+            read.append(self)
+            return list, ()
+
+    i = started("(var n := [[]])(machine m (state s))(spawn m s)")
+    i.assign(i.variables.path("n"), [each for _ in range(100) for each in (Copied(), Lock())], 0.0)
+    assert i.snapshot().shared == ("lock",)
+    assert len(read) == 100
 
 
 def test_the_robot_is_that_of_the_copy():

@@ -6,10 +6,132 @@ import pytest
 import wandering
 from seeds import seeds
 
+from lrp_jupyter.errors import SessionTimeoutError
+from lrp_jupyter.language.program import Element
+from lrp_jupyter.live import checkpoints
+from lrp_jupyter.live import session as live_session
 from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.fork import private_namespace
+from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.session import Session
 
 COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
+
+
+def test_what_a_rewind_has_undone_is_in_no_fork(monkeypatch):
+    monkeypatch.setattr(checkpoints, "_SHARE", 0)  # one every 200 ticks, however long it takes
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.run(20)
+        session.variables["n"] = 1000
+        session.run(0.5)
+        session.rewind(5)
+        session.run(0.5)
+        assert session.frame.values["n"] == 204
+        assert session.at(205).values["n"] == 204
+        with session.fork(205) as fork:
+            assert fork.frame.values["n"] == 204
+
+
+def test_a_fork_after_a_rewind_to_the_beginning_has_the_program_of_the_session():
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.edit(COUNTER.replace("n += 1", "n += 7"))
+        session.run(0.5)
+        session.rewind(5)
+        session.run(0.5)
+        with session.fork(5) as fork:
+            assert fork.program.text == session.program.text
+            assert fork.frame.values == session.frame.values
+
+
+def test_the_rate_and_the_policies_that_a_rewind_keeps_are_those_of_a_fork():
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.run(1)
+        session.rate, session.on_issue, session.on_active_edit = 20, "pause", "keep"
+        session.run(1)
+        session.rewind(20)
+        session.run(0.5)
+        with session.fork(15) as fork:
+            assert (fork.rate, fork.on_issue, fork.on_active_edit) == (20, "pause", "keep")
+            fork.run(0.3)
+            assert (fork.frame.tick, fork.frame.values) == (session.frame.tick, session.frame.values)
+
+
+def test_the_names_that_a_program_uses_are_its_global_names():
+    program = """(machine m (state a (running [
+      import math
+      robot.light.data
+      limit
+      [step for _ in 'a']
+      class Near:
+        def far(self):
+          return self.width + found]))) (spawn m a)"""
+    with Session(program, namespace={"data": [], "limit": 1}) as session:
+        used = session._loop.names_used()
+        assert used >= {"limit", "step", "found"}
+        assert used.isdisjoint({"data", "light", "width", "math"})
+
+
+def test_values_nested_too_deeply_to_be_copied_do_not_disturb_the_session():
+    program = """(var n := [0])(var m := [[]])
+      (machine m (state a (running [n = [n]] [m.append(1)])))(spawn m a)"""
+    with Session(program, clock=VirtualClock()) as session:
+        session.run(200)
+        session._loop.checkpoint()
+        assert (session.status, session.fault, session.frame.tick) == ("paused", "", 2000)
+        with session.fork() as fork:
+            fork.run(1)
+            assert len(fork.interpreter.variables["m"]) == 2009
+            assert len(session.interpreter.variables["m"]) == 1999
+
+
+HANGING = """(var n := [0])
+(machine m (state a (running [n += 1] [
+  while n == 5: pass]))
+  (on [n > 20] a -> a late))
+(spawn m a)"""
+
+
+def test_a_block_that_does_not_return_is_not_repeated_for_ever(monkeypatch):
+    monkeypatch.setattr(live_session, "_REPEATING", 0.2)
+    with Session(HANGING, clock=VirtualClock()) as session:
+        with pytest.raises(SessionTimeoutError):
+            session.run(1, limit=0.2)
+        session.run(1)
+        with session.fork(5) as fork:
+            assert fork.frame.values["n"] == 4
+        for ask in (session.fork, session.what_if):
+            with pytest.raises(SessionTimeoutError, match=r"^Tick 6 cannot be repeated: a block did not"):
+                ask(7)
+        late = Element("transition", ("m", "late"))
+        assert session.call(lambda: session._test_again(6, late)) is None
+        assert session.call(lambda: session._test_again(8, late)) is None
+
+
+def test_a_fork_that_fails_is_closed(monkeypatch):
+    closed = []
+    monkeypatch.setattr(Session, "close", lambda self: closed.append(self.name))
+    monkeypatch.setattr(Loop, "begin", lambda self, checkpoint: 1 / 0)
+    session = Session(COUNTER, clock=VirtualClock())
+    with pytest.raises(ZeroDivisionError):
+        session.fork()
+    assert closed == [f"{session.name} fork"]
+    monkeypatch.undo()
+    session.close()
+
+
+def test_a_namespace_can_be_written_while_it_is_copied():
+    names = {}
+
+    class Writing:
+        """Another thread writes whenever it likes; this does when it is looked at."""
+
+        @property
+        def __class__(self):
+            names[len(names)] = None
+            return object
+
+    names["writing"], names["last"] = Writing(), 1
+    assert private_namespace(names, random.getstate())["last"] == 1
 
 
 def walk(seed, bridge, moves=25, rewinds=True):
@@ -51,6 +173,25 @@ def test_a_fork_of_the_past_with_its_inputs_comes_to_the_present(seed, bridge):
                     fork.run(0.1)
                 assert wandering.seen(fork) == present, f"from tick {tick}"
         assert wandering.seen(session) == present
+
+
+@pytest.mark.parametrize("bridge", ["sim", "none"])
+@pytest.mark.parametrize("seed", seeds(6, 60))
+def test_a_fork_of_the_time_since_a_rewind_comes_to_the_present(seed, bridge):
+    draw = random.Random(seed)
+    with walk(seed, bridge) as session:
+        session.rewind(min(draw.choice([0, 1, 5]), session.frame.tick))
+        since = session.frame.tick
+        for _ in range(10):
+            wandering.act(draw, session, rewinds=False)
+        session.run(1)
+        present = wandering.seen(session)
+        for tick in (since, draw.randint(since, session.frame.tick)):
+            with session.fork(tick, inputs=True) as fork:
+                fork.run(session.frame.time - fork.frame.time)
+                while fork._script:
+                    fork.run(0.1)
+                assert wandering.seen(fork) == present, f"from tick {tick}"
 
 
 @pytest.mark.parametrize("seed", seeds(4, 30))
