@@ -51,7 +51,7 @@ def values_text(evaluation: Evaluation) -> str:
         for text, value in items(evaluation)
         if text in parts and text != evaluation.decides
     ]
-    return f": {_and(shown)}" if shown else ""
+    return f" ({_and(shown)})" if shown else ""
 
 
 def _rounded(value: object, tree: ast.expr) -> str:
