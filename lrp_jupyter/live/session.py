@@ -89,14 +89,14 @@ from lrp_jupyter.live.checking import members_of
 from lrp_jupyter.live.clock import Clock, MonotonicClock, VirtualClock
 from lrp_jupyter.live.driver import Driver
 from lrp_jupyter.live.foreign import surviving
-from lrp_jupyter.live.fork import ForkStart, fork_start, private_namespace
+from lrp_jupyter.live.fork import ForkStart, check_repeated, fork_start, private_namespace
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
 from lrp_jupyter.live.past import frame_at, tick_of
 from lrp_jupyter.live.plots import Plot, plots_of
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recording import Recorder, start_of
-from lrp_jupyter.live.replay import Entry, play, repeat, tested_again, without_edits
+from lrp_jupyter.live.replay import Entry, Ticked, play, repeat, tested_again, without_edits
 from lrp_jupyter.live.timeline import Timeline, TimelineCursor, timeline_of
 from lrp_jupyter.live.trials import Trial, Trials
 from lrp_jupyter.live.variables import LiveVariables
@@ -1017,8 +1017,10 @@ class Session:
         """Return an independent copy of this session, now or after an earlier tick.
 
         It is paused, runs in virtual time only (:meth:`run`, :meth:`step`), and nothing that it does is
-        noticed here. With a simulated robot, or none, it goes on exactly as this session did or will; with
-        any other robot it is fed the recorded readings.
+        noticed here, except what its blocks do to objects of the namespace other than numbers, texts and
+        collections. With a simulated robot, or none, it goes on exactly as this session did or will, as far
+        as that follows from the program and what came from outside; with any other robot it is fed the
+        recorded readings.
 
         Parameters
         ----------
@@ -1158,6 +1160,8 @@ class Session:
             copy.namespace.update(copy._loop.begin(checkpoint))
             if start.entries:
                 copy._repeat(start.entries)
+            if start.recorded is not None:
+                check_repeated(start.recorded, copy.interpreter, self.namespace)
         copy._text = copy.interpreter.program.text
         copy._script.extend(start.later)
         return copy
@@ -1177,18 +1181,22 @@ class Session:
         ------
         SessionTimeoutError
             A block did not return.
+        ValueError
+            An input cannot be applied again.
         """
-        queued, tick = self._loop.inbox.queued, 0
+        queued, what = self._loop.inbox.queued, ""
         try:
             with self.driving(_REPEATING):
                 for entry in entries:
-                    tick = entry.tick
+                    noun = "Tick" if isinstance(entry, Ticked) else "What was done after tick"
+                    what = f"{noun} {entry.tick}"
                     repeat(self._loop, entry)
                     if queued:  # the limit is exceeded
                         break
         except SessionTimeoutError:
-            message = f"Tick {tick} cannot be repeated: a block did not return."
-            raise SessionTimeoutError(message) from None
+            raise SessionTimeoutError(f"{what} cannot be repeated: a block did not return.") from None
+        except Exception as error:
+            raise ValueError(f"{what} cannot be repeated: {sentence_of(error)}") from error
 
     # -- commands, events and frames -------------------------------------------------------------
 

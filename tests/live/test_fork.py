@@ -84,6 +84,55 @@ def test_values_nested_too_deeply_to_be_copied_do_not_disturb_the_session():
             assert len(session.interpreter.variables["m"]) == 1999
 
 
+GAINING = COUNTER.replace("n += 1", "n += gain")
+
+
+def test_a_fork_has_the_values_that_a_notebook_had_then():
+    names = {"gain": 1}
+    with Session(GAINING, clock=VirtualClock(), namespace=names) as session:
+        session.run(5)
+        names["gain"] = 5
+        session.run(2)
+        with session.fork(30) as fork:
+            assert fork.frame.values["n"] == session.at(30).values["n"] == 29
+            fork.run(1)
+            assert fork.frame.values["n"] == session.at(fork.frame.tick).values["n"] == 38
+
+
+def test_a_past_that_cannot_be_repeated_exactly_is_refused_with_the_reason():
+    names = {"gain": 1, "other": 1}
+    with Session(GAINING, clock=VirtualClock(), namespace=names) as session:
+        session.run(5)
+        names["gain"] = 5
+        session.run(2)
+        with pytest.raises(ValueError, match=r"`n` had another value\. .* `gain` was changed since\.$"):
+            session.fork(60)
+    clock = iter(range(1000))
+    names = {"clock": lambda: next(clock)}
+    with Session(COUNTER.replace("n += 1", "n = clock()"), clock=VirtualClock(), namespace=names) as session:
+        session.run(2)
+        with pytest.raises(ValueError, match=r"cannot be repeated exactly.* such as a clock or a file\.$"):
+            session.fork(10)
+
+
+def test_an_input_that_cannot_be_applied_again_is_told():
+    names = {"k": [1]}
+    with Session(COUNTER, clock=VirtualClock(), namespace=names) as session:
+        session.run(1)
+        session.set_variable("n", evaluate="len(k)")
+        session.run(1)
+        del names["k"]
+        with pytest.raises(ValueError, match=r"^What was done after tick 10 cannot be repeated: .*`?k`?"):
+            session.fork(15)
+
+
+def test_a_number_that_is_none_is_no_difference():
+    with Session(COUNTER.replace("n += 1", "n = float('nan')"), clock=VirtualClock()) as session:
+        session.run(1)
+        with session.fork(5) as fork:
+            assert fork.frame.tick == 5
+
+
 HANGING = """(var n := [0])
 (machine m (state a (running [n += 1] [
   while n == 5: pass]))
