@@ -61,7 +61,7 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     Raises
     ------
     ValueError
-        The tick is not recorded (any more).
+        The tick is not, or no longer, recorded.
     BridgeError
         The world cannot be reproduced so long ago.
     """
@@ -74,8 +74,11 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     found = loop.checkpoints.before(at)
     first = now - loop.interpreter.journal
     if found is None or not max(found.tick, first) <= at <= now:
-        least = loop.checkpoints.all[0].tick if loop.checkpoints.all else now
-        raise ValueError(f"Tick {at} is not recorded: only {max(least, first)} to {now} are.")
+        if not now:
+            raise ValueError("No tick has run yet. Run the program first.")
+        every = loop.checkpoints.all
+        known = f"only {max(every[0].tick, first)} to {now} are" if every else "none is"
+        raise ValueError(f"Tick {at} is not recorded: {known}.")
     bridge = _forked(loop.bridge, found.moment)
     feeds = isinstance(bridge, RecordedBridge)
     moments = [loop.moments[tick - now - 1] for tick in range(found.tick + 1, now + 1)]

@@ -905,7 +905,7 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         """
         check_type("tick", tick, (int, float), "the number of a tick, or a time in seconds")
         loop = self._loop
@@ -955,7 +955,7 @@ class Session:
         UnknownElementError
             There is no such transition, or there are several.
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         """
         reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why_not(transition, at))
         return reason
@@ -975,7 +975,7 @@ class Session:
         UnknownElementError
             There is no such state or command, or there are several.
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         """
         reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why(what, at))
         return reason
@@ -1035,12 +1035,13 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         SessionTimeoutError
             A tick before it cannot be repeated, because a block does not return.
         LRPSyntaxError
             The other text is not a valid program.
         """
+        check_type("at", at, (int, NoneType), "the number of a tick")
         if isinstance(program, str):
             program = parse(program, self.program.filename)
         copy = self._forked(self.call(partial(fork_start, self._loop, at)))
@@ -1075,7 +1076,7 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         LRPSyntaxError
             The text is not a valid program.
         """
@@ -1135,7 +1136,7 @@ class Session:
         UnknownElementError
             There is no such variable, or the program has no such state.
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         """
         trials = []
         for value in values:

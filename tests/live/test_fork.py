@@ -321,6 +321,17 @@ def test_only_recorded_ticks_can_be_forked_or_looked_at():
         with pytest.raises(ValueError, match="only 16 to 20"):
             session.at(3)
     with Session(COUNTER, clock=VirtualClock(), journal=0) as session:
+        with pytest.raises(ValueError, match=r"^No tick has run yet\. Run the program first\.$"):
+            session.fork(0)
         session.run(2)
-        with pytest.raises(ValueError, match="only"):
+        with pytest.raises(ValueError, match=r"^Tick 3 is not recorded: none is\.$"):
             session.fork(3)
+
+
+@pytest.mark.parametrize("at", [1.5, "x"])
+def test_a_fork_begins_at_the_number_of_a_tick(at):
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.run(1)
+        for ask in (session.fork, session.what_if):
+            with pytest.raises(TypeError, match="`at` is the number of a tick"):
+                ask(at)
