@@ -49,6 +49,8 @@ class Happening:
         The transition that entered it; or the name of the command.
     text : str
         In words.
+    call : str
+        Of a command: as a program writes it, between backticks.
     """
 
     tick: int
@@ -58,6 +60,7 @@ class Happening:
     state: Path = ()
     by: Path = ()
     text: str = ""
+    call: str = ""
 
 
 class TimelineCursor(NamedTuple):
@@ -253,9 +256,8 @@ def _commands(history: History, commands: Iterable[CommandRecord], first: int) -
         where = f", line {origin.line}" if origin.line else ""
         sent = "" if command.sent else ", not sent because the robot is disarmed"
         time = history.facts(origin.tick).now
-        yield Happening(
-            origin.tick, time, "command", by=tuple(command.name.split(".")), text=f"{said}{where}{sent}."
-        )
+        by, text = tuple(command.name.split(".")), f"{said}{where}{sent}."
+        yield Happening(origin.tick, time, "command", by=by, text=text, call=said)
 
 
 def _by_hand(loop: Loop, first: int) -> Iterator[Happening]:
