@@ -111,9 +111,10 @@ def check_repeated(recorded: PastState, copy: Interpreter, before: Mapping[str, 
     ValueError
         They have not.
     """
-    variables, values = dict(copy.variables.pairs()), recorded.variables
-    other = [path for path, value in values.items() if _differ(value, variables.get(path))]
-    if not other and recorded.active == copy.active:
+    repeated = copy.history.state(copy.tick)  # an `onpause` at an issue of this tick came after it
+    variables = repeated.variables
+    other = [path for path, value in recorded.variables.items() if _differ(value, variables.get(path))]
+    if not other and recorded.active == repeated.active:
         return
     what = f"`{path_text(other[0])}` had another value" if other else "other states were active"
     changed = [name for name, value in copy.namespace.items() if _differ(value, before.get(name))]

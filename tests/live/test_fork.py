@@ -115,6 +115,15 @@ def test_a_past_that_cannot_be_repeated_exactly_is_refused_with_the_reason():
             session.fork(10)
 
 
+def test_a_tick_after_which_the_program_paused_can_be_repeated():
+    text = COUNTER.replace("n += 1]", "n += 1] [1 / (n - 5)]") + "(onpause [n += 100])"
+    with Session(text, clock=VirtualClock(), on_issue="pause") as session:
+        session.run(1)
+        assert (session.frame.tick, session.frame.values["n"]) == (6, 105)
+        with session.fork(6) as fork:
+            assert fork.frame.tick == 6
+
+
 def test_an_input_that_cannot_be_applied_again_is_told():
     names = {"k": [1]}
     with Session(COUNTER, clock=VirtualClock(), namespace=names) as session:
