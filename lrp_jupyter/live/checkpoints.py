@@ -7,23 +7,26 @@ that an hour of a run takes no more memory than ten minutes.
 from __future__ import annotations
 
 import dis
+from collections import deque
 from collections.abc import Callable
 from functools import lru_cache
 from time import perf_counter
-from types import CodeType
+from types import CodeType, NoneType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.linker import Plan
 from lrp_jupyter.interpreter.snapshot import Snapshot
 
-__all__ = ["COPIED", "Checkpoints", "SessionCheckpoint", "names_of"]
+__all__ = ["COPIED", "PLAIN", "Checkpoints", "SessionCheckpoint", "names_of"]
 
 _SPACING = 200  # ticks, at least, between two checkpoints
 _SHARE = 60  # of the time: a checkpoint may take a sixtieth of it
 _MOST = 60  # kept
 _BYTES = 50_000_000  # kept, of values
 _READING = ("LOAD_GLOBAL", "LOAD_NAME", "LOAD_FROM_DICT_OR_GLOBALS")
-COPIED = (list, dict, set, bytearray)
+PLAIN = (int, float, complex, bool, str, bytes, NoneType)
+"""The types of values that nothing can change."""
+COPIED = (*PLAIN, tuple, frozenset, list, dict, set, bytearray, deque)
 """The types of objects of a namespace that are copied; others are shared."""
 
 
@@ -33,7 +36,7 @@ class SessionCheckpoint(NamedTuple):
     Parameters
     ----------
     snapshot : Snapshot
-        Of the interpreter, with those objects of the namespace that a block can change.
+        Of the interpreter, with those objects of the namespace that are copied.
     time, due : float
         Seconds of the run, and when the next tick is due.
     rate : float

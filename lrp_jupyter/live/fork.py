@@ -1,25 +1,34 @@
 """Forks: independent copies of a session at a moment of its past, in virtual time, with no effect outside.
 
 A fork begins at the last checkpoint before the moment and repeats the recorded ticks and inputs up to it.
-What its blocks do stays inside: variables and the objects of the namespace that they change are copies, the
-robot is a copy of the simulated one, random numbers are drawn from a copy of Python's generator, and what is
-printed is kept in the fork's own output. Where the robot is a real one, its recorded readings are fed.
+What its blocks do stays inside: variables are copies, and so are numbers, texts and collections that blocks
+read from the namespace, with their values at the checkpoint. The robot is a copy of the simulated one, random
+numbers are drawn from a copy of Python's generator, and what is printed is kept in the fork's own output.
+Where the robot is a real one, its recorded readings are fed.
+
+Anything else is shared with the session: other objects of the namespace, such as instances and open files,
+and whatever cannot be copied. A fork whose repeated ticks have led to another state than the recorded one is
+refused.
 """
 
 from __future__ import annotations
 
 import builtins
 import random
+from collections.abc import Mapping
 from types import BuiltinMethodType, MethodType, ModuleType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.recorded import RecordedBridge
-from lrp_jupyter.live.checkpoints import SessionCheckpoint
+from lrp_jupyter.interpreter.history import PastState
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.language.program import path_text
+from lrp_jupyter.live.checkpoints import PLAIN, SessionCheckpoint
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.replay import Entry, Ticked, merged
 
-__all__ = ["ForkStart", "fork_start", "private_namespace"]
+__all__ = ["ForkStart", "check_repeated", "fork_start", "private_namespace"]
 
 
 class ForkStart(NamedTuple):
@@ -35,12 +44,15 @@ class ForkStart(NamedTuple):
         What came after that.
     bridge : Bridge
         The copy of the robot at the checkpoint.
+    recorded : PastState or None
+        What the moment of the copy was; None if nothing is repeated, or it is not recorded.
     """
 
     checkpoint: SessionCheckpoint
     entries: tuple[Entry, ...]
     later: tuple[Entry, ...]
     bridge: Bridge
+    recorded: PastState | None = None
 
 
 def fork_start(loop: Loop, at: int | None) -> ForkStart:
@@ -49,7 +61,7 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     Raises
     ------
     ValueError
-        The tick is not recorded (any more).
+        The tick is not, or no longer, recorded.
     BridgeError
         The world cannot be reproduced so long ago.
     """
@@ -62,8 +74,11 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     found = loop.checkpoints.before(at)
     first = now - loop.interpreter.journal
     if found is None or not max(found.tick, first) <= at <= now:
-        least = loop.checkpoints.all[0].tick if loop.checkpoints.all else now
-        raise ValueError(f"Tick {at} is not recorded: only {max(least, first)} to {now} are.")
+        if not now:
+            raise ValueError("No tick has run yet. Run the program first.")
+        every = loop.checkpoints.all
+        known = f"only {max(every[0].tick, first)} to {now} are" if every else "none is"
+        raise ValueError(f"Tick {at} is not recorded: {known}.")
     bridge = _forked(loop.bridge, found.moment)
     feeds = isinstance(bridge, RecordedBridge)
     moments = [loop.moments[tick - now - 1] for tick in range(found.tick + 1, now + 1)]
@@ -74,7 +89,49 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     inputs = [entry for entry in loop.inputs if entry.number > found.inputs]
     whole = list(merged(ticks, inputs))
     count = next((index for index, entry in enumerate(whole) if _is_after(entry, at)), len(whole))
-    return ForkStart(found, tuple(whole[:count]), tuple(whole[count:]), bridge)
+    history = loop.interpreter.history
+    recorded = history.state(at) if found.tick < at and at in history.ticks else None
+    return ForkStart(found, tuple(whole[:count]), tuple(whole[count:]), bridge, recorded)
+
+
+def check_repeated(recorded: PastState, copy: Interpreter, before: Mapping[str, Any]) -> None:
+    """Check that the repeated ticks have led to where they led before.
+
+    Parameters
+    ----------
+    recorded : PastState
+        Where they led before.
+    copy : Interpreter
+        In which they were repeated.
+    before : mapping of str to object
+        The namespace of the session.
+
+    Raises
+    ------
+    ValueError
+        They have not.
+    """
+    repeated = copy.history.state(copy.tick)  # an `onpause` at an issue of this tick came after it
+    variables = repeated.variables
+    other = [path for path, value in recorded.variables.items() if _differ(value, variables.get(path))]
+    if not other and recorded.active == repeated.active:
+        return
+    what = f"`{path_text(other[0])}` had another value" if other else "other states were active"
+    changed = [name for name, value in copy.namespace.items() if _differ(value, before.get(name))]
+    names = " and ".join(f"`{name}`" for name in changed)
+    why = (
+        f"{names} {'was' if len(changed) == 1 else 'were'} changed since"
+        if changed
+        else "the program depends on something that is not recorded, such as a clock or a file"
+    )
+    raise ValueError(f"Tick {copy.tick} cannot be repeated exactly: {what}. The reason may be that {why}.")
+
+
+def _differ(one: object, other: object) -> bool:
+    """Return whether two values differ, as far as that is known: what can be changed may have been."""
+    if type(one) not in PLAIN or type(other) not in PLAIN:
+        return False
+    return one != other and (one == one or other == other)  # not a number is not even itself
 
 
 def _is_after(entry: Entry, tick: int) -> bool:

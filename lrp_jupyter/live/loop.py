@@ -341,7 +341,8 @@ class Loop:
     def checkpoint(self) -> SessionCheckpoint:
         """Return what a copy of this session needs to go on from here; between two ticks."""
         interpreter, namespace = self.interpreter, self.interpreter.namespace
-        beside = {name: namespace[name] for name in self.names_used() if type(namespace.get(name)) in COPIED}
+        used = {name: namespace.get(name, self) for name in self.names_used()}
+        beside = {name: value for name, value in used.items() if type(value) in COPIED}
 
         def known(value: object) -> object:
             if value is namespace:

@@ -88,14 +88,14 @@ from lrp_jupyter.live.checking import members_of
 from lrp_jupyter.live.clock import Clock, MonotonicClock, VirtualClock
 from lrp_jupyter.live.driver import Driver
 from lrp_jupyter.live.foreign import surviving
-from lrp_jupyter.live.fork import ForkStart, fork_start, private_namespace
+from lrp_jupyter.live.fork import ForkStart, check_repeated, fork_start, private_namespace
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
 from lrp_jupyter.live.past import frame_at, tick_of
 from lrp_jupyter.live.plots import Plot, plots_of
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recording import Recorder, start_of
-from lrp_jupyter.live.replay import Entry, play, repeat, tested_again, without_edits
+from lrp_jupyter.live.replay import Entry, Ticked, play, repeat, tested_again, without_edits
 from lrp_jupyter.live.timeline import Timeline, TimelineCursor, timeline_of
 from lrp_jupyter.live.trials import Trial, Trials
 from lrp_jupyter.live.variables import LiveVariables
@@ -901,7 +901,7 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         """
         check_type("tick", tick, (int, float), "the number of a tick, or a time in seconds")
         loop = self._loop
@@ -951,7 +951,7 @@ class Session:
         UnknownElementError
             There is no such transition, or there are several.
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         """
         reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why_not(transition, at))
         return reason
@@ -971,7 +971,7 @@ class Session:
         UnknownElementError
             There is no such state or command, or there are several.
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         """
         reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why(what, at))
         return reason
@@ -1013,8 +1013,10 @@ class Session:
         """Return an independent copy of this session, now or after an earlier tick.
 
         It is paused, runs in virtual time only (:meth:`run`, :meth:`step`), and nothing that it does is
-        noticed here. With a simulated robot, or none, it goes on exactly as this session did or will; with
-        any other robot it is fed the recorded readings.
+        noticed here, except what its blocks do to objects of the namespace other than numbers, texts and
+        collections. With a simulated robot, or none, it goes on exactly as this session did or will, as far
+        as that follows from the program and what came from outside; with any other robot it is fed the
+        recorded readings.
 
         Parameters
         ----------
@@ -1029,12 +1031,13 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         SessionTimeoutError
             A tick before it cannot be repeated, because a block does not return.
         LRPSyntaxError
             The other text is not a valid program.
         """
+        check_type("at", at, (int, NoneType), "the number of a tick")
         if isinstance(program, str):
             program = parse(program, self.program.filename)
         copy = self._forked(self.call(partial(fork_start, self._loop, at)))
@@ -1069,7 +1072,7 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         LRPSyntaxError
             The text is not a valid program.
         """
@@ -1129,7 +1132,7 @@ class Session:
         UnknownElementError
             There is no such variable, or the program has no such state.
         ValueError
-            The tick is not recorded (any more).
+            The tick is not, or no longer, recorded.
         """
         trials = []
         for value in values:
@@ -1154,6 +1157,8 @@ class Session:
             copy.namespace.update(copy._loop.begin(checkpoint))
             if start.entries:
                 copy._repeat(start.entries)
+            if start.recorded is not None:
+                check_repeated(start.recorded, copy.interpreter, self.namespace)
         copy._text = copy.interpreter.program.text
         copy._script.extend(start.later)
         return copy
@@ -1173,18 +1178,22 @@ class Session:
         ------
         SessionTimeoutError
             A block did not return.
+        ValueError
+            An input cannot be applied again.
         """
-        queued, tick = self._loop.inbox.queued, 0
+        queued, what = self._loop.inbox.queued, ""
         try:
             with self.driving(_REPEATING):
                 for entry in entries:
-                    tick = entry.tick
+                    noun = "Tick" if isinstance(entry, Ticked) else "What was done after tick"
+                    what = f"{noun} {entry.tick}"
                     repeat(self._loop, entry)
                     if queued:  # the limit is exceeded
                         break
         except SessionTimeoutError:
-            message = f"Tick {tick} cannot be repeated: a block did not return."
-            raise SessionTimeoutError(message) from None
+            raise SessionTimeoutError(f"{what} cannot be repeated: a block did not return.") from None
+        except Exception as error:
+            raise ValueError(f"{what} cannot be repeated: {sentence_of(error)}") from error
 
     # -- commands, events and frames -------------------------------------------------------------
 

@@ -50,6 +50,8 @@ class Happening:
         The transition that entered it; or the name of the command.
     text : str
         In words.
+    call : str
+        Of a command: as a program writes it, between backticks.
     """
 
     tick: int
@@ -59,6 +61,7 @@ class Happening:
     state: Path = ()
     by: Path = ()
     text: str = ""
+    call: str = ""
 
 
 class TimelineCursor(NamedTuple):
@@ -252,10 +255,8 @@ def _commands(history: History, commands: Sequence[CommandRecord], first: int) -
         said = call_text(command.name, command.arguments)
         where = f", line {origin.line}" if origin.line else ""
         sent = "" if command.sent else ", not sent"
-        time = history.time(origin.tick)
-        yield Happening(
-            origin.tick, time, "command", by=tuple(command.name.split(".")), text=f"{said}{where}{sent}."
-        )
+        by, text = tuple(command.name.split(".")), f"{said}{where}{sent}."
+        yield Happening(origin.tick, history.time(origin.tick), "command", by=by, text=text, call=said)
 
 
 def _by_hand(loop: Loop, first: int) -> Iterator[Happening]:

@@ -35,7 +35,7 @@ class Trial:
     issues : int
         The number of issues that were open at the end.
     path : tuple of (x, y)
-        The way of the simulated robot, in metres: its position at every tick.
+        The path of the simulated robot, in metres: its position at every tick.
     """
 
     value: object
@@ -54,7 +54,7 @@ class Trial:
 
 @dataclass(frozen=True, repr=False)
 class Trials(Sequence[Trial]):
-    """Runs with different values of one variable; a notebook shows them as a table with the robot's ways."""
+    """Runs with different values of one variable; a notebook shows them as a table with the robot's paths."""
 
     variable: str
     trials: tuple[Trial, ...]
@@ -107,7 +107,7 @@ class Trials(Sequence[Trial]):
         head, *rows = self._rows()
         drawn = any(trial.path for trial in self)
         cells = "".join(
-            f"<th>{escape(cell.strip('`'))}</th>" for cell in (*head, *(["way"] if drawn else []))
+            f"<th>{escape(cell.strip('`'))}</th>" for cell in (*head, *(["path"] if drawn else []))
         )
         lines = []
         for row, trial in zip(rows, self, strict=True):
@@ -116,7 +116,7 @@ class Trials(Sequence[Trial]):
         return f"<table><thead><tr>{cells}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
 
     def _picture(self, trial: Trial) -> str:
-        """Draw the way of a robot, in the same scale for all trials."""
+        """Draw the path of a robot, in the same scale for all trials."""
         points = [point for each in self for point in each.path]
         left, right = min(x for x, _ in points), max(x for x, _ in points)
         low, high = min(y for _, y in points), max(y for _, y in points)
@@ -126,7 +126,7 @@ class Trials(Sequence[Trial]):
         )
         end = line.rpartition(" ")[2].split(",")
         return (
-            f'<svg width="{_WIDTH}" height="{_HEIGHT}" role="img" aria-label="The way of the robot">'
+            f'<svg width="{_WIDTH}" height="{_HEIGHT}" role="img" aria-label="Path of the robot">'
             f'<polyline points="{line}" fill="none" stroke="currentColor" stroke-width="1.5"/>'
             f'<circle cx="{end[0]}" cy="{end[1]}" r="3" fill="currentColor"/></svg>'
         )

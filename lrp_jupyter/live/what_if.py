@@ -1,4 +1,4 @@
-"""What if another program ran from a moment on? Two courses from the same moment, and where they part."""
+"""What if another program ran from a moment on? Two courses from there, and their first difference."""
 
 from __future__ import annotations
 
@@ -16,12 +16,11 @@ Waypoint = tuple[float, float, float, float]
 
 _NAMES = {"edge": "the edge of the world", "robot": "another robot"}
 _SAME = 1e-9  # m, rad
-_NOW = {"entered": "is entered", "ended": "ends", "command": "is commanded", "restart": "restarts"}
-_NO_LONGER = {
-    "entered": "is no longer entered",
-    "ended": "no longer ends",
-    "command": "is no longer commanded",
-    "restart": "no longer restarts",
+_VERBS = {
+    "entered": ("is entered", "is not entered", "is"),
+    "ended": ("ends", "does not end", "does"),
+    "command": ("is commanded", "is not commanded", "is"),
+    "restart": ("restarts", "does not restart", "does"),
 }
 
 
@@ -49,6 +48,8 @@ class Course:
     ----------
     happenings : tuple of Happening
         With the states that were active when it began.
+    tick : int
+        After which tick it began.
     way : tuple of (time, x, y, heading)
         The simulated robot after each tick; empty for another robot.
     touch : Touch or None
@@ -56,6 +57,7 @@ class Course:
     """
 
     happenings: tuple[Happening, ...]
+    tick: int
     way: tuple[Waypoint, ...] = ()
     touch: Touch | None = None
 
@@ -102,8 +104,8 @@ class WhatIf:
 
     def __str__(self) -> str:
         if self.divergence is None:
-            return f"Nothing is different until {self.end:.1f} s."
-        return f"From {self.divergence}"
+            return f"There is no difference up to {self.end:.1f} s, where the comparison ends."
+        return f"First difference at {self.divergence}"
 
 
 class Observation:
@@ -140,18 +142,18 @@ class Observation:
     def course(self) -> Course:
         """Return what was watched."""
         told = (*self._present, *happenings(self._loop, self._tick, gap=True))
-        return Course(told, tuple(self._way), self._touch)
+        return Course(told, self._tick, tuple(self._way), self._touch)
 
 
 def divergence(recorded: Course, changed: Course) -> Divergence | None:
     """Return the first difference between two courses from the same moment, or None."""
     first = _first_event(recorded.happenings, changed.happenings)
-    for before, after in zip(recorded.way, changed.way, strict=False):
+    pairs = zip(recorded.way, changed.way, strict=False)
+    for tick, (before, after) in enumerate(pairs, changed.tick + 1):
         if first is not None and after[0] >= first.time:
             break
         if any(abs(a - b) > _SAME for a, b in zip(before, after, strict=True)):
-            tick = next((each.tick for each in changed.happenings if each.time >= after[0]), 0)
-            return Divergence(tick, after[0], "The robot takes another way.")
+            return Divergence(tick, after[0], "The robot takes a different path.")
     return first
 
 
@@ -160,21 +162,23 @@ _Told = tuple[float, str, tuple[str, ...], tuple[str, ...], str]
 
 def _told(each: Happening) -> _Told:
     """Return what two runs of different programs have in common if they do the same."""
-    command = each.text.split("`")[1] if each.kind == "command" else ""  # without its line
-    return each.time, each.kind, each.lane, each.state, command
+    return each.time, each.kind, each.lane, each.state, each.call
 
 
 def _first_event(recorded: Iterable[Happening], changed: Iterable[Happening]) -> Divergence | None:
-    before = [each for each in recorded if each.kind in _NOW]
-    after = [each for each in changed if each.kind in _NOW]
+    before = [each for each in recorded if each.kind in _VERBS]
+    after = [each for each in changed if each.kind in _VERBS]
     for old, new in zip_longest(before, after):
         if old is not None and new is not None and _told(old) == _told(new):
             continue
         if new is None or (old is not None and old.tick < new.tick):
-            return Divergence(old.tick, old.time, f"{_what(old)} {_NO_LONGER[old.kind]}.")
-        if old is None or new.tick < old.tick or (old.kind, old.lane) != (new.kind, new.lane):
-            return Divergence(new.tick, new.time, f"{_what(new)} {_NOW[new.kind]}, unlike before.")
-        return Divergence(new.tick, new.time, f"{_what(new)} {_NOW[new.kind]} instead of {_what(old)}.")
+            _, does_not, does = _VERBS[old.kind]
+            return Divergence(old.tick, old.time, f"{_what(old)} {does_not}; in the original run it {does}.")
+        now, _, does = _VERBS[new.kind]
+        text = f"{_what(new)} {now}; in the original run it {does} not."
+        if old is not None and (new.tick, new.kind, new.lane) == (old.tick, old.kind, old.lane):
+            text = f"{_what(new)} {now} instead of {_what(old)}."
+        return Divergence(new.tick, new.time, text)
     return None
 
 
@@ -185,5 +189,5 @@ def _what(each: Happening) -> str:
         case "ended":
             return f"`{each.lane[-1]}`"
         case "command":
-            return f"`{each.text.split('`')[1]}`"
+            return each.call
     return "The program"

@@ -84,6 +84,64 @@ def test_values_nested_too_deeply_to_be_copied_do_not_disturb_the_session():
             assert len(session.interpreter.variables["m"]) == 1999
 
 
+GAINING = COUNTER.replace("n += 1", "n += gain")
+
+
+def test_a_fork_has_the_values_that_a_notebook_had_then():
+    names = {"gain": 1}
+    with Session(GAINING, clock=VirtualClock(), namespace=names) as session:
+        session.run(5)
+        names["gain"] = 5
+        session.run(2)
+        with session.fork(30) as fork:
+            assert fork.frame.values["n"] == session.at(30).values["n"] == 29
+            fork.run(1)
+            assert fork.frame.values["n"] == session.at(fork.frame.tick).values["n"] == 38
+
+
+def test_a_past_that_cannot_be_repeated_exactly_is_refused_with_the_reason():
+    names = {"gain": 1, "other": 1}
+    with Session(GAINING, clock=VirtualClock(), namespace=names) as session:
+        session.run(5)
+        names["gain"] = 5
+        session.run(2)
+        with pytest.raises(ValueError, match=r"`n` had another value\. .* `gain` was changed since\.$"):
+            session.fork(60)
+    clock = iter(range(1000))
+    names = {"clock": lambda: next(clock)}
+    with Session(COUNTER.replace("n += 1", "n = clock()"), clock=VirtualClock(), namespace=names) as session:
+        session.run(2)
+        with pytest.raises(ValueError, match=r"cannot be repeated exactly.* such as a clock or a file\.$"):
+            session.fork(10)
+
+
+def test_a_tick_after_which_the_program_paused_can_be_repeated():
+    text = COUNTER.replace("n += 1]", "n += 1] [1 / (n - 5)]") + "(onpause [n += 100])"
+    with Session(text, clock=VirtualClock(), on_issue="pause") as session:
+        session.run(1)
+        assert (session.frame.tick, session.frame.values["n"]) == (6, 105)
+        with session.fork(6) as fork:
+            assert fork.frame.tick == 6
+
+
+def test_an_input_that_cannot_be_applied_again_is_told():
+    names = {"k": [1]}
+    with Session(COUNTER, clock=VirtualClock(), namespace=names) as session:
+        session.run(1)
+        session.set_variable("n", evaluate="len(k)")
+        session.run(1)
+        del names["k"]
+        with pytest.raises(ValueError, match=r"^What was done after tick 10 cannot be repeated: .*`?k`?"):
+            session.fork(15)
+
+
+def test_a_number_that_is_none_is_no_difference():
+    with Session(COUNTER.replace("n += 1", "n = float('nan')"), clock=VirtualClock()) as session:
+        session.run(1)
+        with session.fork(5) as fork:
+            assert fork.frame.tick == 5
+
+
 HANGING = """(var n := [0])
 (machine m (state a (running [n += 1] [
   while n == 5: pass]))
@@ -272,6 +330,17 @@ def test_only_recorded_ticks_can_be_forked_or_looked_at():
         with pytest.raises(ValueError, match="Ask about ticks 16 to 20"):
             session.at(3)
     with Session(COUNTER, clock=VirtualClock(), journal=0) as session:
+        with pytest.raises(ValueError, match=r"^No tick has run yet\. Run the program first\.$"):
+            session.fork(0)
         session.run(2)
-        with pytest.raises(ValueError, match="only"):
+        with pytest.raises(ValueError, match=r"^Tick 3 is not recorded: none is\.$"):
             session.fork(3)
+
+
+@pytest.mark.parametrize("at", [1.5, "x"])
+def test_a_fork_begins_at_the_number_of_a_tick(at):
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        session.run(1)
+        for ask in (session.fork, session.what_if):
+            with pytest.raises(TypeError, match="`at` is the number of a tick"):
+                ask(at)

@@ -1,12 +1,15 @@
 """What if another program ran from a moment on?"""
 
 import math
+from dataclasses import replace
 
 import pytest
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.live.timeline import Happening
+from lrp_jupyter.live.what_if import Course, Divergence, divergence
 
 FOLLOWER = programs.load("follower")
 INTO_THE_WALL = "(machine m (state go (running [robot.move(linear=0.2)]))) (spawn m go)"
@@ -49,7 +52,7 @@ def test_the_first_difference_is_told_with_its_moment(session):
     what_if = session.what_if(50, changed, 15)
     assert what_if.divergence is not None
     assert what_if.divergence.time >= what_if.begin
-    assert str(what_if).startswith(f"From {what_if.divergence.time:.1f} s: ")
+    assert str(what_if).startswith(f"First difference at {what_if.divergence.time:.1f} s: ")
     before = [each for each in what_if.recorded.happenings if each.time < what_if.divergence.time]
     after = [each for each in what_if.changed.happenings if each.time < what_if.divergence.time]
     said = [(each.time, each.kind, each.state) for each in before]
@@ -60,12 +63,13 @@ def test_another_command_in_the_same_states_is_a_difference(session):
     changed = FOLLOWER.replace("linear=forward", "linear=forward / 2")
     assert changed != FOLLOWER
     what_if = session.what_if(50, changed, 5)
-    assert "robot.move" in what_if.divergence.text or "another way" in what_if.divergence.text
+    assert "robot.move" in what_if.divergence.text or "a different path" in what_if.divergence.text
 
 
 def test_white_space_makes_no_difference(session):
     assert session.what_if(50, FOLLOWER + "\n; nothing else\n", 10).divergence is None
-    assert str(session.what_if(50, FOLLOWER, 10)) == "Nothing is different until 14.9 s."
+    same = session.what_if(50, FOLLOWER, 10)
+    assert str(same) == "There is no difference up to 14.9 s, where the comparison ends."
 
 
 def test_the_session_does_not_notice(session):
@@ -115,7 +119,47 @@ def test_the_readings_of_a_robot_that_cannot_be_simulated_are_fed():
         assert what_if.changed.way == ()
         entered = [each.time for each in what_if.changed.happenings if each.state == ("m", "b")]
         assert entered == [pytest.approx(2.0)]
-        assert what_if.divergence.text == "`b` is no longer entered."
+        assert what_if.divergence.text == "`b` is not entered; in the original run it is."
+
+
+def happened(tick, kind, **parts):
+    return Happening(tick, tick / 10, kind, **parts)
+
+
+B = happened(3, "entered", lane=("m",), state=("m", "b"))
+C = happened(3, "entered", lane=("m",), state=("m", "c"))
+ENDED, RESTARTED = happened(3, "ended", lane=("m",)), happened(3, "restart")
+SLOW = happened(3, "command", by=("move",), text="of line 3", call="`robot.move(linear=0.1)`")
+FAST = happened(3, "command", by=("move",), text="of line 4", call="`robot.move(linear=0.2)`")
+
+
+@pytest.mark.parametrize(
+    ("recorded", "changed", "text"),
+    [
+        (B, None, "`b` is not entered; in the original run it is."),
+        (None, B, "`b` is entered; in the original run it is not."),
+        (B, C, "`c` is entered instead of `b`."),
+        (ENDED, None, "`m` does not end; in the original run it does."),
+        (None, ENDED, "`m` ends; in the original run it does not."),
+        (RESTARTED, None, "The program does not restart; in the original run it does."),
+        (SLOW, None, "`robot.move(linear=0.1)` is not commanded; in the original run it is."),
+        (SLOW, FAST, "`robot.move(linear=0.2)` is commanded instead of `robot.move(linear=0.1)`."),
+        (B, SLOW, "`robot.move(linear=0.1)` is commanded; in the original run it is not."),
+    ],
+)
+def test_the_first_difference_is_told_in_words(recorded, changed, text):
+    courses = (Course((each,) if each else (), 0) for each in (recorded, changed))
+    assert divergence(*courses) == Divergence(3, 0.3, text)
+
+
+def test_two_commands_on_other_lines_are_no_difference():
+    assert divergence(Course((SLOW,), 0), Course((replace(SLOW, text="of line 7"),), 0)) is None
+
+
+def test_a_difference_of_the_paths_alone_has_its_tick():
+    recorded = Course((), 7, ((0.7, 0, 0, 0), (0.8, 1, 0, 0)))
+    changed = Course((), 7, ((0.7, 0, 0, 0), (0.8, 2, 0, 0)))
+    assert divergence(recorded, changed) == Divergence(9, 0.8, "The robot takes a different path.")
 
 
 def test_an_invalid_program_is_refused(session):

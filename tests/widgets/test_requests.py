@@ -234,6 +234,6 @@ def test_why_is_answered_with_the_lines_that_matter(lab, page):
 def test_why_is_refused_before_the_first_tick_and_without_a_robot(bench):
     lab = bench("(machine m (state a))(spawn m a)", bridge="none")
     page = lab.page()
-    assert "No tick is recorded yet" in page.ask("why", kind="state", path="m/a")["error"]
+    assert "No tick has run yet" in page.ask("why", kind="state", path="m/a")["error"]
     lab.session.step()
     assert "has no command that moves it" in page.ask("why", kind="robot", path="")["error"]

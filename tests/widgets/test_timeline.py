@@ -157,7 +157,7 @@ def test_the_edited_program_is_shown_beside_what_was_recorded(lab, page):
     lab.session.edit(PROGRAM.replace("steps > 9", "steps > 6"))
     what_if = page.ask("what_if", seconds=2)["what_if"]
     assert (what_if["tick"], what_if["begin"]) == (5, 0.4)
-    assert what_if["divergence"]["text"] == "`turn` is entered, unlike before."
+    assert what_if["divergence"]["text"] == "`turn` is entered; in the original run it is not."
     assert len(what_if["changed"]["way"]) == len(what_if["recorded"]["way"]) == 20
     assert what_if["changed"]["way"] != what_if["recorded"]["way"]
 
