@@ -1,4 +1,4 @@
-/** How another run goes: the way of the robot in it, and a ghost of the robot at its end. */
+/** How another run goes: the path of the robot in it, and a ghost of the robot at its end. */
 
 import type { Point, Pose, WhatIfView } from "../protocol";
 import { type Palette, shade } from "./paint";
