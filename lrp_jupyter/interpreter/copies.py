@@ -67,10 +67,14 @@ def pack(values: Sequence[object], cells: Mapping[int, int], known: Callable[[ob
     """
     refused: dict[int, object] = {}
     while True:
-        with suppress(Exception):
+        try:
             return _Packer(cells, known, refused).pack(values)
-        failing = {id(each): each for each in values if not _is_packed(each, cells, known, refused)}
-        refused |= failing or {id(each): each for each in values}
+        except Exception:
+            failing = [each for each in values if not _is_packed(each, cells, known, refused)]
+            more = {id(each): each for each in failing or values}
+            if more.keys() <= refused.keys():
+                raise
+            refused |= more
 
 
 def _is_packed(

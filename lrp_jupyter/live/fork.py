@@ -8,7 +8,7 @@ Where the robot is a real one, its recorded readings are fed.
 
 Anything else is shared with the session: other objects of the namespace, such as instances and open files,
 and whatever cannot be copied. A fork whose repeated ticks have led to another state than the recorded one is
-refused.
+refused, unless the robot is a real one: then nothing more than its readings is known.
 """
 
 from __future__ import annotations
@@ -45,7 +45,8 @@ class ForkStart(NamedTuple):
     bridge : Bridge
         The copy of the robot at the checkpoint.
     recorded : PastState or None
-        What the moment of the copy was; None if nothing is repeated, or it is not recorded.
+        What the moment of the copy was; None if nothing is repeated, or it is not recorded, or the robot is
+        a real one.
     """
 
     checkpoint: SessionCheckpoint
@@ -90,7 +91,8 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     whole = list(merged(ticks, inputs))
     count = next((index for index, entry in enumerate(whole) if _is_after(entry, at)), len(whole))
     history = loop.interpreter.history
-    recorded = history.state(at) if found.tick < at and at in history.ticks else None
+    is_exact = not feeds and found.tick < at and at in history.ticks
+    recorded = history.state(at) if is_exact else None
     return ForkStart(found, tuple(whole[:count]), tuple(whole[count:]), bridge, recorded)
 
 

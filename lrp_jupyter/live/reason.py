@@ -73,7 +73,7 @@ class Reason:
     ...     session.run(1)
     ...     print(session.why_not("go"))
     True
-    `go` (line 1) did not fire at 0.9 s: `n > 4` was False, since `n` was 3. It was never true before.
+    `go` (line 1) did not fire at 0.9 s: `n > 4` was False (`n` was 3). It was never true before.
     """
 
     code: str

@@ -997,14 +997,11 @@ class Session:
         """Run a tick again in a fork, and return what the test of a transition was there."""
         try:
             start = fork_start(self._loop, tick - 1)
-        except (ValueError, BridgeError):
-            return None
-        if isinstance(start.bridge, RecordedBridge):
-            return None
-        try:
+            if isinstance(start.bridge, RecordedBridge):
+                return None
             with self._forked(start) as copy, copy.driving(_REPEATING):
                 return tested_again(copy._loop, copy._script, element)
-        except SessionTimeoutError:
+        except (ValueError, BridgeError, SessionTimeoutError):
             return None
 
     def fork(

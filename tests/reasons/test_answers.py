@@ -198,3 +198,21 @@ def test_a_machine_that_waits_for_its_spawner_was_never_spawned():
     with session(INNER.replace("(spawn m a)", "(spawn m b)")) as live:
         live.run(1)
         assert "`i` was not running. It had never been spawned." in str(live.why_not("go"))
+
+
+CLOCK = """(var then := [0]) (var seen := [[]])
+(machine m
+  (state a (running [import time; then = time.perf_counter(); seen.append(1)]))
+  (state b)
+  (on [len(seen) > 100] a -> b full))
+(spawn m a)"""
+
+
+def test_a_tick_that_cannot_be_repeated_has_an_answer_without_values():
+    with session(CLOCK) as live:
+        live.run(3)
+        with pytest.raises(ValueError, match="cannot be repeated exactly: `then` had another value"):
+            live.fork(10)
+        answer = live.why_not("full", at=10)
+        assert answer.code == "condition-false"
+        assert "The values of its parts are not known: `seen` may have been changed in place." in str(answer)
