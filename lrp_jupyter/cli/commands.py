@@ -269,7 +269,7 @@ def replay(
     A simulated run is reproduced bit for bit. The readings of a real robot are fed to the program again, and
     nothing is sent to it.
 
-    **Exit code**: 0 when the run matches the recording (or with `--program`, when it ran), 1 when it does not,
+    **Exit code**: 0 when the run matches the recording (or with `--program`, when it ran), 1 when it differs,
     2 when the file cannot be read.
     """
     from lrp_jupyter.cli.recordings import replay_file
