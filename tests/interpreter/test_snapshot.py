@@ -129,13 +129,23 @@ class Hostile:
         return Hostile, (), None, (1 / 0 for _ in "a")
 
 
-@pytest.mark.parametrize("value", [Odd(), Hostile(), nested([]), nested({})], ids=kind)
-def test_a_value_whose_copy_fails_is_shared_and_the_others_are_copied(value):
+def copied_with(value):
+    """The value of `n` in a copy of a run in which it is this one, and in which `m` is copied."""
     i = started("(var n := [[]])(var m := [[]])(machine m (state s))(spawn m s)")
     i.assign(i.variables.path("n"), value, 0.0)
     copy = copied(i)
-    assert copy.variables["n"] is value
     assert copy.variables["m"] is not i.variables["m"]
+    return copy.variables["n"]
+
+
+@pytest.mark.parametrize("value", [Odd(), Hostile()], ids=kind)
+def test_a_value_whose_copy_fails_is_shared_and_the_others_are_copied(value):
+    assert copied_with(value) is value
+
+
+@pytest.mark.parametrize("value", [nested([]), nested({})], ids=kind)
+def test_a_value_nested_too_deeply_for_this_python_is_shared_and_any_other_is_copied(value):
+    assert type(copied_with(value)) is type(value)
 
 
 def test_what_refuses_to_be_copied_lets_nothing_be_read_twice():

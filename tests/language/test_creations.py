@@ -12,7 +12,7 @@ from programs import programs
 from lrp_jupyter import check, parse
 from lrp_jupyter.language import sheet
 from lrp_jupyter.language.printer import to_source
-from lrp_jupyter.language.program import Program
+from lrp_jupyter.language.program import Finding, Program
 
 MACHINE = """\
 (var limit := [5])   ; of all
@@ -108,6 +108,11 @@ def test_nothing_is_created_for_a_name_that_something_else_explains() -> None:
         assert offered <= {"Create the variable `sqrt`"}
 
 
+def alike(finding: Finding, findings: list[Finding]) -> int:
+    """How many findings say the same: machines of one name may lack the same in several places."""
+    return sum((each.code, each.message) == (finding.code, finding.message) for each in findings)
+
+
 @given(programs)
 def test_a_creation_leaves_a_program_without_the_finding(program: Program) -> None:
     text = to_source(program)
@@ -116,7 +121,7 @@ def test_a_creation_leaves_a_program_without_the_finding(program: Program) -> No
         if finding.creates:
             after = finding.creates.apply(text)
             parse(after)
-            assert (finding.code, finding.message) not in {(each.code, each.message) for each in check(after)}
+            assert alike(finding, check(after)) < alike(finding, findings)
 
 
 def test_a_creation_in_a_long_program_reads_only_the_forms_around_it(monkeypatch: pytest.MonkeyPatch) -> None:
