@@ -236,6 +236,14 @@ class LabPage:
         self.until(  # what was painted is of the present size
             "canvas => Math.abs(canvas.dataset.view?.split(' ')[3] - canvas.clientHeight) < 1", ".lrp-canvas"
         )
+        self.page.evaluate(  # and stays so: a legend that appears makes the world smaller
+            "async canvas => { let last = ''; for (let turn = 0; turn < 10; turn++) {"
+            " const {x, y, width, height} = canvas.getBoundingClientRect();"
+            " const now = JSON.stringify([x, y, width, height, canvas.dataset.view]);"
+            " if (now === last) return;"
+            " last = now; await new Promise(done => setTimeout(done, 200)); } }",
+            self.find(".lrp-canvas").element_handle(),
+        )
         left, base, scale, _ = map(float, self.find(".lrp-canvas").get_attribute("data-view").split())
         frame = self.box(".lrp-canvas")
         return frame["x"] + left + x * scale, frame["y"] + base - y * scale
