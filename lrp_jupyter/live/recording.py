@@ -28,7 +28,6 @@ from __future__ import annotations
 
 import ast
 import json
-import math
 import os
 import random
 import zlib
@@ -42,7 +41,7 @@ from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped, WorldLoaded
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
-from lrp_jupyter.errors import BridgeError, FileError, NoDataYet, ended, sentence_of
+from lrp_jupyter.errors import BridgeError, FileError, NoDataYet, UnknownElementError, ended, sentence_of
 from lrp_jupyter.files import shown
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.rendering import render, short
@@ -51,37 +50,38 @@ from lrp_jupyter.language.program import Element, Program
 from lrp_jupyter.language.unmeant import Unmeant
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.inputs import Input, Paused, Resumed, RunEnded
-from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.loop import FASTEST, SLOWEST, Loop
 from lrp_jupyter.live.replay import Entry, Ticked
 from lrp_jupyter.live.trace import Trace, as_dict, plain
 from lrp_jupyter.sim.edits import Become, Draw, WorldEdit
 from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.worlds import load
 
-__all__ = ["Recorder", "Recording", "RunStart", "random_of", "read_recording", "start_of"]
+__all__ = ["FileLine", "Recorder", "Recording", "RunStart", "random_of", "read_recording", "start_of"]
 
 VERSION = 2
 _OLD = 1  # in it, commands were no events, and what is printed was not recorded
 _GZIP = b"\x1f\x8b"
 _LATEST = 1e7  # s of a run
+_LONGEST = 1.5 / SLOWEST  # s between two lines of a simulated run
 _BEYOND = "beyond"  # in the place of a value that no file can hold
 
 Line = dict[str, Any]
 
-_FIELDS: dict[object, tuple[str, ...]] = {
-    "entered": ("state",),
-    "left": ("state",),
-    "forced": ("state",),
-    "spawned": ("machine",),
-    "discarded": ("machine",),
-    "changed": ("variable",),
-    "restarted": ("reason",),
-    "fired": ("machine", "transition", "source", "destination"),
-    "issue": ("element", "line", "message"),
-    "commanded": ("command", "arguments", "sent", "block", "line"),
-    "printed": ("text",),
+_FIELDS: dict[object, dict[str, type]] = {
+    "entered": {"state": str},
+    "left": {"state": str},
+    "forced": {"state": str},
+    "spawned": {"machine": str},
+    "discarded": {"machine": str},
+    "changed": {"variable": str},
+    "restarted": {"reason": str},
+    "fired": {"machine": str, "transition": str, "source": str, "destination": str},
+    "issue": {"element": str, "line": int, "message": str},
+    "commanded": {"command": str, "arguments": dict, "sent": bool, "block": str, "line": int},
+    "printed": {"text": str},
 }
-"""The fields that the line of an event must have, beside `tick`, `time` and `event`."""
+"""The fields that the line of an event must have, beside `tick`, `time` and `event`, and their types."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -245,7 +245,7 @@ class Recording:
         Of the file.
     start : RunStart
     entries : tuple
-        Its ticks and inputs, in order.
+        Its ticks and inputs, in order; the number of an input is that of its line.
     followed : tuple of dict
         What followed from them.
     cut : bool
@@ -272,11 +272,21 @@ class Recording:
         return max((entry.time for entry in self.entries), default=0.0)
 
 
-class _At(NamedTuple):
+class FileLine(NamedTuple):
+    """A line of a recording.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    line : int
+    """
+
     name: str
     line: int
 
     def error(self, what: str) -> FileError:
+        """Return an error that begins with the place."""
         return FileError(f"`{self.name}`, line {self.line}: {what}")
 
 
@@ -308,30 +318,36 @@ def read_recording(
     start: RunStart | None = None
     entries: list[Entry] = []
     followed: list[Line] = []
-    number = complete = 0
+    complete, latest = 0, 0.0
     for index, raw in enumerate(whole, 1):
-        at = _At(name, index)
+        at = FileLine(name, index)
         try:
             line = json.loads(raw)
         except (ValueError, RecursionError):
             raise at.error("This line is not JSON, so the file is damaged or is not a recording.") from None
         if not isinstance(line, dict):
             raise at.error("This line is not a JSON object.")
-        if start is None:
-            start = _start(line, at)
-            continue
         try:
-            tick, time = _moment(line)
+            if start is None:
+                start = _start(line, at, prepared)
+                continue
+            tick, time = _moment(line, at)
+            if start.world is not None and time > latest + _LONGEST:
+                raise at.error(f"`time` is {time:g}, and it is {latest:g} in the line before.")
+            latest = time
             if "input" in line:
-                number += 1
-                entries.append(Input(number, tick, time, _decoded(line, start, prepared)))
+                entries.append(Input(index, tick, time, _decoded(line, start, at, prepared)))
                 complete = len(followed)
                 continue
-            followed.append(_event(line))
+            followed.append(_event(line, at))
             if "readings" in line:
                 readings = {name: unplain(value) for name, value in line["readings"].items()}
                 entries.append(Ticked(tick, time, readings))
                 complete = len(followed)
+        except FileError:
+            raise
+        except UnknownElementError as error:
+            raise at.error(f"A field is wrong: {error}") from None
         except KeyError as error:
             raise at.error(f"The field `{error.args[0]}` is missing.") from None
         except Exception as error:  # whatever the parser, or an input that is made of it, says of a value
@@ -341,21 +357,25 @@ def read_recording(
     return Recording(name, start, tuple(entries), tuple(followed[:complete]), bool(rest), has_printed)
 
 
-def _moment(line: Line) -> tuple[int, float]:
+def _moment(line: Line, at: FileLine) -> tuple[int, float]:
     """Return the tick and the time of a line."""
     tick, time = line["tick"], float(line["time"])
     if type(tick) is not int or tick < 0:
-        raise ValueError(f"`tick` is {tick!r} instead of a number of ticks.")
+        raise at.error(f"`tick` is {short(tick)} instead of a number of ticks.")
     if not 0 <= time < _LATEST:
-        raise ValueError(f"`time` is {time:g} instead of seconds of a run.")
+        raise at.error(f"`time` is {time:g} instead of seconds of a run.")
     return tick, time
 
 
-def _event(line: Line) -> Line:
+def _event(line: Line, at: FileLine) -> Line:
     """Return what followed; every kind of it has its fields."""
     event = {**line, "event": "commanded"} if "command" in line else line  # as version 1 has it
-    for name in _FIELDS.get(event.get("event"), ()):
-        event[name]
+    if not {"event", "readings"} & event.keys():
+        raise at.error("This line has no `input`, `event` or `readings`.")
+    for name, kind in _FIELDS.get(event.get("event"), {}).items():
+        if not isinstance(event[name], kind):
+            raise at.error(f"The field `{name}` is wrong: it is {short(event[name])}.")
+    dict(unplain(event.get("arguments", {"dict": {}})))
     return event
 
 
@@ -373,7 +393,9 @@ def gunzipped(data: bytes) -> bytes:
         ) from error
 
 
-def _start(line: Line, at: _At) -> RunStart:
+def _start(
+    line: Line, at: FileLine, prepared: Callable[[Program, Mapping[str, str]], Program] | None
+) -> RunStart:
     if line.get("lrplog") not in (VERSION, _OLD):
         found = line.get("lrplog")
         if found is None:
@@ -390,7 +412,20 @@ def _start(line: Line, at: _At) -> RunStart:
     for name, value in known.items():
         if not _STARTS[name](value):
             raise at.error(f"The field `{name}` is wrong: it is {short(value)}.")
-    return RunStart(**known)
+    start = RunStart(**known)
+    _program(start.text, start, prepared)
+    list(recorded_members(start.members))
+    if start.world is not None:
+        load(start.world)
+    return start
+
+
+def _program(
+    text: str, start: RunStart, prepared: Callable[[Program, Mapping[str, str]], Program] | None
+) -> Program:
+    """Return a recorded program with the initial values of the run."""
+    parsed = parse(text, start.filename)
+    return prepared(parsed, start.initials) if prepared is not None and start.initials else parsed
 
 
 def _are_texts(values: object) -> bool:
@@ -425,7 +460,7 @@ _STARTS: dict[str, Callable[[Any], bool]] = {
     "bridge": lambda value: isinstance(value, str),
     "world": lambda value: value is None or isinstance(value, dict),
     "members": lambda value: isinstance(value, list) and all(isinstance(each, dict) for each in value),
-    "rate": lambda value: isinstance(value, (int, float)) and 0 < value < math.inf,
+    "rate": lambda value: isinstance(value, (int, float)) and (value == 0 or SLOWEST <= value <= FASTEST),
     "on_active_edit": lambda value: value in ("restart", "keep"),
     "on_issue": lambda value: value in ("record", "pause"),
     "names": _are_texts,
@@ -490,11 +525,13 @@ def _encoded(what: object, loop: Loop) -> Line:
 
 
 def _decoded(
-    line: Line, start: RunStart, prepared: Callable[[Program, Mapping[str, str]], Program] | None
+    line: Line,
+    start: RunStart,
+    at: FileLine,
+    prepared: Callable[[Program, Mapping[str, str]], Program] | None,
 ) -> object:
     def program(text: str) -> Program:
-        parsed = parse(text, start.filename)
-        return prepared(parsed, start.initials) if prepared is not None and start.initials else parsed
+        return _program(text, start, prepared)
 
     match line["input"]:
         case "pause":
@@ -548,7 +585,9 @@ def _decoded(
             return Draw(tuple((x, y) for x, y in line["path"]), line["width"], line["grey"])
         case "edit world":
             return Become(load(line["world"]))
-    raise ValueError(f"An input `{line['input']}` cannot be repeated.")
+        case "beyond":
+            raise at.error("This input cannot be stored in a file, so the recording cannot be replayed.")
+    raise at.error(f"There is no input {short(line['input'])}.")
 
 
 def _unmeant(unmeant: Unmeant) -> Line:

@@ -365,12 +365,19 @@ START = {"lrplog": 2, "text": COUNTER, "filename": "a.lrp", "bridge": "none"}
         ({"on_issue": "zz"}, {}, "line 1: The field `on_issue` is wrong"),
         ({"names": 5}, {}, "line 1: The field `names` is wrong"),
         ({"members": [5]}, {}, "line 1: The field `members` is wrong"),
+        ({"members": [{}]}, {}, "line 1: The field `kind` is missing"),
+        ({"text": "(machine"}, {}, "line 1: A field is wrong: .*LRP1"),
+        ({"rate": 1e9}, {}, "line 1: The field `rate` is wrong"),
+        ({"world": {"a": 1}}, {}, "line 1: A field is wrong: .*Unknown key"),
+        ({}, {"foo": 1}, "line 2: This line has no `input`, `event` or `readings`"),
+        ({}, {"event": "entered", "state": 5}, "line 2: The field `state` is wrong: it is 5"),
+        ({}, {"input": "beyond", "what": "x"}, "line 2: This input cannot be stored in a file, so"),
         ({}, {"event": "fired"}, "line 2: The field `machine` is missing"),
         ({}, {"event": "commanded"}, "line 2: The field `command` is missing"),
         ({}, {"input": "set", "path": "n"}, "line 2: The field `expression` is missing"),
-        ({}, {"tick": "x", "readings": {}}, "line 2: A field is wrong: .*`tick` is 'x'"),
-        ({}, {"time": float("inf"), "readings": {}}, "line 2: A field is wrong: .*`time` is inf"),
-        ({}, {"time": 1e9, "readings": {}}, "line 2: A field is wrong: .*`time` is 1e"),
+        ({}, {"tick": "x", "readings": {}}, "line 2: `tick` is 'x'"),
+        ({}, {"time": float("inf"), "readings": {}}, "line 2: `time` is inf"),
+        ({}, {"time": 1e9, "readings": {}}, "line 2: `time` is 1e"),
         ({}, {"readings": 5}, "line 2: A field is wrong"),
         ({}, {"input": "edit", "text": "(machine"}, "line 2: A field is wrong: .*LRP1"),
     ],
@@ -381,6 +388,68 @@ def test_what_is_wrong_in_a_recording_is_told_with_its_line(tmp_path, fields, li
     path.write_text("".join(json.dumps(row) + "\n" for row in rows), encoding="utf-8")
     with pytest.raises(FileError, match=message):
         read_recording(path)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        {"input": "set", "path": ["n"], "expression": "1/0"},
+        {"input": "set", "path": ["n"], "expression": "n.q"},
+        {"input": "set", "path": ["n"], "expression": 5},
+        {"input": "rename", "kind": 5, "path": ["m"], "name": "q"},
+        {"input": "rename", "kind": "machine", "path": ["m"], "name": 5},
+        {"input": "rewind", "ticks": "x"},
+        {"input": "rewind", "ticks": 100},
+        {"input": "force", "path": [5], "teleport": False},
+        {"input": "rate", "rate": "x"},
+        {"input": "policy", "name": "on_issue", "value": "zz"},
+        {"input": "place", "pose": ["a", "b", "c"], "robot": 0},
+        {"input": "place", "pose": [1, 1, 1], "robot": 9},
+        {"input": "draw", "path": [[0.1, 1]], "width": "x", "grey": 1},
+        {"input": "world", "world": 5},
+        {"input": "command", "name": "mov", "arguments": {"dict": {}}},
+        {"input": "command", "name": "move", "arguments": 5},
+    ],
+)
+def test_an_input_that_cannot_be_repeated_is_told_with_its_line(tmp_path, line):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
+        session.run(0.5)
+    *rows, end = path.read_text(encoding="utf-8").splitlines()
+    rows.append(json.dumps({"tick": 5, "time": 0.5, **line}))
+    path.write_text("\n".join([*rows, end, ""]), encoding="utf-8")
+    recording = read_recording(path)
+    with pytest.raises(FileError, match=f"line {len(rows)}: This input cannot be repeated: "):
+        reproduce(recording)
+    reproduce(recording, program=COUNTER.replace("1", "2")).session.close()
+
+
+def test_a_simulated_run_without_end_is_refused(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
+        session.run(0.5)
+    with open(path, "a", encoding="utf-8") as stream:
+        stream.write('{"tick":6,"time":1e6,"readings":{}}\n')
+    with pytest.raises(FileError, match=r"`time` is 1e\+06, and it is 0.5 in the line before"):
+        read_recording(path)
+
+
+def test_a_run_at_full_speed_is_reproduced(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, clock=VirtualClock(), rate=0) as session, session.record(path):
+        session.run(0.5)
+    assert reproduce(read_recording(path)).difference is None
+
+
+def test_a_tick_without_readings_is_told(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
+        session.run(0.5)
+    rows = path.read_text(encoding="utf-8").splitlines()
+    rows = [row.partition('"readings"')[0] + '"readings":{}}' if '"readings"' in row else row for row in rows]
+    path.write_text("\n".join([*rows, ""]), encoding="utf-8")
+    told = str(reproduce(read_recording(path)).difference)
+    assert "Recorded: the tick was at 0 s, with no other reading. Replay: `robot." in told
 
 
 def test_a_deep_line_and_a_file_that_is_not_compressed_are_told(tmp_path):
