@@ -51,6 +51,7 @@ from lrp_jupyter.language.unmeant import Unmeant
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.inputs import Input, Paused, Resumed, RunEnded
 from lrp_jupyter.live.loop import FASTEST, SLOWEST, Loop
+from lrp_jupyter.live.randomness import random_module
 from lrp_jupyter.live.replay import Entry, Ticked
 from lrp_jupyter.live.trace import Trace, as_dict, plain
 from lrp_jupyter.sim.edits import Become, Draw, WorldEdit
@@ -213,7 +214,7 @@ def start_of(
         interpreter.on_active_edit,
         interpreter.on_issue,
         sorted(name for name in loop.names_used() if name in interpreter.namespace),
-        random.getstate() if seed is None else seed,
+        random_module(interpreter.namespace).getstate() if seed is None else seed,
         dict(initials or {}),
     )
 

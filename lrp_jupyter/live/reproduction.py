@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import random
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.comparison import Comparison, FirstDifference
+from lrp_jupyter.live.fork import private_namespace
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.recording import FileLine, Recorder, Recording, random_of
 from lrp_jupyter.live.replay import Entry, Ticked, repeat, without_edits
@@ -87,14 +87,12 @@ def reproduce(
         first = prepared(first, start.initials)
     if program is not None:
         entries = deque(without_edits(entries))
-    if start.random is not None:
-        random.setstate(random_of(start.random).getstate())
     session = Session(
         first,
         start.make_bridge(),
         VirtualClock(),
         start.rate,
-        namespace=namespace,
+        namespace=private_namespace(namespace or {}, random_of(start.random).getstate()),
         on_active_edit=start.on_active_edit,  # type: ignore[arg-type]
         on_issue=start.on_issue,  # type: ignore[arg-type]
         name="replay",

@@ -347,8 +347,14 @@ def test_random_numbers_are_reproduced_though_nobody_seeded_them(tmp_path):
     text = "(var r := [0]) (machine m (state a (running [import random; r = random.random()])))(spawn m a)"
     with Session(text, clock=VirtualClock()) as session, session.record(path):
         session.run(1)
-    random.random()
-    assert reproduce(read_recording(path)).difference is None
+    before = random.getstate()
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    assert random.getstate() == before, "a replay draws numbers of its own"
+    with again.session.fork(5) as fork, fork.fork() as other:
+        fork.run(0.6)
+        other.run(0.6)
+        assert fork.frame.values["r"] == other.frame.values["r"] == again.session.frame.values["r"]
 
 
 START = {"lrplog": 2, "text": COUNTER, "filename": "a.lrp", "bridge": "none"}
