@@ -27,6 +27,8 @@ left out.
 from __future__ import annotations
 
 import ast
+import gzip
+import io
 import json
 import os
 import random
@@ -63,6 +65,8 @@ __all__ = ["FileLine", "Recorder", "Recording", "RunStart", "random_of", "read_r
 VERSION = 2
 _OLD = 1  # in it, commands were no events, and what is printed was not recorded
 _GZIP = b"\x1f\x8b"
+_LARGEST = 500_000_000  # bytes of the content of a compressed file
+_PART = 1_000_000  # bytes that are decompressed at a time
 _LATEST = 1e7  # s of a run
 _LONGEST = 1.5 / SLOWEST  # s between two lines of a simulated run
 _BEYOND = "beyond"  # in the place of a value that no file can hold
@@ -250,7 +254,7 @@ class Recording:
     followed : tuple of dict
         What followed from them.
     cut : bool
-        Whether the file ended in the middle of a line.
+        Whether the file ended in the middle of a line, or of its compressed data.
     has_printed : bool
         Whether what was printed is recorded.
     """
@@ -310,7 +314,7 @@ def read_recording(
     name = shown(path)
     try:
         data = FilePath(path).read_bytes()
-        data = gunzipped(data) if FilePath(path).suffix == ".gz" else data
+        data, is_whole = _gunzipped(data) if FilePath(path).suffix == ".gz" else (data, True)
     except OSError as error:
         raise FileError(f"`{name}` cannot be read: {ended(error.strerror or str(error))}") from None
     *whole, rest = data.split(b"\n")
@@ -355,7 +359,9 @@ def read_recording(
             raise at.error(f"A field is wrong: {sentence_of(error)}") from None
     assert start is not None
     has_printed = json.loads(whole[0])["lrplog"] != _OLD
-    return Recording(name, start, tuple(entries), tuple(followed[:complete]), bool(rest), has_printed)
+    return Recording(
+        name, start, tuple(entries), tuple(followed[:complete]), bool(rest) or not is_whole, has_printed
+    )
 
 
 def _moment(line: Line, at: FileLine) -> tuple[int, float]:
@@ -380,18 +386,33 @@ def _event(line: Line, at: FileLine) -> Line:
     return event
 
 
-def gunzipped(data: bytes) -> bytes:
-    """Return the content of a compressed file; of one that was cut off, what is there."""
-    reader = zlib.decompressobj(wbits=31)
+def _gunzipped(data: bytes) -> tuple[bytes, bool]:
+    """Return the content of a compressed file, or what is there of it, and whether that is all.
+
+    Raises
+    ------
+    OSError
+        It is not compressed, damaged, or too large.
+    """
+    content = bytearray()
     try:
-        return reader.decompress(data) + reader.flush()
-    except zlib.error as error:
+        with gzip.open(io.BytesIO(data)) as stream:
+            while part := stream.read1(_PART):
+                content += part
+                if len(content) > _LARGEST:
+                    break
+    except EOFError:
+        return bytes(content), False
+    except (OSError, zlib.error) as error:
         damaged = data.startswith(_GZIP)
         raise OSError(
             "its compressed data is damaged"
             if damaged
             else "its name ends with `.gz`, but it is not a gzip file"
         ) from error
+    if len(content) > _LARGEST:
+        raise OSError(f"It contains more than {_LARGEST / 1e6:,.0f} MB.")
+    return bytes(content), True
 
 
 def _start(

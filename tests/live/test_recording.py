@@ -15,6 +15,7 @@ from seeds import seeds
 from lrp_jupyter import files
 from lrp_jupyter.bridges.bridge import Bridge, Twist
 from lrp_jupyter.errors import FileError, NoDataYet
+from lrp_jupyter.live import recording
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.recording import plain, read_recording, unplain
 from lrp_jupyter.live.reproduction import reproduce
@@ -466,8 +467,25 @@ def test_a_deep_line_and_a_file_that_is_not_compressed_are_told(tmp_path):
     packed.write_text("{}\n")
     with pytest.raises(FileError, match="it is not a gzip file"):
         read_recording(packed)
+    packed.write_bytes(gzip.compress(b"{}\n") + b"more")
+    with pytest.raises(FileError, match="its compressed data is damaged"):
+        read_recording(packed)
     packed.write_bytes(gzip.compress(b"{}\n")[:10] + b"\xff" * 40)
     with pytest.raises(FileError, match="its compressed data is damaged"):
+        read_recording(packed)
+
+
+def test_every_part_of_a_compressed_recording_is_read_and_it_is_bounded(tmp_path, monkeypatch):
+    path, packed = tmp_path / "run.lrplog", tmp_path / "run.lrplog.gz"
+    with Session(COUNTER, clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+    first, *rows = path.read_bytes().splitlines(keepends=True)
+    packed.write_bytes(gzip.compress(first) + gzip.compress(b"".join(rows)))
+    assert (read_recording(packed).ticks, read_recording(packed).cut) == (10, False)
+    packed.write_bytes(packed.read_bytes()[:-8])
+    assert (read_recording(packed).ticks, read_recording(packed).cut) == (10, True)
+    monkeypatch.setattr(recording, "_LARGEST", 1000)
+    with pytest.raises(FileError, match="It contains more than"):
         read_recording(packed)
 
 
