@@ -6,8 +6,9 @@ other one; its readings are those that it is given tick by tick, and its command
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
+from inspect import Parameter, Signature
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -84,8 +85,17 @@ class _Source(Bridge, offered=False):
         """Connect nothing."""
 
 
-def recorded_members(descriptions: Iterable[Mapping[str, Any]]) -> Iterator[RobotVariable | RobotMethod]:
-    """Yield the members of a robot by their descriptions in a recording."""
+def recorded_members(
+    descriptions: Iterable[Mapping[str, Any]], value_of: Callable[[Any], object]
+) -> Iterator[RobotVariable | RobotMethod]:
+    """Yield the members of a robot by their descriptions in a recording.
+
+    Parameters
+    ----------
+    descriptions : iterable of mapping
+    value_of : callable
+        Returns the default value of a parameter by what was recorded of it.
+    """
     source = _Source()
     for each in descriptions:
         if each["kind"] == "variable":
@@ -93,7 +103,7 @@ def recorded_members(descriptions: Iterable[Mapping[str, Any]]) -> Iterator[Robo
         else:
             source.add_method(
                 each["name"],
-                lambda *arguments, **named: None,
+                _function(each.get("parameters", _ANY), value_of),
                 each["doc"],
                 message=Twist if each["twist"] else None,
                 command=each["command"],
@@ -101,3 +111,25 @@ def recorded_members(descriptions: Iterable[Mapping[str, Any]]) -> Iterator[Robo
                 limits={name: tuple(limit) for name, limit in each["limits"].items()},
             )
     yield from source.nodes.members()
+
+
+_ANY = ({"name": "arguments", "kind": "VAR_POSITIONAL"}, {"name": "named", "kind": "VAR_KEYWORD"})
+
+
+def _function(
+    parameters: Iterable[Mapping[str, Any]], value_of: Callable[[Any], object]
+) -> Callable[..., object]:
+    """Return a function that does nothing, with these parameters."""
+
+    def function(*_arguments: object, **_named: object) -> None: ...
+
+    made = [
+        Parameter(
+            each["name"],
+            getattr(Parameter, each["kind"]),
+            default=value_of(each["default"]) if "default" in each else Parameter.empty,
+        )
+        for each in parameters
+    ]
+    function.__signature__ = Signature(made)  # type: ignore[attr-defined]
+    return function

@@ -35,6 +35,7 @@ import random
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from inspect import Parameter
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
@@ -131,9 +132,13 @@ class RunStart:
             return Bridge.registry["none"]()
         if self.world is not None:
             return make_bridge("sim", world=self.world)
-        bridge = RecordedBridge(self.bridge, recorded_members(self.members))
+        bridge = RecordedBridge(self.bridge, self.recorded_members())
         bridge.open()
         return bridge
+
+    def recorded_members(self) -> list[RobotVariable | RobotMethod]:
+        """Return stand-ins for what `robot` offered."""
+        return [*recorded_members(self.members, unplain)]
 
 
 class Recorder(Trace):
@@ -234,7 +239,13 @@ def _member(node: RobotVariable | RobotMethod) -> Line:
         "velocity": node.velocity,
         "twist": node.message is not None and node.message.__name__ == "Twist",
         "limits": {name: list(limit) for name, limit in node.limits.items()},
+        **({} if node.message else {"parameters": [_parameter(each) for each in node.parameters]}),
     }
+
+
+def _parameter(parameter: Parameter) -> Line:
+    default = {} if parameter.default is parameter.empty else {"default": plain(parameter.default)}
+    return {"name": parameter.name, "kind": parameter.kind.name, **default}
 
 
 # -- reading -------------------------------------------------------------------------------------
@@ -436,7 +447,7 @@ def _start(
             raise at.error(f"The field `{name}` is wrong: it is {short(value)}.")
     start = RunStart(**known)
     _program(start.text, start, prepared)
-    list(recorded_members(start.members))
+    start.recorded_members()
     if start.world is not None:
         load(start.world)
     return start
@@ -655,7 +666,7 @@ class Fields:
 def unplain(value: Any) -> Any:
     """Return what :func:`plain` had made of a value; an object has only its fields."""
     if isinstance(value, list):
-        return tuple(unplain(part) for part in value)
+        return [unplain(part) for part in value]
     if not isinstance(value, dict):
         return value
     ((kind, content),) = value.items()
@@ -666,6 +677,8 @@ def unplain(value: Any) -> Any:
             return NoDataYet(content)
         case "error":
             return BridgeError(content)
+        case "tuple":
+            return tuple(unplain(part) for part in content)
         case "dict":
             return {key: unplain(part) for key, part in content.items()}
         case "fields":

@@ -149,7 +149,8 @@ def plain(value: object) -> Any:
         return {"dict": {str(key): plain(part) for key, part in value.items()}}
     parts = getattr(value, "_fields", None)
     if isinstance(value, (list, tuple)) and parts is None:
-        return [plain(part) for part in value]
+        items = [plain(part) for part in value]
+        return items if isinstance(value, list) else {"tuple": items}
     if parts is None:
         slots = getattr(type(value), "__slots__", ())
         parts = [*((slots,) if isinstance(slots, str) else slots), *getattr(value, "__dict__", ())]

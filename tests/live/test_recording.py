@@ -278,8 +278,35 @@ def test_the_readings_of_a_real_robot_are_fed_to_the_program_again(tmp_path):
     assert other.difference.tick == 7
 
 
+class Beeper(Bridge):
+    """A robot whose methods have parameters, and whose reading is a list."""
+
+    name = "beeper"
+    hardware = False
+
+    def open_interface(self):
+        """Add the members."""
+        self.add_variable("ls", lambda: [1, 2, (3,)])
+        self.add_method("move", lambda linear, angular=0.0: None, limits={"linear": 0.5})
+        self.add_method("beep", lambda *, times=1: None)
+
+
+def test_the_methods_of_a_recorded_robot_take_the_arguments_that_it_took(tmp_path):
+    path = tmp_path / "run.lrplog"
+    blocks = "[robot.move(0.9, 0.1)] [robot.beep(times=2)] [n = robot.ls + [(4,)]] [robot.beep(3)]"
+    text = f"(var n := [0])(machine m (state a (running {blocks})))(spawn m a)"
+    with Session(text, Beeper, clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+        (issue,) = session.issues
+    with reproduce(read_recording(path)).session as again:
+        assert [each.message for each in again.issues] == [issue.message]
+        assert again.frame.values["n"] == [1, 2, (3,), (4,)]
+        assert again.explain("robot.move").facts["arguments"] == {"linear": 0.5, "angular": 0.1}
+    assert reproduce(read_recording(path)).difference is None
+
+
 def test_values_are_the_same_as_json():
-    for value in [1, True, None, "x", 0.1, float("inf"), (1, (2.5, "y")), {"a": (1,)}]:
+    for value in [1, [1, (2, [3])], True, None, "x", 0.1, float("inf"), (1, (2.5, "y")), {"a": (1,)}]:
         assert unplain(json.loads(json.dumps(plain(value)))) == value
     pose = unplain(json.loads(json.dumps(plain(Pose(0.5, Pose(1, None))))))
     assert (pose.x, pose.other.x, pose.other.other) == (0.5, 1, None)
