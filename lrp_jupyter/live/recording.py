@@ -30,6 +30,7 @@ import ast
 import gzip
 import io
 import json
+import math
 import os
 import random
 import zlib
@@ -283,6 +284,16 @@ class Recording:
         return sum(isinstance(entry, Ticked) for entry in self.entries)
 
     @property
+    def reach(self) -> int:
+        """How many ticks back from its latest one it was rewound at most."""
+        most = latest = 0
+        for entry in self.entries:
+            latest = max(latest, entry.tick)
+            if isinstance(entry, Input) and isinstance(entry.what, do.Rewind):
+                most = max(most, latest - entry.tick)
+        return most
+
+    @property
     def seconds(self) -> float:
         """The time of its last entry."""
         return max((entry.time for entry in self.entries), default=0.0)
@@ -526,8 +537,8 @@ def _encoded(what: object, loop: Loop) -> Line:
             return {"input": "force", "path": path, "teleport": teleport}
         case do.SetVariable(path, expression):
             return {"input": "set", "path": path, "expression": expression}
-        case do.Assign(path, value):
-            return {"input": "assign", "path": path, "value": _literal(value)}
+        case do.Assign(path, value) if (literal := _literal(value)) is not None:
+            return {"input": "assign", "path": path, "value": literal}
         case do.Rewind(ticks):
             return {"input": "rewind", "ticks": ticks}
         case do.Reset():
@@ -633,15 +644,21 @@ def _unmeant(unmeant: Unmeant) -> Line:
     }
 
 
-def _literal(value: object) -> str:
-    """Return a value as an expression of Python; one that has none becomes None."""
-    text = repr(value)
+class _Infinite(ast.NodeTransformer):
+    """Turns the name `inf` into a number."""
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        """See `ast.NodeTransformer`."""
+        return ast.Constant(math.inf) if node.id == "inf" else node
+
+
+def _literal(value: object) -> str | None:
+    """Return a value as an expression of Python; None where that is not possible."""
     try:
-        if ast.literal_eval(text) == value:
-            return text
-    except (ValueError, SyntaxError, MemoryError, RecursionError):
-        pass
-    return "None"
+        text = ast.unparse(_Infinite().visit(ast.parse(repr(value), mode="eval")))
+        return text if ast.literal_eval(text) == value else None
+    except Exception:  # `repr` and `==` may run code of anyone
+        return None
 
 
 # -- values as JSON ------------------------------------------------------------------------------

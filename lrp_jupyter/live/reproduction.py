@@ -9,6 +9,7 @@ from typing import Any
 
 from lrp_jupyter.errors import FileError, sentence_of
 from lrp_jupyter.interpreter.events import Observer
+from lrp_jupyter.interpreter.journal import TICKS
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.clock import VirtualClock
@@ -96,6 +97,7 @@ def reproduce(
         on_active_edit=start.on_active_edit,  # type: ignore[arg-type]
         on_issue=start.on_issue,  # type: ignore[arg-type]
         name="replay",
+        journal=recording.reach if recording.reach > TICKS else None,
     )
     with session._closed_on_error():
         if observer is not None:

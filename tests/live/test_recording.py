@@ -475,6 +475,41 @@ def test_a_run_at_full_speed_is_reproduced(tmp_path):
     assert reproduce(read_recording(path)).difference is None
 
 
+def test_a_run_that_was_rewound_by_more_than_is_usually_kept_is_reproduced(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, clock=VirtualClock(), journal=20_000) as session, session.record(path):
+        session.run(1200)
+        session.rewind(6000)
+        session.rewind(5500)
+        session.run(1)
+        count = session.frame.values["n"]
+    assert read_recording(path).reach == 11_500
+    with reproduce(read_recording(path)).session as again:
+        assert again.frame.values["n"] == count
+
+
+@pytest.mark.parametrize(
+    "value", [float("inf"), [1, (float("-inf"),)], {"inf": "inf"}, {1: None}, {2}, set()]
+)
+def test_a_value_that_was_assigned_is_repeated(tmp_path, value):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER.replace("n += 1", "n"), clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+        session.variables["n"] = value
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    assert again.session.frame.values["n"] == value
+
+
+def test_a_value_that_no_file_can_hold_is_told(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER.replace("n += 1", "n"), clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+        session.variables["n"] = object()
+    with pytest.raises(FileError, match="This input cannot be stored in a file, so the recording cannot be"):
+        read_recording(path)
+
+
 def test_a_tick_without_readings_is_told(tmp_path):
     path = tmp_path / "run.lrplog"
     with Session(COUNTER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
