@@ -181,7 +181,7 @@ class Recorder(Trace):
         loop.record = None
         loop.after_tick.remove(self._tick)
         if self._failure is not None:
-            raise FileError(f"The recording ended before the run: {sentence_of(self._failure)}")
+            raise FileError(f"The recording ended early: {sentence_of(self._failure)}")
 
     def __call__(self, event: TraceEvent) -> None:
         """Write one event."""

@@ -330,8 +330,41 @@ def test_a_recording_that_fails_ends_and_the_session_goes_on():
         session.run(2)
         assert session.status == "paused"
         assert session.frame.tick >= 20
-        with pytest.raises(FileError, match=r"The recording ended before the run: .*No space left"):
+        with pytest.raises(FileError, match=r"The recording ended early: .*No space left"):
             recorder.end()
+        session.run(1)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a limit of the size of a file")
+@pytest.mark.parametrize("name", ["run.lrplog", "run.lrplog.gz"])
+def test_a_full_disk_is_told_with_the_file_and_the_session_goes_on(tmp_path, name, monkeypatch):
+    import resource
+
+    monkeypatch.setattr(files, "_KEPT", 0.0)
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, hard))
+        try:
+            with (
+                pytest.raises(
+                    FileError, match=rf"The recording ended early: `.*{name}` cannot be written: File"
+                ),
+                session.record(tmp_path / name),
+            ):
+                session.run(300)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert (session.status, session.frame.tick) == ("paused", 3000)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a full device")
+def test_a_recording_that_cannot_begin_is_refused(tmp_path):
+    (tmp_path / "run.lrplog").symlink_to("/dev/full")
+    with (
+        Session(COUNTER, clock=VirtualClock()) as session,
+        pytest.raises(FileError, match=r"run.lrplog` cannot be written: No space"),
+        session.record(tmp_path / "run.lrplog"),
+    ):
         session.run(1)
 
 
