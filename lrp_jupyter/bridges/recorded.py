@@ -12,7 +12,7 @@ from inspect import Parameter, Signature
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.message import Twist
+from lrp_jupyter.bridges.message import Message, Plain, Twist, real_number
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.errors import NoDataYet
 
@@ -94,7 +94,7 @@ def recorded_members(
     ----------
     descriptions : iterable of mapping
     value_of : callable
-        Returns the default value of a parameter by what was recorded of it.
+        Returns the default value of a parameter, or of a field of a message, by what was recorded of it.
     """
     source = _Source()
     for each in descriptions:
@@ -105,7 +105,7 @@ def recorded_members(
                 each["name"],
                 _function(each.get("parameters", _ANY), value_of),
                 each["doc"],
-                message=Twist if each["twist"] else None,
+                message=_message_of(each, value_of),
                 command=each["command"],
                 velocity=each["velocity"],
                 limits={name: tuple(limit) for name, limit in each["limits"].items()},
@@ -114,6 +114,36 @@ def recorded_members(
 
 
 _ANY = ({"name": "arguments", "kind": "VAR_POSITIONAL"}, {"name": "named", "kind": "VAR_KEYWORD"})
+
+
+def _message_of(method: Mapping[str, Any], value_of: Callable[[Any], object]) -> type[Message] | None:
+    """Return the class of messages that a method takes."""
+    if method.get("message"):
+        return _message(method["message"], value_of)
+    return Twist if method.get("twist") else None  # as it was recorded before
+
+
+def _message(described: Mapping[str, Any], value_of: Callable[[Any], object]) -> type[Message]:
+    """Return a class of messages, by its description."""
+    fields = {
+        name: _message(part, value_of)
+        if "fields" in part
+        else _plain(part["type"], value_of(part["default"]))
+        for name, part in described["fields"].items()
+    }
+    members = {"__slots__": (), "FIELDS": fields, "WORDS": dict(described["words"])}
+    return type(described["name"], (Message,), members)
+
+
+def _plain(name: str, default: object) -> Plain:
+    """Return a kind of field; what it makes of a value is known only by its default value."""
+
+    def check(value: object, path: str) -> object:
+        if isinstance(default, (int, float)) and not isinstance(default, bool):
+            return type(default)(real_number(value, path))
+        return tuple(value) if isinstance(default, tuple) and isinstance(value, list) else value
+
+    return Plain(name, default, check)
 
 
 def _function(

@@ -42,6 +42,7 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.bridges.message import Message, Plain
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped, WorldLoaded
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
@@ -238,10 +239,20 @@ def _member(node: RobotVariable | RobotMethod) -> Line:
         "doc": node.doc,
         "command": node.command,
         "velocity": node.velocity,
-        "twist": node.message is not None and node.message.__name__ == "Twist",
+        "message": None if node.message is None else _message(node.message),
         "limits": {name: list(limit) for name, limit in node.limits.items()},
         **({} if node.message else {"parameters": [_parameter(each) for each in node.parameters]}),
     }
+
+
+def _message(kind: type[Message]) -> Line:
+    fields = {
+        name: {"type": part.type, "default": plain(part.default)}
+        if isinstance(part, Plain)
+        else _message(part)
+        for name, part in kind.FIELDS.items()
+    }
+    return {"name": kind.__name__, "words": dict(kind.WORDS), "fields": fields}
 
 
 def _parameter(parameter: Parameter) -> Line:

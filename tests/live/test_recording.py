@@ -14,6 +14,7 @@ from seeds import seeds
 
 from lrp_jupyter import files
 from lrp_jupyter.bridges.bridge import Bridge, Twist
+from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import FileError, NoDataYet
 from lrp_jupyter.live import recording
 from lrp_jupyter.live.clock import VirtualClock
@@ -303,6 +304,33 @@ def test_the_methods_of_a_recorded_robot_take_the_arguments_that_it_took(tmp_pat
         assert again.frame.values["n"] == [1, 2, (3,), (4,)]
         assert again.explain("robot.move").facts["arguments"] == {"linear": 0.5, "angular": 0.1}
     assert reproduce(read_recording(path)).difference is None
+
+
+class Publisher(Bridge):
+    """A robot that takes messages of ROS."""
+
+    name = "publisher"
+    hardware = False
+
+    def open_interface(self):
+        """Add the methods."""
+        types = Types()
+        for name, kind in {"drive": "geometry_msgs/TwistStamped", "say": "std_msgs/String"}.items():
+            self.add_method(name, lambda message: None, message=types.message(kind), limits={})
+
+
+def test_the_messages_of_a_recorded_robot_have_their_fields(tmp_path):
+    path = tmp_path / "run.lrplog"
+    blocks = "[robot.drive(linear=1, header_frame_id='map')] [robot.say(data='on')] [robot.say(dat='off')]"
+    text = f"(machine m (state a (running {blocks})))(spawn m a)"
+    with Session(text, Publisher, clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+        (issue,) = session.issues
+        assert "it has `data`" in issue.message
+        given = session.explain("robot.drive").facts["arguments"]
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    assert again.session.explain("robot.drive").facts["arguments"] == given
 
 
 def test_values_are_the_same_as_json():
