@@ -46,7 +46,15 @@ from lrp_jupyter.bridges.message import Message, Plain
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped, WorldLoaded
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
-from lrp_jupyter.errors import BridgeError, FileError, NoDataYet, UnknownElementError, ended, sentence_of
+from lrp_jupyter.errors import (
+    BridgeError,
+    FileError,
+    LRPError,
+    NoDataYet,
+    UnknownElementError,
+    ended,
+    sentence_of,
+)
 from lrp_jupyter.files import shown
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.rendering import render, short
@@ -204,6 +212,8 @@ class Recorder(Trace):
             return
         try:
             self.line(made())
+        except RecursionError:
+            self._failure = LRPError("A value contains itself, or is nested too deeply for a file.")
         except Exception as error:
             self._failure = error
 
