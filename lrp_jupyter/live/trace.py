@@ -134,7 +134,11 @@ class Trace:
 
 
 def plain(value: object) -> Any:
-    """Return a reading, or an argument of a command, as JSON; parts of an object by their names."""
+    """Return a reading, or an argument of a command, as JSON.
+
+    What has no type in JSON is an object with one name, that of its kind: ``{"tuple": [1, 2]}``; the parts of
+    an object have their names.
+    """
     if value is None or type(value) in (bool, int, str):
         return value
     if isinstance(value, float):
