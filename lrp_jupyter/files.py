@@ -12,7 +12,8 @@ import io
 import os
 import secrets
 import stat
-from contextlib import suppress
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import monotonic
 from typing import IO, cast
@@ -59,27 +60,62 @@ def write_file(path: str | os.PathLike[str], text: str) -> None:
     except FileError:
         raise
     except OSError as error:
-        reason = ended(error.strerror or str(error))
-        raise FileError(f"`{shown(path)}` cannot be written: {reason}") from error
+        raise _unwritable(path, error) from error
     except ValueError:
         raise FileError(f"`{shown(path)}` cannot be the name of a file. Choose another name.") from None
+
+
+def _unwritable(path: str | os.PathLike[str], error: OSError) -> FileError:
+    return FileError(f"`{shown(path)}` cannot be written: {ended(error.strerror or str(error))}")
 
 
 _KEPT = 1.0  # s of writing that a process which is killed may lose
 
 
 class _Log(io.TextIOWrapper):
-    """A file of lines, of which nothing older than a second is lost when the process is killed."""
+    """A file of lines, of which nothing older than a second is lost when the process is killed.
 
-    _flushed = float("-inf")
+    What cannot be written is a FileError, once.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], data: IO[bytes]) -> None:
+        # a program may print half a character
+        super().__init__(data, encoding="utf-8", errors="surrogatepass", newline="\n")
+        self._path, self._failed, self._flushed = path, False, float("-inf")
 
     def write(self, text: str, /) -> int:
         """Write a line."""
-        count = super().write(text)
+        with self._naming():
+            count = super().write(text)
         if monotonic() > self._flushed + _KEPT:
             self.flush()
             self._flushed = monotonic()
         return count
+
+    def flush(self) -> None:
+        """Write what is kept back."""
+        with self._naming():
+            super().flush()
+
+    def close(self) -> None:
+        """Write the rest, and close the file."""
+        is_told = self._failed
+        try:
+            with self._naming():
+                super().close()
+        except FileError:
+            if not is_told:
+                raise
+
+    @contextmanager
+    def _naming(self) -> Iterator[None]:
+        try:
+            yield
+        except (FileError, BrokenPipeError):
+            raise
+        except OSError as error:
+            self._failed = True
+            raise _unwritable(self._path, error) from None
 
 
 def open_log(path: str | os.PathLike[str]) -> IO[str]:
@@ -94,9 +130,8 @@ def open_log(path: str | os.PathLike[str]) -> IO[str]:
         opener = gzip.open if Path(path).suffix == ".gz" else open
         data = opener(path, "wb")
     except OSError as error:
-        raise FileError(f"`{shown(path)}` cannot be written: {ended(error.strerror or str(error))}") from None
-    # a program may print half a character
-    return _Log(cast("IO[bytes]", data), encoding="utf-8", errors="surrogatepass", newline="\n")
+        raise _unwritable(path, error) from None
+    return _Log(path, cast("IO[bytes]", data))
 
 
 def append_line(path: str | os.PathLike[str], line: str) -> None:

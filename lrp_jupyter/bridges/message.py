@@ -164,7 +164,9 @@ class Message:
 
     def _assign(self, name: str, value: object) -> None:
         kind = self.FIELDS.get(name)
-        if kind is None:
+        if kind is None and name in self.WORDS:
+            self.set(name, value)
+        elif kind is None:
             self._assign_long_name(name, value)
         elif isinstance(kind, Plain):
             self._fields[name] = kind.check(value, f"{self._path}.{name}")
@@ -181,11 +183,15 @@ class Message:
 
     def _assign_long_name(self, name: str, value: object) -> None:
         """``linear_x=0.2`` is ``linear.x``."""
-        first, _, rest = name.partition("_")
-        kind = self.FIELDS.get(first)
-        if kind is None or isinstance(kind, Plain) or rest not in kind.FIELDS:
-            raise self._unknown(name)
-        self._fields[first]._assign(rest, value)
+        for field, kind in self.FIELDS.items():  # names of fields may have underscores of their own
+            rest = name.removeprefix(f"{field}_")
+            if rest != name and not isinstance(kind, Plain):
+                try:
+                    self._fields[field]._assign(rest, value)
+                except MemberError:
+                    continue
+                return
+        raise self._unknown(name)
 
     def _unknown(self, name: str) -> MemberError:
         known = [*self.FIELDS, *(path.replace(".", "_") for path in self.paths() if "." in path)]

@@ -221,6 +221,11 @@ class RobotMethod(NotAValue):
     def __repr__(self) -> str:
         return f"<robot.{self.path}{self.signature}>"
 
+    @property
+    def parameters(self) -> tuple[inspect.Parameter, ...]:
+        """The parameters of its function."""
+        return tuple(self._parameters.parameters.values())
+
     def perform(self, command: Message | inspect.BoundArguments) -> object:
         """Perform a command that the safety allowed; raise its faults as BridgeError."""
         if self._redirected is not None:

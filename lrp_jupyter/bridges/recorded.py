@@ -6,12 +6,13 @@ other one; its readings are those that it is given tick by tick, and its command
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
+from inspect import Parameter, Signature
 from typing import Any
 
 from lrp_jupyter.bridges.bridge import Bridge
-from lrp_jupyter.bridges.message import Twist
+from lrp_jupyter.bridges.message import Message, Plain, Twist, real_number
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.errors import NoDataYet
 
@@ -84,8 +85,17 @@ class _Source(Bridge, offered=False):
         """Connect nothing."""
 
 
-def recorded_members(descriptions: Iterable[Mapping[str, Any]]) -> Iterator[RobotVariable | RobotMethod]:
-    """Yield the members of a robot by their descriptions in a recording."""
+def recorded_members(
+    descriptions: Iterable[Mapping[str, Any]], value_of: Callable[[Any], object]
+) -> Iterator[RobotVariable | RobotMethod]:
+    """Yield the members of a robot by their descriptions in a recording.
+
+    Parameters
+    ----------
+    descriptions : iterable of mapping
+    value_of : callable
+        Returns the default value of a parameter, or of a field of a message, by what was recorded of it.
+    """
     source = _Source()
     for each in descriptions:
         if each["kind"] == "variable":
@@ -93,11 +103,63 @@ def recorded_members(descriptions: Iterable[Mapping[str, Any]]) -> Iterator[Robo
         else:
             source.add_method(
                 each["name"],
-                lambda *arguments, **named: None,
+                _function(each.get("parameters", _ANY), value_of),
                 each["doc"],
-                message=Twist if each["twist"] else None,
+                message=_message_of(each, value_of),
                 command=each["command"],
                 velocity=each["velocity"],
                 limits={name: tuple(limit) for name, limit in each["limits"].items()},
             )
     yield from source.nodes.members()
+
+
+_ANY = ({"name": "arguments", "kind": "VAR_POSITIONAL"}, {"name": "named", "kind": "VAR_KEYWORD"})
+
+
+def _message_of(method: Mapping[str, Any], value_of: Callable[[Any], object]) -> type[Message] | None:
+    """Return the class of messages that a method takes."""
+    if method.get("message"):
+        return _message(method["message"], value_of)
+    return Twist if method.get("twist") else None  # as it was recorded before
+
+
+def _message(described: Mapping[str, Any], value_of: Callable[[Any], object]) -> type[Message]:
+    """Return a class of messages, by its description."""
+    fields = {
+        name: _message(part, value_of)
+        if "fields" in part
+        else _plain(part["type"], value_of(part["default"]))
+        for name, part in described["fields"].items()
+    }
+    members = {"__slots__": (), "FIELDS": fields, "WORDS": dict(described["words"])}
+    return type(described["name"], (Message,), members)
+
+
+def _plain(name: str, default: object) -> Plain:
+    """Return a kind of field; what it makes of a value is known only by its default value."""
+
+    def check(value: object, path: str) -> object:
+        if isinstance(default, (int, float)) and not isinstance(default, bool):
+            return type(default)(real_number(value, path))
+        return tuple(value) if isinstance(default, tuple) and isinstance(value, list) else value
+
+    return Plain(name, default, check)
+
+
+def _function(
+    parameters: Iterable[Mapping[str, Any]], value_of: Callable[[Any], object]
+) -> Callable[..., object]:
+    """Return a function that does nothing, with these parameters."""
+
+    def function(*_arguments: object, **_named: object) -> None: ...
+
+    made = [
+        Parameter(
+            each["name"],
+            getattr(Parameter, each["kind"]),
+            default=value_of(each["default"]) if "default" in each else Parameter.empty,
+        )
+        for each in parameters
+    ]
+    function.__signature__ = Signature(made)  # type: ignore[attr-defined]
+    return function

@@ -184,5 +184,5 @@ def _told(line: Line) -> str:
             return f"{who}{sent}"
         case None:
             parts = [f"`robot.{name}` was {unplain(value)!r}" for name, value in line["readings"].items()]
-            return ", ".join(parts)
+            return ", ".join(parts) or f"the tick was at {line['time']:g} s, with no other reading"
     return f"the program was {line['event']}"

@@ -26,6 +26,7 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.checkpoints import PLAIN, SessionCheckpoint
 from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.randomness import random_module
 from lrp_jupyter.live.replay import Entry, Ticked, merged
 
 __all__ = ["ForkStart", "check_repeated", "fork_start", "private_namespace"]
@@ -160,10 +161,11 @@ def private_namespace(namespace: dict[str, Any], state: tuple[Any, ...]) -> dict
     """
     generator = random.Random()
     generator.setstate(state)
+    current = random_module(namespace)
+    shared = vars(current)["_inst"]
     module = ModuleType("random", random.__doc__)
-    vars(module).update(vars(random))
-    shared = random._inst
-    for name, value in vars(random).items():
+    vars(module).update(vars(current), _inst=generator)
+    for name, value in vars(current).items():
         if getattr(value, "__self__", None) is shared:
             setattr(module, name, getattr(generator, name))
 
@@ -172,7 +174,7 @@ def private_namespace(namespace: dict[str, Any], state: tuple[Any, ...]) -> dict
 
     private: dict[str, Any] = {}
     for name, value in namespace.copy().items():  # other threads may write it
-        if value is random:
+        if value is current:
             value = module
         elif isinstance(value, (MethodType, BuiltinMethodType)) and value.__self__ is shared:
             value = getattr(generator, value.__name__)

@@ -30,7 +30,6 @@ Paper: §5.1 (the loop), §6.3 (pause), §6.4 (forcing states).
 from __future__ import annotations
 
 import math
-import random
 import sys
 import threading
 import traceback
@@ -66,6 +65,7 @@ from lrp_jupyter.live.foreign import Foreign, on_main_thread
 from lrp_jupyter.live.inbox import Command, Inbox
 from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, RunEnded
 from lrp_jupyter.live.moments import Moments
+from lrp_jupyter.live.randomness import random_module
 from lrp_jupyter.live.values import ValueTexts, numbers_of
 
 __all__ = ["FASTEST", "SLOWEST", "STEP", "Loop"]
@@ -359,7 +359,7 @@ class Loop:
             self.status == "running",
             self.inputs.count,
             moment,
-            random.getstate(),
+            random_module(namespace).getstate(),
         )
 
     def names_used(self) -> frozenset[str]:

@@ -27,6 +27,8 @@ left out.
 from __future__ import annotations
 
 import ast
+import gzip
+import io
 import json
 import math
 import os
@@ -34,15 +36,25 @@ import random
 import zlib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from inspect import Parameter
 from pathlib import Path as FilePath
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
+from lrp_jupyter.bridges.message import Message, Plain
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped, WorldLoaded
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
-from lrp_jupyter.errors import BridgeError, FileError, NoDataYet, ended, sentence_of
+from lrp_jupyter.errors import (
+    BridgeError,
+    FileError,
+    LRPError,
+    NoDataYet,
+    UnknownElementError,
+    ended,
+    sentence_of,
+)
 from lrp_jupyter.files import shown
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.rendering import render, short
@@ -51,37 +63,41 @@ from lrp_jupyter.language.program import Element, Program
 from lrp_jupyter.language.unmeant import Unmeant
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.inputs import Input, Paused, Resumed, RunEnded
-from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.loop import FASTEST, SLOWEST, Loop
+from lrp_jupyter.live.randomness import random_module
 from lrp_jupyter.live.replay import Entry, Ticked
 from lrp_jupyter.live.trace import Trace, as_dict, plain
 from lrp_jupyter.sim.edits import Become, Draw, WorldEdit
 from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.worlds import load
 
-__all__ = ["Recorder", "Recording", "RunStart", "random_of", "read_recording", "start_of"]
+__all__ = ["FileLine", "Recorder", "Recording", "RunStart", "random_of", "read_recording", "start_of"]
 
 VERSION = 2
 _OLD = 1  # in it, commands were no events, and what is printed was not recorded
 _GZIP = b"\x1f\x8b"
+_LARGEST = 500_000_000  # bytes of the content of a compressed file
+_PART = 1_000_000  # bytes that are decompressed at a time
 _LATEST = 1e7  # s of a run
+_LONGEST = 1.5 / SLOWEST  # s between two lines of a simulated run
 _BEYOND = "beyond"  # in the place of a value that no file can hold
 
 Line = dict[str, Any]
 
-_FIELDS: dict[object, tuple[str, ...]] = {
-    "entered": ("state",),
-    "left": ("state",),
-    "forced": ("state",),
-    "spawned": ("machine",),
-    "discarded": ("machine",),
-    "changed": ("variable",),
-    "restarted": ("reason",),
-    "fired": ("machine", "transition", "source", "destination"),
-    "issue": ("element", "line", "message"),
-    "commanded": ("command", "arguments", "sent", "block", "line"),
-    "printed": ("text",),
+_FIELDS: dict[object, dict[str, type]] = {
+    "entered": {"state": str},
+    "left": {"state": str},
+    "forced": {"state": str},
+    "spawned": {"machine": str},
+    "discarded": {"machine": str},
+    "changed": {"variable": str},
+    "restarted": {"reason": str},
+    "fired": {"machine": str, "transition": str, "source": str, "destination": str},
+    "issue": {"element": str, "line": int, "message": str},
+    "commanded": {"command": str, "arguments": dict, "sent": bool, "block": str, "line": int},
+    "printed": {"text": str},
 }
-"""The fields that the line of an event must have, beside `tick`, `time` and `event`."""
+"""The fields that the line of an event must have, beside `tick`, `time` and `event`, and their types."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,9 +142,13 @@ class RunStart:
             return Bridge.registry["none"]()
         if self.world is not None:
             return make_bridge("sim", world=self.world)
-        bridge = RecordedBridge(self.bridge, recorded_members(self.members))
+        bridge = RecordedBridge(self.bridge, self.recorded_members())
         bridge.open()
         return bridge
+
+    def recorded_members(self) -> list[RobotVariable | RobotMethod]:
+        """Return stand-ins for what `robot` offered."""
+        return [*recorded_members(self.members, unplain)]
 
 
 class Recorder(Trace):
@@ -170,7 +190,7 @@ class Recorder(Trace):
         loop.record = None
         loop.after_tick.remove(self._tick)
         if self._failure is not None:
-            raise FileError(f"The recording ended before the run: {sentence_of(self._failure)}")
+            raise FileError(f"The recording ended early: {sentence_of(self._failure)}")
 
     def __call__(self, event: TraceEvent) -> None:
         """Write one event."""
@@ -192,6 +212,8 @@ class Recorder(Trace):
             return
         try:
             self.line(made())
+        except RecursionError:
+            self._failure = LRPError("A value contains itself, or is nested too deeply for a file.")
         except Exception as error:
             self._failure = error
 
@@ -213,7 +235,7 @@ def start_of(
         interpreter.on_active_edit,
         interpreter.on_issue,
         sorted(name for name in loop.names_used() if name in interpreter.namespace),
-        random.getstate() if seed is None else seed,
+        random_module(interpreter.namespace).getstate() if seed is None else seed,
         dict(initials or {}),
     )
 
@@ -227,9 +249,25 @@ def _member(node: RobotVariable | RobotMethod) -> Line:
         "doc": node.doc,
         "command": node.command,
         "velocity": node.velocity,
-        "twist": node.message is not None and node.message.__name__ == "Twist",
+        "message": None if node.message is None else _message(node.message),
         "limits": {name: list(limit) for name, limit in node.limits.items()},
+        **({} if node.message else {"parameters": [_parameter(each) for each in node.parameters]}),
     }
+
+
+def _message(kind: type[Message]) -> Line:
+    fields = {
+        name: {"type": part.type, "default": plain(part.default)}
+        if isinstance(part, Plain)
+        else _message(part)
+        for name, part in kind.FIELDS.items()
+    }
+    return {"name": kind.__name__, "words": dict(kind.WORDS), "fields": fields}
+
+
+def _parameter(parameter: Parameter) -> Line:
+    default = {} if parameter.default is parameter.empty else {"default": plain(parameter.default)}
+    return {"name": parameter.name, "kind": parameter.kind.name, **default}
 
 
 # -- reading -------------------------------------------------------------------------------------
@@ -245,11 +283,11 @@ class Recording:
         Of the file.
     start : RunStart
     entries : tuple
-        Its ticks and inputs, in order.
+        Its ticks and inputs, in order; the number of an input is that of its line.
     followed : tuple of dict
         What followed from them.
     cut : bool
-        Whether the file ended in the middle of a line.
+        Whether the file ended in the middle of a line, or of its compressed data.
     has_printed : bool
         Whether what was printed is recorded.
     """
@@ -267,16 +305,36 @@ class Recording:
         return sum(isinstance(entry, Ticked) for entry in self.entries)
 
     @property
+    def reach(self) -> int:
+        """How many ticks back from its latest one it was rewound at most."""
+        most = latest = 0
+        for entry in self.entries:
+            latest = max(latest, entry.tick)
+            if isinstance(entry, Input) and isinstance(entry.what, do.Rewind):
+                most = max(most, latest - entry.tick)
+        return most
+
+    @property
     def seconds(self) -> float:
         """The time of its last entry."""
         return max((entry.time for entry in self.entries), default=0.0)
 
 
-class _At(NamedTuple):
+class FileLine(NamedTuple):
+    """A line of a recording.
+
+    Parameters
+    ----------
+    name : str
+        Of the file.
+    line : int
+    """
+
     name: str
     line: int
 
     def error(self, what: str) -> FileError:
+        """Return an error that begins with the place."""
         return FileError(f"`{self.name}`, line {self.line}: {what}")
 
 
@@ -299,7 +357,7 @@ def read_recording(
     name = shown(path)
     try:
         data = FilePath(path).read_bytes()
-        data = gunzipped(data) if FilePath(path).suffix == ".gz" else data
+        data, is_whole = _gunzipped(data) if FilePath(path).suffix == ".gz" else (data, True)
     except OSError as error:
         raise FileError(f"`{name}` cannot be read: {ended(error.strerror or str(error))}") from None
     *whole, rest = data.split(b"\n")
@@ -308,72 +366,101 @@ def read_recording(
     start: RunStart | None = None
     entries: list[Entry] = []
     followed: list[Line] = []
-    number = complete = 0
+    complete, latest = 0, 0.0
     for index, raw in enumerate(whole, 1):
-        at = _At(name, index)
+        at = FileLine(name, index)
         try:
             line = json.loads(raw)
         except (ValueError, RecursionError):
             raise at.error("This line is not JSON, so the file is damaged or is not a recording.") from None
         if not isinstance(line, dict):
             raise at.error("This line is not a JSON object.")
-        if start is None:
-            start = _start(line, at)
-            continue
         try:
-            tick, time = _moment(line)
+            if start is None:
+                start = _start(line, at, prepared)
+                continue
+            tick, time = _moment(line, at)
+            if start.world is not None and time > latest + _LONGEST:
+                raise at.error(f"`time` is {time:g}, and it is {latest:g} in the line before.")
+            latest = time
             if "input" in line:
-                number += 1
-                entries.append(Input(number, tick, time, _decoded(line, start, prepared)))
+                entries.append(Input(index, tick, time, _decoded(line, start, at, prepared)))
                 complete = len(followed)
                 continue
-            followed.append(_event(line))
+            followed.append(_event(line, at))
             if "readings" in line:
                 readings = {name: unplain(value) for name, value in line["readings"].items()}
                 entries.append(Ticked(tick, time, readings))
                 complete = len(followed)
+        except FileError:
+            raise
+        except UnknownElementError as error:
+            raise at.error(f"A field is wrong: {error}") from None
         except KeyError as error:
             raise at.error(f"The field `{error.args[0]}` is missing.") from None
         except Exception as error:  # whatever the parser, or an input that is made of it, says of a value
             raise at.error(f"A field is wrong: {sentence_of(error)}") from None
     assert start is not None
     has_printed = json.loads(whole[0])["lrplog"] != _OLD
-    return Recording(name, start, tuple(entries), tuple(followed[:complete]), bool(rest), has_printed)
+    return Recording(
+        name, start, tuple(entries), tuple(followed[:complete]), bool(rest) or not is_whole, has_printed
+    )
 
 
-def _moment(line: Line) -> tuple[int, float]:
+def _moment(line: Line, at: FileLine) -> tuple[int, float]:
     """Return the tick and the time of a line."""
     tick, time = line["tick"], float(line["time"])
     if type(tick) is not int or tick < 0:
-        raise ValueError(f"`tick` is {tick!r} instead of a number of ticks.")
+        raise at.error(f"`tick` is {short(tick)} instead of a number of ticks.")
     if not 0 <= time < _LATEST:
-        raise ValueError(f"`time` is {time:g} instead of seconds of a run.")
+        raise at.error(f"`time` is {time:g} instead of seconds of a run.")
     return tick, time
 
 
-def _event(line: Line) -> Line:
+def _event(line: Line, at: FileLine) -> Line:
     """Return what followed; every kind of it has its fields."""
     event = {**line, "event": "commanded"} if "command" in line else line  # as version 1 has it
-    for name in _FIELDS.get(event.get("event"), ()):
-        event[name]
+    if not {"event", "readings"} & event.keys():
+        raise at.error("This line has no `input`, `event` or `readings`.")
+    for name, kind in _FIELDS.get(event.get("event"), {}).items():
+        if not isinstance(event[name], kind):
+            raise at.error(f"The field `{name}` is wrong: it is {short(event[name])}.")
+    dict(unplain(event.get("arguments", {"dict": {}})))
     return event
 
 
-def gunzipped(data: bytes) -> bytes:
-    """Return the content of a compressed file; of one that was cut off, what is there."""
-    reader = zlib.decompressobj(wbits=31)
+def _gunzipped(data: bytes) -> tuple[bytes, bool]:
+    """Return the content of a compressed file, or what is there of it, and whether that is all.
+
+    Raises
+    ------
+    OSError
+        It is not compressed, damaged, or too large.
+    """
+    content = bytearray()
     try:
-        return reader.decompress(data) + reader.flush()
-    except zlib.error as error:
+        with gzip.open(io.BytesIO(data)) as stream:
+            while part := stream.read1(_PART):
+                content += part
+                if len(content) > _LARGEST:
+                    break
+    except EOFError:
+        return bytes(content), False
+    except (OSError, zlib.error) as error:
         damaged = data.startswith(_GZIP)
         raise OSError(
             "its compressed data is damaged"
             if damaged
             else "its name ends with `.gz`, but it is not a gzip file"
         ) from error
+    if len(content) > _LARGEST:
+        raise OSError(f"It contains more than {_LARGEST / 1e6:,.0f} MB.")
+    return bytes(content), True
 
 
-def _start(line: Line, at: _At) -> RunStart:
+def _start(
+    line: Line, at: FileLine, prepared: Callable[[Program, Mapping[str, str]], Program] | None
+) -> RunStart:
     if line.get("lrplog") not in (VERSION, _OLD):
         found = line.get("lrplog")
         if found is None:
@@ -390,7 +477,20 @@ def _start(line: Line, at: _At) -> RunStart:
     for name, value in known.items():
         if not _STARTS[name](value):
             raise at.error(f"The field `{name}` is wrong: it is {short(value)}.")
-    return RunStart(**known)
+    start = RunStart(**known)
+    _program(start.text, start, prepared)
+    start.recorded_members()
+    if start.world is not None:
+        load(start.world)
+    return start
+
+
+def _program(
+    text: str, start: RunStart, prepared: Callable[[Program, Mapping[str, str]], Program] | None
+) -> Program:
+    """Return a recorded program with the initial values of the run."""
+    parsed = parse(text, start.filename)
+    return prepared(parsed, start.initials) if prepared is not None and start.initials else parsed
 
 
 def _are_texts(values: object) -> bool:
@@ -425,7 +525,7 @@ _STARTS: dict[str, Callable[[Any], bool]] = {
     "bridge": lambda value: isinstance(value, str),
     "world": lambda value: value is None or isinstance(value, dict),
     "members": lambda value: isinstance(value, list) and all(isinstance(each, dict) for each in value),
-    "rate": lambda value: isinstance(value, (int, float)) and 0 < value < math.inf,
+    "rate": lambda value: isinstance(value, (int, float)) and (value == 0 or SLOWEST <= value <= FASTEST),
     "on_active_edit": lambda value: value in ("restart", "keep"),
     "on_issue": lambda value: value in ("record", "pause"),
     "names": _are_texts,
@@ -458,8 +558,8 @@ def _encoded(what: object, loop: Loop) -> Line:
             return {"input": "force", "path": path, "teleport": teleport}
         case do.SetVariable(path, expression):
             return {"input": "set", "path": path, "expression": expression}
-        case do.Assign(path, value):
-            return {"input": "assign", "path": path, "value": _literal(value)}
+        case do.Assign(path, value) if (literal := _literal(value)) is not None:
+            return {"input": "assign", "path": path, "value": literal}
         case do.Rewind(ticks):
             return {"input": "rewind", "ticks": ticks}
         case do.Reset():
@@ -490,11 +590,13 @@ def _encoded(what: object, loop: Loop) -> Line:
 
 
 def _decoded(
-    line: Line, start: RunStart, prepared: Callable[[Program, Mapping[str, str]], Program] | None
+    line: Line,
+    start: RunStart,
+    at: FileLine,
+    prepared: Callable[[Program, Mapping[str, str]], Program] | None,
 ) -> object:
     def program(text: str) -> Program:
-        parsed = parse(text, start.filename)
-        return prepared(parsed, start.initials) if prepared is not None and start.initials else parsed
+        return _program(text, start, prepared)
 
     match line["input"]:
         case "pause":
@@ -548,7 +650,9 @@ def _decoded(
             return Draw(tuple((x, y) for x, y in line["path"]), line["width"], line["grey"])
         case "edit world":
             return Become(load(line["world"]))
-    raise ValueError(f"An input `{line['input']}` cannot be repeated.")
+        case "beyond":
+            raise at.error("This input cannot be stored in a file, so the recording cannot be replayed.")
+    raise at.error(f"There is no input {short(line['input'])}.")
 
 
 def _unmeant(unmeant: Unmeant) -> Line:
@@ -561,15 +665,21 @@ def _unmeant(unmeant: Unmeant) -> Line:
     }
 
 
-def _literal(value: object) -> str:
-    """Return a value as an expression of Python; one that has none becomes None."""
-    text = repr(value)
+class _Infinite(ast.NodeTransformer):
+    """Turns the name `inf` into a number."""
+
+    def visit_Name(self, node: ast.Name) -> ast.expr:
+        """See `ast.NodeTransformer`."""
+        return ast.Constant(math.inf) if node.id == "inf" else node
+
+
+def _literal(value: object) -> str | None:
+    """Return a value as an expression of Python; None where that is not possible."""
     try:
-        if ast.literal_eval(text) == value:
-            return text
-    except (ValueError, SyntaxError, MemoryError, RecursionError):
-        pass
-    return "None"
+        text = ast.unparse(_Infinite().visit(ast.parse(repr(value), mode="eval")))
+        return text if ast.literal_eval(text) == value else None
+    except Exception:  # `repr` and `==` may run code of anyone
+        return None
 
 
 # -- values as JSON ------------------------------------------------------------------------------
@@ -594,7 +704,7 @@ class Fields:
 def unplain(value: Any) -> Any:
     """Return what :func:`plain` had made of a value; an object has only its fields."""
     if isinstance(value, list):
-        return tuple(unplain(part) for part in value)
+        return [unplain(part) for part in value]
     if not isinstance(value, dict):
         return value
     ((kind, content),) = value.items()
@@ -605,6 +715,8 @@ def unplain(value: Any) -> Any:
             return NoDataYet(content)
         case "error":
             return BridgeError(content)
+        case "tuple":
+            return tuple(unplain(part) for part in content)
         case "dict":
             return {key: unplain(part) for key, part in content.items()}
         case "fields":

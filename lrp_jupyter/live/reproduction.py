@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-import random
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from lrp_jupyter.errors import LRPError
+from lrp_jupyter.errors import FileError, sentence_of
 from lrp_jupyter.interpreter.events import Observer
+from lrp_jupyter.interpreter.journal import TICKS
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.comparison import Comparison, FirstDifference
-from lrp_jupyter.live.recording import Recorder, Recording, random_of
-from lrp_jupyter.live.replay import Ticked, repeat, without_edits
+from lrp_jupyter.live.fork import private_namespace
+from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.recording import FileLine, Recorder, Recording, random_of
+from lrp_jupyter.live.replay import Entry, Ticked, repeat, without_edits
 from lrp_jupyter.live.session import Session
 
 __all__ = ["FirstDifference", "Reproduction", "reproduce"]
@@ -71,6 +73,8 @@ def reproduce(
     ------
     LRPSyntaxError
         The other text is not a valid program.
+    FileError
+        An input cannot be repeated; the message names its line.
     SessionTimeoutError
         A block does not return.
     """
@@ -84,43 +88,62 @@ def reproduce(
         first = prepared(first, start.initials)
     if program is not None:
         entries = deque(without_edits(entries))
-    if start.random is not None:
-        random.setstate(random_of(start.random).getstate())
     session = Session(
         first,
         start.make_bridge(),
         VirtualClock(),
         start.rate,
-        namespace=namespace,
+        namespace=private_namespace(namespace or {}, random_of(start.random).getstate()),
         on_active_edit=start.on_active_edit,  # type: ignore[arg-type]
         on_issue=start.on_issue,  # type: ignore[arg-type]
         name="replay",
+        journal=recording.reach if recording.reach > TICKS else None,
     )
-    if observer is not None:
-        session.observe(observer)
-    comparison = Comparison(recording.followed, program is not None, recording.has_printed)
+    with session._closed_on_error():
+        if observer is not None:
+            session.observe(observer)
+        return Reproduction(session, _repeated(session, recording, entries, until, program is not None))
+
+
+def _repeated(
+    session: Session, recording: Recording, entries: deque[Entry], until: float | None, other: bool
+) -> FirstDifference | None:
+    """Repeat entries up to a time, or to the first difference from a run of the same program; return that."""
+    comparison = Comparison(recording.followed, other, recording.has_printed)
     session.open()
     loop = session._loop
     recorder = Recorder(loop, comparison.write)
-    while entries and (until is None or entries[0].time <= until + 1e-9):
+    failed: FileError | None = None
+
+    def is_due() -> bool:
+        return bool(entries) and (until is None or entries[0].time <= until + 1e-9)
+
+    while is_due() and failed is None and (other or comparison.difference is None):
         with session.driving(_LIMIT):
-            for _ in range(min(len(entries), 1000)):
-                if until is not None and entries[0].time > until + 1e-9:
+            for _ in range(1000):
+                if not is_due() or failed is not None:
                     break
-                entry = entries.popleft()
-                try:
-                    repeat(loop, entry)
-                except (LRPError, ValueError, TypeError, SyntaxError, NameError):
-                    if program is None and isinstance(entry, Ticked):
-                        raise
-        if comparison.difference is not None and program is None:
-            break
-    if entries:
+                failed = _repeat(loop, entries.popleft(), recording.name)
+                failed = None if other else failed  # what was done may not be possible in another program
+    if entries or failed is not None:
         comparison.end_of_tick(is_whole=False)
     else:
         comparison.end()
+    if failed is not None and comparison.difference is None:
+        raise failed
     recorder.end()
     with session.driving(_LIMIT):
         loop.rest()
         loop.publish()
-    return Reproduction(session, comparison.difference)
+    return comparison.difference
+
+
+def _repeat(loop: Loop, entry: Entry, name: str) -> FileError | None:
+    """Repeat an entry; return the error of an input, all of which were possible when they were recorded."""
+    try:
+        repeat(loop, entry)
+    except Exception as error:
+        if isinstance(entry, Ticked):
+            raise
+        return FileLine(name, entry.number).error(f"This input cannot be repeated: {sentence_of(error)}")
+    return None

@@ -134,7 +134,11 @@ class Trace:
 
 
 def plain(value: object) -> Any:
-    """Return a reading, or an argument of a command, as JSON; parts of an object by their names."""
+    """Return a reading, or an argument of a command, as JSON.
+
+    What has no type in JSON is an object with one name, that of its kind: ``{"tuple": [1, 2]}``; the parts of
+    an object have their names.
+    """
     if value is None or type(value) in (bool, int, str):
         return value
     if isinstance(value, float):
@@ -149,7 +153,8 @@ def plain(value: object) -> Any:
         return {"dict": {str(key): plain(part) for key, part in value.items()}}
     parts = getattr(value, "_fields", None)
     if isinstance(value, (list, tuple)) and parts is None:
-        return [plain(part) for part in value]
+        items = [plain(part) for part in value]
+        return items if isinstance(value, list) else {"tuple": items}
     if parts is None:
         slots = getattr(type(value), "__slots__", ())
         parts = [*((slots,) if isinstance(slots, str) else slots), *getattr(value, "__dict__", ())]

@@ -14,7 +14,9 @@ from seeds import seeds
 
 from lrp_jupyter import files
 from lrp_jupyter.bridges.bridge import Bridge, Twist
+from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import FileError, NoDataYet
+from lrp_jupyter.live import recording
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.recording import plain, read_recording, unplain
 from lrp_jupyter.live.reproduction import reproduce
@@ -277,8 +279,62 @@ def test_the_readings_of_a_real_robot_are_fed_to_the_program_again(tmp_path):
     assert other.difference.tick == 7
 
 
+class Beeper(Bridge):
+    """A robot whose methods have parameters, and whose reading is a list."""
+
+    name = "beeper"
+    hardware = False
+
+    def open_interface(self):
+        """Add the members."""
+        self.add_variable("ls", lambda: [1, 2, (3,)])
+        self.add_method("move", lambda linear, angular=0.0: None, limits={"linear": 0.5})
+        self.add_method("beep", lambda *, times=1: None)
+
+
+def test_the_methods_of_a_recorded_robot_take_the_arguments_that_it_took(tmp_path):
+    path = tmp_path / "run.lrplog"
+    blocks = "[robot.move(0.9, 0.1)] [robot.beep(times=2)] [n = robot.ls + [(4,)]] [robot.beep(3)]"
+    text = f"(var n := [0])(machine m (state a (running {blocks})))(spawn m a)"
+    with Session(text, Beeper, clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+        (issue,) = session.issues
+    with reproduce(read_recording(path)).session as again:
+        assert [each.message for each in again.issues] == [issue.message]
+        assert again.frame.values["n"] == [1, 2, (3,), (4,)]
+        assert again.explain("robot.move").facts["arguments"] == {"linear": 0.5, "angular": 0.1}
+    assert reproduce(read_recording(path)).difference is None
+
+
+class Publisher(Bridge):
+    """A robot that takes messages of ROS."""
+
+    name = "publisher"
+    hardware = False
+
+    def open_interface(self):
+        """Add the methods."""
+        types = Types()
+        for name, kind in {"drive": "geometry_msgs/TwistStamped", "say": "std_msgs/String"}.items():
+            self.add_method(name, lambda message: None, message=types.message(kind), limits={})
+
+
+def test_the_messages_of_a_recorded_robot_have_their_fields(tmp_path):
+    path = tmp_path / "run.lrplog"
+    blocks = "[robot.drive(linear=1, header_frame_id='map')] [robot.say(data='on')] [robot.say(dat='off')]"
+    text = f"(machine m (state a (running {blocks})))(spawn m a)"
+    with Session(text, Publisher, clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+        (issue,) = session.issues
+        assert "it has `data`" in issue.message
+        given = session.explain("robot.drive").facts["arguments"]
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    assert again.session.explain("robot.drive").facts["arguments"] == given
+
+
 def test_values_are_the_same_as_json():
-    for value in [1, True, None, "x", 0.1, float("inf"), (1, (2.5, "y")), {"a": (1,)}]:
+    for value in [1, [1, (2, [3])], True, None, "x", 0.1, float("inf"), (1, (2.5, "y")), {"a": (1,)}]:
         assert unplain(json.loads(json.dumps(plain(value)))) == value
     pose = unplain(json.loads(json.dumps(plain(Pose(0.5, Pose(1, None))))))
     assert (pose.x, pose.other.x, pose.other.other) == (0.5, 1, None)
@@ -302,8 +358,41 @@ def test_a_recording_that_fails_ends_and_the_session_goes_on():
         session.run(2)
         assert session.status == "paused"
         assert session.frame.tick >= 20
-        with pytest.raises(FileError, match=r"The recording ended before the run: .*No space left"):
+        with pytest.raises(FileError, match=r"The recording ended early: .*No space left"):
             recorder.end()
+        session.run(1)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs a limit of the size of a file")
+@pytest.mark.parametrize("name", ["run.lrplog", "run.lrplog.gz"])
+def test_a_full_disk_is_told_with_the_file_and_the_session_goes_on(tmp_path, name, monkeypatch):
+    import resource
+
+    monkeypatch.setattr(files, "_KEPT", 0.0)
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    with Session(COUNTER, clock=VirtualClock()) as session:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, hard))
+        try:
+            with (
+                pytest.raises(
+                    FileError, match=rf"The recording ended early: `.*{name}` cannot be written: File"
+                ),
+                session.record(tmp_path / name),
+            ):
+                session.run(300)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+        assert (session.status, session.frame.tick) == ("paused", 3000)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a full device")
+def test_a_recording_that_cannot_begin_is_refused(tmp_path):
+    (tmp_path / "run.lrplog").symlink_to("/dev/full")
+    with (
+        Session(COUNTER, clock=VirtualClock()) as session,
+        pytest.raises(FileError, match=r"run.lrplog` cannot be written: No space"),
+        session.record(tmp_path / "run.lrplog"),
+    ):
         session.run(1)
 
 
@@ -328,7 +417,7 @@ def test_what_cannot_be_written_ends_the_recording_not_the_session(tmp_path):
         recording.__enter__()
         session.run(1)
         assert session.status == "paused"
-        with pytest.raises(FileError, match="recursion"):
+        with pytest.raises(FileError, match="ended early: A value contains itself"):
             recording.__exit__(None, None, None)
     assert b"\xed\xa0\x80" in path.read_bytes()
 
@@ -347,8 +436,14 @@ def test_random_numbers_are_reproduced_though_nobody_seeded_them(tmp_path):
     text = "(var r := [0]) (machine m (state a (running [import random; r = random.random()])))(spawn m a)"
     with Session(text, clock=VirtualClock()) as session, session.record(path):
         session.run(1)
-    random.random()
-    assert reproduce(read_recording(path)).difference is None
+    before = random.getstate()
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    assert random.getstate() == before, "a replay draws numbers of its own"
+    with again.session.fork(5) as fork, fork.fork() as other:
+        fork.run(0.6)
+        other.run(0.6)
+        assert fork.frame.values["r"] == other.frame.values["r"] == again.session.frame.values["r"]
 
 
 START = {"lrplog": 2, "text": COUNTER, "filename": "a.lrp", "bridge": "none"}
@@ -365,12 +460,19 @@ START = {"lrplog": 2, "text": COUNTER, "filename": "a.lrp", "bridge": "none"}
         ({"on_issue": "zz"}, {}, "line 1: The field `on_issue` is wrong"),
         ({"names": 5}, {}, "line 1: The field `names` is wrong"),
         ({"members": [5]}, {}, "line 1: The field `members` is wrong"),
+        ({"members": [{}]}, {}, "line 1: The field `kind` is missing"),
+        ({"text": "(machine"}, {}, "line 1: A field is wrong: .*LRP1"),
+        ({"rate": 1e9}, {}, "line 1: The field `rate` is wrong"),
+        ({"world": {"a": 1}}, {}, "line 1: A field is wrong: .*Unknown key"),
+        ({}, {"foo": 1}, "line 2: This line has no `input`, `event` or `readings`"),
+        ({}, {"event": "entered", "state": 5}, "line 2: The field `state` is wrong: it is 5"),
+        ({}, {"input": "beyond", "what": "x"}, "line 2: This input cannot be stored in a file, so"),
         ({}, {"event": "fired"}, "line 2: The field `machine` is missing"),
         ({}, {"event": "commanded"}, "line 2: The field `command` is missing"),
         ({}, {"input": "set", "path": "n"}, "line 2: The field `expression` is missing"),
-        ({}, {"tick": "x", "readings": {}}, "line 2: A field is wrong: .*`tick` is 'x'"),
-        ({}, {"time": float("inf"), "readings": {}}, "line 2: A field is wrong: .*`time` is inf"),
-        ({}, {"time": 1e9, "readings": {}}, "line 2: A field is wrong: .*`time` is 1e"),
+        ({}, {"tick": "x", "readings": {}}, "line 2: `tick` is 'x'"),
+        ({}, {"time": float("inf"), "readings": {}}, "line 2: `time` is inf"),
+        ({}, {"time": 1e9, "readings": {}}, "line 2: `time` is 1e"),
         ({}, {"readings": 5}, "line 2: A field is wrong"),
         ({}, {"input": "edit", "text": "(machine"}, "line 2: A field is wrong: .*LRP1"),
     ],
@@ -383,6 +485,103 @@ def test_what_is_wrong_in_a_recording_is_told_with_its_line(tmp_path, fields, li
         read_recording(path)
 
 
+@pytest.mark.parametrize(
+    "line",
+    [
+        {"input": "set", "path": ["n"], "expression": "1/0"},
+        {"input": "set", "path": ["n"], "expression": "n.q"},
+        {"input": "set", "path": ["n"], "expression": 5},
+        {"input": "rename", "kind": 5, "path": ["m"], "name": "q"},
+        {"input": "rename", "kind": "machine", "path": ["m"], "name": 5},
+        {"input": "rewind", "ticks": "x"},
+        {"input": "rewind", "ticks": 100},
+        {"input": "force", "path": [5], "teleport": False},
+        {"input": "rate", "rate": "x"},
+        {"input": "policy", "name": "on_issue", "value": "zz"},
+        {"input": "place", "pose": ["a", "b", "c"], "robot": 0},
+        {"input": "place", "pose": [1, 1, 1], "robot": 9},
+        {"input": "draw", "path": [[0.1, 1]], "width": "x", "grey": 1},
+        {"input": "world", "world": 5},
+        {"input": "command", "name": "mov", "arguments": {"dict": {}}},
+        {"input": "command", "name": "move", "arguments": 5},
+    ],
+)
+def test_an_input_that_cannot_be_repeated_is_told_with_its_line(tmp_path, line):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
+        session.run(0.5)
+    *rows, end = path.read_text(encoding="utf-8").splitlines()
+    rows.append(json.dumps({"tick": 5, "time": 0.5, **line}))
+    path.write_text("\n".join([*rows, end, ""]), encoding="utf-8")
+    recording = read_recording(path)
+    with pytest.raises(FileError, match=f"line {len(rows)}: This input cannot be repeated: "):
+        reproduce(recording)
+    reproduce(recording, program=COUNTER.replace("1", "2")).session.close()
+
+
+def test_a_simulated_run_without_end_is_refused(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
+        session.run(0.5)
+    with open(path, "a", encoding="utf-8") as stream:
+        stream.write('{"tick":6,"time":1e6,"readings":{}}\n')
+    with pytest.raises(FileError, match=r"`time` is 1e\+06, and it is 0.5 in the line before"):
+        read_recording(path)
+
+
+def test_a_run_at_full_speed_is_reproduced(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, clock=VirtualClock(), rate=0) as session, session.record(path):
+        session.run(0.5)
+    assert reproduce(read_recording(path)).difference is None
+
+
+def test_a_run_that_was_rewound_by_more_than_is_usually_kept_is_reproduced(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, clock=VirtualClock(), journal=20_000) as session, session.record(path):
+        session.run(1200)
+        session.rewind(6000)
+        session.rewind(5500)
+        session.run(1)
+        count = session.frame.values["n"]
+    assert read_recording(path).reach == 11_500
+    with reproduce(read_recording(path)).session as again:
+        assert again.frame.values["n"] == count
+
+
+@pytest.mark.parametrize(
+    "value", [float("inf"), [1, (float("-inf"),)], {"inf": "inf"}, {1: None}, {2}, set()]
+)
+def test_a_value_that_was_assigned_is_repeated(tmp_path, value):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER.replace("n += 1", "n"), clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+        session.variables["n"] = value
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    assert again.session.frame.values["n"] == value
+
+
+def test_a_value_that_no_file_can_hold_is_told(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER.replace("n += 1", "n"), clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+        session.variables["n"] = object()
+    with pytest.raises(FileError, match="This input cannot be stored in a file, so the recording cannot be"):
+        read_recording(path)
+
+
+def test_a_tick_without_readings_is_told(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
+        session.run(0.5)
+    rows = path.read_text(encoding="utf-8").splitlines()
+    rows = [row.partition('"readings"')[0] + '"readings":{}}' if '"readings"' in row else row for row in rows]
+    path.write_text("\n".join([*rows, ""]), encoding="utf-8")
+    told = str(reproduce(read_recording(path)).difference)
+    assert "Recorded: the tick was at 0 s, with no other reading. Replay: `robot." in told
+
+
 def test_a_deep_line_and_a_file_that_is_not_compressed_are_told(tmp_path):
     path, packed = tmp_path / "run.lrplog", tmp_path / "run.lrplog.gz"
     path.write_text("[" * 100_000 + "\n")
@@ -391,8 +590,25 @@ def test_a_deep_line_and_a_file_that_is_not_compressed_are_told(tmp_path):
     packed.write_text("{}\n")
     with pytest.raises(FileError, match="it is not a gzip file"):
         read_recording(packed)
+    packed.write_bytes(gzip.compress(b"{}\n") + b"more")
+    with pytest.raises(FileError, match="its compressed data is damaged"):
+        read_recording(packed)
     packed.write_bytes(gzip.compress(b"{}\n")[:10] + b"\xff" * 40)
     with pytest.raises(FileError, match="its compressed data is damaged"):
+        read_recording(packed)
+
+
+def test_every_part_of_a_compressed_recording_is_read_and_it_is_bounded(tmp_path, monkeypatch):
+    path, packed = tmp_path / "run.lrplog", tmp_path / "run.lrplog.gz"
+    with Session(COUNTER, clock=VirtualClock()) as session, session.record(path):
+        session.run(1)
+    first, *rows = path.read_bytes().splitlines(keepends=True)
+    packed.write_bytes(gzip.compress(first) + gzip.compress(b"".join(rows)))
+    assert (read_recording(packed).ticks, read_recording(packed).cut) == (10, False)
+    packed.write_bytes(packed.read_bytes()[:-8])
+    assert (read_recording(packed).ticks, read_recording(packed).cut) == (10, True)
+    monkeypatch.setattr(recording, "_LARGEST", 1000)
+    with pytest.raises(FileError, match="It contains more than"):
         read_recording(packed)
 
 

@@ -71,21 +71,7 @@ class RosMessage(Message):
     def _assign(self, name: str, value: object) -> None:
         if isinstance(value, ReceivedMessage):  # what arrived on one topic may go out on another
             value = value._as_dict()
-        if name in self.WORDS and name not in self.FIELDS:
-            self.set(name, value)
-        else:
-            super()._assign(name, value)
-
-    def _assign_long_name(self, name: str, value: object) -> None:
-        for field, kind in self.FIELDS.items():  # names of fields may have underscores of their own
-            rest = name.removeprefix(f"{field}_")
-            if rest != name and not isinstance(kind, Plain):
-                try:
-                    self._fields[field]._assign(rest, value)
-                except MemberError:
-                    continue
-                return
-        raise self._unknown(name)
+        super()._assign(name, value)
 
 
 class ReceivedMessage:
