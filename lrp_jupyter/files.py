@@ -12,6 +12,7 @@ import io
 import os
 import secrets
 import stat
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -20,10 +21,23 @@ from typing import IO, cast
 
 from lrp_jupyter.errors import FileError, ended
 
-__all__ = ["append_line", "decoded", "open_log", "read_file", "read_text", "shown", "write_file"]
+__all__ = [
+    "append_line",
+    "at_line",
+    "decoded",
+    "open_log",
+    "read_file",
+    "read_log",
+    "read_text",
+    "shown",
+    "write_file",
+]
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 _LARGEST = 32_000_000  # bytes that are read
+_LARGEST_LOG = 500_000_000  # bytes of the content of a compressed file of lines
+_PART = 1_000_000  # bytes that are decompressed at a time
+_GZIP = b"\x1f\x8b"
 
 
 def write_file(path: str | os.PathLike[str], text: str) -> None:
@@ -132,6 +146,60 @@ def open_log(path: str | os.PathLike[str]) -> IO[str]:
     except OSError as error:
         raise _unwritable(path, error) from None
     return _Log(path, cast("IO[bytes]", data))
+
+
+def read_log(path: str | os.PathLike[str]) -> tuple[bytes, bool]:
+    """Read a file of lines; return what is there of it, and whether its compressed data is complete.
+
+    Raises
+    ------
+    FileError
+        It cannot be read, is too large, or its name ends with ``.gz`` and its data is not compressed or
+        damaged.
+    """
+    try:
+        data = Path(path).read_bytes()
+        return _gunzipped(data) if Path(path).suffix == ".gz" else (data, True)
+    except OSError as error:
+        raise FileError(f"`{shown(path)}` cannot be read: {ended(error.strerror or str(error))}") from None
+
+
+def _gunzipped(data: bytes) -> tuple[bytes, bool]:
+    content = bytearray()
+    try:
+        with gzip.open(io.BytesIO(data)) as stream:
+            while part := stream.read1(_PART):
+                content += part
+                if len(content) > _LARGEST_LOG:
+                    break
+    except EOFError:
+        return bytes(content), False
+    except (OSError, zlib.error):
+        damaged = data.startswith(_GZIP)
+        reason = (
+            "its compressed data is damaged"
+            if damaged
+            else "its name ends with `.gz`, but it is not a gzip file"
+        )
+        raise OSError(reason) from None
+    if len(content) > _LARGEST_LOG:
+        raise OSError(f"it contains more than {_LARGEST_LOG / 1e6:,.0f} MB")
+    return bytes(content), True
+
+
+def at_line(name: str, number: int, what: str) -> FileError:
+    """Return an error that begins with a line of a file.
+
+    Parameters
+    ----------
+    name : str
+        Of the file, as it is shown.
+    number : int
+        Of the line, from 1.
+    what : str
+        A sentence.
+    """
+    return FileError(f"`{name}`, line {number}: {what}")
 
 
 def append_line(path: str | os.PathLike[str], line: str) -> None:

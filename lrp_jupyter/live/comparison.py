@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from lrp_jupyter.errors import ended
-from lrp_jupyter.live.recording import unplain
+from lrp_jupyter.live.plain import unplain
 from lrp_jupyter.live.why.wording import call_text
 
 __all__ = ["Comparison", "FirstDifference"]

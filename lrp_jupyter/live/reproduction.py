@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from lrp_jupyter.errors import FileError, sentence_of
+from lrp_jupyter.files import at_line
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.journal import TICKS
 from lrp_jupyter.language.parser import parse
@@ -16,7 +17,8 @@ from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.comparison import Comparison, FirstDifference
 from lrp_jupyter.live.fork import private_namespace
 from lrp_jupyter.live.loop import Loop
-from lrp_jupyter.live.recording import FileLine, Recorder, Recording, random_of
+from lrp_jupyter.live.recorder import Recorder
+from lrp_jupyter.live.recording import Recording, random_of
 from lrp_jupyter.live.replay import Entry, Ticked, repeat, without_edits
 from lrp_jupyter.live.session import Session
 
@@ -145,5 +147,5 @@ def _repeat(loop: Loop, entry: Entry, name: str) -> FileError | None:
     except Exception as error:
         if isinstance(entry, Ticked):
             raise
-        return FileLine(name, entry.number).error(f"This input cannot be repeated: {sentence_of(error)}")
+        return at_line(name, entry.number, f"This input cannot be repeated: {sentence_of(error)}")
     return None

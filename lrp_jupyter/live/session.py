@@ -94,7 +94,7 @@ from lrp_jupyter.live.output import Output
 from lrp_jupyter.live.past import frame_at, tick_of
 from lrp_jupyter.live.plots import Plot, plots_of
 from lrp_jupyter.live.reason import Reason
-from lrp_jupyter.live.recording import Recorder, start_of
+from lrp_jupyter.live.recorder import Recorder, start_of
 from lrp_jupyter.live.replay import Entry, Ticked, play, repeat, tested_again, without_edits
 from lrp_jupyter.live.timeline import Timeline, TimelineCursor, timeline_of
 from lrp_jupyter.live.trials import Trial, Trials

@@ -33,11 +33,11 @@ import re
 from collections.abc import Callable, Mapping
 from typing import Any, TextIO
 
-from lrp_jupyter.errors import NoDataYet
 from lrp_jupyter.interpreter.events import UNSET, TraceEvent
 from lrp_jupyter.interpreter.rendering import render
+from lrp_jupyter.live.plain import plain
 
-__all__ = ["Trace", "as_dict", "plain"]
+__all__ = ["Trace", "as_dict"]
 
 _ADDRESS = re.compile(r" at 0x[0-9a-fA-F]+")
 
@@ -131,34 +131,3 @@ class Trace:
     def line(self, entry: Mapping[str, Any]) -> None:
         """Write a line; also one that is no event of the interpreter."""
         self._write(json.dumps(entry, ensure_ascii=False, separators=(",", ":")) + "\n")
-
-
-def plain(value: object) -> Any:
-    """Return a reading, or an argument of a command, as JSON.
-
-    What has no type in JSON is an object with one name, that of its kind: ``{"tuple": [1, 2]}``; the parts of
-    an object have their names.
-    """
-    if value is None or type(value) in (bool, int, str):
-        return value
-    if isinstance(value, float):
-        return value if math.isfinite(value) else {"float": repr(value)}
-    if isinstance(value, (int, str)):
-        return value.real if isinstance(value, int) else str(value)
-    if isinstance(value, NoDataYet):
-        return {"no data": str(value)}
-    if isinstance(value, Exception):
-        return {"error": str(value)}
-    if isinstance(value, Mapping):
-        return {"dict": {str(key): plain(part) for key, part in value.items()}}
-    parts = getattr(value, "_fields", None)
-    if isinstance(value, (list, tuple)) and parts is None:
-        items = [plain(part) for part in value]
-        return items if isinstance(value, list) else {"tuple": items}
-    if parts is None:
-        slots = getattr(type(value), "__slots__", ())
-        parts = [*((slots,) if isinstance(slots, str) else slots), *getattr(value, "__dict__", ())]
-    public = [name for name in parts if not name.startswith("_") and hasattr(value, name)]
-    if not public:
-        return {"text": render(value)}
-    return {"fields": {name: plain(getattr(value, name)) for name in public}}

@@ -16,9 +16,9 @@ from lrp_jupyter import files
 from lrp_jupyter.bridges.bridge import Bridge, Twist
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import FileError, NoDataYet
-from lrp_jupyter.live import recording
 from lrp_jupyter.live.clock import VirtualClock
-from lrp_jupyter.live.recording import plain, read_recording, unplain
+from lrp_jupyter.live.plain import plain, unplain
+from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.session import Session
 
@@ -607,8 +607,8 @@ def test_every_part_of_a_compressed_recording_is_read_and_it_is_bounded(tmp_path
     assert (read_recording(packed).ticks, read_recording(packed).cut) == (10, False)
     packed.write_bytes(packed.read_bytes()[:-8])
     assert (read_recording(packed).ticks, read_recording(packed).cut) == (10, True)
-    monkeypatch.setattr(recording, "_LARGEST", 1000)
-    with pytest.raises(FileError, match="It contains more than"):
+    monkeypatch.setattr(files, "_LARGEST_LOG", 1000)
+    with pytest.raises(FileError, match="it contains more than"):
         read_recording(packed)
 
 

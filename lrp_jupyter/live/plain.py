@@ -1,0 +1,82 @@
+"""Values as JSON: readings, and the arguments of commands, in recordings and traces."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+from lrp_jupyter.errors import BridgeError, NoDataYet
+from lrp_jupyter.interpreter.rendering import render
+
+__all__ = ["Fields", "plain", "unplain"]
+
+
+def plain(value: object) -> Any:
+    """Return a reading, or an argument of a command, as JSON.
+
+    What has no type in JSON is an object with one name, that of its kind: ``{"tuple": [1, 2]}``; the parts of
+    an object have their names.
+    """
+    if value is None or type(value) in (bool, int, str):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else {"float": repr(value)}
+    if isinstance(value, (int, str)):
+        return value.real if isinstance(value, int) else str(value)
+    if isinstance(value, NoDataYet):
+        return {"no data": str(value)}
+    if isinstance(value, Exception):
+        return {"error": str(value)}
+    if isinstance(value, Mapping):
+        return {"dict": {str(key): plain(part) for key, part in value.items()}}
+    parts = getattr(value, "_fields", None)
+    if isinstance(value, (list, tuple)) and parts is None:
+        items = [plain(part) for part in value]
+        return items if isinstance(value, list) else {"tuple": items}
+    if parts is None:
+        slots = getattr(type(value), "__slots__", ())
+        parts = [*((slots,) if isinstance(slots, str) else slots), *getattr(value, "__dict__", ())]
+    public = [name for name in parts if not name.startswith("_") and hasattr(value, name)]
+    if not public:
+        return {"text": render(value)}
+    return {"fields": {name: plain(getattr(value, name)) for name in public}}
+
+
+class Fields:
+    """An object of a reading, with the fields that were recorded."""
+
+    def __init__(self, fields: Mapping[str, Any]) -> None:
+        vars(self).update(fields)
+
+    def __repr__(self) -> str:
+        return f"({', '.join(f'{name}={value!r}' for name, value in vars(self).items())})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Fields) and vars(self) == vars(other)
+
+    def __hash__(self) -> int:
+        return hash(tuple(vars(self)))
+
+
+def unplain(value: Any) -> Any:
+    """Return what :func:`plain` had made of a value; an object has only its fields."""
+    if isinstance(value, list):
+        return [unplain(part) for part in value]
+    if not isinstance(value, dict):
+        return value
+    ((kind, content),) = value.items()
+    match kind:
+        case "float":
+            return float(content)
+        case "no data":
+            return NoDataYet(content)
+        case "error":
+            return BridgeError(content)
+        case "tuple":
+            return tuple(unplain(part) for part in content)
+        case "dict":
+            return {key: unplain(part) for key, part in content.items()}
+        case "fields":
+            return Fields({name: unplain(part) for name, part in content.items()})
+    return content

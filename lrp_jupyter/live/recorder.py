@@ -1,0 +1,143 @@
+"""The recorder of a session."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from inspect import Parameter
+from typing import Any
+
+from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.message import Message, Plain
+from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
+from lrp_jupyter.errors import FileError, LRPError, sentence_of
+from lrp_jupyter.interpreter.events import TraceEvent
+from lrp_jupyter.live.input_lines import input_line
+from lrp_jupyter.live.inputs import Input, RunEnded
+from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.plain import plain
+from lrp_jupyter.live.randomness import random_module
+from lrp_jupyter.live.recording import VERSION, RunStart
+from lrp_jupyter.live.trace import Trace, as_dict
+
+__all__ = ["Recorder", "start_of"]
+
+Line = dict[str, Any]
+
+
+class Recorder(Trace):
+    """Writes the recording of a session: its inputs, and its trace. It belongs to the thread that ticks.
+
+    A recording that fails, because a disk is full or a value cannot be written, ends; the session goes on.
+
+    Parameters
+    ----------
+    loop : Loop
+        Before its first tick.
+    write : callable
+        Receives every line, with its newline.
+    start : RunStart
+    """
+
+    def __init__(self, loop: Loop, write: Callable[[str], object], start: RunStart | None = None) -> None:
+        super().__init__(write)
+        self._loop = loop
+        self._failure: Exception | None = None
+        if start is not None:
+            parts = {name: getattr(start, name) for name in RunStart.__dataclass_fields__}
+            self.line({"lrplog": VERSION, **parts})
+        loop.record = self._input
+        loop.after_tick.append(self._tick)
+        self._unobserve = loop.interpreter.observe(self)
+
+    def end(self) -> None:
+        """Write the time of the end, and nothing more.
+
+        Raises
+        ------
+        FileError
+            The recording failed before.
+        """
+        self._unobserve()
+        loop = self._loop
+        self._input(Input(0, loop.interpreter.tick, loop.now, RunEnded()))
+        loop.record = None
+        loop.after_tick.remove(self._tick)
+        if self._failure is not None:
+            raise FileError(f"The recording ended early: {sentence_of(self._failure)}")
+
+    def __call__(self, event: TraceEvent) -> None:
+        """Write one event."""
+        self._keep(lambda: as_dict(event))
+
+    def _input(self, entry: Input) -> None:
+        self._keep(lambda: {"tick": entry.tick, "time": entry.time, **input_line(entry.what, self._loop)})
+
+    def _tick(self) -> None:
+        self._keep(self._readings)
+
+    def _readings(self) -> Line:
+        time, _, sensed = self._loop.moments[-1]
+        readings = {name: plain(value) for name, value in self._loop.bridge.readings_of(sensed).items()}
+        return {"tick": self._loop.interpreter.tick, "time": time, "readings": readings}
+
+    def _keep(self, made: Callable[[], Line]) -> None:
+        if self._failure is not None:
+            return
+        try:
+            self.line(made())
+        except RecursionError:
+            self._failure = LRPError("A value contains itself, or is nested too deeply for a file.")
+        except Exception as error:
+            self._failure = error
+
+
+def start_of(
+    loop: Loop, bridge: Bridge, seed: int | None = None, initials: Mapping[str, str] | None = None
+) -> RunStart:
+    """Return where a session begins that has not ticked yet."""
+    interpreter = loop.interpreter
+    world = bridge.world_form()
+    members = [] if world is not None else [_member(node) for node in bridge.nodes.members()]
+    return RunStart(
+        interpreter.program.text,
+        interpreter.program.filename,
+        bridge.name,
+        world,
+        members,
+        loop.rate,
+        interpreter.on_active_edit,
+        interpreter.on_issue,
+        sorted(name for name in loop.names_used() if name in interpreter.namespace),
+        random_module(interpreter.namespace).getstate() if seed is None else seed,
+        dict(initials or {}),
+    )
+
+
+def _member(node: RobotVariable | RobotMethod) -> Line:
+    if isinstance(node, RobotVariable):
+        return {"name": node.path, "kind": "variable", "unit": node.unit, "doc": node.doc}
+    return {
+        "name": node.path,
+        "kind": "method",
+        "doc": node.doc,
+        "command": node.command,
+        "velocity": node.velocity,
+        "message": None if node.message is None else _message(node.message),
+        "limits": {name: list(limit) for name, limit in node.limits.items()},
+        **({} if node.message else {"parameters": [_parameter(each) for each in node.parameters]}),
+    }
+
+
+def _message(kind: type[Message]) -> Line:
+    fields = {
+        name: {"type": part.type, "default": plain(part.default)}
+        if isinstance(part, Plain)
+        else _message(part)
+        for name, part in kind.FIELDS.items()
+    }
+    return {"name": kind.__name__, "words": dict(kind.WORDS), "fields": fields}
+
+
+def _parameter(parameter: Parameter) -> Line:
+    default = {} if parameter.default is parameter.empty else {"default": plain(parameter.default)}
+    return {"name": parameter.name, "kind": parameter.kind.name, **default}
