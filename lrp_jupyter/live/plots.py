@@ -141,10 +141,11 @@ class _Compared(NamedTuple):
             return (_number(self.tree.value),) * len(samples)
         values: list[float | None] = []
         before: list[object] | None = None
+        reads_robot = self.reads_robot
         for sample in samples:
             now = [sample.variables.get(path) for path in self.variables.values()]
             is_same = before is not None and all(map(operator.is_, now, before))
-            values.append(values[-1] if is_same and not self.reads_robot else self._at(sample))
+            values.append(values[-1] if is_same and not reads_robot else self._at(sample))
             before = now
         return tuple(values)
 
