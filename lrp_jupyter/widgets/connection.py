@@ -110,6 +110,12 @@ class PageConnection:
             if isinstance(message, HelloMessage):
                 self._publisher.welcome(message.view, message.part, send)
                 self.start()
+            elif isinstance(message, PageCommand):  # also of a view that was forgotten: stop means stop
+                if message.is_present:
+                    self.looking.leave()
+                self._reply(message, partial(message.apply, self), message.patience)
+            elif isinstance(message, PageRequest):
+                self._reply(message, partial(self.work, partial(message.answer, self)), fields_of=dict)
             elif not self._publisher.knows(message.view):
                 return  # forgotten, or never opened: it sends hello when it gets no message for a while
             elif isinstance(message, ByeMessage):
@@ -119,12 +125,6 @@ class PageConnection:
                 self.session.seen()
             elif isinstance(message, TextMessage):
                 self.texts.write(message.text, message.view, message.seq, _cursor(message))
-            elif isinstance(message, PageCommand):
-                if message.is_present:
-                    self.looking.leave()
-                self._reply(message, partial(message.apply, self), message.patience)
-            elif isinstance(message, PageRequest):
-                self._reply(message, partial(self.work, partial(message.answer, self)), fields_of=dict)
         except MessageError as error:
             self._refuse(content, error)
         except Exception:

@@ -353,6 +353,8 @@ class Publisher:
                 continue
             view = self._views.get(reply.view)
             if view is None:
+                if now < reply.deadline + _GONE_AFTER:  # it was forgotten, and will say hello
+                    self._replies.append(reply)
                 continue
             error, fields = reply.outcome() if done else (self._what_blocks(), {})
             view.send({"type": "reply", "id": reply.id, "error": error, **fields})

@@ -245,6 +245,24 @@ def test_a_view_that_is_silent_for_long_is_forgotten_and_may_return(bench):
     assert gone.messages[-1]["type"] == "snapshot"
 
 
+def test_what_a_forgotten_view_asks_is_done_and_answered_when_it_returns(bench):
+    lab = bench(BLINK)
+    gone = lab.page("gone", pays=False)
+    for _ in range(40):
+        lab.publish(after=1.0)
+    gone.send("command", do="step", id=7)
+    gone.send("save_world", name="a", replace=False, id=8)
+    lab.finish()
+    assert lab.session.frame.tick == 1
+    lab.publish(after=1.0)
+    assert not gone.all("reply")
+    gone.send("hello", part="lab")
+    lab.publish(after=0.1)
+    done, saved = sorted(gone.all("reply"), key=lambda reply: reply["id"])
+    assert (done["id"], done["error"]) == (7, None)
+    assert (saved["id"], saved["error"]) == (8, "`none` has no world that could be changed.")
+
+
 @pytest.mark.parametrize(("seconds", "frames"), [(14, 4), (16, 3)])
 def test_after_15_seconds_of_silence_credit_of_a_view_that_owes_it_comes_too_late(bench, seconds, frames):
     lab = bench(BLINK)
