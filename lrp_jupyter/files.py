@@ -35,7 +35,7 @@ __all__ = [
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 _LARGEST = 32_000_000  # bytes that are read
-_LARGEST_LOG = 500_000_000  # bytes of the content of a compressed file of lines
+_LARGEST_LOG = 500_000_000  # bytes of the content of a file of lines
 _PART = 1_000_000  # bytes that are decompressed at a time
 _GZIP = b"\x1f\x8b"
 
@@ -159,12 +159,17 @@ def read_log(path: str | os.PathLike[str]) -> tuple[bytes, bool]:
     """
     try:
         data = Path(path).read_bytes()
-        return _gunzipped(data) if Path(path).suffix == ".gz" else (data, True)
+        content, is_whole = _gunzipped(data) if Path(path).suffix == ".gz" else (data, True)
     except OSError as error:
         raise FileError(f"`{shown(path)}` cannot be read: {ended(error.strerror or str(error))}") from None
+    if len(content) > _LARGEST_LOG:
+        limit = f"{_LARGEST_LOG / 1e6:,.0f} MB"
+        raise FileError(f"`{shown(path)}` cannot be read: it contains more than {limit}.")
+    return content, is_whole
 
 
 def _gunzipped(data: bytes) -> tuple[bytes, bool]:
+    """Return decompressed data, or as much as is there or allowed, and whether that is all."""
     content = bytearray()
     try:
         with gzip.open(io.BytesIO(data)) as stream:
@@ -175,15 +180,12 @@ def _gunzipped(data: bytes) -> tuple[bytes, bool]:
     except EOFError:
         return bytes(content), False
     except (OSError, zlib.error):
-        damaged = data.startswith(_GZIP)
         reason = (
             "its compressed data is damaged"
-            if damaged
+            if data.startswith(_GZIP)
             else "its name ends with `.gz`, but it is not a gzip file"
         )
         raise OSError(reason) from None
-    if len(content) > _LARGEST_LOG:
-        raise OSError(f"it contains more than {_LARGEST_LOG / 1e6:,.0f} MB")
     return bytes(content), True
 
 

@@ -22,7 +22,7 @@ from types import (
 )
 from typing import Any, NamedTuple
 
-from lrp_jupyter.errors import name_of
+from lrp_jupyter.errors import name_of, sentence_of
 from lrp_jupyter.interpreter.cells import content, put
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.journal import weightless
@@ -96,8 +96,16 @@ def unpack(packed: Packed, cells: list[CellType], find: Callable[[object], objec
         The variables by number.
     find : callable
         Returns the object that stands here for what `known` returned.
+
+    Raises
+    ------
+    ValueError
+        The code of a value, such as its `__setstate__`, fails.
     """
-    values: list[Any] = _Unpacker(packed, cells, find).load()
+    try:
+        values: list[Any] = _Unpacker(packed, cells, find).load()
+    except Exception as error:
+        raise ValueError(f"The values of the program cannot be copied. {sentence_of(error)}") from error
     return values
 
 

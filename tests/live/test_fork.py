@@ -84,6 +84,27 @@ def test_values_nested_too_deeply_to_be_copied_do_not_disturb_the_session():
             assert len(session.interpreter.variables["m"]) == 1999
 
 
+class Once:
+    """An object of which no copy can be made, though it can be pickled."""
+
+    def __init__(self):
+        self.made = True
+
+    def __setstate__(self, state):
+        raise RuntimeError("there is only one")
+
+
+def test_a_value_whose_copy_fails_is_told():
+    program = "(var n := [Once()])(machine m (state a))(spawn m a)"
+    with Session(program, clock=VirtualClock(), namespace={"Once": Once}) as session:
+        session.run(1)
+        for fork in (session.fork, session.what_if):
+            with pytest.raises(ValueError, match=r"cannot be copied\. RuntimeError: there is only one\."):
+                fork()
+        session.run(1)
+        assert "was entered" in str(session.why("m/a"))
+
+
 GAINING = COUNTER.replace("n += 1", "n += gain")
 
 
