@@ -73,6 +73,7 @@ def pytest_runtest_makereport(item):
     if report.when == "call" and report.failed and "context" in item.funcargs:
         for page in item.funcargs["context"].pages:
             page.screenshot(path=item.funcargs["server"].root.parent / f"{item.name}.png")
+            report.sections.append(("what the page shows", page.locator("body").inner_text()))
             forget(page)
             page.close()
     return report
