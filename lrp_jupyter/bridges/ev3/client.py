@@ -39,6 +39,7 @@ __all__ = [
 ANSWER_TIME = 0.5
 """Seconds in which a brick must answer, or the connection is lost."""
 
+_OPEN_TIME = 1.5  # seconds to connect and to unlock it: a lost first packet is sent again after 1 s
 _SLICE = 0.05  # seconds that a socket waits before the time and other events are checked
 _UNLOCKED = b"Accept:EV340\r\n\r\n"
 _PAUSE = 0.5  # seconds between two attempts at the same address
@@ -75,7 +76,7 @@ class BrickClient:
     Raises
     ------
     BridgeError
-        Nothing answers there, or not as a brick does (within two answer times).
+        Nothing answers there within 1.5 s, or not as a brick does.
     """
 
     def __init__(self, address: tuple[str, int], serial: str = "") -> None:
@@ -86,20 +87,20 @@ class BrickClient:
         self._asking = threading.Lock()  # held from a question to its answer
         self._counter = 0
         self._received = b""
+        deadline = time.monotonic() + _OPEN_TIME
         try:
-            self._socket = socket.create_connection(address, ANSWER_TIME)
+            self._socket = socket.create_connection(address, _OPEN_TIME)
         except OSError as error:
             raise BridgeError(f"No connection to {address[0]}:{address[1]}: {_reason(error)}.") from None
         try:
             self._socket.settimeout(_SLICE)
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            self._unlock()
+            self._unlock(deadline)
         except BaseException:
             self.close()
             raise
 
-    def _unlock(self) -> None:
-        deadline = time.monotonic() + ANSWER_TIME
+    def _unlock(self, deadline: float) -> None:
         text = f"GET /target?sn={self.serial} VMTP1.0\r\nProtocol: EV3"
         where, answer = f"{self.address[0]}:{self.address[1]}", b""
         try:

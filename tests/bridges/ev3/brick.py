@@ -152,7 +152,8 @@ class Brick:
         self.greetings: list[bytes] = []
         self.connections = self.resets = self.goodbyes = self.beacons = self.answers = 0
         self.fault = ""
-        """split, half, silent, close, refuse, merge, noise, late, other size: what happens to replies."""
+        """split, half, silent, close, refuse, merge, noise, other size: what happens to replies."""
+        self.unlocking_takes = 0.0  # seconds
         self.plugged = True
         self._beacon_port = beacon_port
         self._for_ev3_dc = for_ev3_dc
@@ -316,6 +317,7 @@ class Brick:
             self._drop()
             return
         self._buffer, self._unlocked = b"", True
+        time.sleep(self.unlocking_takes)
         self._connection.sendall(b"Accept:EV340\r\n\r\n")
 
     def _obey(self, received: bytes) -> None:
