@@ -5,7 +5,6 @@ By default Hypothesis tries the same examples every time, however loaded the mac
 printed with the line that repeats it.
 """
 
-import gc
 import os
 
 import pytest
@@ -15,11 +14,6 @@ always = settings(deadline=None, database=None, suppress_health_check=[HealthChe
 settings.register_profile("same", always, max_examples=40, derandomize=True)
 settings.register_profile("long", always, max_examples=250, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
-
-
-def pytest_collection_finish():
-    """Keep the collected tests out of garbage collections, which would halt emulated robots for long."""
-    gc.freeze()
 
 
 @pytest.fixture(autouse=True, scope="session")
