@@ -409,8 +409,7 @@ class Loop:
 
     def _prepare(self) -> None:
         """Note what other threads have stopped, and take a checkpoint if one is due."""
-        while self._stops:
-            self._note(self._stops.popleft())
+        self._note_stops()
         if not self._remembers:
             self._pending_at = math.inf
             return
@@ -663,9 +662,19 @@ class Loop:
 
     def _note(self, what: object) -> None:
         """Record an input, after the stops of other threads."""
-        with self.inputs.lock:  # from the reading of the tick on, so that ticks and numbers are in order
+        with self.inputs.lock:
+            self._note_stops()
+            self._add(what)
+
+    def _note_stops(self) -> None:
+        """Record what other threads have stopped."""
+        with self.inputs.lock:  # or another thread could take the last one between these two lines
             while self._stops:
-                self._note(self._stops.popleft())
+                self._add(self._stops.popleft())
+
+    def _add(self, what: object) -> None:
+        """Give an input its number, keep it and write it down."""
+        with self.inputs.lock:  # from the reading of the tick on, so that ticks and numbers are in order
             entry = self.inputs.next(self.interpreter.tick, self.now, what)
             if self._remembers and not (isinstance(what, Command) and what.undoes):
                 kept, letters = what.kept() if isinstance(what, Command) else (what, 0)

@@ -1,13 +1,17 @@
 """The timeline of a session: what happened, in order, and only what is new."""
 
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 from threading import Thread
+from time import sleep
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from lrp_jupyter import programs
+from lrp_jupyter.bridges.outside import RobotStopped
 from lrp_jupyter.live.inputs import Inputs, Resumed
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.timeline import TimelineCursor
@@ -203,6 +207,25 @@ def test_the_tick_of_an_input_is_read_when_no_other_is_noted(session):
         loop._note(Resumed())
     other.join()
     assert [entry.tick for entry in loop.inputs.since(0)] == [3, 3]
+
+
+class Contended(deque):
+    """A queue in which another thread may be quicker between a look and a grasp."""
+
+    def __len__(self):
+        length = super().__len__()
+        sleep(0.05)
+        return length
+
+
+def test_the_stop_of_another_thread_is_noted_once_by_whoever_comes_first(session):
+    loop = session._loop
+    loop._stops, noted = Contended([RobotStopped()]), []
+    loop.record = noted.append
+    with ThreadPoolExecutor() as threads:
+        for done in [threads.submit(loop._prepare), threads.submit(loop._note, Resumed())]:
+            done.result()
+    assert [entry.what for entry in noted] == [RobotStopped(), Resumed()]
 
 
 def test_a_session_that_remembers_nothing_says_so_and_has_a_timeline():
