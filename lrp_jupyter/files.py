@@ -7,37 +7,27 @@ the old file as it was.
 
 from __future__ import annotations
 
-import gzip
-import io
 import os
 import secrets
 import stat
-import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import suppress
 from pathlib import Path
-from time import monotonic
-from typing import IO, cast
 
 from lrp_jupyter.errors import FileError, ended
 
 __all__ = [
     "append_line",
-    "at_line",
     "decoded",
-    "open_log",
     "read_file",
-    "read_log",
     "read_text",
     "shown",
+    "unreadable",
+    "unwritable",
     "write_file",
 ]
 
 _FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_NOFOLLOW", 0) | getattr(os, "O_BINARY", 0)
 _LARGEST = 32_000_000  # bytes that are read
-_LARGEST_LOG = 500_000_000  # bytes of the content of a file of lines
-_PART = 1_000_000  # bytes that are decompressed at a time
-_GZIP = b"\x1f\x8b"
 
 
 def write_file(path: str | os.PathLike[str], text: str) -> None:
@@ -74,134 +64,14 @@ def write_file(path: str | os.PathLike[str], text: str) -> None:
     except FileError:
         raise
     except OSError as error:
-        raise _unwritable(path, error) from error
+        raise unwritable(path, error) from error
     except ValueError:
         raise FileError(f"`{shown(path)}` cannot be the name of a file. Choose another name.") from None
 
 
-def _unwritable(path: str | os.PathLike[str], error: OSError) -> FileError:
+def unwritable(path: str | os.PathLike[str], error: OSError) -> FileError:
+    """Return the error that a file cannot be written, with the reason."""
     return FileError(f"`{shown(path)}` cannot be written: {ended(error.strerror or str(error))}")
-
-
-_KEPT = 1.0  # s of writing that a process which is killed may lose
-
-
-class _Log(io.TextIOWrapper):
-    """A file of lines, of which nothing older than a second is lost when the process is killed.
-
-    What cannot be written is a FileError, once.
-    """
-
-    def __init__(self, path: str | os.PathLike[str], data: IO[bytes]) -> None:
-        # a program may print half a character
-        super().__init__(data, encoding="utf-8", errors="surrogatepass", newline="\n")
-        self._path, self._failed, self._flushed = path, False, float("-inf")
-
-    def write(self, text: str, /) -> int:
-        """Write a line."""
-        with self._naming():
-            count = super().write(text)
-        if monotonic() > self._flushed + _KEPT:
-            self.flush()
-            self._flushed = monotonic()
-        return count
-
-    def flush(self) -> None:
-        """Write what is kept back."""
-        with self._naming():
-            super().flush()
-
-    def close(self) -> None:
-        """Write the rest, and close the file."""
-        is_told = self._failed
-        try:
-            with self._naming():
-                super().close()
-        except FileError:
-            if not is_told:
-                raise
-
-    @contextmanager
-    def _naming(self) -> Iterator[None]:
-        try:
-            yield
-        except (FileError, BrokenPipeError):
-            raise
-        except OSError as error:
-            self._failed = True
-            raise _unwritable(self._path, error) from None
-
-
-def open_log(path: str | os.PathLike[str]) -> IO[str]:
-    """Open a file that is written line by line; compressed, if its name ends with ``.gz``.
-
-    Raises
-    ------
-    FileError
-        It cannot be written; the message gives the reason.
-    """
-    try:
-        opener = gzip.open if Path(path).suffix == ".gz" else open
-        data = opener(path, "wb")
-    except OSError as error:
-        raise _unwritable(path, error) from None
-    return _Log(path, cast("IO[bytes]", data))
-
-
-def read_log(path: str | os.PathLike[str]) -> tuple[bytes, bool]:
-    """Read a file of lines; return what is there of it, and whether its compressed data is complete.
-
-    Raises
-    ------
-    FileError
-        It cannot be read, is too large, or its name ends with ``.gz`` and its data is not compressed or
-        damaged.
-    """
-    try:
-        data = Path(path).read_bytes()
-        content, is_whole = _gunzipped(data) if Path(path).suffix == ".gz" else (data, True)
-    except OSError as error:
-        raise FileError(f"`{shown(path)}` cannot be read: {ended(error.strerror or str(error))}") from None
-    if len(content) > _LARGEST_LOG:
-        limit = f"{_LARGEST_LOG / 1e6:,.0f} MB"
-        raise FileError(f"`{shown(path)}` cannot be read: it contains more than {limit}.")
-    return content, is_whole
-
-
-def _gunzipped(data: bytes) -> tuple[bytes, bool]:
-    """Return decompressed data, or as much as is there or allowed, and whether that is all."""
-    content = bytearray()
-    try:
-        with gzip.open(io.BytesIO(data)) as stream:
-            while part := stream.read1(_PART):
-                content += part
-                if len(content) > _LARGEST_LOG:
-                    break
-    except EOFError:
-        return bytes(content), False
-    except (OSError, zlib.error):
-        reason = (
-            "its compressed data is damaged"
-            if data.startswith(_GZIP)
-            else "its name ends with `.gz`, but it is not a gzip file"
-        )
-        raise OSError(reason) from None
-    return bytes(content), True
-
-
-def at_line(name: str, number: int, what: str) -> FileError:
-    """Return an error that begins with a line of a file.
-
-    Parameters
-    ----------
-    name : str
-        Of the file, as it is shown.
-    number : int
-        Of the line, from 1.
-    what : str
-        A sentence.
-    """
-    return FileError(f"`{name}`, line {number}: {what}")
 
 
 def append_line(path: str | os.PathLike[str], line: str) -> None:
@@ -258,9 +128,14 @@ def read_text(path: str | os.PathLike[str]) -> str:
     try:
         data = Path(path).read_bytes()
     except (OSError, ValueError) as error:  # a ValueError: there is a null character in its name
-        reason = getattr(error, "strerror", None) or str(error)
-        raise FileError(f"`{shown(path)}` cannot be read: {ended(reason)}") from error
+        raise unreadable(path, error) from error
     return decoded(data, f"`{shown(path)}`")
+
+
+def unreadable(path: str | os.PathLike[str], error: OSError | ValueError) -> FileError:
+    """Return the error that a file cannot be read, with the reason."""
+    reason = getattr(error, "strerror", None) or str(error)
+    return FileError(f"`{shown(path)}` cannot be read: {ended(reason)}")
 
 
 def decoded(data: bytes, name: str) -> str:

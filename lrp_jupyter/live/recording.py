@@ -39,7 +39,7 @@ from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
 from lrp_jupyter.errors import FileError, UnknownElementError, sentence_of
-from lrp_jupyter.files import at_line, read_log, shown
+from lrp_jupyter.files import shown
 from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Program
@@ -49,6 +49,7 @@ from lrp_jupyter.live.inputs import Input
 from lrp_jupyter.live.loop import FASTEST, SLOWEST
 from lrp_jupyter.live.plain import unplain
 from lrp_jupyter.live.replay import Entry, Ticked
+from lrp_jupyter.logs import at_line, read_log
 from lrp_jupyter.sim.worlds import load
 
 __all__ = ["VERSION", "Recording", "RunStart", "random_of", "read_recording"]

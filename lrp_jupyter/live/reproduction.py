@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Any
 
 from lrp_jupyter.errors import FileError, sentence_of
-from lrp_jupyter.files import at_line
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.journal import TICKS
 from lrp_jupyter.language.parser import parse
@@ -21,6 +20,7 @@ from lrp_jupyter.live.recorder import Recorder
 from lrp_jupyter.live.recording import Recording, random_of
 from lrp_jupyter.live.replay import Entry, Ticked, repeat, without_edits
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.logs import at_line
 
 __all__ = ["FirstDifference", "Reproduction", "reproduce"]
 

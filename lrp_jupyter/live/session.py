@@ -68,7 +68,7 @@ from lrp_jupyter.errors import (
     UnknownElementError,
     sentence_of,
 )
-from lrp_jupyter.files import open_log, read_text, write_file
+from lrp_jupyter.files import read_text, write_file
 from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches, missing_state
@@ -101,6 +101,7 @@ from lrp_jupyter.live.trials import Trial, Trials
 from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.live.what_if import Course, Observation, WhatIf, divergence
 from lrp_jupyter.live.why.answers import Answers
+from lrp_jupyter.logs import open_log
 
 __all__ = ["Session", "Until"]
 

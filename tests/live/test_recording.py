@@ -5,6 +5,7 @@ import json
 import random
 import subprocess
 import sys
+import tracemalloc
 from hashlib import sha256
 from pathlib import Path
 
@@ -12,7 +13,7 @@ import pytest
 import wandering
 from seeds import seeds
 
-from lrp_jupyter import files
+from lrp_jupyter import logs
 from lrp_jupyter.bridges.bridge import Bridge, Twist
 from lrp_jupyter.bridges.ros.types import Types
 from lrp_jupyter.errors import FileError, NoDataYet
@@ -164,7 +165,7 @@ DRIVER = """(machine m
 
 @pytest.mark.parametrize("name", ["run.lrplog", "run.lrplog.gz"])
 def test_a_running_session_that_is_edited_and_whose_robot_is_moved_is_reproduced(tmp_path, name, monkeypatch):
-    monkeypatch.setattr(files, "_KEPT", 0.0)  # every line is written at once, also in a short run
+    monkeypatch.setattr(logs, "_KEPT", 0.0)  # every line is written at once, also in a short run
     path, options = tmp_path / name, {"world": "line", "noise": {"motor": 0.1}, "seed": 4}
     with Session(DRIVER, "sim", speed=50, **options) as session:
         with session.record(path):
@@ -368,7 +369,7 @@ def test_a_recording_that_fails_ends_and_the_session_goes_on():
 def test_a_full_disk_is_told_with_the_file_and_the_session_goes_on(tmp_path, name, monkeypatch):
     import resource
 
-    monkeypatch.setattr(files, "_KEPT", 0.0)
+    monkeypatch.setattr(logs, "_KEPT", 0.0)
     soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
     with Session(COUNTER, clock=VirtualClock()) as session:
         resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, hard))
@@ -607,14 +608,33 @@ def test_every_part_of_a_compressed_recording_is_read_and_it_is_bounded(tmp_path
     assert (read_recording(packed).ticks, read_recording(packed).cut) == (10, False)
     packed.write_bytes(packed.read_bytes()[:-8])
     assert (read_recording(packed).ticks, read_recording(packed).cut) == (10, True)
-    monkeypatch.setattr(files, "_LARGEST_LOG", 1000)
+    monkeypatch.setattr(logs, "_LARGEST", 1000)
     with pytest.raises(FileError, match="it contains more than"):
         read_recording(packed)
 
 
+def test_no_more_is_read_of_a_file_than_a_recording_may_contain(tmp_path, monkeypatch):
+    path = tmp_path / "run.lrplog"
+    with path.open("wb") as stream:
+        stream.truncate(100_000_000)
+    monkeypatch.setattr(logs, "_LARGEST", 1000)
+    tracemalloc.start()
+    try:
+        with pytest.raises(FileError, match="it contains more than"):
+            read_recording(path)
+        assert tracemalloc.get_traced_memory()[1] < 1_000_000
+    finally:
+        tracemalloc.stop()
+
+
+def test_a_name_that_no_file_can_have_is_told():
+    with pytest.raises(FileError, match="cannot be read: embedded null"):
+        read_recording("run\0.lrplog")
+
+
 def test_of_a_process_that_is_killed_a_compressed_recording_is_kept(tmp_path):
     path = tmp_path / "run.lrplog.gz"
-    stream = files.open_log(path)
+    stream = logs.open_log(path)
     stream.write("the first line\n")
     assert path.stat().st_size > 20
     stream.close()

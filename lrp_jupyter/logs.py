@@ -1,0 +1,146 @@
+"""Files that are written line by line while something runs, and read again later.
+
+They are compressed if their name ends with ``.gz``. What was written before the end of a process that was
+killed, or before a disk was full, is there and can be read.
+"""
+
+from __future__ import annotations
+
+import gzip
+import io
+import os
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from time import monotonic
+from typing import IO, cast
+
+from lrp_jupyter.errors import FileError
+from lrp_jupyter.files import shown, unreadable, unwritable
+
+__all__ = ["at_line", "open_log", "read_log"]
+
+_LARGEST = 500_000_000  # bytes of the content that is read
+_PART = 1_000_000  # bytes that are decompressed at a time
+_GZIP = b"\x1f\x8b"
+_KEPT = 1.0  # s of writing that a process which is killed may lose
+
+
+class _Log(io.TextIOWrapper):
+    """A file of lines, of which nothing older than a second is lost when the process is killed.
+
+    What cannot be written is a FileError, once.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], data: IO[bytes]) -> None:
+        # a program may print half a character
+        super().__init__(data, encoding="utf-8", errors="surrogatepass", newline="\n")
+        self._path, self._failed, self._flushed = path, False, float("-inf")
+
+    def write(self, text: str, /) -> int:
+        """Write a line."""
+        with self._naming():
+            count = super().write(text)
+        if monotonic() > self._flushed + _KEPT:
+            self.flush()
+            self._flushed = monotonic()
+        return count
+
+    def flush(self) -> None:
+        """Write what is kept back."""
+        with self._naming():
+            super().flush()
+
+    def close(self) -> None:
+        """Write the rest, and close the file."""
+        is_told = self._failed
+        try:
+            with self._naming():
+                super().close()
+        except FileError:
+            if not is_told:
+                raise
+
+    @contextmanager
+    def _naming(self) -> Iterator[None]:
+        try:
+            yield
+        except (FileError, BrokenPipeError):
+            raise
+        except OSError as error:
+            self._failed = True
+            raise unwritable(self._path, error) from None
+
+
+def open_log(path: str | os.PathLike[str]) -> IO[str]:
+    """Open a file that is written line by line; compressed, if its name ends with ``.gz``.
+
+    Raises
+    ------
+    FileError
+        It cannot be written; the message gives the reason.
+    """
+    try:
+        opener = gzip.open if Path(path).suffix == ".gz" else open
+        data = opener(path, "wb")
+    except OSError as error:
+        raise unwritable(path, error) from None
+    return _Log(path, cast("IO[bytes]", data))
+
+
+def read_log(path: str | os.PathLike[str]) -> tuple[bytes, bool]:
+    """Read a file of lines; return what is there of it, and whether its compressed data is complete.
+
+    Raises
+    ------
+    FileError
+        It cannot be read, is too large, or its name ends with ``.gz`` and its data is not compressed or
+        damaged.
+    """
+    try:
+        with open(path, "rb") as stream:
+            if Path(path).suffix == ".gz":
+                content, is_whole = _gunzipped(stream)
+            else:
+                content, is_whole = stream.read(_LARGEST + 1), True
+    except (OSError, ValueError) as error:  # a ValueError: there is a null character in its name
+        raise unreadable(path, error) from None
+    if len(content) > _LARGEST:
+        raise FileError(f"`{shown(path)}` cannot be read: it contains more than {_LARGEST / 1e6:,.0f} MB.")
+    return content, is_whole
+
+
+def _gunzipped(stream: IO[bytes]) -> tuple[bytes, bool]:
+    """Return decompressed data, or as much as is there or allowed, and whether that is all."""
+    content = bytearray()
+    try:
+        with gzip.open(stream) as lines:
+            while len(content) <= _LARGEST and (part := lines.read1(_PART)):
+                content += part
+    except EOFError:
+        return bytes(content), False
+    except (gzip.BadGzipFile, zlib.error):
+        stream.seek(0)
+        reason = (
+            "its compressed data is damaged"
+            if stream.read(len(_GZIP)) == _GZIP
+            else "its name ends with `.gz`, but it is not a gzip file"
+        )
+        raise OSError(reason) from None
+    return bytes(content), True
+
+
+def at_line(name: str, number: int, what: str) -> FileError:
+    """Return an error that begins with a line of a file.
+
+    Parameters
+    ----------
+    name : str
+        Of the file, as it is shown.
+    number : int
+        Of the line, from 1.
+    what : str
+        A sentence.
+    """
+    return FileError(f"`{name}`, line {number}: {what}")
