@@ -10,7 +10,7 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.breakpoints import breakpoint_of, noun_of
 from lrp_jupyter.widgets.commands import Applied
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
-from lrp_jupyter.widgets.protocol import path_of
+from lrp_jupyter.widgets.places import path_of
 
 __all__ = ["AddBreakpointCommand", "ChangeBreakpointCommand", "RemoveBreakpointCommand"]
 

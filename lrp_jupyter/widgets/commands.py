@@ -19,7 +19,8 @@ from lrp_jupyter.graph.state_graph import find_machine
 from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
-from lrp_jupyter.widgets.protocol import ElementKind, OnActiveEdit, path_of
+from lrp_jupyter.widgets.places import path_of
+from lrp_jupyter.widgets.protocol import ElementKind, OnActiveEdit
 
 Applied = Future[Any] | None
 Ticks = Annotated[int, Between(1, 10_000)]

@@ -25,10 +25,8 @@ from lrp_jupyter.errors import BridgeError, SessionClosedError
 from lrp_jupyter.language.unmeant import Cursor
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets import (
-    breakpoint_commands as breakpoint_commands,
-)  # these define messages that `decode` knows
-from lrp_jupyter.widgets import commands as commands
+from lrp_jupyter.widgets import breakpoint_commands as breakpoint_commands
+from lrp_jupyter.widgets import commands as commands  # as the other six: messages that `decode` knows
 from lrp_jupyter.widgets import drawing as drawing
 from lrp_jupyter.widgets import inspection as inspection
 from lrp_jupyter.widgets import requests as requests
@@ -46,7 +44,8 @@ from lrp_jupyter.widgets.messages import (
     TextMessage,
     decode,
 )
-from lrp_jupyter.widgets.protocol import ViewState, offset_of
+from lrp_jupyter.widgets.places import offset_of
+from lrp_jupyter.widgets.protocol import ViewState
 from lrp_jupyter.widgets.publisher import PendingReply, Publisher, Send
 from lrp_jupyter.widgets.texts import Texts
 

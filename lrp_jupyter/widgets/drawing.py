@@ -17,7 +17,8 @@ from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.program import Path
 from lrp_jupyter.language.rename import rename_edits
 from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
-from lrp_jupyter.widgets.protocol import ElementKind, edits_view, path_of
+from lrp_jupyter.widgets.places import edits_view, path_of
+from lrp_jupyter.widgets.protocol import ElementKind
 
 __all__ = ["DrawRequest"]
 

@@ -14,7 +14,8 @@ from lrp_jupyter.interpreter.rendering import render
 from lrp_jupyter.language.program import Path, Program, Span, Spawn, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
-from lrp_jupyter.widgets.protocol import CountView, ElementKind, Facet, InspectView, ViewState, id_of, path_of
+from lrp_jupyter.widgets.places import id_of, path_of
+from lrp_jupyter.widgets.protocol import CountView, ElementKind, Facet, InspectView, ViewState
 
 __all__ = ["InspectRequest"]
 

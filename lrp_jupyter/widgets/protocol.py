@@ -27,26 +27,22 @@ has applied or refused them; ``error`` is one sentence. A page without an answer
 busy".
 
 **Places** are lines and columns from 1, columns in characters, as the language counts them; the end is
-after the last character. Only the page converts them to UTF-16 (`range_of` and `offset_of` convert to and
-from the character offsets of Python).
+after the last character. Only the page converts them to UTF-16 (`range_of` and `offset_of` of `places`
+convert to and from the character offsets of Python).
 
 **Names.** ``path`` is an element's path in the text, ``follower/looking/lookalgo``; a transition's is
 ``follower:tlooking``: the machine's path, a colon, its name or ``kind:from->to`` (`Machine.ids`).
-`path_of` and `id_of` convert.
+`path_of` and `id_of` of `places` convert.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Iterable
-from functools import lru_cache
 from typing import Literal, NotRequired, Required, TypedDict
 
-from lrp_jupyter.errors import Edit, Severity
+from lrp_jupyter.errors import Severity
 from lrp_jupyter.graph.shapes import Layout
 from lrp_jupyter.interpreter.breakpoint import BreakpointKind
 from lrp_jupyter.interpreter.frame import Status
-from lrp_jupyter.language.program import Path, line_starts, path_text
 from lrp_jupyter.language.triggers import TransitionKind
 from lrp_jupyter.sim.world import Point, Pose
 
@@ -750,49 +746,3 @@ class ReplyMessage(TypedDict):
 
 
 FromKernel = FrameMessage | AnswerMessage | SnapshotMessage | WorldMessage | ReplyMessage
-
-
-# ------------------------------------------------------------------ places and names
-
-
-@lru_cache(maxsize=2)  # many ranges of one text are converted in a row
-def _line_starts(text: str) -> list[int]:
-    return line_starts(text)
-
-
-def edits_view(text: str, edits: Iterable[Edit]) -> list[TextEdit]:
-    """Return edits of a text as the page applies them."""
-    return [{"range": range_of(text, *span), "text": new} for *span, new in edits]
-
-
-def range_of(text: str, start: int, end: int) -> TextRange:
-    """Convert the characters ``text[start:end]`` to lines and columns."""
-    starts = _line_starts(text)
-    line, end_line = bisect_right(starts, start), bisect_right(starts, end)
-    return {
-        "line": line,
-        "column": start - starts[line - 1] + 1,
-        "end_line": end_line,
-        "end_column": end - starts[end_line - 1] + 1,
-    }
-
-
-def offset_of(text: str, line: int, column: int) -> int:
-    """Convert a line and a column to a character offset, clamped to the end of the text."""
-    starts = _line_starts(text)
-    if line > len(starts):
-        return len(text)
-    return min(starts[line - 1] + column - 1, len(text))
-
-
-def id_of(kind: str, path: Path) -> str:
-    """Return an element's path as the page writes it: a transition's last name comes after a colon."""
-    return f"{path_text(path[:-1])}:{path[-1]}" if kind == "transition" else path_text(path)
-
-
-def path_of(kind: str, text: str) -> Path:
-    """Return an element's path from the form in which the page writes it."""
-    if kind == "transition":
-        machine, _, label = text.partition(":")
-        return (*machine.split("/"), label)
-    return tuple(text.split("/")) if text else ()

@@ -27,19 +27,8 @@ from lrp_jupyter.language.rename import references as find_references
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
-from lrp_jupyter.widgets.protocol import (
-    ElementKind,
-    HoverView,
-    Option,
-    ReferencesView,
-    WhyLine,
-    WhyView,
-    edits_view,
-    id_of,
-    offset_of,
-    path_of,
-    range_of,
-)
+from lrp_jupyter.widgets.places import edits_view, id_of, offset_of, path_of, range_of
+from lrp_jupyter.widgets.protocol import ElementKind, HoverView, Option, ReferencesView, WhyLine, WhyView
 
 __all__ = [
     "CompleteRequest",

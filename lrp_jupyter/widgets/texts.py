@@ -23,13 +23,8 @@ from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.language.unmeant import Cursor, Judgement
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.kept import FOLDER, Kept, Version, newest
-from lrp_jupyter.widgets.protocol import (
-    ConflictView,
-    Difference,
-    FindingView,
-    QuickFix,
-    edits_view,
-)
+from lrp_jupyter.widgets.places import edits_view
+from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, QuickFix
 
 __all__ = ["Conflict", "Texts", "Written", "finding_id"]
 

@@ -13,7 +13,8 @@ from lrp_jupyter.live.timeline import Happening, TimelineCursor
 from lrp_jupyter.live.what_if import Course
 from lrp_jupyter.widgets.commands import Applied, InterruptingCommand
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand, PageRequest
-from lrp_jupyter.widgets.protocol import CourseView, HappeningView, PlotView, TimelineView, WhatIfView, id_of
+from lrp_jupyter.widgets.places import id_of
+from lrp_jupyter.widgets.protocol import CourseView, HappeningView, PlotView, TimelineView, WhatIfView
 
 __all__ = ["LookCommand", "RunFromCommand", "TimelineRequest", "WhatIfRequest"]
 

@@ -24,6 +24,7 @@ from lrp_jupyter.language.program import Element, Finding, Machine, Program, Spa
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import MomentShown
+from lrp_jupyter.widgets.places import id_of, offset_of, range_of
 from lrp_jupyter.widgets.protocol import (
     BreakpointView,
     BridgeView,
@@ -40,9 +41,6 @@ from lrp_jupyter.widgets.protocol import (
     TextRange,
     ValueView,
     ViewState,
-    id_of,
-    offset_of,
-    range_of,
 )
 from lrp_jupyter.widgets.texts import Texts, finding_id
 

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from lrp_jupyter.widgets import protocol
 from lrp_jupyter.widgets.connection import MessageError, decode  # with all messages defined
 from lrp_jupyter.widgets.messages import PageMessage
-from lrp_jupyter.widgets.requests import FormatRequest
 from lrp_jupyter.widgets.world_state import pack_poses
 
 WIDGETS = Path(protocol.__file__).parent
@@ -137,24 +136,6 @@ def test_whatever_comes_from_a_page_is_a_message_or_refused(kind, act, fields):
     assert isinstance(message, PageMessage)
 
 
-@given(st.text(alphabet="ab \n\r𝄞é"), st.data())
-def test_offsets_survive_the_way_to_lines_and_back(text, data):
-    start = data.draw(st.integers(0, len(text)))
-    end = data.draw(st.integers(start, len(text)))
-    there = protocol.range_of(text, start, end)
-    assert protocol.offset_of(text, there["line"], there["column"]) == start
-    assert protocol.offset_of(text, there["end_line"], there["end_column"]) == end
-
-
-def test_columns_count_characters_outside_the_basic_plane_once():
-    assert protocol.range_of("𝄞𝄞x", 2, 3) == {"line": 1, "column": 3, "end_line": 1, "end_column": 4}
-
-
-def test_a_place_after_the_text_is_its_end():
-    assert protocol.offset_of("ab\ncd", 9, 1) == 5
-    assert protocol.offset_of("ab\ncd", 2, 99) == 5
-
-
 def test_the_poses_of_one_robot_are_36_bytes():
     robot = (0.5, 1.0, 0.25, True, True, 0.125, [128.0], [float("inf")])
     buffer = pack_poses(7.5, [robot])
@@ -171,17 +152,3 @@ def test_bumper_and_pen_are_bits_of_their_own(bumper, pen, flags):
 def test_pushed_solids_follow_the_robots():
     buffer = pack_poses(0.0, [(0, 0, 0, False, False, 0, [], [])], [(1, 2, 0.5)])
     assert struct.unpack("<d8f", buffer)[-3:] == (1, 2, 0.5)
-
-
-def test_the_lines_of_a_text_are_counted_once_for_all_edits(monkeypatch):
-    counted = []
-    count = protocol.line_starts
-    monkeypatch.setattr(protocol, "line_starts", lambda text: counted.append(text) or count(text))
-    text = "(machine m\r\n(state a)(state b)\r\n(on  [a]  a->a))\n"
-    answer = FormatRequest(view="v", id=1, text=text).answer(None)
-    assert len(answer["edits"]) > 4
-    assert answer["edits"][1] == {
-        "range": {"line": 2, "column": 10, "end_line": 2, "end_column": 10},
-        "text": "\r\n  ",
-    }
-    assert len(counted) == 1
