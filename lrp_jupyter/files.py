@@ -63,14 +63,14 @@ def write_file(path: str | os.PathLike[str], text: str) -> None:
             raise
     except FileError:
         raise
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise unwritable(path, error) from error
-    except ValueError:
-        raise FileError(f"`{shown(path)}` cannot be the name of a file. Choose another name.") from None
 
 
-def unwritable(path: str | os.PathLike[str], error: OSError) -> FileError:
+def unwritable(path: str | os.PathLike[str], error: OSError | ValueError) -> FileError:
     """Return the error that a file cannot be written, with the reason."""
+    if isinstance(error, ValueError):  # there is a null character in its name
+        return FileError(f"`{shown(path)}` cannot be the name of a file. Choose another name.")
     return FileError(f"`{shown(path)}` cannot be written: {ended(error.strerror or str(error))}")
 
 

@@ -84,7 +84,7 @@ def open_log(path: str | os.PathLike[str]) -> IO[str]:
     try:
         opener = gzip.open if Path(path).suffix == ".gz" else open
         data = opener(path, "wb")
-    except OSError as error:
+    except (OSError, ValueError) as error:
         raise unwritable(path, error) from None
     return _Log(path, cast("IO[bytes]", data))
 

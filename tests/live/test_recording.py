@@ -630,6 +630,9 @@ def test_no_more_is_read_of_a_file_than_a_recording_may_contain(tmp_path, monkey
 def test_a_name_that_no_file_can_have_is_told():
     with pytest.raises(FileError, match="cannot be read: embedded null"):
         read_recording("run\0.lrplog")
+    for name in ("run\0.lrplog", "run\0.lrplog.gz"):
+        with pytest.raises(FileError, match=r"`run<U\+0000>\.lrplog(\.gz)?` cannot be the name of a file"):
+            logs.open_log(name)
 
 
 def test_of_a_process_that_is_killed_a_compressed_recording_is_kept(tmp_path):
