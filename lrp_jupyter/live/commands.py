@@ -59,7 +59,7 @@ class ReplaceProgram(Command):
         """See :class:`Command`."""
         return loop.interpreter.patch(self.program, loop.now, self.unmeant)
 
-    def kept(self) -> tuple[Command, int]:
+    def kept(self, loop: Loop) -> tuple[Command, int]:
         """See :class:`Command`: the text, a thousandth of the objects of its program."""
         if not self.program.text:
             return self, 0
@@ -85,7 +85,7 @@ class RepeatEdit(Command):
         unmeant = self.unmeant and replace(self.unmeant, instead=parse(self.instead, self.filename))
         return loop.interpreter.patch(parse(self.text, self.filename), loop.now, unmeant)
 
-    def kept(self) -> tuple[Command, int]:
+    def kept(self, loop: Loop) -> tuple[Command, int]:
         """See :class:`Command`."""
         return self, len(self.text) + len(self.instead)
 
@@ -134,7 +134,12 @@ class Assign(Command):
 
     def apply(self, loop: Loop) -> None:
         """See :class:`Command`."""
-        loop.interpreter.assign(loop.interpreter.variables.path(self.path), self.value, loop.now)
+        interpreter = loop.interpreter
+        interpreter.assign(interpreter.variables.path(self.path), loop.restored(self.value), loop.now)
+
+    def kept(self, loop: Loop) -> tuple[Command, int]:
+        """See :class:`Command`: with a copy of a value that can be changed in place."""
+        return Assign(self.path, loop.kept(self.value)), 0
 
 
 @dataclass(frozen=True, slots=True)

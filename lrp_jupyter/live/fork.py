@@ -16,7 +16,7 @@ from __future__ import annotations
 import builtins
 import random
 from collections.abc import Mapping
-from types import BuiltinMethodType, MethodType, ModuleType
+from types import BuiltinMethodType, MappingProxyType, MethodType, ModuleType
 from typing import Any, NamedTuple
 
 from lrp_jupyter.bridges.bridge import Bridge
@@ -26,6 +26,7 @@ from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live.checkpoints import PLAIN, SessionCheckpoint
 from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.names import ChangeNames
 from lrp_jupyter.live.randomness import random_module
 from lrp_jupyter.live.replay import Entry, Ticked, merged
 
@@ -48,6 +49,8 @@ class ForkStart(NamedTuple):
     recorded : PastState or None
         What the moment of the copy was; None if nothing is repeated, or it is not recorded, or the robot is
         a real one.
+    namespace : mapping of str to object
+        The namespace as it was at the checkpoint, apart from what was changed in place since.
     """
 
     checkpoint: SessionCheckpoint
@@ -55,6 +58,7 @@ class ForkStart(NamedTuple):
     later: tuple[Entry, ...]
     bridge: Bridge
     recorded: PastState | None = None
+    namespace: Mapping[str, Any] = MappingProxyType({})
 
 
 def fork_start(loop: Loop, at: int | None) -> ForkStart:
@@ -71,7 +75,8 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     now = loop.interpreter.tick
     if at is None:
         checkpoint = loop.checkpoint()
-        return ForkStart(checkpoint, (), (), _forked(loop.bridge, checkpoint.moment))
+        bridge = _forked(loop.bridge, checkpoint.moment)
+        return ForkStart(checkpoint, (), (), bridge, namespace=loop.names.namespace_before(()))
     loop.checkpoints.drop(loop.inputs.lost)
     found = loop.checkpoints.before(at)
     first = now - loop.interpreter.journal
@@ -94,10 +99,12 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
     history = loop.interpreter.history
     is_exact = not feeds and found.tick < at and at in history.ticks
     recorded = history.state(at) if is_exact else None
-    return ForkStart(found, tuple(whole[:count]), tuple(whole[count:]), bridge, recorded)
+    changes = [entry.what for entry in inputs if isinstance(entry.what, ChangeNames)]
+    namespace = loop.names.namespace_before(changes)
+    return ForkStart(found, tuple(whole[:count]), tuple(whole[count:]), bridge, recorded, namespace)
 
 
-def check_repeated(recorded: PastState, copy: Interpreter, before: Mapping[str, Any]) -> None:
+def check_repeated(recorded: PastState, copy: Interpreter) -> None:
     """Check that the repeated ticks have led to where they led before.
 
     Parameters
@@ -106,8 +113,6 @@ def check_repeated(recorded: PastState, copy: Interpreter, before: Mapping[str, 
         Where they led before.
     copy : Interpreter
         In which they were repeated.
-    before : mapping of str to object
-        The namespace of the session.
 
     Raises
     ------
@@ -120,14 +125,10 @@ def check_repeated(recorded: PastState, copy: Interpreter, before: Mapping[str, 
     if not other and recorded.active == repeated.active:
         return
     what = f"`{path_text(other[0])}` had another value" if other else "other states were active"
-    changed = [name for name, value in copy.namespace.items() if _differ(value, before.get(name))]
-    names = " and ".join(f"`{name}`" for name in changed)
-    why = (
-        f"{names} {'was' if len(changed) == 1 else 'were'} changed since"
-        if changed
-        else "the program depends on something that is not recorded, such as a clock or a file"
+    raise ValueError(
+        f"Tick {copy.tick} cannot be repeated exactly: {what}. The program may depend on something that is "
+        "not recorded, such as a clock, a file, or a variable that a function of the notebook reads."
     )
-    raise ValueError(f"Tick {copy.tick} cannot be repeated exactly: {what}. The reason may be that {why}.")
 
 
 def _differ(one: object, other: object) -> bool:
@@ -150,12 +151,12 @@ def _forked(bridge: Bridge, moment: object) -> Bridge:
     return fork
 
 
-def private_namespace(namespace: dict[str, Any], state: tuple[Any, ...]) -> dict[str, Any]:
+def private_namespace(namespace: Mapping[str, Any], state: tuple[Any, ...]) -> dict[str, Any]:
     """Return a copy of a namespace in which `random` and its functions draw numbers of their own.
 
     Parameters
     ----------
-    namespace : dict
+    namespace : mapping of str to object
     state : tuple
         The state in which the generator begins.
     """
@@ -173,7 +174,7 @@ def private_namespace(namespace: dict[str, Any], state: tuple[Any, ...]) -> dict
         return module if name == "random" else builtins.__import__(name, *arguments, **keywords)
 
     private: dict[str, Any] = {}
-    for name, value in namespace.copy().items():  # other threads may write it
+    for name, value in dict(namespace).items():  # other threads may write it
         if value is current:
             value = module
         elif isinstance(value, (MethodType, BuiltinMethodType)) and value.__self__ is shared:

@@ -47,7 +47,7 @@ class Command(ABC):
     interrupts: ClassVar[bool] = False
     """Whether a block that does not return is interrupted for it."""
 
-    def kept(self) -> tuple[Command, int]:
+    def kept(self, loop: Any) -> tuple[Command, int]:
         """Return what is kept of it to repeat it, and how many characters that has."""
         return self, 0
 

@@ -15,12 +15,13 @@ from lrp_jupyter.language.unmeant import Unmeant
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.inputs import Paused, Resumed, RunEnded
 from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.names import ChangeNames
 from lrp_jupyter.live.plain import plain, unplain
 from lrp_jupyter.sim.edits import Become, Draw, WorldEdit
 from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.worlds import load
 
-__all__ = ["input_line", "input_of"]
+__all__ = ["input_line", "input_of", "literal"]
 
 Line = dict[str, Any]
 
@@ -46,8 +47,11 @@ def input_line(what: object, loop: Loop) -> Line:
             return {"input": "force", "path": path, "teleport": teleport}
         case do.SetVariable(path, expression):
             return {"input": "set", "path": path, "expression": expression}
-        case do.Assign(path, value) if (literal := _literal(value)) is not None:
-            return {"input": "assign", "path": path, "value": literal}
+        case do.Assign(path, value) if (text := literal(value)) is not None:
+            return {"input": "assign", "path": path, "value": text}
+        case ChangeNames(_, after):
+            values = {name: literal(value) for name, value in after.items()}
+            return {"input": "names", "values": values, "deleted": sorted(set(what.names) - after.keys())}
         case do.Rewind(ticks):
             return {"input": "rewind", "ticks": ticks}
         case do.Reset():
@@ -115,6 +119,10 @@ def input_of(line: Line, program: Callable[[str], Program]) -> object:
             return do.SetVariable(tuple(line["path"]), line["expression"])
         case "assign":
             return do.Assign(tuple(line["path"]), ast.literal_eval(line["value"]))
+        case "names":
+            texts = {str(name): text for name, text in line["values"].items() if text is not None}
+            after = {name: ast.literal_eval(text) for name, text in texts.items()}
+            return ChangeNames({str(name): None for name in line["deleted"]}, after)
         case "rewind":
             return do.Rewind(line["ticks"])
         case "reset":
@@ -166,7 +174,7 @@ class _Infinite(ast.NodeTransformer):
         return ast.Constant(math.inf) if node.id == "inf" else node
 
 
-def _literal(value: object) -> str | None:
+def literal(value: object) -> str | None:
     """Return a value as an expression of Python; None where that is not possible."""
     try:
         text = ast.unparse(_Infinite().visit(ast.parse(repr(value), mode="eval")))

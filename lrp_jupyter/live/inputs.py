@@ -109,11 +109,15 @@ class Inputs:
             while self._all and self._all[0][0].number <= number:
                 self._letters -= self._all.popleft()[1]
 
-    def undo(self, tick: int) -> None:
-        """Drop those that came after a tick."""
+    def undo(self, tick: int) -> list[Input]:
+        """Drop those that came after a tick, and return them in order."""
+        dropped = []
         with self.lock:
             while self._all and self._all[-1][0].tick >= tick:
-                self._letters -= self._all.pop()[1]
+                entry, letters = self._all.pop()
+                self._letters -= letters
+                dropped.append(entry)
+        return dropped[::-1]
 
     def clear(self) -> None:
         """Drop all."""

@@ -52,6 +52,7 @@ from lrp_jupyter.bridges.robot import part_name
 from lrp_jupyter.bridges.safety import Origin
 from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, sentence_of
 from lrp_jupyter.interpreter.by_path import ByPath
+from lrp_jupyter.interpreter.copies import Packed, pack, unpack
 from lrp_jupyter.interpreter.faults import Interrupted
 from lrp_jupyter.interpreter.frame import Frame, Hit, Hung, Status, is_active
 from lrp_jupyter.interpreter.interpreter import Interpreter
@@ -59,12 +60,13 @@ from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.live.breakpoints import Breakpoints
-from lrp_jupyter.live.checkpoints import COPIED, Checkpoints, SessionCheckpoint, names_of
+from lrp_jupyter.live.checkpoints import COPIED, PLAIN, Checkpoints, SessionCheckpoint, names_of
 from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign, on_main_thread
 from lrp_jupyter.live.inbox import Command, Inbox
 from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, RunEnded
 from lrp_jupyter.live.moments import Moments
+from lrp_jupyter.live.names import ChangeNames, WatchedNames
 from lrp_jupyter.live.randomness import random_module
 from lrp_jupyter.live.values import ValueTexts, numbers_of
 
@@ -135,6 +137,7 @@ class Loop:
         self.inputs = Inputs()
         """What came from outside, as far as the run has not gone back behind it."""
         self.checkpoints = Checkpoints()
+        self.names = WatchedNames(interpreter.namespace, self.names_used)
         self._remembers = remembers
         self._pending_at = 0.0
         """The time from which on there is something to do before a tick: take a checkpoint, note a stop."""
@@ -315,6 +318,8 @@ class Loop:
         interpreter, bridge, now, step = self.interpreter, self.bridge, self.now, self._step
         self.ticking = object()  # a number would repeat: before the tick has begun, and after a rewind
         try:
+            if (change := self.names.change(interpreter.program)) is not None:
+                self._note(change)
             if now >= self._pending_at:
                 self._prepare()
             moment = None if step is None else bridge.moment()
@@ -343,13 +348,7 @@ class Loop:
         interpreter, namespace = self.interpreter, self.interpreter.namespace
         used = {name: namespace.get(name, self) for name in self.names_used()}
         beside = {name: value for name, value in used.items() if type(value) in COPIED}
-
-        def known(value: object) -> object:
-            if value is namespace:
-                return "namespace"
-            return value.path if isinstance(value, RobotMethod) else part_name(value)
-
-        snapshot = interpreter.snapshot(known, beside)
+        snapshot = interpreter.snapshot(self._token, beside)
         moment = self.bridge.moment()
         return SessionCheckpoint(
             snapshot,
@@ -361,6 +360,24 @@ class Loop:
             moment,
             random_module(namespace).getstate(),
         )
+
+    def _token(self, value: object) -> object:
+        """Return what stands for an object that every session has for itself; None for any other."""
+        if value is self.interpreter.namespace:
+            return "namespace"
+        return value.path if isinstance(value, RobotMethod) else part_name(value)
+
+    def _find(self, token: object) -> object:
+        """Return the object that a token stands for here."""
+        return self.interpreter.namespace if token == "namespace" else self.bridge.nodes.table[str(token)]
+
+    def kept(self, value: object) -> object:
+        """Return a value as it is kept: a copy, packed, if it can be changed in place."""
+        return value if type(value) in PLAIN else pack([value], {}, self._token)
+
+    def restored(self, value: object) -> object:
+        """Return a value that was :meth:`kept`."""
+        return unpack(value, [], self._find)[0] if isinstance(value, Packed) else value
 
     def names_used(self) -> frozenset[str]:
         """Return the global names that the blocks of the program use."""
@@ -390,11 +407,7 @@ class Loop:
             The copied objects of the namespace.
         """
         interpreter, bridge = self.interpreter, self.bridge
-
-        def find(token: object) -> object:
-            return interpreter.namespace if token == "namespace" else bridge.nodes.table[str(token)]
-
-        beside = interpreter.begin(checkpoint.snapshot, find)
+        beside = interpreter.begin(checkpoint.snapshot, self._find)
         self.now = checkpoint.time
         if self._step is not None:
             self._steps = round(self.now / self._step)
@@ -634,6 +647,8 @@ class Loop:
         try:
             if not command.mends:
                 self._check_whole()
+            if not self._replayed and (change := self.names.change(self.interpreter.program)) is not None:
+                self._note(change)
             with self._calling(), self._deriving(command.recorded):  # blocks, hooks and code of the caller
                 result = command.apply(self)
             if command.recorded:
@@ -677,7 +692,7 @@ class Loop:
         with self.inputs.lock:  # from the reading of the tick on, so that ticks and numbers are in order
             entry = self.inputs.next(self.interpreter.tick, self.now, what)
             if self._remembers and not (isinstance(what, Command) and what.undoes):
-                kept, letters = what.kept() if isinstance(what, Command) else (what, 0)
+                kept, letters = what.kept(self) if isinstance(what, Command) else (what, 0)
                 self.inputs.keep(entry._replace(what=kept), letters)
             if self.record is not None:
                 self.record(entry)
@@ -803,7 +818,8 @@ class Loop:
         if self.paused_by is not None and ticks:
             self.paused_by, self.reason = None, ""  # that tick has not happened
         bridge.safety.forget(interpreter.tick)
-        self.inputs.undo(interpreter.tick)
+        undone = self.inputs.undo(interpreter.tick)
+        self.names.undo(entry.what for entry in undone if isinstance(entry.what, ChangeNames))
         self.checkpoints.cut(interpreter.tick)
         self._pending_at = 0.0
         for what in kept:

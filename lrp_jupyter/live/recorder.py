@@ -11,7 +11,8 @@ from lrp_jupyter.bridges.message import Message, Plain
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
 from lrp_jupyter.errors import FileError, LRPError, sentence_of
 from lrp_jupyter.interpreter.events import TraceEvent
-from lrp_jupyter.live.input_lines import input_line
+from lrp_jupyter.live.checkpoints import COPIED
+from lrp_jupyter.live.input_lines import input_line, literal
 from lrp_jupyter.live.inputs import Input, RunEnded
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.plain import plain
@@ -98,6 +99,9 @@ def start_of(
     interpreter = loop.interpreter
     world = bridge.world_form()
     members = [] if world is not None else [_member(node) for node in bridge.nodes.members()]
+    namespace = interpreter.namespace
+    names = sorted(name for name in loop.names_used() if name in namespace)
+    values = {name: literal(namespace[name]) for name in names if type(namespace[name]) in COPIED}
     return RunStart(
         interpreter.program.text,
         interpreter.program.filename,
@@ -107,9 +111,10 @@ def start_of(
         loop.rate,
         interpreter.on_active_edit,
         interpreter.on_issue,
-        sorted(name for name in loop.names_used() if name in interpreter.namespace),
-        random_module(interpreter.namespace).getstate() if seed is None else seed,
+        names,
+        random_module(namespace).getstate() if seed is None else seed,
         dict(initials or {}),
+        {name: text for name, text in values.items() if text is not None},
     )
 
 

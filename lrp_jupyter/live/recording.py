@@ -26,6 +26,7 @@ left out.
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import random
@@ -99,6 +100,8 @@ class RunStart:
         The seed of Python's own random numbers, if they were seeded for the recording; else their state.
     initials : mapping of str to str
         Other initial values than those of the text.
+    values : mapping of str to str
+        The values of those `names` that can be written, as expressions of Python.
     """
 
     text: str
@@ -112,6 +115,11 @@ class RunStart:
     names: list[str] = field(default_factory=list)
     random: int | Sequence[Any] | None = None
     initials: Mapping[str, str] = field(default_factory=dict)
+    values: Mapping[str, str] = field(default_factory=dict)
+
+    def namespace(self) -> dict[str, Any]:
+        """Return the recorded values of names."""
+        return {name: ast.literal_eval(text) for name, text in self.values.items()}
 
     def make_bridge(self) -> Bridge:
         """Return a robot for a replay: simulated as before, or made of recorded readings."""
@@ -291,6 +299,7 @@ def _start(line: Line, prepared: Callable[[Program, Mapping[str, str]], Program]
     start = RunStart(**known)
     _program(start.text, start, prepared)
     start.recorded_members()
+    start.namespace()
     if start.world is not None:
         load(start.world)
     return start
@@ -342,5 +351,6 @@ _STARTS: dict[str, Callable[[Any], bool]] = {
     "names": _are_texts,
     "random": _is_state_of_random,
     "initials": lambda value: isinstance(value, dict) and _are_texts(list(value.values())),
+    "values": lambda value: isinstance(value, dict) and _are_texts(list(value.values())),
 }
 """Whether a value of a field of the first line is possible."""

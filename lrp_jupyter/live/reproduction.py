@@ -63,7 +63,8 @@ def reproduce(
     observer : callable, optional
         Receives every event.
     namespace : dict, optional
-        The names that the blocks of the recorded session used, if it ran in a notebook.
+        The names that the blocks of the recorded session used, if it ran in a notebook; those whose values
+        were recorded get them.
     prepared : callable, optional
         Returns a program with other initial values.
 
@@ -95,7 +96,9 @@ def reproduce(
         start.make_bridge(),
         VirtualClock(),
         start.rate,
-        namespace=private_namespace(namespace or {}, random_of(start.random).getstate()),
+        namespace=private_namespace(
+            {**(namespace or {}), **start.namespace()}, random_of(start.random).getstate()
+        ),
         on_active_edit=start.on_active_edit,  # type: ignore[arg-type]
         on_issue=start.on_issue,  # type: ignore[arg-type]
         name="replay",

@@ -336,7 +336,7 @@ class Session:
         self.bridge.open()
 
     def start(self, paused: bool = False) -> None:
-        """RunStart or resume; after :meth:`stop`, from the beginning. Does nothing while the program runs.
+        """Start or resume; after :meth:`stop`, from the beginning. Does nothing while the program runs.
 
         A broken session starts again, with the last text.
         """
@@ -1147,7 +1147,7 @@ class Session:
             checkpoint.snapshot.program,
             start.bridge,
             VirtualClock(),
-            namespace=private_namespace(self.namespace, checkpoint.random),
+            namespace=private_namespace(start.namespace, checkpoint.random),
             name=f"{self.name} fork",
             journal=self._journal,
         )
@@ -1156,7 +1156,7 @@ class Session:
             if start.entries:
                 copy._repeat(start.entries)
             if start.recorded is not None:
-                check_repeated(start.recorded, copy.interpreter, self.namespace)
+                check_repeated(start.recorded, copy.interpreter)
         copy._text = copy.interpreter.program.text
         copy._script.extend(start.later)
         return copy

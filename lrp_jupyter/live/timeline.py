@@ -16,8 +16,10 @@ from lrp_jupyter.bridges.outside import RobotCommanded, WorldLoaded
 from lrp_jupyter.bridges.safety import CommandRecord
 from lrp_jupyter.interpreter.facts import Commanded, Discarded, Entered, Fact, Faulted, Fired
 from lrp_jupyter.interpreter.history import History, PastState
+from lrp_jupyter.interpreter.rendering import is_scalar, short
 from lrp_jupyter.language.program import Path, path_text
 from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.names import ChangeNames
 from lrp_jupyter.live.plots import Plot, plots_of, plottable
 from lrp_jupyter.live.renamed import Names
 from lrp_jupyter.live.why.wording import call_text
@@ -260,7 +262,7 @@ def _commands(history: History, commands: Sequence[CommandRecord], first: int) -
 
 
 def _by_hand(loop: Loop, first: int) -> Iterator[Happening]:
-    """Yield what was done to the robot and its world from outside."""
+    """Yield what was done from outside to the robot, its world, and names that the program reads."""
     history = loop.interpreter.history
     for entry in loop.inputs.since(first):
         text = _hand(entry.what)
@@ -280,6 +282,15 @@ def _hand(what: object) -> str:
             return "The world was edited."
         case WorldLoaded():
             return "Another world was loaded."
+        case ChangeNames(_, after):
+            changes = [
+                f"`{name}` was {_changed(after[name]) if name in after else 'deleted'}" for name in what.names
+            ]
+            return f"{' and '.join(changes)} outside the program."
         case RobotCommanded(name):
             return f"`robot.{path_text((name,))}` was commanded by hand."
     return ""
+
+
+def _changed(value: object) -> str:
+    return f"set to `{short(value)}`" if is_scalar(value) else "changed"

@@ -104,6 +104,27 @@ def test_a_run_that_depends_on_something_else_is_told_where(tmp_path):
     assert str(again.difference).endswith("Recorded: `n` became 3. Replay: `n` became 7.")
 
 
+def test_what_a_notebook_defined_and_changed_is_recorded(tmp_path):
+    path, names = tmp_path / "run.lrplog", {"gain": 1, "more": [2], "twice": lambda value: 2 * value}
+    text = COUNTER.replace("n += 1", "n += twice(gain + len(more))")
+    with Session(text, clock=VirtualClock(), namespace=names) as session, session.record(path):
+        session.run(1)
+        names["gain"], names["more"] = 3, (1, float("inf"))
+        session.run(1)
+        del names["gain"]
+        session.run(1)
+        values, issues = session.frame.values, session.frame.issues
+    recording = read_recording(path)
+    assert recording.start.values == {"gain": "1", "more": "[2]"}
+    again = reproduce(recording, namespace={"twice": names["twice"], "gain": 7})
+    assert again.difference is None
+    assert (again.session.frame.values, again.session.frame.issues) == (values, issues)
+    first, *rest = path.read_text().splitlines(keepends=True)
+    path.write_text(first.replace('"[2]"', '"two()"') + "".join(rest))
+    with pytest.raises(FileError, match=r"`.*run\.lrplog`.* 1"):
+        read_recording(path)
+
+
 def test_a_recording_can_be_run_again_up_to_a_time(tmp_path):
     path = tmp_path / "run.lrplog"
     with Session(COUNTER, clock=VirtualClock()) as session, session.record(path):

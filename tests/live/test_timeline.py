@@ -52,6 +52,21 @@ def test_states_are_entered_and_nested_machines_end(session):
     assert told(session, "entered")[1].by == ("m", "go")
 
 
+def test_a_name_that_is_changed_outside_the_program_is_told():
+    names = {"limit": 100, "steps": []}
+    program = PROGRAM.replace("n > 4", "n > limit").replace("n += 1", "n += 1 + len(steps)")
+    with Session(program, namespace=names) as session:
+        session.run(0.5)
+        names["limit"], names["steps"] = 20, [1]
+        session.run(0.5)
+        del names["steps"]
+        session.run(0.1)
+        assert [(each.tick, each.text) for each in told(session, "hand")] == [
+            (5, "`limit` was set to `20` and `steps` was changed outside the program."),
+            (10, "`steps` was deleted outside the program."),
+        ]
+
+
 def test_only_what_is_new_is_told_again(session):
     session.run(1)
     first = session.timeline()

@@ -216,3 +216,20 @@ def test_a_tick_that_cannot_be_repeated_has_an_answer_without_values():
         answer = live.why_not("full", at=10)
         assert answer.code == "condition-false"
         assert "The values of its parts are not known: `seen` may have been changed in place." in str(answer)
+
+
+def test_what_a_notebook_changed_later_does_not_change_an_answer():
+    names = {"limit": 100}
+    program = "(var n := [50])(machine m (state a)(state b)(on [n > limit] a -> b go))(spawn m a)"
+    with session(program, namespace=names) as live:
+        live.run(0.5)
+        names["limit"] = 40
+        answer = live.why_not("go", at=4)
+        assert answer.facts["values"] == {"n": 50, "limit": 100}
+        assert str(answer).endswith("It was never true before.")
+        live.run(0.1)
+        names["limit"] = 60
+        for _ in range(2):
+            assert live.why("b").facts["values"] == {"n": 50, "limit": 40}
+            assert live.why_not("go", at=4).facts["values"] == {"n": 50, "limit": 100}
+            live.run(1)

@@ -14,6 +14,7 @@ from lrp_jupyter.language.expressions import Evaluation, UnknownValueError, eval
 from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.language.triggers import Delay
 from lrp_jupyter.live.loop import Loop
+from lrp_jupyter.live.names import ABSENT, ChangeNames
 from lrp_jupyter.live.recorded_robot import RecordedRobot
 from lrp_jupyter.live.why.case import Case
 
@@ -41,6 +42,9 @@ class PastTests:
         self._loop = loop
         self._again = again
         self._history = loop.interpreter.history
+        self._changes = [
+            (entry.tick, entry.what) for entry in loop.inputs if isinstance(entry.what, ChangeNames)
+        ]
 
     def evaluation(self, case: Case) -> Evaluation | Exception | None:
         """Return a test with its parts: from what is recorded, else by running the tick again.
@@ -108,7 +112,8 @@ class PastTests:
     ) -> Callable[[str], Any]:
         """Return what returns the value that a name had in a tick."""
         interpreter, bridge = self._loop.interpreter, self._loop.bridge
-        namespace, nodes = interpreter.namespace, bridge.nodes.table
+        names, nodes = self._loop.names, bridge.nodes.table
+        changes = [change for completed, change in self._changes if completed >= tick]
         readings = bridge.readings_of(self._loop.moments[tick - interpreter.tick - 1].sensed)
 
         def lookup(name: str) -> Any:
@@ -123,8 +128,7 @@ class PastTests:
                 if not _is_immutable(value):
                     raise UnknownValueError(f"`{name}` may have been changed in place.")
                 return value
-            if name in namespace:
-                value = namespace[name]
+            if (value := names.value_before(name, changes)) is not ABSENT:
                 if not (_is_immutable(value) or isinstance(value, _UNCHANGING)):
                     raise UnknownValueError(f"`{name}` may have been changed since.")
                 return value

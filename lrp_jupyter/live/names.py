@@ -1,0 +1,138 @@
+"""The names of a notebook that blocks read, such as a threshold or a function of another cell.
+
+Their owner may assign them at any time. A change of one that the program uses is an input of the run: it is
+noticed before the next tick or command, so that whoever repeats a tick, or asks about it, gets the value that
+the name had then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar
+
+from lrp_jupyter.live.checkpoints import COPIED, PLAIN
+from lrp_jupyter.live.inbox import Command
+
+__all__ = ["ABSENT", "ChangeNames", "WatchedNames"]
+
+ABSENT = object()
+"""Stands for the value of a name that has none."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ChangeNames(Command):
+    """Assign or delete names of the namespace.
+
+    Parameters
+    ----------
+    before, after : mapping of str to object
+        Their values; a name that is missing has none.
+    """
+
+    recorded: ClassVar[bool] = True
+    before: Mapping[str, object]
+    after: Mapping[str, object]
+
+    @property
+    def names(self) -> list[str]:
+        """The names, in order."""
+        return sorted(self.before.keys() | self.after.keys())
+
+    def apply(self, loop: Any) -> None:
+        """See :class:`Command`."""
+        values = {name: loop.restored(value) for name, value in self.after.items()}
+        loop.names.put({name: values.get(name, ABSENT) for name in self.names})
+
+    def kept(self, loop: Any) -> tuple[Command, int]:
+        """See :class:`Command`: with copies of what can be changed in place."""
+        after = {
+            name: loop.kept(value) if type(value) in COPIED else value for name, value in self.after.items()
+        }
+        return replace(self, after=after), 0
+
+
+class WatchedNames:
+    """The names that a program uses or has used, with their last known values. It belongs to the loop.
+
+    Parameters
+    ----------
+    namespace : dict
+    used : callable
+        Returns the names that the program uses now.
+    """
+
+    def __init__(self, namespace: dict[str, Any], used: Callable[[], Iterable[str]]) -> None:
+        self._namespace = namespace
+        self._used = used
+        self._values: dict[str, object] = {}
+        self._program: object = None
+
+    def change(self, program: object) -> ChangeNames | None:
+        """Return what was changed since the last call, if anything was.
+
+        Parameters
+        ----------
+        program : object
+            The one that runs now; the names of another one are watched from now on, too.
+        """
+        get = self._namespace.get
+        if program is not self._program:
+            self._program = program
+            for name in self._used():
+                self._values.setdefault(name, get(name, ABSENT))
+        for name, value in self._values.items():
+            if get(name, ABSENT) is not value:
+                return self._change()
+        return None
+
+    def _change(self) -> ChangeNames | None:
+        get, before = self._namespace.get, self._values.copy()
+        self._values = {name: get(name, ABSENT) for name in before}
+        differing = [name for name, value in self._values.items() if not _is_same(before[name], value)]
+        if not differing:
+            return None
+        return ChangeNames(_present(before, differing), _present(self._values, differing))
+
+    def put(self, values: Mapping[str, object]) -> None:
+        """Assign names in the namespace, and delete those that are absent."""
+        for name, value in values.items():
+            if value is ABSENT:
+                self._namespace.pop(name, None)
+            else:
+                self._namespace[name] = value
+        self._values |= values
+
+    def undo(self, changes: Iterable[ChangeNames]) -> None:
+        """Forget changes that are not kept any more, so that they are noticed again."""
+        self._values |= _before(changes)
+
+    def namespace_before(self, changes: Iterable[ChangeNames]) -> dict[str, Any]:
+        """Return the namespace as it was before some changes, which are the last ones."""
+        names = {**self._namespace.copy(), **self._values, **_before(changes)}
+        return {name: value for name, value in names.items() if value is not ABSENT}
+
+    def value_before(self, name: str, changes: Iterable[ChangeNames]) -> object:
+        """Return what a name held before some changes, which are the last ones."""
+        for change in changes:
+            if name in change.before or name in change.after:
+                return change.before.get(name, ABSENT)
+        return self._values.get(name, self._namespace.get(name, ABSENT))
+
+
+def _before(changes: Iterable[ChangeNames]) -> dict[str, object]:
+    """Return the values that the names of some changes had before all of them."""
+    values: dict[str, object] = {}
+    for change in changes:
+        for name in change.names:
+            values.setdefault(name, change.before.get(name, ABSENT))
+    return values
+
+
+def _is_same(one: object, other: object) -> bool:
+    """Return whether a name has the same value, which may have been computed again."""
+    return one is other or (type(one) is type(other) and type(one) in PLAIN and one == other)
+
+
+def _present(values: Mapping[str, object], names: Iterable[str]) -> dict[str, object]:
+    return {name: values[name] for name in names if values[name] is not ABSENT}
