@@ -39,7 +39,7 @@ PROGRAM = """(var n := [0])
   (ontime 900 turn -> drive again)
   (ontime [400 + n % 3] back -> turn away))
 (machine watch
-  (state idle) (state busy (running [n += 1]))
+  (state idle) (state busy (running [n += gain + len(marks)]))
   (on [n > 40] idle -> busy) (eps busy -> idle))
 (onpause [n += 100])
 (spawn m drive)
@@ -79,6 +79,7 @@ def session(seed: int, bridge: str = "sim", **options) -> Session:
         rate=draw.choice([10, 10, 25, 7]),
         on_active_edit=draw.choice(["restart", "keep"]),
         on_issue=draw.choice(["record", "record", "pause"]),
+        namespace={"gain": 1, "marks": [1, 2]},
         **options,
     )
 
@@ -86,7 +87,7 @@ def session(seed: int, bridge: str = "sim", **options) -> Session:
 def act(draw: random.Random, wandering: Session, rewinds: bool = True, removals: bool = True) -> str:
     """Do something at random from outside, and return what."""
     choices = ["run", "run", "run", "run", "step", "edit", "force", "set", "assign", "place", "draw"]
-    choices += ["world", "rate", "pause", "resume", "reset", "stop", "drive", "rename"]
+    choices += ["world", "rate", "pause", "resume", "reset", "stop", "drive", "rename", "notebook", "list"]
     what = draw.choice([*choices, *(["rewind"] if rewinds else [])])
     text, bridge = wandering.text, wandering.bridge
     simulated = bridge.name == "sim"
@@ -104,6 +105,10 @@ def act(draw: random.Random, wandering: Session, rewinds: bool = True, removals:
                 wandering.set_variable("n", draw.choice(["n + 7", "0", "len(seen)"]))
             case "assign":
                 wandering.variables["speed"] = draw.choice([0.1, 0.35])
+            case "list":
+                wandering.variables["seen"] = [draw.random()]
+            case "notebook":
+                wandering.namespace |= draw.choice([{"gain": 3}, {"gain": 0.5}, {"marks": [draw.random()]}])
             case "place" if simulated:
                 bridge.place_robot((draw.uniform(0.3, 1.2), draw.uniform(0.3, 1.2), draw.uniform(-3, 3)))
             case "draw" if simulated:

@@ -37,7 +37,7 @@ from types import MappingProxyType, NoneType
 from typing import Any, Literal
 
 from lrp_jupyter.arguments import A_PROGRAM, check_choice, check_number, check_type
-from lrp_jupyter.interpreter.events import UNSET, Observer
+from lrp_jupyter.interpreter.events import UNSET, Observer, TraceEvent
 from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.interpreter.forcing import How, find_state, force
 from lrp_jupyter.interpreter.history import History
@@ -269,9 +269,19 @@ class Interpreter:
         """
         return self._run.observe(callback)
 
-    def emit(self, kind: str, data: object) -> None:
-        """Tell the observers, in its order, what the owner of this interpreter has noticed."""
-        self._run.emit(kind, (), data)
+    def emit(self, kind: str, data: object, now: float) -> None:
+        """Tell the observers, in its order, what the owner of this interpreter has noticed.
+
+        Parameters
+        ----------
+        kind : str
+        data : object
+        now : float
+            Seconds; between two ticks it is later than what the interpreter knows.
+        """
+        run = self._run
+        if run.observers:
+            run.events.append(TraceEvent(kind, (), run.ticks, now, data))
 
     # ---- the tick ---------------------------------------------------------------------------
 

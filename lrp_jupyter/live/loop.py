@@ -152,7 +152,7 @@ class Loop:
         self._replayed = False  # whether what happens now follows from a recorded input
         self._kept: list[object] | None = None  # what of the world was kept while it is rewound
         bridge.outside, bridge.origin = self._from_outside, self._origin
-        bridge.safety.recorded = partial(interpreter.emit, "commanded")
+        bridge.safety.recorded = partial(self.emit, "commanded")
         self._steps = 0
         self.now = 0.0
         """Seconds of the run."""
@@ -715,6 +715,10 @@ class Loop:
             yield
         finally:
             self._replayed = outer
+
+    def emit(self, kind: str, data: object) -> None:
+        """Tell the observers of the interpreter what happened now, in its order."""
+        self.interpreter.emit(kind, data, self.now)
 
     def _origin(self) -> Origin:
         """Return the block that is calling now, if it is one of the running program."""

@@ -216,7 +216,6 @@ class Session:
             journal=journal,
             output=self.output.print,
         )
-        self.output.written = partial(interpreter.emit, "printed")
         self._changed = threading.Condition()
         self._version = 0  # incremented whenever waiting callers must check again
         self._listeners: tuple[Callable[[], None], ...] = ()
@@ -229,6 +228,7 @@ class Session:
             journal != 0,
             partial(getattr, self.output, "count"),
         )
+        self.output.written = partial(self._loop.emit, "printed")
         self._driver = Driver(self._loop, name)
         self.ask, self.submit = (
             self._driver.ask,

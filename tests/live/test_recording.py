@@ -16,7 +16,7 @@ from seeds import seeds
 from lrp_jupyter import logs
 from lrp_jupyter.bridges.bridge import Bridge, Twist
 from lrp_jupyter.bridges.ros.types import Types
-from lrp_jupyter.errors import FileError, NoDataYet
+from lrp_jupyter.errors import FileError, NoDataYet, UnknownElementError
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.plain import plain, unplain
 from lrp_jupyter.live.recording import read_recording
@@ -662,3 +662,18 @@ def test_of_a_process_that_is_killed_a_compressed_recording_is_kept(tmp_path):
     stream.write("the first line\n")
     assert path.stat().st_size > 20
     stream.close()
+
+
+def test_a_command_by_hand_has_the_time_at_which_it_was_given(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(COUNTER, "sim", clock=VirtualClock()) as session, session.record(path):
+        session.step()
+        with pytest.raises(UnknownElementError):
+            session.rename("state", "m/nowhere", "b")
+        session.call(lambda: session.bridge.robot.move(linear=0.2))
+        session.step()
+    (command,) = [
+        line for line in map(json.loads, path.read_text().splitlines()) if line.get("event") == "commanded"
+    ]
+    assert command["time"] == 0.1
+    assert reproduce(read_recording(path)).difference is None
