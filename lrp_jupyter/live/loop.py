@@ -137,7 +137,8 @@ class Loop:
         self.inputs = Inputs()
         """What came from outside, as far as the run has not gone back behind it."""
         self.checkpoints = Checkpoints()
-        self.names = WatchedNames(interpreter.namespace, self.names_used)
+        self.names = WatchedNames(interpreter.namespace)
+        self.names.watch(self.names_used())
         self._remembers = remembers
         self._pending_at = 0.0
         """The time from which on there is something to do before a tick: take a checkpoint, note a stop."""
@@ -318,7 +319,7 @@ class Loop:
         interpreter, bridge, now, step = self.interpreter, self.bridge, self.now, self._step
         self.ticking = object()  # a number would repeat: before the tick has begun, and after a rewind
         try:
-            if (change := self.names.change(interpreter.program)) is not None:
+            if self.names.values and (change := self.names.change()) is not None:
                 self._note(change)
             if now >= self._pending_at:
                 self._prepare()
@@ -398,16 +399,13 @@ class Loop:
             self.clock.pause()
             self._note(RunEnded())
 
-    def begin(self, checkpoint: SessionCheckpoint) -> dict[str, Any]:
+    def begin(self, checkpoint: SessionCheckpoint) -> None:
         """Continue from a checkpoint of another session, whose bridge was forked there.
 
-        Returns
-        -------
-        dict
-            The copied objects of the namespace.
+        The objects of the namespace that are copied are put into this one.
         """
         interpreter, bridge = self.interpreter, self.bridge
-        beside = interpreter.begin(checkpoint.snapshot, self._find)
+        self.names.put(interpreter.begin(checkpoint.snapshot, self._find))
         self.now = checkpoint.time
         if self._step is not None:
             self._steps = round(self.now / self._step)
@@ -418,7 +416,6 @@ class Loop:
         self._pending_at = 0.0
         bridge.safety.tick(interpreter.now, self.period)
         self.status, self._unstarted = "running" if checkpoint.running else "paused", False
-        return beside
 
     def _prepare(self) -> None:
         """Note what other threads have stopped, and take a checkpoint if one is due."""
@@ -642,12 +639,12 @@ class Loop:
 
     def _apply(self, command: Command) -> tuple[Any, BaseException | None]:
         """Apply a command; return its result, and what it raised."""
-        restarts = self.interpreter.restarts
+        restarts, program = self.interpreter.restarts, self.interpreter.program
         self._driven_by = threading.get_ident()
         try:
             if not command.mends:
                 self._check_whole()
-            if not self._replayed and (change := self.names.change(self.interpreter.program)) is not None:
+            if not self._replayed and (change := self.names.change()) is not None:
                 self._note(change)
             with self._calling(), self._deriving(command.recorded):  # blocks, hooks and code of the caller
                 result = command.apply(self)
@@ -670,6 +667,8 @@ class Loop:
                 return None, error
             return None, LRPError(str(error) if issubclass(kind, Interrupted) else sentence_of(error))
         finally:
+            if self.interpreter.program is not program:
+                self.names.watch(self.names_used())
             if self.interpreter.restarts != restarts:  # no onexit has run: nothing may keep moving
                 self.bridge.stop_all()
 

@@ -7,7 +7,7 @@ the name had then.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
@@ -58,41 +58,37 @@ class WatchedNames:
     Parameters
     ----------
     namespace : dict
-    used : callable
-        Returns the names that the program uses now.
+
+    Attributes
+    ----------
+    values : dict of str to object
+        The values, or `ABSENT`.
     """
 
-    def __init__(self, namespace: dict[str, Any], used: Callable[[], Iterable[str]]) -> None:
+    def __init__(self, namespace: dict[str, Any]) -> None:
         self._namespace = namespace
-        self._used = used
-        self._values: dict[str, object] = {}
-        self._program: object = None
+        self.values: dict[str, object] = {}
 
-    def change(self, program: object) -> ChangeNames | None:
-        """Return what was changed since the last call, if anything was.
+    def watch(self, names: Iterable[str]) -> None:
+        """Watch these names, too."""
+        for name in names:
+            self.values.setdefault(name, self._namespace.get(name, ABSENT))
 
-        Parameters
-        ----------
-        program : object
-            The one that runs now; the names of another one are watched from now on, too.
-        """
+    def change(self) -> ChangeNames | None:
+        """Return what was changed since the last call, if anything was."""
         get = self._namespace.get
-        if program is not self._program:
-            self._program = program
-            for name in self._used():
-                self._values.setdefault(name, get(name, ABSENT))
-        for name, value in self._values.items():
+        for name, value in self.values.items():
             if get(name, ABSENT) is not value:
                 return self._change()
         return None
 
     def _change(self) -> ChangeNames | None:
-        get, before = self._namespace.get, self._values.copy()
-        self._values = {name: get(name, ABSENT) for name in before}
-        differing = [name for name, value in self._values.items() if not _is_same(before[name], value)]
+        get, before = self._namespace.get, self.values
+        self.values = {name: get(name, ABSENT) for name in before}
+        differing = [name for name, value in self.values.items() if not _is_same(before[name], value)]
         if not differing:
             return None
-        return ChangeNames(_present(before, differing), _present(self._values, differing))
+        return ChangeNames(_present(before, differing), _present(self.values, differing))
 
     def put(self, values: Mapping[str, object]) -> None:
         """Assign names in the namespace, and delete those that are absent."""
@@ -101,15 +97,15 @@ class WatchedNames:
                 self._namespace.pop(name, None)
             else:
                 self._namespace[name] = value
-        self._values |= values
+        self.values |= values
 
     def undo(self, changes: Iterable[ChangeNames]) -> None:
         """Forget changes that are not kept any more, so that they are noticed again."""
-        self._values |= _before(changes)
+        self.values |= _before(changes)
 
     def namespace_before(self, changes: Iterable[ChangeNames]) -> dict[str, Any]:
         """Return the namespace as it was before some changes, which are the last ones."""
-        names = {**self._namespace.copy(), **self._values, **_before(changes)}
+        names = {**self._namespace.copy(), **self.values, **_before(changes)}
         return {name: value for name, value in names.items() if value is not ABSENT}
 
     def value_before(self, name: str, changes: Iterable[ChangeNames]) -> object:
@@ -117,7 +113,7 @@ class WatchedNames:
         for change in changes:
             if name in change.before or name in change.after:
                 return change.before.get(name, ABSENT)
-        return self._values.get(name, self._namespace.get(name, ABSENT))
+        return self.values.get(name, self._namespace.get(name, ABSENT))
 
 
 def _before(changes: Iterable[ChangeNames]) -> dict[str, object]:

@@ -1152,7 +1152,7 @@ class Session:
             journal=self._journal,
         )
         with copy._closed_on_error():
-            copy.namespace.update(copy._loop.begin(checkpoint))
+            copy._loop.begin(checkpoint)
             if start.entries:
                 copy._repeat(start.entries)
             if start.recorded is not None:

@@ -120,6 +120,10 @@ def test_a_fork_has_the_values_that_a_notebook_had_then():
             assert fork.frame.values["n"] == session.at(fork.frame.tick).values["n"] == 38
 
 
+def by_hand(session):
+    return [(each.tick, each.text) for each in session.timeline().happenings if each.kind == "hand"]
+
+
 def test_a_fork_repeats_what_was_changed_in_the_notebook_when_it_was_changed():
     names = {"gain": 1, "step": lambda: 1, "more": [1]}
     text = GAINING.replace("gain", "gain * step() + len(more)")
@@ -137,6 +141,7 @@ def test_a_fork_repeats_what_was_changed_in_the_notebook_when_it_was_changed():
                 fork.run(session.frame.time - fork.frame.time)
                 assert (fork.frame.values, fork.frame.issues) == (session.frame.values, session.frame.issues)
                 fork.namespace["more"].append(0)
+                assert by_hand(fork) == by_hand(session)
         assert names["more"] == [1, 2, 3]
 
 
@@ -162,7 +167,7 @@ def test_a_name_that_is_assigned_the_same_value_has_not_changed():
         session.run(1)
         names["gain"] = float("1.5")
         session.run(1)
-        assert not [each for each in session.timeline().happenings if each.kind == "hand"]
+        assert not by_hand(session)
 
 
 def test_a_list_that_was_assigned_from_outside_is_repeated_as_it_was():
