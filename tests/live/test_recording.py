@@ -16,7 +16,7 @@ from seeds import seeds
 from lrp_jupyter import logs
 from lrp_jupyter.bridges.bridge import Bridge, Twist
 from lrp_jupyter.bridges.ros.types import Types
-from lrp_jupyter.errors import FileError, NoDataYet
+from lrp_jupyter.errors import FileError, LRPError, NoDataYet
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.plain import plain, unplain
 from lrp_jupyter.live.recording import read_recording
@@ -528,6 +528,21 @@ def test_a_simulated_run_without_end_is_refused(tmp_path):
         stream.write('{"tick":6,"time":1e6,"readings":{}}\n')
     with pytest.raises(FileError, match=r"`time` is 1e\+06, and it is 0.5 in the line before"):
         read_recording(path)
+
+
+def test_what_was_refused_is_no_part_of_the_recording(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(DRIVER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
+        session.run(1.05)
+        for refused in (
+            lambda: session.rename("state", "m/first", "second"),
+            lambda: session.set_variable("nothing", evaluate="1"),
+        ):
+            with pytest.raises((LRPError, ValueError)):
+                refused()
+        session.call(lambda: session.bridge.robot.move(angular=1))
+        session.run(1)
+    assert reproduce(read_recording(path)).difference is None
 
 
 def test_a_run_at_full_speed_is_reproduced(tmp_path):
