@@ -1024,8 +1024,8 @@ class Session:
         program : str or Program, optional
             Another program, applied at once as an edit is.
         inputs : bool
-            Whether what came from outside later is repeated when it runs, at the same times; edits only if
-            there is no other program.
+            Whether what came from outside later is repeated when it runs, at the same times, as far as that
+            is possible there; edits only if there is no other program.
 
         Raises
         ------
@@ -1057,7 +1057,8 @@ class Session:
     ) -> WhatIf:
         """Return how another program would go on from a moment, beside how it went; nothing changes here.
 
-        What came from outside later is repeated in both; edits only in the recorded course.
+        What came from outside later is repeated in both, as far as that is possible there; edits only in the
+        recorded course.
 
         Parameters
         ----------
