@@ -335,7 +335,18 @@ def test_the_messages_of_a_recorded_robot_have_their_fields(tmp_path):
 
 
 def test_values_are_the_same_as_json():
-    for value in [1, [1, (2, [3])], True, None, "x", 0.1, float("inf"), (1, (2.5, "y")), {"a": (1,)}]:
+    for value in [
+        1,
+        [1, (2, [3])],
+        True,
+        None,
+        "x",
+        0.1,
+        float("inf"),
+        (1, (2.5, "y")),
+        {"a": (1,)},
+        {1: "a", (2, 3): {}},
+    ]:
         assert unplain(json.loads(json.dumps(plain(value)))) == value
     pose = unplain(json.loads(json.dumps(plain(Pose(0.5, Pose(1, None))))))
     assert (pose.x, pose.other.x, pose.other.other) == (0.5, 1, None)
