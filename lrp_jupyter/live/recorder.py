@@ -110,6 +110,7 @@ def start_of(
         sorted(name for name in loop.names_used() if name in interpreter.namespace),
         random_module(interpreter.namespace).getstate() if seed is None else seed,
         dict(initials or {}),
+        bridge.safety.armed,
     )
 
 

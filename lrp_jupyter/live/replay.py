@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import nullcontext, suppress
 from typing import NamedTuple
 
-from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped
+from lrp_jupyter.bridges.outside import CommandsHeld, RobotArmed, RobotCommanded, RobotStopped
 from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.program import Element
@@ -110,6 +110,10 @@ def _apply(loop: Loop, what: object) -> None:
             loop.apply(what)
         case RobotStopped():
             bridge.stop_all()
+        case RobotArmed(armed):
+            (bridge.arm if armed else bridge.disarm)()
+        case CommandsHeld(sent):
+            bridge.safety.most = sent
         case RobotCommanded(name, arguments):
             bridge.nodes.table[name](**arguments)  # type: ignore[operator]
         case _:
