@@ -15,7 +15,7 @@ from typing import ClassVar, Self
 from lrp_jupyter.bridges.members import Member
 from lrp_jupyter.bridges.message import Message
 from lrp_jupyter.bridges.nodes import Limits, Nodes, RobotMethod, RobotVariable
-from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped
+from lrp_jupyter.bridges.outside import RobotArmed, RobotCommanded, RobotStopped
 from lrp_jupyter.bridges.robot import Robot
 from lrp_jupyter.bridges.safety import CommandRecord, Origin, Safety
 from lrp_jupyter.errors import BridgeError, NoDataYet
@@ -172,6 +172,7 @@ class Interface:
         """Arm the bridge: commands are sent from now on."""
         if not self.safety.armed:
             self.safety.armed = True
+            self.outside(RobotArmed(True), False)
             self.safety.notice("armed", f"`{self.name}` is armed: commands move the robot.")
 
     def disarm(self) -> None:
@@ -179,6 +180,7 @@ class Interface:
         if self.safety.armed:
             self.stop_all()
             self.safety.armed = False
+            self.outside(RobotArmed(False), False)
             self.safety.notice("disarmed", f"`{self.name}` is disarmed: commands are shown, not sent.")
 
     def stop(self) -> None:
@@ -220,7 +222,7 @@ class Interface:
         limited = method.clamp(command)
         for sentence in limited:
             safety.notice("limited", sentence)
-        sent = safety.armed and not safety.held
+        sent = safety.admit()
         arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
         safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited, self.origin()))
         self.outside(RobotCommanded(method.path, arguments), False)

@@ -6,12 +6,26 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-__all__ = ["RobotCommanded", "RobotStopped", "WorldLoaded"]
+__all__ = ["CommandsHeld", "RobotArmed", "RobotCommanded", "RobotStopped", "WorldLoaded"]
 
 
 @dataclass(frozen=True, slots=True)
 class RobotStopped:
     """The robot was stopped."""
+
+
+@dataclass(frozen=True, slots=True)
+class CommandsHeld:
+    """The robot was stopped in the middle of the next tick: of its commands, only so many are sent."""
+
+    sent: int
+
+
+@dataclass(frozen=True, slots=True)
+class RobotArmed:
+    """The robot was armed, or disarmed."""
+
+    armed: bool
 
 
 @dataclass(frozen=True, slots=True)

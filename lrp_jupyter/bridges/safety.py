@@ -121,6 +121,10 @@ class Safety:
         self.now = 0.0
         self.period = 0.0
         self.held = False
+        self.sent = 0
+        """How many commands were sent in this tick."""
+        self.most: int | None = None
+        """How many may be sent in it, if it repeats one in which the robot was stopped."""
         self.notice_count = 0
         self.command_count = 0
         self._last_tick: float | None = None
@@ -195,6 +199,13 @@ class Safety:
         self._last_tick = now
         self._overdue_reported = False
         self.held = False
+        self.sent = 0
+
+    def admit(self) -> bool:
+        """Return whether a command may be sent now, and count it."""
+        is_sent = self.armed and not self.held and self.sent != self.most
+        self.sent += is_sent
+        return is_sent
 
     @property
     def ticking(self) -> bool:

@@ -219,7 +219,8 @@ class SimBridge(Bridge):
         """See :class:`Bridge`; here all readings are known."""
         if not isinstance(sensed, Readings):
             return {}
-        values = {name: read(sensed) for name, read in self._sensors.items()}
+        sensors = self._sensors.copy()  # another thread may ask while a world is loaded
+        values = {name: read(sensed) for name, read in sensors.items()}
         return {name: value for name, value in values.items() if value is not None}
 
     def _move(self, message: Message) -> None:

@@ -316,7 +316,9 @@ class History:
         return self._built(view)
 
     def followed(self, paths: Iterable[Path], after: int = 0) -> Iterator[tuple[int, dict[Path, object]]]:
-        """Yield the ticks after a tick, the last one first, each with the values of variables at its end.
+        """Return the ticks after a tick, the last one first, each with the values of variables at its end.
+
+        All that is read of the run is copied now, so that any thread can go through them later.
 
         Parameters
         ----------
@@ -324,19 +326,27 @@ class History:
             As spawned; one that did not exist then is missing.
         after : int
         """
-        wanted = list(paths)
-        view, number, first = _View(), self.run.ticks, max(after + 1, self.ticks.start)
-        cells: dict[Path, CellType] | None = self._cells(view, wanted)
+        run, first = self.run, max(after + 1, self.ticks.start)
+        view = _View()
+        view.restore(run.saved_state())
+        log = [] if run.journal is None else run.journal.since(first)
+        return self._followed(list(paths), view, log, range(first, run.ticks + 1))
+
+    def _followed(
+        self, paths: list[Path], view: _View, log: Log, ticks: range
+    ) -> Iterator[tuple[int, dict[Path, object]]]:
+        number = ticks.stop - 1
+        cells: dict[Path, CellType] | None = self._cells(view, paths)
         begun = False  # what was done since the last tick comes first
-        for function, values in _backward(self._log):
+        for function, values in _backward(log):
             if function is None:
                 if begun:
                     number -= 1
                 begun = True
-                if number < first:
+                if number not in ticks:
                     return
                 if cells is None:
-                    cells = self._cells(view, wanted)
+                    cells = self._cells(view, paths)
                 found = {path: view.value(cell) for path, cell in cells.items()}
                 yield number, {path: value for path, value in found.items() if value is not UNSET}
                 continue
@@ -435,11 +445,13 @@ class _View:
             value, name, part = values
             self._attributes[id(part), name] = value
         elif function is not note:
-            saved: SavedState = values[0]
-            for part, name, value in saved.parts():
-                self._attributes[id(part), name] = value
-            for cell, value in saved.cells():
-                self._cells[id(cell)] = value
+            self.restore(values[0])
+
+    def restore(self, saved: SavedState) -> None:
+        for part, name, value in saved.parts():
+            self._attributes[id(part), name] = value
+        for cell, value in saved.cells():
+            self._cells[id(cell)] = value
 
 
 def _backward(log: Log) -> Iterator[_Record]:

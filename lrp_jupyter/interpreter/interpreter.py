@@ -467,9 +467,9 @@ class Interpreter:
             If the name is taken, illegal, or captured by a local name of a block.
         """
         run = self._run
-        self._advance(now)
         where = as_path(path)
         program = parse(renamed_text(self.program, kind, where, new_name), self.program.filename)
+        self._advance(now)
         before = run.program
         successors = after_rename(before, program)
         changes = replace(diff(before, program), successors=successors)
@@ -494,8 +494,9 @@ class Interpreter:
         Exception
             Whatever the expression raises; the variable keeps its value.
         """
-        self._advance(now)
-        assign(self._run, path, evaluate(self._run, path, expression))
+        value = evaluate(self._run, path, expression)
+        self._advance(now)  # no time has passed if it fails: then it is not part of the run
+        assign(self._run, path, value)
         self._note("assigned", path_text(as_path(path)))
         self._done()
 

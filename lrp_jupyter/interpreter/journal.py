@@ -248,6 +248,11 @@ class Journal:
         while self._saved and self._saved[0] < first:
             self._saved.popleft()
 
+    def since(self, tick: int) -> Log:
+        """Return a copy of the log from the beginning of a tick on, or from that of an earlier one."""
+        place = next((place for marked, place in reversed(self._marks) if marked < tick), self._gone)
+        return self.log[place - self._gone :]
+
     def ends(self) -> list[int]:
         """Return the indices in the log at which ticks end, the last one first."""
         ends = []

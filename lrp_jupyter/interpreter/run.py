@@ -444,7 +444,7 @@ class Run:
             Number of completed ticks; all, unless this is called inside a tick.
         """
         if self.journal is not None:
-            self.journal.save(self.ticks if ended is None else ended, self._saved_state)
+            self.journal.save(self.ticks if ended is None else ended, self.saved_state)
             self.full = 0  # it may be large
 
     @property
@@ -457,7 +457,8 @@ class Run:
     def source(self, source: tuple[str, str] | Program) -> None:
         self._undone = source
 
-    def _saved_state(self) -> SavedState:
+    def saved_state(self) -> SavedState:
+        """Return the whole state, as it is now."""
         acts = [*self._walk()]
         return SavedState(
             [

@@ -12,6 +12,7 @@ import math
 import operator
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 from lrp_jupyter.language.blocks import read
@@ -120,7 +121,13 @@ def evaluate(expression: ast.expr, lookup: Lookup, *, calls: bool = False) -> Ev
     """
     evaluator = _Evaluator(lookup, calls)
     value = evaluator.of(expression)
-    return Evaluation(value, evaluator.values, ast.unparse(evaluator.deciding(expression)))
+    return Evaluation(value, evaluator.values, _text(evaluator.deciding(expression)))
+
+
+@lru_cache(maxsize=2_000)
+def _text(node: ast.expr) -> str:
+    """Return the text of a part; a condition is evaluated for many ticks."""
+    return ast.unparse(node)
 
 
 class _Evaluator:
@@ -134,7 +141,7 @@ class _Evaluator:
         value = self._of(node)
         self._known[id(node)] = value
         if isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call, ast.BinOp)):
-            text = ast.unparse(node)
+            text = _text(node)
             if not callable(value) and text not in self.values:
                 self.values[text] = value
         return value
@@ -169,7 +176,7 @@ class _Evaluator:
             case ast.IfExp(test, body, other):
                 return self.of(body if self.of(test) else other)
             case ast.Subscript(inner, ast.Slice()):
-                raise UnknownValueError(f"`{ast.unparse(node)}` is not evaluated again.")
+                raise UnknownValueError(f"`{_text(node)}` is not evaluated again.")
             case ast.Subscript(inner, index):
                 return self.of(inner)[self.of(index)]
             case ast.Tuple(elements):
@@ -179,9 +186,9 @@ class _Evaluator:
             case ast.Call(function, arguments, []) if not any(isinstance(a, ast.Starred) for a in arguments):
                 call = self.of(function)
                 if not (self._calls or _is_pure(call)):
-                    raise UnknownValueError(f"`{ast.unparse(node)}` calls a function.")
+                    raise UnknownValueError(f"`{_text(node)}` calls a function.")
                 return call(*[self.of(argument) for argument in arguments])
-        raise UnknownValueError(f"`{ast.unparse(node)}` is not evaluated again.")
+        raise UnknownValueError(f"`{_text(node)}` is not evaluated again.")
 
     def deciding(self, node: ast.expr) -> ast.expr:
         """Return the part that decides."""

@@ -49,6 +49,8 @@ class SessionCheckpoint(NamedTuple):
         The bridge's own moment.
     random : tuple
         The state of Python's own random numbers.
+    armed : bool
+        Whether commands were sent to the robot.
     """
 
     snapshot: Snapshot
@@ -59,6 +61,7 @@ class SessionCheckpoint(NamedTuple):
     inputs: int
     moment: object
     random: tuple[Any, ...]
+    armed: bool
 
     @property
     def tick(self) -> int:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
-from lrp_jupyter.bridges.outside import RobotCommanded, RobotStopped, WorldLoaded
+from lrp_jupyter.bridges.outside import CommandsHeld, RobotArmed, RobotCommanded, RobotStopped, WorldLoaded
 from lrp_jupyter.errors import FileError
 from lrp_jupyter.interpreter.rendering import render, short
 from lrp_jupyter.language.program import Element, Program
@@ -64,6 +64,10 @@ def input_line(what: object, loop: Loop) -> Line:
             return {"input": "policy", "name": name, "value": value}
         case RobotStopped():
             return {"input": "stop"}
+        case RobotArmed(armed):
+            return {"input": "arm", "armed": armed}
+        case CommandsHeld(sent):
+            return {"input": "hold", "sent": sent}
         case RobotCommanded(name, arguments):
             return {"input": "command", "name": name, "arguments": plain(arguments)}
         case WorldLoaded(world):
@@ -135,6 +139,10 @@ def input_of(line: Line, program: Callable[[str], Program]) -> object:
             return do.SetPolicy(line["name"], line["value"])
         case "stop":
             return RobotStopped()
+        case "arm":
+            return RobotArmed(bool(line["armed"]))
+        case "hold":
+            return CommandsHeld(int(line["sent"]))
         case "command":
             return RobotCommanded(line["name"], unplain(line["arguments"]))
         case "world":

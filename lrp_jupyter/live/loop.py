@@ -47,7 +47,7 @@ from typing import Any, Literal
 from lrp_jupyter.arguments import check_type
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.nodes import RobotMethod
-from lrp_jupyter.bridges.outside import RobotStopped
+from lrp_jupyter.bridges.outside import CommandsHeld, RobotArmed, RobotStopped
 from lrp_jupyter.bridges.robot import part_name
 from lrp_jupyter.bridges.safety import Origin
 from lrp_jupyter.errors import BridgeError, LRPError, UnknownElementError, sentence_of
@@ -148,7 +148,7 @@ class Loop:
         self.paused_by: Hit | None = None
         self.after_tick: list[Callable[[], object]] = []
         """Called after every tick."""
-        self._stops: deque[object] = deque()  # by other threads, not yet recorded
+        self._stops: deque[object] = deque()  # and armings: by other threads, not yet recorded
         self._driven_by = 0  # the thread that made the last turn
         self._replayed = False  # whether what happens now follows from a recorded input
         self._kept: list[object] | None = None  # what of the world was kept while it is rewound
@@ -226,6 +226,8 @@ class Loop:
         if self._step is None:
             self.now = round((self.now + seconds) * 1e12) / 1e12  # half the time of round(…, 12)
         elif (steps := math.floor(seconds / self._step + 1e-6)) > 0:
+            if self._stops:  # they act before the world moves
+                self._note_stops()
             with self._calling("the robot"):
                 self.bridge.advance(steps * self._step)
             self._steps += steps
@@ -329,8 +331,11 @@ class Loop:
             interpreter.step(now)
             hit = None if self.breakpoints is None else self._hit()
             bridge.end_tick(now)
+            safety = bridge.safety
+            if safety.held or safety.most is not None:
+                self._add(CommandsHeld(safety.sent), interpreter.tick - 1)
         finally:
-            self.ticking = None
+            self.ticking = bridge.safety.most = None
         on_time = step is None and now - self.due <= LAG
         self.due = (self.due if on_time else now) + self.period
         for call in self.after_tick:
@@ -360,6 +365,7 @@ class Loop:
             self.inputs.count,
             moment,
             random_module(namespace).getstate(),
+            self.bridge.safety.armed,
         )
 
     def _token(self, value: object) -> object:
@@ -415,6 +421,7 @@ class Loop:
         self.checkpoints.clear()
         self._pending_at = 0.0
         bridge.safety.tick(interpreter.now, self.period)
+        bridge.safety.armed = checkpoint.armed
         self.status, self._unstarted = "running" if checkpoint.running else "paused", False
 
     def _prepare(self) -> None:
@@ -686,10 +693,10 @@ class Loop:
             while self._stops:
                 self._add(self._stops.popleft())
 
-    def _add(self, what: object) -> None:
-        """Give an input its number, keep it and write it down."""
+    def _add(self, what: object, tick: int | None = None) -> None:
+        """Give an input its number, keep it and write it down; it came after a tick, by default the last."""
         with self.inputs.lock:  # from the reading of the tick on, so that ticks and numbers are in order
-            entry = self.inputs.next(self.interpreter.tick, self.now, what)
+            entry = self.inputs.next(self.interpreter.tick if tick is None else tick, self.now, what)
             if self._remembers and not (isinstance(what, Command) and what.undoes):
                 kept, letters = what.kept(self) if isinstance(what, Command) else (what, 0)
                 self.inputs.keep(entry._replace(what=kept), letters)
@@ -698,7 +705,7 @@ class Loop:
 
     def _from_outside(self, what: object, surely: bool) -> None:
         """Record what was done to the robot, unless the program or a recorded input did it."""
-        if isinstance(what, RobotStopped) and threading.get_ident() != self._driven_by:
+        if isinstance(what, (RobotStopped, RobotArmed)) and threading.get_ident() != self._driven_by:
             self._stops.append(what)
             self._pending_at = 0.0
         elif self._kept is not None:

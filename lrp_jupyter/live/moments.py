@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
+from itertools import islice
 from typing import Any, NamedTuple
 
 __all__ = ["Moment", "Moments"]
@@ -52,6 +53,11 @@ class Moments:
     def __iter__(self) -> Iterator[Moment]:
         parts = iter(self.flat)
         return map(Moment, parts, parts, parts)
+
+    def last(self, ticks: int) -> Iterator[Moment]:
+        """Return those of so many ticks at most, the last one first; copied now, for any thread."""
+        parts = iter([*islice(reversed(self.flat), 3 * ticks)])
+        return (Moment(time, world, sensed) for sensed, world, time in zip(parts, parts, parts, strict=True))
 
     def drop(self, ticks: int) -> None:
         """Drop the first ones."""

@@ -29,7 +29,9 @@ def plain(value: object) -> Any:
     if isinstance(value, Exception):
         return {"error": str(value)}
     if isinstance(value, Mapping):
-        return {"dict": {str(key): plain(part) for key, part in value.items()}}
+        if all(isinstance(key, str) for key in value):
+            return {"dict": {str(key): plain(part) for key, part in value.items()}}
+        return {"items": [[plain(key), plain(part)] for key, part in value.items()]}
     parts = getattr(value, "_fields", None)
     if isinstance(value, (list, tuple)) and parts is None:
         items = [plain(part) for part in value]
@@ -77,6 +79,8 @@ def unplain(value: Any) -> Any:
             return tuple(unplain(part) for part in content)
         case "dict":
             return {key: unplain(part) for key, part in content.items()}
+        case "items":
+            return {unplain(key): unplain(part) for key, part in content}
         case "fields":
             return Fields({name: unplain(part) for name, part in content.items()})
     return content

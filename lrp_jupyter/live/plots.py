@@ -1,11 +1,15 @@
-"""Plots: variables and readings over time, with what the conditions of the program compare them with."""
+"""Plots: variables and readings over time, with what the conditions of the program compare them with.
+
+Ten minutes at 100 Hz take seconds to compute. So only what is recorded is copied between two ticks; whoever
+asks computes from the copy, while the robot goes on.
+"""
 
 from __future__ import annotations
 
 import ast
 import math
 import operator
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import chain
 from typing import Literal, NamedTuple
@@ -17,7 +21,7 @@ from lrp_jupyter.language.resolution import Scope, resolve
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.recorded_robot import RecordedRobot
 
-__all__ = ["Plot", "Threshold", "plots_of", "plottable"]
+__all__ = ["Plot", "Threshold", "plottable", "plotting"]
 
 _ROBOT = "robot."
 _MOST = 6  # thresholds of a plot
@@ -70,17 +74,18 @@ def plottable(loop: Loop) -> list[str]:
     return variables + [_ROBOT + name for name, value in readings.items() if _is_number(value)]
 
 
-def plots_of(loop: Loop, wanted: Mapping[str, int]) -> list[Plot]:
-    """Return the samples of names; between two ticks.
+def plotting(loop: Loop, wanted: Mapping[str, int]) -> Callable[[], list[Plot]]:
+    """Return what computes the samples of names, on any thread and at any time.
 
     Parameters
     ----------
     loop : Loop
+        Between two ticks.
     wanted : mapping of str to int
         For each name the tick after which samples are wanted.
     """
     if not wanted:
-        return []
+        return list
     program, first = loop.interpreter.program, min(wanted.values())
     compared = {name: list(_compared(program, name)) for name in wanted}
     paths = {as_path(name) for name in wanted if not name.startswith(_ROBOT)}
@@ -88,19 +93,50 @@ def plots_of(loop: Loop, wanted: Mapping[str, int]) -> list[Plot]:
     reads = any(name.startswith(_ROBOT) for name in wanted) or any(
         other.reads_robot for each in compared.values() for other in each
     )
-    samples = list(_samples(loop, paths, first, reads))
-    samples.reverse()
-    plots = []
-    for name, after in wanted.items():
-        here = [sample for sample in samples if sample.tick > after]
-        values = [sample.value(name) for sample in here]
-        numbers = tuple(map(_number, values))
-        known = [value for value in values if value is not None]
-        is_truth = bool(known) and all(isinstance(value, bool) for value in known)
-        thresholds = () if is_truth else tuple(Threshold(each.text, each.of(here)) for each in compared[name])
-        times = tuple(sample.time for sample in here)
-        plots.append(Plot(name, "truth" if is_truth else "number", times, numbers, thresholds))
-    return plots
+    samples = _samples(loop, paths, first, reads)
+    columns = [_Column(name, after, compared[name]) for name, after in wanted.items()]
+    return lambda: _plots(columns, samples)
+
+
+def _plots(columns: Sequence[_Column], samples: Iterable[_Sample]) -> list[Plot]:
+    # none of them is kept: the garbage collector would go through all of them, again and again
+    for sample in samples:
+        for column in columns:
+            column.add(sample)
+    return [column.plot() for column in columns]
+
+
+class _Column:
+    """Gathers the samples of a name, the last one first."""
+
+    def __init__(self, name: str, after: int, compared: Sequence[_Compared]) -> None:
+        self._name, self._after = name, after
+        self._is_reading = name.startswith(_ROBOT)
+        self._path = as_path(name)
+        self._times: list[float] = []
+        self._values: list[float | None] = []
+        self._kinds: set[bool] = set()  # whether a value that there was is a truth value
+        self._thresholds = [_Followed(each) for each in compared]
+
+    def add(self, sample: _Sample) -> None:
+        if sample.tick <= self._after:
+            return
+        if self._is_reading:
+            value = sample.readings.get(self._name.removeprefix(_ROBOT))
+        else:
+            value = sample.variables.get(self._path)
+        if value is not None:
+            self._kinds.add(isinstance(value, bool))
+        self._times.append(sample.time)
+        self._values.append(_number(value))
+        for threshold in self._thresholds:
+            threshold.add(sample)
+
+    def plot(self) -> Plot:
+        is_truth = self._kinds == {True}
+        thresholds = () if is_truth else tuple(each.threshold() for each in self._thresholds)
+        kind: Literal["number", "truth"] = "truth" if is_truth else "number"
+        return Plot(self._name, kind, tuple(self._times[::-1]), tuple(self._values[::-1]), thresholds)
 
 
 class _Sample(NamedTuple):
@@ -110,22 +146,16 @@ class _Sample(NamedTuple):
     readings: Mapping[str, object]
     nodes: Mapping[str, object]
 
-    def value(self, name: str) -> object:
-        if name.startswith(_ROBOT):
-            return self.readings.get(name.removeprefix(_ROBOT))
-        return self.variables.get(as_path(name))
-
 
 def _samples(loop: Loop, paths: set[Path], after: int, reads: bool) -> Iterator[_Sample]:
-    """Yield the values of variables and the readings in the ticks after a tick, the last one first."""
-    bridge, now = loop.bridge, loop.interpreter.tick
-    nodes = bridge.nodes.table
-    for tick, variables in loop.interpreter.history.followed(paths, after):
-        place = tick - now - 1
-        if -place > len(loop.moments):
-            return
-        time, _, sensed = loop.moments[place]
-        yield _Sample(tick, time, variables, bridge.readings_of(sensed) if reads else {}, nodes)
+    """Return the values of variables and the readings in the ticks after a tick, the last one first."""
+    bridge, nodes = loop.bridge, loop.bridge.nodes.table
+    followed = loop.interpreter.history.followed(paths, after)
+    moments = loop.moments.last(max(0, loop.interpreter.tick - after))
+    return (
+        _Sample(tick, time, variables, bridge.readings_of(sensed) if reads else {}, nodes)
+        for (tick, variables), (time, _, sensed) in zip(followed, moments, strict=False)
+    )
 
 
 class _Compared(NamedTuple):
@@ -135,26 +165,14 @@ class _Compared(NamedTuple):
     tree: ast.expr
     variables: dict[str, Path]
 
-    def of(self, samples: list[_Sample]) -> tuple[float | None, ...]:
-        """Return its values."""
-        if isinstance(self.tree, ast.Constant):
-            return (_number(self.tree.value),) * len(samples)
-        values: list[float | None] = []
-        before: list[object] | None = None
-        reads_robot = self.reads_robot
-        for sample in samples:
-            now = [sample.variables.get(path) for path in self.variables.values()]
-            is_same = before is not None and all(map(operator.is_, now, before))
-            values.append(values[-1] if is_same and not reads_robot else self._at(sample))
-            before = now
-        return tuple(values)
-
     @property
     def reads_robot(self) -> bool:
         """Whether its value depends on readings."""
         return "robot" in names_in(self.tree)
 
-    def _at(self, sample: _Sample) -> float | None:
+    def at(self, sample: _Sample) -> float | None:
+        """Return its value."""
+
         def lookup(name: str) -> object:
             if name == "robot":
                 return RecordedRobot(sample.readings, sample.nodes)
@@ -167,6 +185,27 @@ class _Compared(NamedTuple):
             return _number(evaluate(self.tree, lookup).value)
         except Exception:  # whatever the expression of the user raises
             return None
+
+
+class _Followed:
+    """Gathers the values of an expression, the last one first."""
+
+    def __init__(self, compared: _Compared) -> None:
+        self._compared = compared
+        self._reads_robot = compared.reads_robot
+        self._values: list[float | None] = []
+        self._before: list[object] | None = None  # the values of its variables in the sample before
+
+    def add(self, sample: _Sample) -> None:
+        now = [sample.variables.get(path) for path in self._compared.variables.values()]
+        is_same = self._before is not None and all(map(operator.is_, now, self._before))
+        self._values.append(
+            self._values[-1] if is_same and not self._reads_robot else self._compared.at(sample)
+        )
+        self._before = now
+
+    def threshold(self) -> Threshold:
+        return Threshold(self._compared.text, tuple(self._values[::-1]))
 
 
 def _compared(program: Program, name: str) -> Iterator[_Compared]:

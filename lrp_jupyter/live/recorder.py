@@ -115,6 +115,7 @@ def start_of(
         random_module(namespace).getstate() if seed is None else seed,
         dict(initials or {}),
         {name: text for name, text in values.items() if text is not None},
+        bridge.safety.armed,
     )
 
 

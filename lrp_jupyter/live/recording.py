@@ -38,6 +38,7 @@ from typing import Any
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.bridges.nodes import RobotMethod, RobotVariable
+from lrp_jupyter.bridges.outside import CommandsHeld
 from lrp_jupyter.bridges.recorded import RecordedBridge, recorded_members
 from lrp_jupyter.errors import FileError, UnknownElementError, sentence_of
 from lrp_jupyter.files import shown
@@ -102,6 +103,8 @@ class RunStart:
         Other initial values than those of the text.
     values : mapping of str to str
         The values of those `names` that can be written, as expressions of Python.
+    armed : bool
+        Whether commands were sent to the robot.
     """
 
     text: str
@@ -116,6 +119,7 @@ class RunStart:
     random: int | Sequence[Any] | None = None
     initials: Mapping[str, str] = field(default_factory=dict)
     values: Mapping[str, str] = field(default_factory=dict)
+    armed: bool = True
 
     def namespace(self) -> dict[str, Any]:
         """Return the recorded values of names."""
@@ -128,6 +132,7 @@ class RunStart:
         if self.world is not None:
             return make_bridge("sim", world=self.world)
         bridge = RecordedBridge(self.bridge, self.recorded_members())
+        bridge.safety.armed = self.armed
         bridge.open()
         return bridge
 
@@ -221,7 +226,8 @@ def read_recording(
             if "input" in line:
                 what = input_of(line, partial(_program, start=start, prepared=prepared))
                 entries.append(Input(number, tick, time, what))
-                complete = len(followed)
+                if not isinstance(what, CommandsHeld):  # which stands in the middle of its tick
+                    complete = len(followed)
                 continue
             followed.append(_event(line))
             if "readings" in line:
@@ -350,6 +356,7 @@ _STARTS: dict[str, Callable[[Any], bool]] = {
     "on_issue": lambda value: value in ("record", "pause"),
     "names": _are_texts,
     "random": _is_state_of_random,
+    "armed": lambda value: isinstance(value, bool),
     "initials": lambda value: isinstance(value, dict) and _are_texts(list(value.values())),
     "values": lambda value: isinstance(value, dict) and _are_texts(list(value.values())),
 }

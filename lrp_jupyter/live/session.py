@@ -92,7 +92,7 @@ from lrp_jupyter.live.fork import ForkStart, check_repeated, fork_start, private
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
 from lrp_jupyter.live.past import frame_at, tick_of
-from lrp_jupyter.live.plots import Plot, plots_of
+from lrp_jupyter.live.plots import Plot, plotting
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recorder import Recorder, start_of
 from lrp_jupyter.live.replay import Entry, Ticked, play, repeat, tested_again, without_edits
@@ -924,7 +924,8 @@ class Session:
         plots : mapping of str to int, optional
             Names to plot as for :meth:`plots`, each with the tick up to which its samples are known.
         """
-        return cast(Timeline, self.call(partial(timeline_of, self._loop, since, plots)))
+        timeline: Callable[[], Timeline] = self.call(partial(timeline_of, self._loop, since, plots))
+        return timeline()
 
     def plots(self, names: Iterable[str]) -> list[Plot]:
         """Return the recorded samples of variables and readings, with what conditions compare them with.
@@ -934,8 +935,8 @@ class Session:
         names : iterable of str
             Paths of variables as spawned, ``robot.`` and the names of readings.
         """
-        wanted = dict.fromkeys(names, 0)
-        return cast("list[Plot]", self.call(partial(plots_of, self._loop, wanted)))
+        plot: Callable[[], list[Plot]] = self.call(partial(plotting, self._loop, dict.fromkeys(names, 0)))
+        return plot()
 
     def why_not(self, transition: str | Path, at: int | None = None) -> Reason:
         """Return why a transition did not fire in a tick, or that it did.
@@ -1023,8 +1024,8 @@ class Session:
         program : str or Program, optional
             Another program, applied at once as an edit is.
         inputs : bool
-            Whether what came from outside later is repeated when it runs, at the same times; edits only if
-            there is no other program.
+            Whether what came from outside later is repeated when it runs, at the same times, as far as that
+            is possible there; edits only if there is no other program.
 
         Raises
         ------
@@ -1056,7 +1057,8 @@ class Session:
     ) -> WhatIf:
         """Return how another program would go on from a moment, beside how it went; nothing changes here.
 
-        What came from outside later is repeated in both; edits only in the recorded course.
+        What came from outside later is repeated in both, as far as that is possible there; edits only in the
+        recorded course.
 
         Parameters
         ----------

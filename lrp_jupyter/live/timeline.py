@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, NamedTuple
 
@@ -20,7 +20,7 @@ from lrp_jupyter.interpreter.rendering import is_scalar, short
 from lrp_jupyter.language.program import Path, path_text
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.names import ChangeNames
-from lrp_jupyter.live.plots import Plot, plots_of, plottable
+from lrp_jupyter.live.plots import Plot, plottable, plotting
 from lrp_jupyter.live.renamed import Names
 from lrp_jupyter.live.why.wording import call_text
 from lrp_jupyter.sim.edits import WorldEdit
@@ -113,12 +113,13 @@ class Timeline:
 
 def timeline_of(
     loop: Loop, cursor: TimelineCursor | None = None, plots: Mapping[str, int] | None = None
-) -> Timeline:
-    """Return what happened since a moment; between two ticks.
+) -> Callable[[], Timeline]:
+    """Return what gives the timeline since a moment, on any thread: the plots are not computed yet.
 
     Parameters
     ----------
     loop : Loop
+        Between two ticks.
     cursor : TimelineCursor, optional
         What is known; by default nothing.
     plots : mapping of str to int, optional
@@ -131,7 +132,7 @@ def timeline_of(
     known = cursor is not None and cursor.epoch == epoch and ticks.start <= cursor.tick < ticks.stop
     kept = cursor.tick - 1 if known and cursor is not None else -1
     begin = history.time(ticks.start) if ticks else loop.now
-    return Timeline(
+    told = Timeline(
         epoch,
         ticks.start,
         ticks.stop - 1,
@@ -139,9 +140,11 @@ def timeline_of(
         loop.now,
         kept,
         tuple(happenings(loop, kept if known else None)),
-        tuple(plots_of(loop, (plots or {}) if known else dict.fromkeys(plots or {}, 0))),
+        (),
         tuple(plottable(loop)),
     )
+    plot = plotting(loop, (plots or {}) if known else dict.fromkeys(plots or {}, 0))
+    return lambda: replace(told, plots=tuple(plot()))
 
 
 def happenings(loop: Loop, after: int | None = None, *, gap: bool = False) -> list[Happening]:

@@ -1,8 +1,11 @@
 """Plots of variables and readings over time."""
 
+import threading
+
 import pytest
 
 from lrp_jupyter import programs
+from lrp_jupyter.live.plots import plotting
 from lrp_jupyter.live.session import Session
 
 PROGRAM = """\
@@ -80,6 +83,37 @@ def test_samples_after_a_rewind_are_those_of_the_new_run():
         session.run(0.2)
         (plot,) = session.plots(["m/n"])
         assert plot.values == (0, 1, 2, 3, 4, 100, 100)
+
+
+def test_plots_are_computed_from_what_was_recorded_while_the_run_goes_on():
+    names = ["m/n", "m/big", "limit"]
+    with Session(PROGRAM) as session:
+        session.run(1.5)
+        expected = session.plots(names)
+        compute = session.call(lambda: plotting(session._loop, dict.fromkeys(names, 0)))
+        later = session.call(lambda: plotting(session._loop, {"m/n": 12}))
+        session.rewind(8)
+        session.edit(PROGRAM.replace("n += 1", "n -= 1").replace("(var big", "(var small"))
+        session.run(3)
+        assert compute() == expected
+        assert later()[0].values == expected[0].values[12:]
+
+
+def test_plots_are_not_computed_by_the_thread_that_ticks():
+    threads = set()
+
+    class Limit(int):
+        def __mul__(self, other):
+            threads.add(threading.get_ident())
+            return int(self) * other
+
+    with Session(PROGRAM.replace("[5]", "[Limit(5)]"), namespace={"Limit": Limit}) as session:
+        session.start()
+        session.wait_for(lambda frame: frame.tick > 2, timeout=10)
+        session.pause()
+        threads.clear()
+        session.plots(["m/n"])
+        assert threads == {threading.get_ident()}
 
 
 def test_a_value_that_is_not_finite_is_left_out():

@@ -8,6 +8,7 @@ import sys
 import tracemalloc
 from hashlib import sha256
 from pathlib import Path
+from threading import Thread
 
 import pytest
 import wandering
@@ -16,7 +17,7 @@ from seeds import seeds
 from lrp_jupyter import logs
 from lrp_jupyter.bridges.bridge import Bridge, Twist
 from lrp_jupyter.bridges.ros.types import Types
-from lrp_jupyter.errors import FileError, NoDataYet, UnknownElementError
+from lrp_jupyter.errors import FileError, LRPError, NoDataYet, UnknownElementError
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.plain import plain, unplain
 from lrp_jupyter.live.recording import read_recording
@@ -301,6 +302,79 @@ def test_the_readings_of_a_real_robot_are_fed_to_the_program_again(tmp_path):
     assert other.difference.tick == 7
 
 
+@pytest.mark.parametrize(
+    ("first", "then", "sent"),
+    [
+        (None, None, [False]),
+        (None, "arm", [False, True]),
+        ("arm", "disarm", [True, False]),
+    ],
+)
+def test_a_robot_is_as_armed_in_a_replay_and_in_a_fork_as_it_was(tmp_path, first, then, sent):
+    path = tmp_path / "run.lrplog"
+    with Session(ROVER, Rover, clock=VirtualClock()) as session:
+        if first:
+            session.bridge.open()
+            session.bridge.arm()
+        with session.record(path):
+            session.run(0.5)
+            if then:
+                getattr(session.bridge, then)()
+            session.run(0.4)
+        with session.fork(8) as fork:
+            assert [command.sent for command in fork.bridge.safety.commands] == sent
+            assert fork.bridge.safety.armed is session.bridge.safety.armed
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    assert [command.sent for command in again.session.bridge.safety.commands] == sent
+
+
+def elsewhere(act):
+    """Do something on another thread."""
+    other = Thread(target=act)
+    other.start()
+    other.join()
+
+
+STOPPED = """(var n := [0])
+(machine m (state a (running [n += 1] [robot.move(linear=0.2)] [if n == 5: stop()] [robot.move(linear=0.1)])))
+(spawn m a)"""
+
+
+def test_a_stop_by_another_thread_in_the_middle_of_a_tick_is_reproduced(tmp_path):
+    path, names = tmp_path / "run.lrplog", {}
+    with Session(STOPPED, "sim", clock=VirtualClock(), world="empty", namespace=names) as session:
+        names["stop"] = lambda: elsewhere(session.bridge.stop_all)
+        with session.record(path):
+            session.run(1)
+        seen = wandering.seen(session)
+        sent = [command.sent for command in session.bridge.safety.commands]
+        names["stop"] = lambda: None
+        with session.fork(2, inputs=True) as fork:
+            fork.run(session.frame.time - fork.frame.time)
+            assert wandering.seen(fork) == seen
+    assert sent.count(False) == 1
+    recording = read_recording(path)
+    again = reproduce(recording, namespace=names)
+    assert (again.difference, wandering.seen(again.session)) == (None, seen)
+    assert [command.sent for command in again.session.bridge.safety.commands] == sent
+    lines = path.read_bytes().splitlines(keepends=True)
+    held = next(number for number, line in enumerate(lines) if b'"hold"' in line)
+    for end in (held, held + 1, held + 2):
+        path.write_bytes(b"".join(lines[:end]))
+        assert reproduce(read_recording(path), namespace=names).difference is None
+
+
+def test_a_stop_by_another_thread_between_two_ticks_acts_in_a_replay_when_it_acted(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(DRIVER, "sim", clock=VirtualClock(), rate=2, world="empty") as session:
+        with session.record(path):
+            session.run(2, after_tick=lambda: elsewhere(session.bridge.stop_all))
+        seen = wandering.seen(session)
+    again = reproduce(read_recording(path))
+    assert (again.difference, wandering.seen(again.session)) == (None, seen)
+
+
 class Beeper(Bridge):
     """A robot whose methods have parameters, and whose reading is a list."""
 
@@ -356,7 +430,18 @@ def test_the_messages_of_a_recorded_robot_have_their_fields(tmp_path):
 
 
 def test_values_are_the_same_as_json():
-    for value in [1, [1, (2, [3])], True, None, "x", 0.1, float("inf"), (1, (2.5, "y")), {"a": (1,)}]:
+    for value in [
+        1,
+        [1, (2, [3])],
+        True,
+        None,
+        "x",
+        0.1,
+        float("inf"),
+        (1, (2.5, "y")),
+        {"a": (1,)},
+        {1: "a", (2, 3): {}},
+    ]:
         assert unplain(json.loads(json.dumps(plain(value)))) == value
     pose = unplain(json.loads(json.dumps(plain(Pose(0.5, Pose(1, None))))))
     assert (pose.x, pose.other.x, pose.other.other) == (0.5, 1, None)
@@ -549,6 +634,21 @@ def test_a_simulated_run_without_end_is_refused(tmp_path):
         stream.write('{"tick":6,"time":1e6,"readings":{}}\n')
     with pytest.raises(FileError, match=r"`time` is 1e\+06, and it is 0.5 in the line before"):
         read_recording(path)
+
+
+def test_what_was_refused_is_no_part_of_the_recording(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(DRIVER, "sim", clock=VirtualClock(), world="empty") as session, session.record(path):
+        session.run(1.05)
+        for refused in (
+            lambda: session.rename("state", "m/first", "second"),
+            lambda: session.set_variable("nothing", evaluate="1"),
+        ):
+            with pytest.raises((LRPError, ValueError)):
+                refused()
+        session.call(lambda: session.bridge.robot.move(angular=1))
+        session.run(1)
+    assert reproduce(read_recording(path)).difference is None
 
 
 def test_a_run_at_full_speed_is_reproduced(tmp_path):

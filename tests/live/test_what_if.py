@@ -167,3 +167,18 @@ def test_an_invalid_program_is_refused(session):
         session.what_if(50, FOLLOWER, 0)
     with pytest.raises(ValueError, match="not recorded"):
         session.what_if(5000, FOLLOWER)
+
+
+def test_what_was_done_and_is_not_possible_in_the_other_program_is_left_out_there():
+    text = "(var n := [0]) (machine m (state a (running [n += 1]))) (spawn m a)"
+    with Session(text) as session:
+        session.run(1)
+        session.variables["n"] = 50
+        session.run(1)
+        other = text.replace("var n", "var k").replace("n += 1", "k += 1")
+        what_if = session.what_if(5, other, seconds=1.5)
+        assert what_if.end == pytest.approx(1.9)
+        with session.fork(5, other, inputs=True) as fork:
+            fork.run(1.5)
+            assert fork.frame.values["k"] == 14
+            assert fork.fault == ""
