@@ -321,8 +321,8 @@ class Loop:
         interpreter, bridge, now, step = self.interpreter, self.bridge, self.now, self._step
         self.ticking = object()  # a number would repeat: before the tick has begun, and after a rewind
         try:
-            if self.names.values and (change := self.names.change()) is not None:
-                self._note(change)
+            if self.names.values:
+                self._note_names()
             if now >= self._pending_at:
                 self._prepare()
             moment = None if step is None else bridge.moment()
@@ -651,8 +651,7 @@ class Loop:
         try:
             if not command.mends:
                 self._check_whole()
-            if not self._replayed and (change := self.names.change()) is not None:
-                self._note(change)
+            self._note_names()
             with self._calling(), self._deriving(command.recorded):  # blocks, hooks and code of the caller
                 result = command.apply(self)
             if command.recorded:
@@ -686,6 +685,12 @@ class Loop:
         with self.inputs.lock:
             self._note_stops()
             self._add(what)
+
+    def _note_names(self) -> None:
+        """Record that names of the namespace have changed since a tick that may have read them."""
+        change = self.names.change()
+        if change is not None and self.interpreter.tick:
+            self._note(change)
 
     def _note_stops(self) -> None:
         """Record what other threads have stopped."""
