@@ -216,3 +216,34 @@ def test_a_tick_that_cannot_be_repeated_has_an_answer_without_values():
         answer = live.why_not("full", at=10)
         assert answer.code == "condition-false"
         assert "The values of its parts are not known: `seen` may have been changed in place." in str(answer)
+
+
+@pytest.mark.parametrize(
+    ("condition", "told"),
+    [
+        ("not a", "`a` was True. The whole condition was never true before."),
+        ("not n", "`n` was 3."),
+        ("b or not (a and n == 3)", "`b or not (a and n == 3)` was False (`b` was False, `a` was True"),
+        ("not (b or a)", "`a` was True."),
+        ("a and not (n > 2)", "`n > 2` was True (`n` was 3). The whole condition was never true before."),
+        ("not not b", "`b` was False."),
+        ("a and n > 5", "`n > 5` was False (`n` was 3). The whole condition was never true before."),
+        ("n > 5", "`n > 5` was False (`n` was 3). It was never true before."),
+    ],
+)
+def test_the_part_that_decides_has_its_own_value_also_below_a_not(condition, told):
+    text = f"""(var a := [True]) (var b := [False]) (var n := [3])
+    (machine m (state s) (state t) (on [{condition}] s -> t go))
+    (spawn m s)"""
+    with session(text) as live:
+        live.run(0.5)
+        assert f"did not fire at 0.4 s: {told}" in str(live.why_not("go"))
+
+
+def test_a_negation_that_fires_is_explained_by_what_was_false():
+    with session(
+        "(var a := [False]) (machine m (state s) (state t) (on [not a] s -> t go)) (spawn m s)"
+    ) as live:
+        live.run(0.5)
+        assert str(live.why("t")).endswith("because `a` was False.")
+        assert live.why_not("go", at=2).facts["decided"] == "False"

@@ -16,7 +16,14 @@ from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
 from lrp_jupyter.live.why.entries import entry_text
 from lrp_jupyter.live.why.evaluation import PastTests
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.wording import number_text, plain_values, restart_text, unknown_text, values_text
+from lrp_jupyter.live.why.wording import (
+    decided_text,
+    number_text,
+    plain_values,
+    restart_text,
+    unknown_text,
+    values_text,
+)
 
 __all__ = ["because", "transition_reason"]
 
@@ -35,8 +42,7 @@ def transition_reason(
         case "fired":
             _fired(draft, case, tests)
         case "condition-false":
-            _condition_false(draft, case, tests)
-            _last_true(draft, case, tests, run)
+            _condition_false(draft, case, tests, run)
         case "delay-not-over":
             _delay_not_over(draft, case, tests, run)
         case "source-inactive":
@@ -64,11 +70,15 @@ def because(draft: AnswerDraft, case: Case, tests: PastTests) -> str:
     if not isinstance(evaluation, Evaluation):
         return ""
     _keep(draft, evaluation)
-    return f", because `{evaluation.decides}` was True{values_text(evaluation)}"
+    return f", because `{evaluation.decides}` was {decided_text(evaluation)}{values_text(evaluation)}"
 
 
 def _keep(draft: AnswerDraft, evaluation: Evaluation) -> None:
-    draft.facts |= {"values": plain_values(evaluation), "decides": evaluation.decides}
+    draft.facts |= {
+        "values": plain_values(evaluation),
+        "decides": evaluation.decides,
+        "decided": decided_text(evaluation),
+    }
 
 
 def _fired(draft: AnswerDraft, case: Case, tests: PastTests) -> None:
@@ -78,19 +88,20 @@ def _fired(draft: AnswerDraft, case: Case, tests: PastTests) -> None:
     draft.say(f"{case.did_fire}, {way}{because(draft, case, tests)}.")
 
 
-def _condition_false(draft: AnswerDraft, case: Case, tests: PastTests) -> None:
+def _condition_false(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
     assert case.tested is not None
     line, where = _line_and_place(case)
     evaluation = tests.evaluation(case)
     if isinstance(evaluation, Evaluation):
         _keep(draft, evaluation)
-        draft.say(
-            f"{case.did_not_fire}: `{evaluation.decides}`{where} was False{values_text(evaluation)}.", line
-        )
+        was = f"was {decided_text(evaluation)}{values_text(evaluation)}"
+        draft.say(f"{case.did_not_fire}: `{evaluation.decides}`{where} {was}.", line)
+        _last_true(draft, case, tests, run, "It" if evaluation.is_whole else "The whole condition")
     else:
         unknown = draft.facts["unknown"] = unknown_text(evaluation)
         draft.say(f"{case.did_not_fire}: `{case.tested[0].text.strip()}`{where} was False.", line)
         draft.say(f"The values of its parts are not known: {unknown}")
+        _last_true(draft, case, tests, run, "It")
 
 
 def _line_and_place(case: Case) -> tuple[int, str]:
@@ -99,19 +110,19 @@ def _line_and_place(case: Case) -> tuple[int, str]:
     return line, f" (line {line})" if line != case.line else ""
 
 
-def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
-    """Say when a condition was true before."""
+def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun, what: str) -> None:
+    """Say when a condition, called `what`, was true before."""
     tick = tests.last_true(case)
     if tick is None:
         return
     draft.facts["last_true"] = tick or None
     if not tick:
-        draft.say("It was never true before.")
+        draft.say(f"{what} was never true before.")
         return
     then = run.history.state(tick, before=True)
     states = [each.state for each in then.walk() if each.state[:-1] == case.machine.state[:-1]]
     elsewhere = f", when `{states[0][-1]}` was active" if states and states[0] != case.machine.state else ""
-    draft.say(f"It was last true at {run.time(tick):g} s{elsewhere}.")
+    draft.say(f"{what} was last true at {run.time(tick):g} s{elsewhere}.")
 
 
 def _delay_not_over(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
