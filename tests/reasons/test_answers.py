@@ -247,3 +247,35 @@ def test_a_negation_that_fires_is_explained_by_what_was_false():
         live.run(0.5)
         assert str(live.why("t")).endswith("because `a` was False.")
         assert live.why_not("go", at=2).facts["decided"] == "False"
+
+
+RENAMED = """(var n := [0])
+(machine m
+  (state a) (state b (running [n += 1]))
+  (on [n == 0] a -> b go) (on [n > 50] b -> a back) (on [n > 60] b -> a later))
+(spawn m a)"""
+
+
+def test_a_state_that_was_renamed_was_entered_under_its_former_name():
+    with session(RENAMED) as live:
+        live.run(0.5)
+        live.rename("state", "m/b", "busy")
+        entered = "`busy` (then called `b`) was entered at 0.1 s by `go` (line 4), from `a`, because `n == 0`"
+        assert str(live.why("busy")).startswith(entered), "before the next tick"
+        live.run(0.5)
+        live.rename("machine", "m", "mm")
+        live.run(0.5)
+        for at in (None, 4, 10):
+            assert str(live.why("busy", at=at)).startswith(entered)
+        assert live.why("b", at=4).code == "fired"
+        assert "`mm` was in `busy`, entered at 0.1 s by `go` (line 4)" in str(live.why_not("go"))
+
+
+def test_a_transition_that_was_renamed_is_answered_for_earlier_ticks():
+    with session(RENAMED) as live:
+        live.run(0.5)
+        live.rename("transition", "m/back", "home")
+        assert live.why_not("home").code == "condition-false"
+        live.run(0.5)
+        assert live.why_not("home", at=4).facts["decides"] == "n > 50"
+        assert live.why_not("back", at=4).facts["decides"] == "n > 50"

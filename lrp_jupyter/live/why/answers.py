@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable
 from dataclasses import replace
 
 from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.interpreter.reasons import transition_of
 from lrp_jupyter.language.names import as_path
-from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import Reason
@@ -93,7 +95,11 @@ class Answers:
         found = find_transition(wanted, self._programs(at))
         if found is None:
             return None
-        reason = transition_reason(self._run, self._tests, *found, tick)
+        element, program = found
+        then = self._then(element, program, tick)
+        if transition_of(self._run.program(tick), then) is not None:
+            element, program = then, self._run.program(tick)
+        reason = transition_reason(self._run, self._tests, element, program, tick)
         if at is not None or not self._loop.interpreter.paused:
             return reason
         time = self._loop.now
@@ -109,8 +115,18 @@ class Answers:
         if text.startswith(_ROBOT):
             name = text.removeprefix(_ROBOT)
             return command_reason(self._run, self._loop, name, tick, now=at is None)
-        state = find_state(wanted, self._programs(at))
-        return None if state is None else state_reason(self._run, self._tests, state, tick)
+        found = find_state(wanted, self._programs(at))
+        if found is None:
+            return None
+        path, program = found
+        then = self._then(Element("state", path), program, tick)
+        return state_reason(self._run, self._tests, then.path, path[-1], tick)
+
+    def _then(self, element: Element, program: Program, tick: int) -> Element:
+        """Return an element of a program by the path that it had in a tick."""
+        if program is self._run.program(tick):
+            return element
+        return Element(element.kind, self._run.names(tick).of(element.kind, element.path, math.inf))
 
     def _programs(self, at: int | None) -> tuple[Program, Program]:
         """Return the programs in which a name is looked up: that of the tick, then the present one."""

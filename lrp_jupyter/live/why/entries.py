@@ -13,13 +13,13 @@ from lrp_jupyter.live.why.wording import restart_text
 __all__ = ["entered_otherwise", "entry_text"]
 
 
-def entered_otherwise(run: RecordedRun, entered: Entered, when: float) -> Reason:
-    """Return why a state was entered without a transition."""
+def entered_otherwise(run: RecordedRun, entered: Entered, called: str, when: float) -> Reason:
+    """Return why a state, `called` so in the answer, was entered without a transition."""
     *_, machine, name = entered.state
     tick, time, program = max(int(when), 1), run.time(when), run.program(int(when + 0.5))
     draft = AnswerDraft()
     line = line_of_state(program, entered.state)
-    was_entered = f"`{name}` was entered at {time:g} s"
+    was_entered = f"{called} was entered at {time:g} s"
     facts = run.facts(when)
     place = max(index for index, fact in enumerate(facts) if fact is entered)
     for fact in facts[place:]:
@@ -52,12 +52,14 @@ def entered_otherwise(run: RecordedRun, entered: Entered, when: float) -> Reason
 
 def entry_text(run: RecordedRun, machine: PastMachine, tick: int) -> tuple[str, int]:
     """Return in words how the active state of a machine was entered before a tick, and the line."""
+    names = run.names(tick)
     for when, fact in run.backward(tick, before=True):
-        if isinstance(fact, Fired) and fact.path == machine.full_path:
+        if not isinstance(fact, (Fired, Entered)) or names.of("state", fact.state, when) != machine.state:
+            continue
+        if isinstance(fact, Fired):
             line = line_of_transition(run.program(int(when)), fact.transition)
             return f" by `{fact.label}` (line {line})", line
-        if isinstance(fact, Entered) and fact.path == machine.full_path:
-            reason = entered_otherwise(run, fact, when)
-            words = {"forced": " by hand", "restarted": " at the restart"}
-            return words.get(reason.code, f", when `{machine.path[-1]}` started"), reason.line
+        reason = entered_otherwise(run, fact, "", when)
+        words = {"forced": " by hand", "restarted": " at the restart"}
+        return words.get(reason.code, f", when `{machine.path[-1]}` started"), reason.line
     return "", 0

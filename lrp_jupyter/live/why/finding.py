@@ -50,8 +50,10 @@ def states_in(program: Program) -> list[Path]:
     )
 
 
-def find_state(wanted: str | Path, programs: Iterable[Program]) -> Path | None:
-    """Return the path of definition of a state of a name or path, also as spawned; None if there is none.
+def find_state(wanted: str | Path, programs: Iterable[Program]) -> tuple[Path, Program] | None:
+    """Return the path of definition of a state, and the first program that has it; None if there is none.
+
+    A name or a path is wanted; also a path as spawned.
 
     Raises
     ------
@@ -66,7 +68,7 @@ def find_state(wanted: str | Path, programs: Iterable[Program]) -> Path | None:
             defined = (*resolve(program).defined(path[:-1]), path[-1])
             found = [each for each in known if each == defined]
         if len(found) == 1:
-            return found[0]
+            return found[0], program
         if found:
             raise _several("states", path_text(path), found)
     return None

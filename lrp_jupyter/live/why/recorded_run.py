@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from lrp_jupyter.interpreter.facts import Fact
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.program import Program
+from lrp_jupyter.live.renamed import Names
 
 __all__ = ["RecordedRun"]
 
@@ -53,6 +54,10 @@ class RecordedRun:
         if tick in self.history.ticks:
             return self.history.state(tick, before=True).program
         return self.present_program
+
+    def names(self, tick: float) -> Names:
+        """Return the names that elements had in a tick."""
+        return Names(self._interpreter.moves, tick)
 
     @property
     def present_program(self) -> Program:
