@@ -279,3 +279,85 @@ def test_a_transition_that_was_renamed_is_answered_for_earlier_ticks():
         live.run(0.5)
         assert live.why_not("home", at=4).facts["decides"] == "n > 50"
         assert live.why_not("back", at=4).facts["decides"] == "n > 50"
+
+
+TWINS = """(machine m
+  (state a (onentry (spawn inner s)) (machine inner (state s) (on [False] s -> s one)))
+  (state b (onentry (spawn inner s)) (machine inner (state s) (on [False] s -> s two)))
+  (ontime 300 a -> b ab))
+(spawn m a)"""
+
+
+def test_machines_of_one_name_are_not_taken_for_each_other():
+    with session(TWINS) as live:
+        live.run(1)
+        one, two = "m/a/inner/one", "m/b/inner/two"
+        assert "It had never been spawned." in str(live.why_not(two, at=1))
+        assert "spawned in this very tick, when `b` was entered" in str(live.why_not(two, at=4))
+        assert "It ended at 0.3 s, because `ab` (line 4) left `a`." in str(live.why_not(one))
+
+
+def test_a_restart_ends_a_machine_and_starts_one():
+    with session(INNER) as live:
+        live.run(0.2)
+        live.edit(live.text.replace("(spawn m a)", "(spawn m b)"))
+        live.run(0.2)
+        ended = (
+            "`i` was not running. It ended at 0.1 s, when the program restarted (`(spawn m a)` was changed"
+        )
+        assert ended in str(live.why_not("go"))
+        live.reset()
+        live.run(0.1)
+        assert "`m` was spawned in this very tick, when the program restarted." in str(
+            live.why_not("m/300:a->b")
+        )
+
+
+LEFT = """(machine m
+  (state a (onentry (spawn i x) (spawn k p))
+    (machine i (state x) (exit [True] x -> b leave))
+    (machine k (state p) (on [False] p -> p go)))
+  (state b))
+(spawn m a)"""
+
+
+def test_an_exit_ends_the_machines_of_the_state_that_it_takes_the_outer_machine_from():
+    with session(LEFT) as live:
+        live.run(0.3)
+        assert "It ended at 0.1 s, because `leave` (line 3) left `a`." in str(live.why_not("go"))
+
+
+def test_a_machine_that_ended_by_hand_was_ended_by_no_transition():
+    with session(INNER) as live:
+        live.run(0.2)
+        live.transition_to("m/b")
+        live.run(0.1)
+        assert "It ended at 0.1 s, by hand." in str(live.why_not("go"))
+
+
+BESIDE = "(machine m (state a) (state b)) (machine k (state c))\n(spawn m a)"
+
+
+def test_what_an_edit_starts_was_neither_there_at_the_start_nor_started_by_hand():
+    with session(BESIDE) as live:
+        live.run(0.5)
+        live.edit(live.text + "\n(spawn k c)")
+        live.transition_to("m/b")
+        added = "`c` was entered at 0.5 s because an edit added `(spawn k c)` (line 3)."
+        assert str(live.why("c")) == added
+        assert live.why("b").code == "forced"
+        live.run(0.1)
+        assert str(live.why("c")) == added
+
+
+def test_a_state_was_entered_by_hand_when_its_timer_started():
+    with session(BESIDE.replace("(state b)", "(state b) (on [False] a -> b go)")) as live:
+        live.run(0.5)
+        live.teleport_to("m/b")
+        assert (str(live.why("b")), live.why("b").time) == (
+            "`b` was entered at 0.5 s by hand (teleport), not by the program.",
+            0.5,
+        )
+        live.run(0.1)
+        assert "entered at 0.5 s by hand" in str(live.why_not("go"))
+        assert "entered at 0.5 s by hand" in str(live.why("b"))

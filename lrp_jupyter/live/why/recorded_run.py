@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from lrp_jupyter.interpreter.facts import Fact
 from lrp_jupyter.interpreter.interpreter import Interpreter
-from lrp_jupyter.language.program import Program
+from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.live.renamed import Names
 
 __all__ = ["RecordedRun"]
@@ -48,6 +48,20 @@ class RecordedRun:
     def time(self, when: float) -> float:
         """Return the time of a tick, or of the one before what happened between two."""
         return self.history.facts(int(when)).now if int(when) in self.history.ticks else 0.0
+
+    def entered(self, state: Path, when: float) -> float:
+        """Return the time at which a state, as spawned, was entered that is still active at the next tick.
+
+        Of any other one it is the time of the tick before.
+        """
+        if int(when) == when:
+            return self.time(when)
+        following = int(when + 0.5)
+        if following not in self.history.ticks:
+            now = self._interpreter.entered(state)
+            return self.time(when) if now is None else now
+        machines = self.history.state(following, before=True).walk()
+        return next((each.entered for each in machines if each.full_path == state), self.time(when))
 
     def program(self, tick: int) -> Program:
         """Return the program that ran in a tick; the present one for a tick that is still to come."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from lrp_jupyter.errors import did_you_mean, ended
-from lrp_jupyter.interpreter.facts import Commanded, Discarded, Fired, Spawned
+from lrp_jupyter.interpreter.facts import Commanded, Discarded, Spawned
 from lrp_jupyter.interpreter.reasons import cause_of
 from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.program import Element, Path, Program
@@ -13,7 +13,7 @@ from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
-from lrp_jupyter.live.why.entries import entry_text
+from lrp_jupyter.live.why.entries import entry_text, restart_of
 from lrp_jupyter.live.why.evaluation import PastTests
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import (
@@ -163,21 +163,19 @@ def _machine_not_running(draft: AnswerDraft, case: Case, run: RecordedRun) -> No
     facts = run.history.facts(case.tick)
     spawns = spawns_of(case.program, path)
     for fact in facts.facts:
-        if isinstance(fact, Spawned) and fact.machine[-1] == name:
-            by = f"when `{fact.by[-1]}` was entered" if fact.by else "when the program started"
+        if isinstance(fact, Spawned) and fact.defined == path:
             lines = [line_of(case.program, spawning.noun) for spawning in spawns]
             if fact.by:
+                by = f"when `{fact.by[-1]}` was entered"
                 entering = [each for each in facts.fired if each.path == fact.by]
                 lines += [line_of_transition(case.program, each.transition) for each in entering]
+            else:
+                by = f"when the program {'restarted' if restart_of(facts.before) else 'started'}"
             draft.say(f"{case.did_not_fire}: `{name}` was spawned in this very tick, {by}.", *lines)
             draft.say("Its transitions are tested from the next tick on.")
             return
-    restarts = [fact for fact in facts.before if isinstance(fact, Commanded) and fact.kind == "restarted"]
-    restart = (
-        f"the program restarted before this tick ({restart_text(restarts[-1])}), and " if restarts else ""
-    )
-    draft.say(f"{case.did_not_fire}: {restart}`{name}` was not running.")
-    _how_it_ended(draft, case, run, name)
+    draft.say(f"{case.did_not_fire}: `{name}` was not running.")
+    _how_it_ended(draft, case, run, path)
     for spawning in spawns:
         line = line_of(case.program, spawning.noun)
         spawner = spawning.spawner
@@ -187,26 +185,37 @@ def _machine_not_running(draft: AnswerDraft, case: Case, run: RecordedRun) -> No
         draft.say(f"No `(spawn {name} …)` starts it.")
 
 
-def _how_it_ended(draft: AnswerDraft, case: Case, run: RecordedRun, name: str) -> None:
+def _how_it_ended(draft: AnswerDraft, case: Case, run: RecordedRun, path: Path) -> None:
     """Say how a machine that did not run ended before, or that it never ran."""
+    names = run.names(case.tick)
+    restart: tuple[float, Commanded] | None = None  # the first one after what is looked at
     for when, fact in run.backward(case.tick, before=True):
-        if isinstance(fact, Discarded) and fact.machine[-1] == name:
-            tick, by, line = int(when), "", 0
-            leaving = [each for each in run.history.facts(tick).fired if _ends(each, fact.machine)]
-            if leaving:
-                last = leaving[-1]
-                line = line_of_transition(run.program(tick), last.transition)
-                by = f", because `{last.label}` (line {line}) left `{last.source[-1]}`"
+        if isinstance(fact, Commanded) and fact.kind == "restarted":
+            restart = when, fact
+        elif isinstance(fact, Discarded) and names.of("machine", fact.defined, when) == path:
+            by, line = _what_discarded(run, fact, when)
             draft.say(f"It ended at {run.time(when):g} s{by}.", line)
+            return
+        elif isinstance(fact, Spawned) and names.of("machine", fact.defined, when) == path:
+            if restart is not None:  # else it was taken out of the program
+                at, command = restart
+                why = restart_text(command)
+                draft.say(f"It ended at {run.time(at):g} s, when the program restarted ({why}).")
             return
     first = run.history.ticks.start
     draft.say("It had never been spawned." if first == 1 else f"It was not spawned since tick {first}.")
 
 
-def _ends(fired: Fired, machine: Path) -> bool:
-    """Return whether a machine was inside the state that a transition left."""
-    home = fired.path[:-1]
-    return machine[: len(home)] == home
+def _what_discarded(run: RecordedRun, discarded: Discarded, when: float) -> tuple[str, int]:
+    """Return in words what ended a machine, and the line of the transition if it was one."""
+    if int(when) != when:
+        return ", by hand", 0
+    for fired in reversed(run.history.facts(int(when)).fired):
+        home = fired.path[:-1]
+        if discarded.machine[: len(home)] == home != discarded.machine:
+            line = line_of_transition(run.program(int(when)), fired.transition)
+            return f", because `{fired.label}` (line {line}) left `{discarded.machine[len(home)]}`", line
+    return "", 0
 
 
 def _other_fired(draft: AnswerDraft, case: Case) -> None:
