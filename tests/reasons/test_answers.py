@@ -361,3 +361,74 @@ def test_a_state_was_entered_by_hand_when_its_timer_started():
         live.run(0.1)
         assert "entered at 0.5 s by hand" in str(live.why_not("go"))
         assert "entered at 0.5 s by hand" in str(live.why("b"))
+
+
+COUNTER = """(var n := [0])
+(machine m
+  (state s (running [n += 1]))
+  (state t)
+  (on [n == 8] t -> s go))
+(spawn m s)"""
+
+
+def test_the_last_time_that_a_condition_was_true_may_be_before_a_restart():
+    with session(COUNTER) as live:
+        live.run(1.2)
+        live.reset()
+        live.run(0.2)
+        live.teleport_to("m/t")
+        live.run(0.1)
+        answer = live.why_not("go")
+        assert (answer.facts["values"], answer.facts["last_true"]) == ({"n": 1}, 10)
+
+
+AGAIN = """(var delay := [400])
+(machine m
+  (state idle)
+  (state out (onentry (spawn inner s))
+    (machine inner
+      (var n := [5])
+      (state s (onentry [n = 0]) (running [n += 1]))
+      (state t)
+      (ontime delay s -> t)
+      (on [n == 2] t -> s two)
+      (on [n == 5] t -> s five)))
+  (ontime 300 idle -> out)
+  (ontime 600 out -> idle))
+(spawn m idle)"""
+
+
+def test_a_condition_is_looked_up_in_the_variables_of_the_machine_that_ran_then():
+    with session(AGAIN) as live:
+        live.run(0.9)
+        assert live.why_not("two").facts["last_true"] == 7
+        five = "`n == 5` was False (`n` was 3). It was never true before."
+        assert str(live.why_not("five")).endswith(five), "though 5 was its first value, before any tick"
+        live.set_variable("delay", 200)
+        live.run(0.7)
+        answer = live.why_not("two")
+        assert (answer.facts["values"], answer.facts["last_true"]) == ({"n": 1}, 7)
+        assert live.why_not("five").facts["last_true"] is None
+
+
+def test_a_condition_is_followed_over_renames_of_what_it_reads():
+    with session(AGAIN) as live:
+        live.run(0.8)
+        live.rename("variable", "m/out/inner/n", "count")
+        live.rename("machine", "m/out/inner", "within")
+        live.rename("state", "m/out/within/s", "begin")
+        live.run(0.1)
+        assert str(live.why_not("two")).endswith(
+            "`count == 2` was False (`count` was 3). It was last true at 0.6 s, when `s` was active."
+        )
+
+
+def test_a_boolean_of_numpy_counts_as_the_last_time_that_a_condition_was_true():
+    numbers = pytest.importorskip("numpy")
+    with session(COUNTER.replace("[0]", "[number(0)]"), namespace={"number": numbers.float64}) as live:
+        live.run(1.2)
+        live.teleport_to("m/t")
+        live.run(0.1)
+        answer = str(live.why_not("go"))
+        assert "`n == 8` was False" in answer
+        assert "It was last true at 0.9 s, when `s` was active." in answer

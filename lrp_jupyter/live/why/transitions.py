@@ -119,9 +119,10 @@ def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRu
     if not tick:
         draft.say(f"{what} was never true before.")
         return
-    then = run.history.state(tick, before=True)
-    states = [each.state for each in then.walk() if each.state[:-1] == case.machine.state[:-1]]
-    elsewhere = f", when `{states[0][-1]}` was active" if states and states[0] != case.machine.state else ""
+    here = run.names(tick).of("state", case.machine.state, case.tick)
+    states = [each.state for each in run.history.state(tick, before=True).walk()]
+    other = [each for each in states if each[:-1] == here[:-1] and each != here]
+    elsewhere = f", when `{other[0][-1]}` was active" if other else ""
     draft.say(f"{what} was last true at {run.time(tick):g} s{elsewhere}.")
 
 
