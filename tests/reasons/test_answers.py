@@ -5,6 +5,7 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.history import History
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
 
@@ -432,3 +433,20 @@ def test_a_boolean_of_numpy_counts_as_the_last_time_that_a_condition_was_true():
         answer = str(live.why_not("go"))
         assert "`n == 8` was False" in answer
         assert "It was last true at 0.9 s, when `s` was active." in answer
+
+
+@pytest.mark.parametrize("name", ["two", "m/600:out->idle", "idle"])
+def test_the_journal_is_read_back_to_a_tick_once_for_an_answer(monkeypatch, name):
+    read, state = [], History.state
+
+    def counted(self, tick, **options):
+        read.append((tick, options.get("before")))
+        return state(self, tick, **options)
+
+    monkeypatch.setattr(History, "state", counted)
+    with session(AGAIN) as live:
+        live.run(3)
+        read.clear()
+        live.explain(name, at=9)
+    assert read
+    assert len(read) == len(set(read))

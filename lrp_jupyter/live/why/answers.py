@@ -26,7 +26,7 @@ _ROBOT = "robot."
 
 
 class Answers:
-    """Answers questions about a session. Used on the thread that ticks, between two ticks.
+    """Answers a question about a session. Used on the thread that ticks, between two ticks.
 
     Parameters
     ----------

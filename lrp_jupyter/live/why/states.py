@@ -42,7 +42,7 @@ def state_reason(run: RecordedRun, tests: PastTests, state: Path, name: str, tic
 
 
 def _entered_by(run: RecordedRun, tests: PastTests, fired: Fired, called: str, tick: int) -> Reason:
-    before = run.history.state(tick, before=True)
+    before = run.state(tick)
     machine = next((each for each in before.walk() if each.path == fired.machine), None)
     line = line_of_transition(before.program, fired.transition)
     time, cause = run.time(tick), Cause("fired", machine, fired)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from lrp_jupyter.errors import did_you_mean, ended
 from lrp_jupyter.interpreter.facts import Commanded, Discarded, Spawned
-from lrp_jupyter.interpreter.reasons import cause_of
+from lrp_jupyter.interpreter.reasons import cause_in
 from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.language.resolution import resolve
@@ -32,7 +32,8 @@ def transition_reason(
     run: RecordedRun, tests: PastTests, element: Element, known: Program, tick: int
 ) -> Reason:
     """Return why a transition, of a program that is known to have it, fired in a tick, or did not."""
-    cause, state = cause_of(run.history, element, tick), run.history.state(tick, before=True)
+    state = run.state(tick)
+    cause = cause_in(state, run.history.facts(tick), element)
     arrow = resolve(known).arrow(element)
     label = arrow.label if arrow is not None else element.shown[-1]
     line = line_of_transition(known if cause.code == "not-in-program" else state.program, element)
@@ -120,7 +121,7 @@ def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRu
         draft.say(f"{what} was never true before.")
         return
     here = run.names(tick).of("state", case.machine.state, case.tick)
-    states = [each.state for each in run.history.state(tick, before=True).walk()]
+    states = [each.state for each in run.state(tick).walk()]
     other = [each for each in states if each[:-1] == here[:-1] and each != here]
     elsewhere = f", when `{other[0][-1]}` was active" if other else ""
     draft.say(f"{what} was last true at {run.time(tick):g} s{elsewhere}.")
