@@ -299,3 +299,14 @@ def test_a_condition_is_true_or_false_as_that_of_a_transition(live):
     assert part.problem.startswith("`robot` ")
     assert (number.hits, part.hits, boolean.hits, boolean.problem) == (0, 0, 1, "")
     assert live.frame.paused_by.number == boolean.number
+
+
+@pytest.mark.parametrize("wrong", [{"after": 1.5}, {"after": "2"}, {"after": True}])
+def test_hits_are_counted_in_whole_numbers(live, wrong):
+    with pytest.raises(TypeError, match="`after` is a number of hits, not "):
+        live.pause_when("b", **wrong)
+
+
+def test_a_condition_is_a_text(live):
+    with pytest.raises(TypeError, match="`condition` is an expression as text, not int"):
+        live.pause_when(condition=5)

@@ -450,3 +450,54 @@ def test_the_journal_is_read_back_to_a_tick_once_for_an_answer(monkeypatch, name
         live.explain(name, at=9)
     assert read
     assert len(read) == len(set(read))
+
+
+@pytest.mark.parametrize("at", [2.5, 5.0, "5", True, float("nan"), [1]])
+def test_the_tick_of_a_question_is_a_whole_number(at):
+    with session(COUNTER) as live:
+        live.run(1)
+        for ask in (live.why_not, live.why):
+            with pytest.raises(TypeError, match="`at` is the number of a tick, not "):
+                ask("go", at=at)
+
+
+def test_a_moment_in_a_question_is_a_time_that_is_remembered():
+    with session(COUNTER, journal=20) as live:
+        live.run(4)
+        assert live.explain("go", at=3.15).tick == 32
+        with pytest.raises(TypeError, match="`at` is the number of a tick, or a time in seconds, not str"):
+            live.explain("go", at="3")
+        for wrong in (float("nan"), -0.5):
+            with pytest.raises(ValueError, match="number of seconds of the run, 0 or more, not"):
+                live.explain("go", at=wrong)
+        with pytest.raises(ValueError, match=r"1.5 s is not remembered. Ask about 2 s or later."):
+            live.explain("go", at=1.5)
+
+
+@pytest.mark.parametrize(
+    ("ask", "name", "told"),
+    [
+        ("why", "go", "There is no state `go`: it is a transition. Ask `why_not`."),
+        ("why_not", "m/s", "There is no transition `m/s`: it is a state. Ask `why`."),
+        (
+            "why_not",
+            "robot.move",
+            "There is no transition `robot.move`. Ask `why` about a command of the robot.",
+        ),
+        ("explain", "m", "There is no transition, state or command `m`: it is a machine."),
+        ("explain", "n", "There is no transition, state or command `n`: it is a variable."),
+        ("explain", "goo", "There is no transition, state or command `goo`. Did you mean `go`?"),
+    ],
+)
+def test_a_name_of_another_kind_is_not_offered_again(ask, name, told):
+    with session(COUNTER) as live:
+        live.run(1)
+        with pytest.raises(UnknownElementError) as raised:
+            getattr(live, ask)(name)
+        assert str(raised.value).startswith(told)
+
+
+def test_the_path_of_a_transition_may_be_a_list():
+    with session(COUNTER) as live:
+        live.run(1)
+        assert live.why_not(["m", "go"]).code == "source-inactive"
