@@ -501,3 +501,53 @@ def test_the_path_of_a_transition_may_be_a_list():
     with session(COUNTER) as live:
         live.run(1)
         assert live.why_not(["m", "go"]).code == "source-inactive"
+
+
+DRIVING = """(machine m
+  (state a (running [robot.move(linear=0.5)]))
+  (state b)
+  (ontime 500 a -> b))
+(spawn m a)"""
+
+
+def test_a_robot_that_was_disarmed_or_stopped_after_its_last_command_does_not_obey_it_any_more():
+    with session(DRIVING, "sim", world="empty") as live:
+        live.run(0.3)
+        live.call(live.bridge.disarm)
+        answer = live.why("robot.move")
+        assert (answer.code, str(answer).partition(" Then ")[2]) == (
+            "stopped",
+            "the robot was stopped at 0.3 s. It is disarmed.",
+        )
+        assert live.why("robot.move", at=2).code == "commanded"
+        live.call(live.bridge.arm)
+        live.run(0.1)
+        assert live.why("robot.move").code == "commanded"
+        live.run(0.5)
+        live.stop()
+        assert "Then the robot was stopped at 0.9 s." in str(live.why("robot.move"))
+
+
+def test_a_command_by_hand_was_given_by_no_block():
+    with session(COUNTER, "sim", world="empty") as live:
+        live.run(0.2)
+        live.call(lambda: live.bridge.robot.move(linear=0.25))
+        assert str(live.why("robot.move")).startswith(
+            "The last command was `robot.move(linear=0.25)`, given by hand at 0.1 s."
+        )
+
+
+@pytest.mark.parametrize(
+    ("running", "where"),
+    [
+        ("[n = 1; robot.move(0.1)]", "It appears in line 4."),
+        ("[\n    if n:\n      robot.move(0.1)]", "It appears in line 6."),
+        ("[n = 'robot.move'] # robot.move()", "It does not appear in the program."),
+        ("[robot.mover(1)]", "It does not appear in the program."),
+    ],
+)
+def test_a_command_that_was_not_given_is_looked_for_in_the_blocks(running, where):
+    text = f"(var n := [0])\n(machine m\n  (state s)\n  (state t (running {running}\n)))\n(spawn m s)"
+    with session(text, "sim", world="empty") as live:
+        live.run(0.2)
+        assert str(live.why("robot.move")) == f"`robot.move` has not been called. {where}"
