@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 from lrp_jupyter.language.program import Element, Path
@@ -43,7 +43,7 @@ class Breakpoint:
     once : bool
         Whether it is switched off when it has paused.
     dormant : bool
-        Whether its element is missing from the program that runs.
+        Whether its element, or the machine of its condition, is missing from the program that runs.
     problem : str
         A sentence: why its condition could not be evaluated the last time; else empty.
     """
@@ -59,6 +59,15 @@ class Breakpoint:
     once: bool = False
     dormant: bool = False
     problem: str = ""
+
+    @property
+    def hangs_on(self) -> Element:
+        """The element that it follows: its own, or the machine of its condition (or the top level)."""
+        return self.element if self.element is not None else Element("machine", self.machine)
+
+    def moved_to(self, element: Element) -> Breakpoint:
+        """Return it for another element that it follows."""
+        return replace(self, machine=element.path) if self.element is None else replace(self, element=element)
 
     @property
     def name(self) -> str:

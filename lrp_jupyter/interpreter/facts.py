@@ -41,10 +41,21 @@ class Fired(NamedTuple):
 
 @weightless
 class Spawned(NamedTuple):
-    """A machine was spawned; `by` is the state whose ``onentry`` did it, as spawned, or empty."""
+    """A machine was spawned.
+
+    Parameters
+    ----------
+    machine : path
+        As spawned.
+    by : path
+        The state whose ``onentry`` did it, as spawned; empty for a top-level spawn.
+    defined : path
+        The machine, by path of definition.
+    """
 
     machine: Path
     by: Path
+    defined: Path
 
 
 @weightless
@@ -57,9 +68,10 @@ class Entered(NamedTuple):
 
 @weightless
 class Discarded(NamedTuple):
-    """A nested machine ended, because the state around it was left."""
+    """A nested machine, as spawned and by path of definition, ended: the state around it was left."""
 
     machine: Path
+    defined: Path
 
 
 @weightless

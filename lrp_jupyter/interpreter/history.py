@@ -11,7 +11,7 @@ earlier content runs the tick again.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from operator import attrgetter
 from types import CellType
@@ -350,8 +350,7 @@ class History:
                 found = {path: view.value(cell) for path, cell in cells.items()}
                 yield number, {path: value for path, value in found.items() if value is not UNSET}
                 continue
-            view.undo(function, values)
-            if function is not undo_write and function is not note:
+            if view.undo(function, values):
                 cells = None
 
     def _cells(self, view: _View, paths: Iterable[Path]) -> dict[Path, CellType]:
@@ -364,21 +363,52 @@ class History:
             waiting += view.get(act, "children")
         return {path: slots[path[-1]].cell for path in paths if path[-1] in (slots := own.get(path[:-1], {}))}
 
-    def values_before(self, tick: int) -> Iterator[tuple[int, Callable[[CellType], object]]]:
-        """Yield the ticks before a tick, the last one first, each with what a cell held when it began."""
+    def scopes_before(
+        self, tick: int, machine_at: Callable[[int], Path]
+    ) -> Iterator[tuple[int, Mapping[str, CellType], Callable[[CellType], object]]]:
+        """Yield the ticks before a tick in which a machine ran when they began, the last one first.
+
+        Each comes with the variables that the blocks of the machine could access, and with what returns the
+        value that a cell held.
+
+        Parameters
+        ----------
+        tick : int
+        machine_at : callable
+            Returns the path of definition that the machine had in a tick; empty for the top level.
+        """
         view, number = _View(), self.run.ticks + 1
         passed = True  # whether the beginning of the tick is behind
+        cells: Mapping[str, CellType] | None = None
+        is_known = False  # whether `cells` are those of the moment
         for function, values in _backward(self._log):
             begins = function is None or (function is note and type(values[0]) is Commanded)
             if begins and not passed:
                 passed = True
                 if number < tick:
-                    yield number, view.value
+                    if not is_known:
+                        cells, is_known = self._visible(view, machine_at(number)), True
+                    if cells is not None:
+                        yield number, cells, view.value
             if function is None:
                 number -= 1
                 passed = False
-            else:
-                view.undo(function, values)
+            elif view.undo(function, values):
+                is_known = False
+
+    def _visible(self, view: _View, machine: Path) -> dict[str, CellType] | None:
+        """Return the variables in the scope of a machine, or of the top level; None if it did not run."""
+        scope: object = view.get(self.run, "globals") if not machine else None
+        waiting = [] if scope is not None else list(view.get(self.run, "roots"))
+        while waiting and scope is None:
+            act = waiting.pop()
+            if view.get(act, "place")[:-1] == machine:
+                scope = act
+            waiting += view.get(act, "children")
+        if scope is None:
+            return None
+        slots: dict[str, Slot] = view.get(scope, "visible")
+        return {name: slot.cell for name, slot in slots.items()}
 
     def _built(self, view: _View) -> PastState:
         run = self.run
@@ -431,21 +461,27 @@ class _View:
     def value(self, cell: CellType) -> object:
         return self._cells[id(cell)] if id(cell) in self._cells else content(cell)
 
-    def undo(self, function: object, values: list[Any]) -> None:
+    def undo(self, function: object, values: list[Any]) -> bool:
+        """Undo a change; return whether other machines may have run before it, or seen other variables."""
         if function is undo_write:
             old, cell = values
             self._cells[id(cell)] = old
         elif function is undo_change or function is undo_fired:
             *_, children, entered, place, act = values
             key = id(act)
+            is_other = children is not self.get(act, "children")
             self._attributes[key, "children"] = children
             self._attributes[key, "entered"] = entered
             self._attributes[key, "place"] = place
+            return is_other
         elif function is undo_attribute:
             value, name, part = values
             self._attributes[id(part), name] = value
+            return True
         elif function is not note:
             self.restore(values[0])
+            return True
+        return False
 
     def restore(self, saved: SavedState) -> None:
         for part, name, value in saved.parts():

@@ -48,7 +48,7 @@ from lrp_jupyter.interpreter.patching import Decision, Patch, adopt, carry_issue
 from lrp_jupyter.interpreter.run import Run, undo_fired
 from lrp_jupyter.interpreter.snapshot import Snapshot, begin, take
 from lrp_jupyter.interpreter.tree import Count, bind_block
-from lrp_jupyter.interpreter.variables import ExpressionTest, VariableMapping, assign, evaluate
+from lrp_jupyter.interpreter.variables import BlockTest, VariableMapping, assign, evaluate
 from lrp_jupyter.interpreter.watching import watch
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.expressions import Evaluation
@@ -246,8 +246,8 @@ class Interpreter:
             self._run.event_values = {}
             self._run.rebind()
 
-    def holds(self, test: ExpressionTest) -> bool:
-        """Return whether an expression is True now; raises what :meth:`ExpressionTest.holds` raises."""
+    def holds(self, test: BlockTest) -> bool:
+        """Return whether a block is True now; raises what :meth:`BlockTest.holds` raises."""
         return test.holds(self._run)
 
     def watch_test(self, element: Element, seen: Callable[[Evaluation | Exception], object]) -> None:

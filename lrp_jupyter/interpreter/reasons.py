@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import Literal
 
 from lrp_jupyter.interpreter.facts import Faulted, Fired
-from lrp_jupyter.interpreter.history import History, PastMachine
+from lrp_jupyter.interpreter.history import History, PastMachine, PastState, TickFacts
 from lrp_jupyter.language.program import Element, Machine, Path, Program, Transition
 from lrp_jupyter.language.triggers import Delay
 
-__all__ = ["CODES", "Cause", "ReasonCode", "cause_of", "machine_of", "transition_of"]
+__all__ = ["CODES", "Cause", "ReasonCode", "cause_in", "cause_of", "machine_of", "transition_of"]
 
 ReasonCode = Literal[
     "fired",
@@ -79,7 +79,21 @@ def cause_of(history: History, element: Element, tick: int) -> Cause:
     ValueError
         The tick is not recorded.
     """
-    state, facts = history.state(tick, before=True), history.facts(tick)
+    return cause_in(history.state(tick, before=True), history.facts(tick), element)
+
+
+def cause_in(state: PastState, facts: TickFacts, element: Element) -> Cause:
+    """Return why a transition fired in a tick, or did not.
+
+    Parameters
+    ----------
+    state : PastState
+        That of the run when the tick began.
+    facts : TickFacts
+        What happened in the tick.
+    element : Element
+        The transition, by path of definition.
+    """
     noun = transition_of(state.program, element)
     if noun is None:
         return Cause("not-in-program")

@@ -218,7 +218,7 @@ class Run:
                             self.log += (slot.last, slot.cell, undo_write)
                 self.settle((child,))
             del self.live[child.machine.path]
-            self.note(Discarded(child.path))
+            self.note(Discarded(child.path, child.machine.path))
             self.emit("discarded", child.path)
             child.retire()
         act.children = ()
@@ -270,7 +270,8 @@ class Run:
                 self.log += (parent.children, parent.entered, parent.place, parent, undo_change)
             parent.children += (act,)
         self.unordered = self.attention = True
-        self.note(Spawned(act.path, parent.full_path if parent is not None else ()))
+        by = parent.full_path if parent is not None else ()
+        self.note(Spawned(act.path, by, machine.path))
         self.emit("spawned", act.path)
         self.initialise(act, machine.variables, outer.visible)
         return act

@@ -19,7 +19,7 @@ from lrp_jupyter.language.python import parse_python
 
 __all__ = [
     "EXPRESSION",
-    "ExpressionTest",
+    "BlockTest",
     "VariableMapping",
     "assign",
     "check_expression",
@@ -126,21 +126,24 @@ def evaluate(run: Run, path: Path | str, expression: str) -> object:
     return bind_code(run, _compiled(expression, environment), environment.visible)()
 
 
-class ExpressionTest:
-    """A Python expression that is tested in the scope of a machine, again and again.
+class BlockTest:
+    """A block that is tested in the scope of a machine, again and again: an expression, or that of an event.
 
     It is compiled and bound when the program or the variables of that scope are others than before.
 
     Parameters
     ----------
-    expression : str
+    block : Block
     machine : path
         Path of definition; empty for the top level.
+    filename : str
+        That of tracebacks.
     """
 
-    def __init__(self, expression: str, machine: Path = ()) -> None:
-        self._expression = expression
+    def __init__(self, block: Block, machine: Path = (), filename: str = EXPRESSION) -> None:
+        self._block = block
         self._machine = machine
+        self._filename = filename
         self._bound: tuple[Program, dict[str, Slot], Call] | None = None
 
     def holds(self, run: Run) -> bool:
@@ -149,17 +152,17 @@ class ExpressionTest:
         Raises
         ------
         SyntaxError
-            It is not an expression.
+            A variable that it declares `nonlocal` is missing.
         LRPError
             Its value is no boolean.
         Exception
-            Whatever the expression raises.
+            Whatever the block raises.
         """
         environment = run.live.get(self._machine)
         visible = (environment or run.globals).visible
         bound = self._bound
         if bound is None or bound[0] is not run.program or bound[1] is not visible:
-            code = _compiled(self._expression, environment or run.globals)
+            code = compile_block(self._block, frozenset(visible), self._filename, "condition")
             self._bound = bound = run.program, visible, bind_code(run, code, visible)
         if environment is None or not run.started:
             return False

@@ -30,6 +30,11 @@ def items(evaluation: Evaluation) -> list[tuple[str, object]]:
     return [(text, value) for text, value in evaluation.values.items() if not isinstance(value, NotAValue)]
 
 
+def _shown(value: object) -> object:
+    """Return a value that stays as it is; the text of one that may change."""
+    return value if is_scalar(value) else Shown(short(value))
+
+
 def watch(run: Run, edge: Edge, seen: Callable[[Evaluation | Exception], object]) -> None:
     """Replace the test of a bound transition by one that shows its parts; of a delay, only show them."""
     arrow = resolve(run.program).arrow(edge.plan.site.element)
@@ -56,10 +61,8 @@ def watch(run: Run, edge: Edge, seen: Callable[[Evaluation | Exception], object]
         except Exception as error:
             seen(error)
             return test()
-        values = {
-            text: value if is_scalar(value) else Shown(short(value)) for text, value in items(evaluation)
-        }
-        seen(replace(evaluation, values=values))
+        values = {text: _shown(value) for text, value in items(evaluation)}
+        seen(replace(evaluation, values=values, decided=_shown(evaluation.decided)))
         return test() if is_delay else evaluation.value
 
     edge.test = watched

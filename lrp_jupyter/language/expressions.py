@@ -79,11 +79,17 @@ class Evaluation:
     decides : str
         The text of the part that made the whole what it is: a comparison, or the smallest part that is one
         operand of `and`, `or` and `not`.
+    decided : object
+        The value of that part: below a `not`, the opposite of the whole.
+    is_whole : bool
+        Whether that part is the whole expression.
     """
 
     value: object
     values: Mapping[str, object] = field(default_factory=dict)
     decides: str = ""
+    decided: object = None
+    is_whole: bool = True
 
 
 def expression_of(text: str) -> ast.expr | None:
@@ -121,7 +127,9 @@ def evaluate(expression: ast.expr, lookup: Lookup, *, calls: bool = False) -> Ev
     """
     evaluator = _Evaluator(lookup, calls)
     value = evaluator.of(expression)
-    return Evaluation(value, evaluator.values, _text(evaluator.deciding(expression)))
+    part = evaluator.deciding(expression)
+    decided = evaluator.known[id(part)]
+    return Evaluation(value, evaluator.values, _text(part), decided, part is expression)
 
 
 @lru_cache(maxsize=2_000)
@@ -133,13 +141,13 @@ def _text(node: ast.expr) -> str:
 class _Evaluator:
     def __init__(self, lookup: Lookup, calls: bool) -> None:
         self.values: dict[str, object] = {}
+        self.known: dict[int, object] = {}  # the values of the nodes, by id
         self._lookup = lookup
         self._calls = calls
-        self._known: dict[int, object] = {}  # the values of the nodes, by id
 
     def of(self, node: ast.expr) -> Any:
         value = self._of(node)
-        self._known[id(node)] = value
+        self.known[id(node)] = value
         if isinstance(node, (ast.Name, ast.Attribute, ast.Subscript, ast.Call, ast.BinOp)):
             text = _text(node)
             if not callable(value) and text not in self.values:
@@ -194,8 +202,8 @@ class _Evaluator:
         """Return the part that decides."""
         match node:
             case ast.BoolOp(kind, operands):
-                known = [each for each in operands if id(each) in self._known]
-                last = bool(self._known[id(known[-1])]) is isinstance(kind, ast.Or)
+                known = [each for each in operands if id(each) in self.known]
+                last = bool(self.known[id(known[-1])]) is isinstance(kind, ast.Or)
                 return self.deciding(known[-1]) if last and known else node
             case ast.UnaryOp(ast.Not(), operand):
                 return self.deciding(operand)

@@ -15,9 +15,9 @@ from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import Hit
 from lrp_jupyter.interpreter.interpreter import Interpreter
-from lrp_jupyter.interpreter.variables import ExpressionTest, check_expression
+from lrp_jupyter.interpreter.variables import BlockTest, check_expression
 from lrp_jupyter.language.names import as_path
-from lrp_jupyter.language.program import Element, Path, Program, path_text
+from lrp_jupyter.language.program import Block, Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 
 __all__ = ["Breakpoints", "breakpoint_of", "element_of", "noun_of"]
@@ -105,7 +105,7 @@ class Breakpoints:
         self._last = 0
         self._seen: list[TraceEvent] = []
         self._held: dict[int, bool] = {}  # what each condition was the last time
-        self._conditions: dict[int, ExpressionTest | None] = {}  # of this revision
+        self._conditions: dict[int, BlockTest | None] = {}  # of this revision
         self._revision = interpreter.revision
         self._end: Callable[[], None] | None = None
 
@@ -212,14 +212,15 @@ class Breakpoints:
         except BaseException as error:
             return False, sentence_of(error)
 
-    def _condition(self, each: Breakpoint) -> ExpressionTest | None:
+    def _condition(self, each: Breakpoint) -> BlockTest | None:
         """Return the condition of a breakpoint; None if its event is missing."""
         if each.element is None:
-            return ExpressionTest(each.expression, each.machine)
+            return BlockTest(Block(each.expression), each.machine)
         machine, name = each.element.path[:-1], each.element.path[-1]
         scope = resolve(self._interpreter.program).by_path.get(machine)
         event = scope.events.get(name) if scope is not None else None
-        return None if event is None else ExpressionTest(event.condition.text, machine)
+        filename = self._interpreter.program.filename
+        return None if event is None else BlockTest(event.condition, machine, filename)
 
     def _carry(self) -> None:
         """Follow the elements to their new names, and see which of them exist."""
@@ -229,12 +230,11 @@ class Breakpoints:
         for revision, successors in interpreter.moved:
             if revision > self._revision:
                 for number, each in self._all.items():
-                    if each.element is not None:
-                        element = successors.of(each.element) or each.element
-                        self._all[number] = replace(each, element=element)
+                    element = successors.of(each.hangs_on) or each.hangs_on
+                    self._all[number] = each.moved_to(element)
         self._revision = interpreter.revision
         self._conditions.clear()
         existing = set(resolve(interpreter.program).elements())
         for number, each in self._all.items():
-            missing = each.element is not None and each.element not in existing
+            missing = each.hangs_on.path != () and each.hangs_on not in existing
             self._all[number] = replace(each, dormant=missing)

@@ -66,11 +66,23 @@ def frame_at(loop: Loop, tick: int) -> Frame:
 
 
 def tick_of(loop: Loop, time: float) -> int:
-    """Return the last recorded tick that was not after a time, in seconds of the run."""
+    """Return the last recorded tick that was not after a time, in seconds of the run.
+
+    Raises
+    ------
+    ValueError
+        There is no such time, or it is not remembered any more.
+    """
+    if not time >= 0:
+        raise ValueError(f"A time is a number of seconds of the run, 0 or more, not {time:g}.")
     moments = loop.moments
     count = bisect_right(range(len(moments)), time + 1e-9, key=lambda index: moments[index].time)
     tick = loop.interpreter.tick - len(moments) + count
-    return max(tick, loop.interpreter.history.ticks.start)
+    history = loop.interpreter.history
+    first = history.ticks.start
+    if tick < first and 1 < first <= loop.interpreter.tick:
+        raise ValueError(f"{time:g} s is not remembered. Ask about {history.time(first):g} s or later.")
+    return max(tick, first)
 
 
 def _text(value: object) -> str:

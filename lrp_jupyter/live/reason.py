@@ -63,7 +63,8 @@ class Reason:
     facts : mapping
         What the answer is made of, as plain data; which ones depends on the code. ``lines``: every line that
         the answer mentions. ``values``: the values of the parts of a condition, by their text. ``decides``:
-        the part that decides. ``last_true``: the tick in which a condition was last true, or None.
+        the part that decides, and ``decided``: its value, as text. ``last_true``: the tick in which the
+        whole condition was last true, or None.
 
     Examples
     --------

@@ -797,7 +797,9 @@ class Session:
         TypeError
             None of these is given, or several are.
         """
+        check_type("after", after, int, "a number of hits")
         check_number("after", after, "a number of hits", least=1)
+        check_type("condition", condition, str, "an expression as text")
         given: dict[BreakpointKind, str | Path | None] = {
             "entered": entered,
             "left": left,
@@ -821,6 +823,7 @@ class Session:
             There is no such breakpoint.
         """
         if after is not None:
+            check_type("after", after, int, "a number of hits")
             check_number("after", after, "a number of hits", least=1)
         self._driver.do(do.ChangeBreakpoint(number, enabled if enabled is None else bool(enabled), after))
 
@@ -955,6 +958,8 @@ class Session:
         ValueError
             The tick is not, or no longer, recorded.
         """
+        if at is not None:
+            check_type("at", at, int, "the number of a tick")
         reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why_not(transition, at))
         return reason
 
@@ -975,6 +980,8 @@ class Session:
         ValueError
             The tick is not, or no longer, recorded.
         """
+        if at is not None:
+            check_type("at", at, int, "the number of a tick")
         reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why(what, at))
         return reason
 
@@ -986,7 +993,16 @@ class Session:
         name : str or path
         at : int or float, optional
             A tick; or a time in seconds, as a float. By default now.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such transition, state or command, or there are several.
+        ValueError
+            The tick is not, or no longer, recorded.
         """
+        if at is not None:
+            check_type("at", at, (int, float), "the number of a tick, or a time in seconds")
 
         def answer() -> Reason:
             tick = at if at is None or isinstance(at, int) else tick_of(self._loop, at)

@@ -90,9 +90,9 @@ def test_the_facts_of_a_tick_name_what_fired_and_who_spawned():
     i = started(NESTED, 7)
     first, third, *_ = i.history.told()
     assert first.facts == (
-        Spawned(("m",), ()),
+        Spawned(("m",), (), ("m",)),
         Entered(("m", "a"), ("m", "a")),
-        Spawned(("m", "a", "k"), ("m", "a")),
+        Spawned(("m", "a", "k"), ("m", "a"), ("m", "a", "k")),
         Entered(("m", "a", "k", "s"), ("m", "a", "k", "s")),
     )
     (fired,) = third.fired

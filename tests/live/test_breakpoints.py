@@ -299,3 +299,41 @@ def test_a_condition_is_true_or_false_as_that_of_a_transition(live):
     assert part.problem.startswith("`robot` ")
     assert (number.hits, part.hits, boolean.hits, boolean.problem) == (0, 0, 1, "")
     assert live.frame.paused_by.number == boolean.number
+
+
+@pytest.mark.parametrize("wrong", [{"after": 1.5}, {"after": "2"}, {"after": True}])
+def test_hits_are_counted_in_whole_numbers(live, wrong):
+    with pytest.raises(TypeError, match="`after` is a number of hits, not "):
+        live.pause_when("b", **wrong)
+
+
+def test_a_condition_is_a_text(live):
+    with pytest.raises(TypeError, match="`condition` is an expression as text, not int"):
+        live.pause_when(condition=5)
+
+
+BLOCK = """(var n := [0])
+(event late [
+  half = n / 2
+  half > 2])
+(machine m (var own := [0]) (state a (running [n += 1; own += 2])))
+(spawn m a)"""
+
+
+def test_an_event_of_several_statements_is_waited_for():
+    with Session(BLOCK, clock=VirtualClock()) as live:
+        live.pause_when(event="late")
+        live.run(3)
+        assert (live.frame.tick, live.frame.values["n"]) == (6, 5)
+        assert live.breakpoints[0].problem == ""
+
+
+def test_a_condition_follows_its_machine_over_renames():
+    with Session(BLOCK, clock=VirtualClock()) as live:
+        live.pause_when(condition="own == 8", machine="m")
+        live.run(0.1)
+        live.rename("machine", "m", "other")
+        live.run(3)
+        assert (live.frame.tick, live.frame.values["own"]) == (5, 8)
+        live.edit(live.text.replace("other", "third"))
+        assert live.breakpoints[0].dormant

@@ -5,6 +5,7 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.errors import UnknownElementError
+from lrp_jupyter.interpreter.history import History
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
 
@@ -233,3 +234,337 @@ def test_what_a_notebook_changed_later_does_not_change_an_answer():
             assert live.why("b").facts["values"] == {"n": 50, "limit": 40}
             assert live.why_not("go", at=4).facts["values"] == {"n": 50, "limit": 100}
             live.run(1)
+
+
+@pytest.mark.parametrize(
+    ("condition", "told"),
+    [
+        ("not a", "`a` was True. The whole condition was never true before."),
+        ("not n", "`n` was 3."),
+        ("b or not (a and n == 3)", "`b or not (a and n == 3)` was False (`b` was False, `a` was True"),
+        ("not (b or a)", "`a` was True."),
+        ("a and not (n > 2)", "`n > 2` was True (`n` was 3). The whole condition was never true before."),
+        ("not not b", "`b` was False."),
+        ("a and n > 5", "`n > 5` was False (`n` was 3). The whole condition was never true before."),
+        ("n > 5", "`n > 5` was False (`n` was 3). It was never true before."),
+    ],
+)
+def test_the_part_that_decides_has_its_own_value_also_below_a_not(condition, told):
+    text = f"""(var a := [True]) (var b := [False]) (var n := [3])
+    (machine m (state s) (state t) (on [{condition}] s -> t go))
+    (spawn m s)"""
+    with session(text) as live:
+        live.run(0.5)
+        assert f"did not fire at 0.4 s: {told}" in str(live.why_not("go"))
+
+
+def test_a_negation_that_fires_is_explained_by_what_was_false():
+    with session(
+        "(var a := [False]) (machine m (state s) (state t) (on [not a] s -> t go)) (spawn m s)"
+    ) as live:
+        live.run(0.5)
+        assert str(live.why("t")).endswith("because `a` was False.")
+        assert live.why_not("go", at=2).facts["decided"] == "False"
+
+
+RENAMED = """(var n := [0])
+(machine m
+  (state a) (state b (running [n += 1]))
+  (on [n == 0] a -> b go) (on [n > 50] b -> a back) (on [n > 60] b -> a later))
+(spawn m a)"""
+
+
+def test_a_state_that_was_renamed_was_entered_under_its_former_name():
+    with session(RENAMED) as live:
+        live.run(0.5)
+        live.rename("state", "m/b", "busy")
+        entered = "`busy` (then called `b`) was entered at 0.1 s by `go` (line 4), from `a`, because `n == 0`"
+        assert str(live.why("busy")).startswith(entered), "before the next tick"
+        live.run(0.5)
+        live.rename("machine", "m", "mm")
+        live.run(0.5)
+        for at in (None, 4, 10):
+            assert str(live.why("busy", at=at)).startswith(entered)
+        assert live.why("b", at=4).code == "fired"
+        assert "`mm` was in `busy`, entered at 0.1 s by `go` (line 4)" in str(live.why_not("go"))
+
+
+def test_a_transition_that_was_renamed_is_answered_for_earlier_ticks():
+    with session(RENAMED) as live:
+        live.run(0.5)
+        live.rename("transition", "m/back", "home")
+        assert live.why_not("home").code == "condition-false"
+        live.run(0.5)
+        assert live.why_not("home", at=4).facts["decides"] == "n > 50"
+        assert live.why_not("back", at=4).facts["decides"] == "n > 50"
+
+
+TWINS = """(machine m
+  (state a (onentry (spawn inner s)) (machine inner (state s) (on [False] s -> s one)))
+  (state b (onentry (spawn inner s)) (machine inner (state s) (on [False] s -> s two)))
+  (ontime 300 a -> b ab))
+(spawn m a)"""
+
+
+def test_machines_of_one_name_are_not_taken_for_each_other():
+    with session(TWINS) as live:
+        live.run(1)
+        one, two = "m/a/inner/one", "m/b/inner/two"
+        assert "It had never been spawned." in str(live.why_not(two, at=1))
+        assert "spawned in this very tick, when `b` was entered" in str(live.why_not(two, at=4))
+        assert "It ended at 0.3 s, because `ab` (line 4) left `a`." in str(live.why_not(one))
+
+
+def test_a_restart_ends_a_machine_and_starts_one():
+    with session(INNER) as live:
+        live.run(0.2)
+        live.edit(live.text.replace("(spawn m a)", "(spawn m b)"))
+        live.run(0.2)
+        ended = (
+            "`i` was not running. It ended at 0.1 s, when the program restarted (`(spawn m a)` was changed"
+        )
+        assert ended in str(live.why_not("go"))
+        live.reset()
+        live.run(0.1)
+        assert "`m` was spawned in this very tick, when the program restarted." in str(
+            live.why_not("m/300:a->b")
+        )
+
+
+LEFT = """(machine m
+  (state a (onentry (spawn i x) (spawn k p))
+    (machine i (state x) (exit [True] x -> b leave))
+    (machine k (state p) (on [False] p -> p go)))
+  (state b))
+(spawn m a)"""
+
+
+def test_an_exit_ends_the_machines_of_the_state_that_it_takes_the_outer_machine_from():
+    with session(LEFT) as live:
+        live.run(0.3)
+        assert "It ended at 0.1 s, because `leave` (line 3) left `a`." in str(live.why_not("go"))
+
+
+def test_a_machine_that_ended_by_hand_was_ended_by_no_transition():
+    with session(INNER) as live:
+        live.run(0.2)
+        live.transition_to("m/b")
+        live.run(0.1)
+        assert "It ended at 0.1 s, by hand." in str(live.why_not("go"))
+
+
+BESIDE = "(machine m (state a) (state b)) (machine k (state c))\n(spawn m a)"
+
+
+def test_what_an_edit_starts_was_neither_there_at_the_start_nor_started_by_hand():
+    with session(BESIDE) as live:
+        live.run(0.5)
+        live.edit(live.text + "\n(spawn k c)")
+        live.transition_to("m/b")
+        added = "`c` was entered at 0.5 s because an edit added `(spawn k c)` (line 3)."
+        assert str(live.why("c")) == added
+        assert live.why("b").code == "forced"
+        live.run(0.1)
+        assert str(live.why("c")) == added
+
+
+def test_a_state_was_entered_by_hand_when_its_timer_started():
+    with session(BESIDE.replace("(state b)", "(state b) (on [False] a -> b go)")) as live:
+        live.run(0.5)
+        live.teleport_to("m/b")
+        assert (str(live.why("b")), live.why("b").time) == (
+            "`b` was entered at 0.5 s by hand (teleport), not by the program.",
+            0.5,
+        )
+        live.run(0.1)
+        assert "entered at 0.5 s by hand" in str(live.why_not("go"))
+        assert "entered at 0.5 s by hand" in str(live.why("b"))
+
+
+COUNTER = """(var n := [0])
+(machine m
+  (state s (running [n += 1]))
+  (state t)
+  (on [n == 8] t -> s go))
+(spawn m s)"""
+
+
+def test_the_last_time_that_a_condition_was_true_may_be_before_a_restart():
+    with session(COUNTER) as live:
+        live.run(1.2)
+        live.reset()
+        live.run(0.2)
+        live.teleport_to("m/t")
+        live.run(0.1)
+        answer = live.why_not("go")
+        assert (answer.facts["values"], answer.facts["last_true"]) == ({"n": 1}, 10)
+
+
+AGAIN = """(var delay := [400])
+(machine m
+  (state idle)
+  (state out (onentry (spawn inner s))
+    (machine inner
+      (var n := [5])
+      (state s (onentry [n = 0]) (running [n += 1]))
+      (state t)
+      (ontime delay s -> t)
+      (on [n == 2] t -> s two)
+      (on [n == 5] t -> s five)))
+  (ontime 300 idle -> out)
+  (ontime 600 out -> idle))
+(spawn m idle)"""
+
+
+def test_a_condition_is_looked_up_in_the_variables_of_the_machine_that_ran_then():
+    with session(AGAIN) as live:
+        live.run(0.9)
+        assert live.why_not("two").facts["last_true"] == 7
+        five = "`n == 5` was False (`n` was 3). It was never true before."
+        assert str(live.why_not("five")).endswith(five), "though 5 was its first value, before any tick"
+        live.set_variable("delay", 200)
+        live.run(0.7)
+        answer = live.why_not("two")
+        assert (answer.facts["values"], answer.facts["last_true"]) == ({"n": 1}, 7)
+        assert live.why_not("five").facts["last_true"] is None
+
+
+def test_a_condition_is_followed_over_renames_of_what_it_reads():
+    with session(AGAIN) as live:
+        live.run(0.8)
+        live.rename("variable", "m/out/inner/n", "count")
+        live.rename("machine", "m/out/inner", "within")
+        live.rename("state", "m/out/within/s", "begin")
+        live.run(0.1)
+        assert str(live.why_not("two")).endswith(
+            "`count == 2` was False (`count` was 3). It was last true at 0.6 s, when `s` was active."
+        )
+
+
+def test_a_boolean_of_numpy_counts_as_the_last_time_that_a_condition_was_true():
+    numbers = pytest.importorskip("numpy")
+    with session(COUNTER.replace("[0]", "[number(0)]"), namespace={"number": numbers.float64}) as live:
+        live.run(1.2)
+        live.teleport_to("m/t")
+        live.run(0.1)
+        answer = str(live.why_not("go"))
+        assert "`n == 8` was False" in answer
+        assert "It was last true at 0.9 s, when `s` was active." in answer
+
+
+@pytest.mark.parametrize("name", ["two", "m/600:out->idle", "idle"])
+def test_the_journal_is_read_back_to_a_tick_once_for_an_answer(monkeypatch, name):
+    read, state = [], History.state
+
+    def counted(self, tick, **options):
+        read.append((tick, options.get("before")))
+        return state(self, tick, **options)
+
+    monkeypatch.setattr(History, "state", counted)
+    with session(AGAIN) as live:
+        live.run(3)
+        read.clear()
+        live.explain(name, at=9)
+    assert read
+    assert len(read) == len(set(read))
+
+
+@pytest.mark.parametrize("at", [2.5, 5.0, "5", True, float("nan"), [1]])
+def test_the_tick_of_a_question_is_a_whole_number(at):
+    with session(COUNTER) as live:
+        live.run(1)
+        for ask in (live.why_not, live.why):
+            with pytest.raises(TypeError, match="`at` is the number of a tick, not "):
+                ask("go", at=at)
+
+
+def test_a_moment_in_a_question_is_a_time_that_is_remembered():
+    with session(COUNTER, journal=20) as live:
+        live.run(4)
+        assert live.explain("go", at=3.15).tick == 32
+        with pytest.raises(TypeError, match="`at` is the number of a tick, or a time in seconds, not str"):
+            live.explain("go", at="3")
+        for wrong in (float("nan"), -0.5):
+            with pytest.raises(ValueError, match="number of seconds of the run, 0 or more, not"):
+                live.explain("go", at=wrong)
+        with pytest.raises(ValueError, match=r"1.5 s is not remembered. Ask about 2 s or later."):
+            live.explain("go", at=1.5)
+
+
+@pytest.mark.parametrize(
+    ("ask", "name", "told"),
+    [
+        ("why", "go", "There is no state `go`: it is a transition. Ask `why_not`."),
+        ("why_not", "m/s", "There is no transition `m/s`: it is a state. Ask `why`."),
+        (
+            "why_not",
+            "robot.move",
+            "There is no transition `robot.move`. Ask `why` about a command of the robot.",
+        ),
+        ("explain", "m", "There is no transition, state or command `m`: it is a machine."),
+        ("explain", "n", "There is no transition, state or command `n`: it is a variable."),
+        ("explain", "goo", "There is no transition, state or command `goo`. Did you mean `go`?"),
+    ],
+)
+def test_a_name_of_another_kind_is_not_offered_again(ask, name, told):
+    with session(COUNTER) as live:
+        live.run(1)
+        with pytest.raises(UnknownElementError) as raised:
+            getattr(live, ask)(name)
+        assert str(raised.value).startswith(told)
+
+
+def test_the_path_of_a_transition_may_be_a_list():
+    with session(COUNTER) as live:
+        live.run(1)
+        assert live.why_not(["m", "go"]).code == "source-inactive"
+
+
+DRIVING = """(machine m
+  (state a (running [robot.move(linear=0.5)]))
+  (state b)
+  (ontime 500 a -> b))
+(spawn m a)"""
+
+
+def test_a_robot_that_was_disarmed_or_stopped_after_its_last_command_does_not_obey_it_any_more():
+    with session(DRIVING, "sim", world="empty") as live:
+        live.run(0.3)
+        live.call(live.bridge.disarm)
+        answer = live.why("robot.move")
+        assert (answer.code, str(answer).partition(" Then ")[2]) == (
+            "stopped",
+            "the robot was stopped at 0.3 s. It is disarmed.",
+        )
+        assert live.why("robot.move", at=2).code == "commanded"
+        live.call(live.bridge.arm)
+        live.run(0.1)
+        assert live.why("robot.move").code == "commanded"
+        live.run(0.5)
+        live.stop()
+        assert "Then the robot was stopped at 0.9 s." in str(live.why("robot.move"))
+
+
+def test_a_command_by_hand_was_given_by_no_block():
+    with session(COUNTER, "sim", world="empty") as live:
+        live.run(0.2)
+        live.call(lambda: live.bridge.robot.move(linear=0.25))
+        assert str(live.why("robot.move")).startswith(
+            "The last command was `robot.move(linear=0.25)`, given by hand at 0.1 s."
+        )
+
+
+@pytest.mark.parametrize(
+    ("running", "where"),
+    [
+        ("[n = 1; robot.move(0.1)]", "It appears in line 4."),
+        ("[\n    if n:\n      robot.move(0.1)]", "It appears in line 6."),
+        ("[n = 'robot.move'] # robot.move()", "It does not appear in the program."),
+        ("[robot.mover(1)]", "It does not appear in the program."),
+    ],
+)
+def test_a_command_that_was_not_given_is_looked_for_in_the_blocks(running, where):
+    text = f"(var n := [0])\n(machine m\n  (state s)\n  (state t (running {running}\n)))\n(spawn m s)"
+    with session(text, "sim", world="empty") as live:
+        live.run(0.2)
+        assert str(live.why("robot.move")) == f"`robot.move` has not been called. {where}"

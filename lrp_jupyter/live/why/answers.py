@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import math
 from dataclasses import replace
 
 from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.interpreter.reasons import transition_of
 from lrp_jupyter.language.names import as_path
-from lrp_jupyter.language.program import Path, Program, path_text
+from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.evaluation import Again, PastTests
-from lrp_jupyter.live.why.finding import find_state, find_transition, states_in, transitions_in
+from lrp_jupyter.live.why.finding import find_state, find_transition
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.robot_commands import command_reason
 from lrp_jupyter.live.why.states import state_reason
@@ -21,10 +22,17 @@ from lrp_jupyter.live.why.transitions import transition_reason
 __all__ = ["Answers"]
 
 _ROBOT = "robot."
+_INSTEAD = {  # what a name may be that is none of what is asked about
+    "transition": "a transition. Ask `why_not`.",
+    "state": "a state. Ask `why`.",
+    "machine": "a machine. Ask about its states and transitions.",
+    "event": "an event. Ask about a transition that waits for it.",
+    "variable": "a variable.",
+}
 
 
 class Answers:
-    """Answers questions about a session. Used on the thread that ticks, between two ticks.
+    """Answers a question about a session. Used on the thread that ticks, between two ticks.
 
     Parameters
     ----------
@@ -50,8 +58,7 @@ class Answers:
         """
         reason = self._of_transition(transition, at)
         if reason is None:
-            known = [each.shown[-1] for program in self._programs(at) for each in transitions_in(program)]
-            raise _unknown("transition", transition, known)
+            raise self._unknown("transition", transition, at)
         return reason
 
     def why(self, what: str | Path, at: int | None = None) -> Reason:
@@ -66,8 +73,7 @@ class Answers:
         """
         reason = self._of_state_or_command(what, at)
         if reason is None:
-            known = [path[-1] for program in self._programs(at) for path in states_in(program)]
-            raise _unknown("state", what, known)
+            raise self._unknown("state", what, at)
         return reason
 
     def explain(self, name: str | Path, at: int | None = None) -> Reason:
@@ -82,9 +88,7 @@ class Answers:
         """
         reason = self._of_transition(name, at) or self._of_state_or_command(name, at)
         if reason is None:
-            elements = resolve(self._run.present_program).elements()
-            known = [each.shown[-1] for each in elements if each.path]
-            raise _unknown("transition, state or command", name, known)
+            raise self._unknown("transition, state or command", name, at)
         return reason
 
     def _of_transition(self, wanted: str | Path, at: int | None) -> Reason | None:
@@ -93,7 +97,11 @@ class Answers:
         found = find_transition(wanted, self._programs(at))
         if found is None:
             return None
-        reason = transition_reason(self._run, self._tests, *found, tick)
+        element, program = found
+        then = self._then(element, program, tick)
+        if transition_of(self._run.program(tick), then) is not None:
+            element, program = then, self._run.program(tick)
+        reason = transition_reason(self._run, self._tests, element, program, tick)
         if at is not None or not self._loop.interpreter.paused:
             return reason
         time = self._loop.now
@@ -109,14 +117,35 @@ class Answers:
         if text.startswith(_ROBOT):
             name = text.removeprefix(_ROBOT)
             return command_reason(self._run, self._loop, name, tick, now=at is None)
-        state = find_state(wanted, self._programs(at))
-        return None if state is None else state_reason(self._run, self._tests, state, tick)
+        found = find_state(wanted, self._programs(at))
+        if found is None:
+            return None
+        path, program = found
+        then = self._then(Element("state", path), program, tick)
+        return state_reason(self._run, self._tests, then.path, path[-1], tick)
+
+    def _then(self, element: Element, program: Program, tick: int) -> Element:
+        """Return an element of a program by the path that it had in a tick."""
+        if program is self._run.program(tick):
+            return element
+        return Element(element.kind, self._run.names(tick).of(element.kind, element.path, math.inf))
 
     def _programs(self, at: int | None) -> tuple[Program, Program]:
         """Return the programs in which a name is looked up: that of the tick, then the present one."""
         return self._run.program(self._run.tick(at)), self._run.present_program
 
-
-def _unknown(kind: str, wanted: str | Path, known: Iterable[str]) -> UnknownElementError:
-    text = path_text(as_path(wanted))
-    return UnknownElementError(f"There is no {kind} `{text}`.{did_you_mean(text, known)}")
+    def _unknown(self, kind: str, wanted: str | Path, at: int | None) -> UnknownElementError:
+        """Return the error for a name that is none of a kind: what it is instead, or what is like it."""
+        path = as_path(wanted)
+        text = path_text(path)
+        there_is_none = f"There is no {kind} `{text}`"
+        known: list[str] = []
+        for program in self._programs(at):
+            for each in resolve(program).elements():
+                if each.kind in _INSTEAD and (path in (each.path, each.path[-1:]) or text == each.shown[-1]):
+                    return UnknownElementError(f"{there_is_none}: it is {_INSTEAD[each.kind]}")
+                if each.kind in kind:
+                    known.append(each.shown[-1])
+        if text.startswith(_ROBOT):
+            return UnknownElementError(f"{there_is_none}. Ask `why` about a command of the robot.")
+        return UnknownElementError(f"{there_is_none}.{did_you_mean(text, known)}")

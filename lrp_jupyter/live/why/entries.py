@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from lrp_jupyter.interpreter.facts import Commanded, Entered, Fired, Spawned
+from collections.abc import Iterable
+
+from lrp_jupyter.interpreter.facts import Commanded, Entered, Fact, Fired, Spawned
 from lrp_jupyter.interpreter.history import PastMachine
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_state, line_of_transition, spawns_of
@@ -13,51 +16,65 @@ from lrp_jupyter.live.why.wording import restart_text
 __all__ = ["entered_otherwise", "entry_text"]
 
 
-def entered_otherwise(run: RecordedRun, entered: Entered, when: float) -> Reason:
-    """Return why a state was entered without a transition."""
+def entered_otherwise(run: RecordedRun, entered: Entered, called: str, when: float) -> Reason:
+    """Return why a state, `called` so in the answer, was entered without a transition."""
     *_, machine, name = entered.state
-    tick, time, program = max(int(when), 1), run.time(when), run.program(int(when + 0.5))
+    tick, program = max(int(when), 1), run.program(int(when + 0.5))
+    time = run.entered(entered.path, when)
     draft = AnswerDraft()
     line = line_of_state(program, entered.state)
-    was_entered = f"`{name}` was entered at {time:g} s"
+    was_entered = f"{called} was entered at {time:g} s"
     facts = run.facts(when)
     place = max(index for index, fact in enumerate(facts) if fact is entered)
-    for fact in facts[place:]:
-        if isinstance(fact, Commanded) and fact.kind == "forced":
-            draft.say(f"{was_entered} by hand ({fact.text}), not by the program.", line)
-            return draft.reason("forced", tick, time)
+    command = next((fact for fact in facts[place:] if isinstance(fact, Commanded)), None)
+    if command is not None and command.kind == "forced":
+        draft.say(f"{was_entered} by hand ({command.text}), not by the program.", line)
+        return draft.reason("forced", tick, time)
     spawned = [
         fact for fact in facts[:place] if isinstance(fact, Spawned) and fact.machine == entered.path[:-1]
     ]
     by = spawned[-1].by if spawned else ()
+    spawner = (*resolve(program).defined(by[:-1]), by[-1]) if by else ()
     lines = [
         line_of(program, spawning.noun)
         for spawning in spawns_of(program, entered.state[:-1])
-        if spawning.noun.state == name and spawning.spawner[-1:] == by[-1:]
+        if spawning.noun.state == name and spawning.spawner == spawner
     ]
     where = f" (line {lines[0]})" if lines else ""
-    starts = f"`(spawn {machine} {name})`{where} starts it there"
-    before = run.facts(int(when) - 0.5)
-    restarts = [fact for fact in before if isinstance(fact, Commanded) and fact.kind == "restarted"]
+    spawn = f"`(spawn {machine} {name})`{where}"
+    restart = restart_of(run.facts(when - 0.5))
     code = "spawned"
-    if by:
-        why = f"because `{by[-1]}` was entered, and its `(spawn {machine} {name})`{where} starts it there"
-    elif restarts:
-        code, why = "restarted", f"because the program restarted ({restart_text(restarts[-1])}): {starts}"
+    if command is not None:
+        why = f"because an edit added {spawn}"
+    elif by:
+        why = f"because `{by[-1]}` was entered, and its {spawn} starts it there"
+    elif restart is not None:
+        code = "restarted"
+        why = f"because the program restarted ({restart_text(restart)}): {spawn} starts it there"
+    elif tick == 1:
+        why = f"when the program started: {spawn} starts it there"
     else:
-        why = f"when the program started: {starts}"
+        why = f"because {spawn} starts it there"
     draft.say(f"{was_entered} {why}.", *lines, line)
     return draft.reason(code, tick, time)
 
 
+def restart_of(before: Iterable[Fact]) -> Commanded | None:
+    """Return the last restart in what happened before a tick; None if there was none."""
+    restarts = [fact for fact in before if isinstance(fact, Commanded) and fact.kind == "restarted"]
+    return restarts[-1] if restarts else None
+
+
 def entry_text(run: RecordedRun, machine: PastMachine, tick: int) -> tuple[str, int]:
     """Return in words how the active state of a machine was entered before a tick, and the line."""
+    names = run.names(tick)
     for when, fact in run.backward(tick, before=True):
-        if isinstance(fact, Fired) and fact.path == machine.full_path:
+        if not isinstance(fact, (Fired, Entered)) or names.of("state", fact.state, when) != machine.state:
+            continue
+        if isinstance(fact, Fired):
             line = line_of_transition(run.program(int(when)), fact.transition)
             return f" by `{fact.label}` (line {line})", line
-        if isinstance(fact, Entered) and fact.path == machine.full_path:
-            reason = entered_otherwise(run, fact, when)
-            words = {"forced": " by hand", "restarted": " at the restart"}
-            return words.get(reason.code, f", when `{machine.path[-1]}` started"), reason.line
+        reason = entered_otherwise(run, fact, "", when)
+        words = {"forced": " by hand", "restarted": " at the restart"}
+        return words.get(reason.code, f", when `{machine.path[-1]}` started"), reason.line
     return "", 0

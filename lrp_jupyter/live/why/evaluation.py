@@ -10,12 +10,14 @@ from typing import Any
 
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.history import PastState
+from lrp_jupyter.interpreter.tree import is_boolean
 from lrp_jupyter.language.expressions import Evaluation, UnknownValueError, evaluate, expression_of
 from lrp_jupyter.language.program import Element, Path
 from lrp_jupyter.language.triggers import Delay
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.names import ABSENT, ChangeNames
 from lrp_jupyter.live.recorded_robot import RecordedRobot
+from lrp_jupyter.live.renamed import Names
 from lrp_jupyter.live.why.case import Case
 
 __all__ = ["Again", "PastTests"]
@@ -89,18 +91,27 @@ class PastTests:
         expression = expression_of(case.tested[0].text) if case.tested is not None else None
         if case.tested is None or expression is None:
             return None
-        cells = _cells(case.state, case.tested[1].path)
+        machine = case.tested[1].path
+        cells = _cells(case.state, machine)
+        moves = self._loop.interpreter.moves
+
+        def machine_at(tick: int) -> Path:
+            return Names(moves, tick).of("machine", machine, case.tick) if machine else machine
+
         end = perf_counter() + _SEARCH
-        for tick, value_of in self._history.values_before(case.tick):
+        for tick, then, value_of in self._history.scopes_before(case.tick, machine_at):
             if perf_counter() > end:
                 return None
+            alive = set(map(id, then.values()))  # under whatever names they had
+            seen = {**then, **{name: cell for name, cell in cells.items() if id(cell) in alive}}
             try:
-                if evaluate(expression, self._lookup(tick, cells, value_of)).value is True:
-                    return tick
+                value = evaluate(expression, self._lookup(tick, seen, value_of)).value
             except UnknownValueError:
                 return None
             except Exception:  # of the expression itself
                 continue
+            if is_boolean(value) and value:
+                return tick
         return 0 if self._history.ticks.start == 1 else None
 
     def _lookup(

@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from lrp_jupyter.interpreter.facts import Fact
+from lrp_jupyter.interpreter.history import PastState
 from lrp_jupyter.interpreter.interpreter import Interpreter
-from lrp_jupyter.language.program import Program
+from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.live.renamed import Names
 
 __all__ = ["RecordedRun"]
 
 
 class RecordedRun:
-    """Reads what is recorded of a run. Used on the thread that ticks, between two ticks.
+    """Reads what is recorded of a run, for one question. Used on the thread that ticks, between two ticks.
 
     *When* something happened is a number: that of its tick, or, between two ticks, that of the first one and
     a half.
@@ -29,6 +31,7 @@ class RecordedRun:
     def __init__(self, interpreter: Interpreter) -> None:
         self.history = interpreter.history
         self._interpreter = interpreter
+        self._states: dict[int, PastState] = {}
 
     def tick(self, at: int | None) -> int:
         """Return a tick that somebody asks about; for None the last one.
@@ -48,11 +51,35 @@ class RecordedRun:
         """Return the time of a tick, or of the one before what happened between two."""
         return self.history.facts(int(when)).now if int(when) in self.history.ticks else 0.0
 
+    def entered(self, state: Path, when: float) -> float:
+        """Return the time at which a state, as spawned, was entered that is still active at the next tick.
+
+        Of any other one it is the time of the tick before.
+        """
+        if int(when) == when:
+            return self.time(when)
+        following = int(when + 0.5)
+        if following not in self.history.ticks:
+            now = self._interpreter.entered(state)
+            return self.time(when) if now is None else now
+        machines = self.state(following).walk()
+        return next((each.entered for each in machines if each.full_path == state), self.time(when))
+
+    def state(self, tick: int) -> PastState:
+        """Return the state of the run when a tick began; it is read from the journal once."""
+        if tick not in self._states:
+            self._states[tick] = self.history.state(tick, before=True)
+        return self._states[tick]
+
     def program(self, tick: int) -> Program:
         """Return the program that ran in a tick; the present one for a tick that is still to come."""
         if tick in self.history.ticks:
-            return self.history.state(tick, before=True).program
+            return self.state(tick).program
         return self.present_program
+
+    def names(self, tick: float) -> Names:
+        """Return the names that elements had in a tick."""
+        return Names(self._interpreter.moves, tick)
 
     @property
     def present_program(self) -> Program:

@@ -2,14 +2,22 @@
 
 from __future__ import annotations
 
+import ast
+from itertools import chain
+
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.nodes import RobotMethod
+from lrp_jupyter.bridges.outside import RobotStopped
 from lrp_jupyter.bridges.safety import CommandRecord
 from lrp_jupyter.errors import UnknownElementError, did_you_mean
 from lrp_jupyter.interpreter.facts import Commanded
+from lrp_jupyter.language.blocks import read
+from lrp_jupyter.language.program import Program
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.draft import AnswerDraft
+from lrp_jupyter.live.why.elements import line_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_text
 
@@ -42,7 +50,7 @@ def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool
         return _never_given(run, name, tick)
     last = given[-1]
     origin = last.origin if last.origin.tick <= tick else last.first
-    where = f"`{origin.block}` (line {origin.line})" if origin.block else "a command given by hand"
+    where = f"by `{origin.block}` (line {origin.line})" if origin.block else "by hand"
     since = f", repeated since {run.time(last.first.tick):g} s" if last.first.tick < origin.tick else ""
     draft = AnswerDraft(
         {
@@ -55,7 +63,7 @@ def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool
         }
     )
     call = call_text(last.name, last.arguments)
-    draft.say(f"The last command was {call}, given by {where} at {run.time(origin.tick):g} s{since}.")
+    draft.say(f"The last command was {call}, given {where} at {run.time(origin.tick):g} s{since}.")
     draft.lines.append(origin.line)
     for sentence in last.limited:
         draft.say(sentence)
@@ -76,15 +84,25 @@ def _alike(bridge: Bridge, name: str) -> set[str]:
 
 
 def _never_given(run: RecordedRun, name: str, tick: int) -> Reason:
-    lines = [
-        number
-        for number, line in enumerate(run.program(tick).text.splitlines(), 1)
-        if f"robot.{name}" in line.partition(";")[0]
-    ]
+    lines = _lines_with(run.program(tick), f"robot.{name}")
     where = f"It appears in line {lines[0]}." if lines else "It does not appear in the program."
     draft = AnswerDraft()
     draft.say(f"`robot.{name}` has not been called. {where}", *lines)
     return draft.reason("never", tick, run.time(tick))
+
+
+def _lines_with(program: Program, attribute: str) -> list[int]:
+    """Return the lines of the blocks of a program that contain an attribute, in order."""
+    found = set()
+    for placed in chain.from_iterable(resolve(program).blocks.values()):
+        try:
+            tree, suite, *_ = read(placed.block.text)
+        except SyntaxError:
+            continue
+        first = line_of(program, placed.block) - suite.header.count("\n")
+        nodes = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute)]
+        found |= {first + node.lineno - 1 for node in nodes if ast.unparse(node) == attribute}
+    return sorted(found)
 
 
 def _fate(
@@ -109,4 +127,13 @@ def _fate(
         if isinstance(fact, Commanded) and fact.kind == "restarted":
             restarted = f"Then the program was restarted ({restart_text(fact)})"
             return "stopped", f"{restarted}, which stops the robot."
+    is_last = tick == run.history.ticks.stop - 1
+    stops = [
+        entry
+        for entry in loop.inputs.since(given)
+        if isinstance(entry.what, RobotStopped) and (is_last or entry.tick < tick)
+    ]
+    if stops:
+        disarmed = "" if safety.armed or not is_last else " It is disarmed."
+        return "stopped", f"Then the robot was stopped at {stops[-1].time:g} s.{disarmed}"
     return ("limited" if last.limited else "commanded"), ""

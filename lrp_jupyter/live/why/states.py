@@ -17,18 +17,32 @@ from lrp_jupyter.live.why.transitions import because, transition_reason
 __all__ = ["state_reason"]
 
 
-def state_reason(run: RecordedRun, tests: PastTests, state: Path, tick: int) -> Reason:
-    """Return why a state, by path of definition, was entered last before the end of a tick."""
+def state_reason(run: RecordedRun, tests: PastTests, state: Path, name: str, tick: int) -> Reason:
+    """Return why a state was entered last before the end of a tick.
+
+    Parameters
+    ----------
+    run : RecordedRun
+    tests : PastTests
+    state : path
+        By path of definition, as it was called in the tick.
+    name : str
+        Its name in the question.
+    tick : int
+    """
+    names = run.names(tick)
     for when, fact in run.backward(tick):
-        if isinstance(fact, Fired) and fact.state == state:
-            return _entered_by(run, tests, fact, int(when))
-        if isinstance(fact, Entered) and fact.state == state:
-            return entered_otherwise(run, fact, when)
-    return _never_entered(run, tests, state, tick)
+        if isinstance(fact, (Fired, Entered)) and names.of("state", fact.state, when) == state:
+            then = fact.state[-1]
+            called = f"`{name}`" if name == then else f"`{name}` (then called `{then}`)"
+            if isinstance(fact, Fired):
+                return _entered_by(run, tests, fact, called, int(when))
+            return entered_otherwise(run, fact, called, when)
+    return _never_entered(run, tests, state, name, tick)
 
 
-def _entered_by(run: RecordedRun, tests: PastTests, fired: Fired, tick: int) -> Reason:
-    before = run.history.state(tick, before=True)
+def _entered_by(run: RecordedRun, tests: PastTests, fired: Fired, called: str, tick: int) -> Reason:
+    before = run.state(tick)
     machine = next((each for each in before.walk() if each.path == fired.machine), None)
     line = line_of_transition(before.program, fired.transition)
     time, cause = run.time(tick), Cause("fired", machine, fired)
@@ -36,16 +50,16 @@ def _entered_by(run: RecordedRun, tests: PastTests, fired: Fired, tick: int) -> 
     draft = AnswerDraft({"transition": fired.transition.path})
     by = f"`{fired.label}` (line {line}), from `{fired.source[-1]}`{because(draft, case, tests)}"
     block = case.tested[0] if case.tested is not None else None
-    draft.say(f"`{fired.state[-1]}` was entered at {time:g} s by {by}.", line, line_of(before.program, block))
+    draft.say(f"{called} was entered at {time:g} s by {by}.", line, line_of(before.program, block))
     return draft.reason("fired", tick, time)
 
 
-def _never_entered(run: RecordedRun, tests: PastTests, state: Path, tick: int) -> Reason:
+def _never_entered(run: RecordedRun, tests: PastTests, state: Path, name: str, tick: int) -> Reason:
     """Say so, and why the transitions that lead to the state did not fire."""
     program, first = run.program(tick), run.history.ticks.start
     since = "" if first == 1 else f" since tick {first}, as far as is recorded"
     draft = AnswerDraft()
-    draft.say(f"`{state[-1]}` has not been entered{since}.", line_of_state(program, state))
+    draft.say(f"`{name}` has not been entered{since}.", line_of_state(program, state))
     for arrow in arrows_to(program, state):
         reason = transition_reason(run, tests, arrow.element, program, tick)
         draft.say(str(reason), line_of(program, arrow.noun))

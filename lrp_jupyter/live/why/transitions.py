@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from lrp_jupyter.errors import did_you_mean, ended
-from lrp_jupyter.interpreter.facts import Commanded, Discarded, Fired, Spawned
-from lrp_jupyter.interpreter.reasons import cause_of
+from lrp_jupyter.interpreter.facts import Commanded, Discarded, Spawned
+from lrp_jupyter.interpreter.reasons import cause_in
 from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.program import Element, Path, Program
 from lrp_jupyter.language.resolution import resolve
@@ -13,10 +13,17 @@ from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
-from lrp_jupyter.live.why.entries import entry_text
+from lrp_jupyter.live.why.entries import entry_text, restart_of
 from lrp_jupyter.live.why.evaluation import PastTests
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.wording import number_text, plain_values, restart_text, unknown_text, values_text
+from lrp_jupyter.live.why.wording import (
+    decided_text,
+    number_text,
+    plain_values,
+    restart_text,
+    unknown_text,
+    values_text,
+)
 
 __all__ = ["because", "transition_reason"]
 
@@ -25,7 +32,8 @@ def transition_reason(
     run: RecordedRun, tests: PastTests, element: Element, known: Program, tick: int
 ) -> Reason:
     """Return why a transition, of a program that is known to have it, fired in a tick, or did not."""
-    cause, state = cause_of(run.history, element, tick), run.history.state(tick, before=True)
+    state = run.state(tick)
+    cause = cause_in(state, run.history.facts(tick), element)
     arrow = resolve(known).arrow(element)
     label = arrow.label if arrow is not None else element.shown[-1]
     line = line_of_transition(known if cause.code == "not-in-program" else state.program, element)
@@ -35,8 +43,7 @@ def transition_reason(
         case "fired":
             _fired(draft, case, tests)
         case "condition-false":
-            _condition_false(draft, case, tests)
-            _last_true(draft, case, tests, run)
+            _condition_false(draft, case, tests, run)
         case "delay-not-over":
             _delay_not_over(draft, case, tests, run)
         case "source-inactive":
@@ -64,11 +71,15 @@ def because(draft: AnswerDraft, case: Case, tests: PastTests) -> str:
     if not isinstance(evaluation, Evaluation):
         return ""
     _keep(draft, evaluation)
-    return f", because `{evaluation.decides}` was True{values_text(evaluation)}"
+    return f", because `{evaluation.decides}` was {decided_text(evaluation)}{values_text(evaluation)}"
 
 
 def _keep(draft: AnswerDraft, evaluation: Evaluation) -> None:
-    draft.facts |= {"values": plain_values(evaluation), "decides": evaluation.decides}
+    draft.facts |= {
+        "values": plain_values(evaluation),
+        "decides": evaluation.decides,
+        "decided": decided_text(evaluation),
+    }
 
 
 def _fired(draft: AnswerDraft, case: Case, tests: PastTests) -> None:
@@ -78,19 +89,20 @@ def _fired(draft: AnswerDraft, case: Case, tests: PastTests) -> None:
     draft.say(f"{case.did_fire}, {way}{because(draft, case, tests)}.")
 
 
-def _condition_false(draft: AnswerDraft, case: Case, tests: PastTests) -> None:
+def _condition_false(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
     assert case.tested is not None
     line, where = _line_and_place(case)
     evaluation = tests.evaluation(case)
     if isinstance(evaluation, Evaluation):
         _keep(draft, evaluation)
-        draft.say(
-            f"{case.did_not_fire}: `{evaluation.decides}`{where} was False{values_text(evaluation)}.", line
-        )
+        was = f"was {decided_text(evaluation)}{values_text(evaluation)}"
+        draft.say(f"{case.did_not_fire}: `{evaluation.decides}`{where} {was}.", line)
+        _last_true(draft, case, tests, run, "It" if evaluation.is_whole else "The whole condition")
     else:
         unknown = draft.facts["unknown"] = unknown_text(evaluation)
         draft.say(f"{case.did_not_fire}: `{case.tested[0].text.strip()}`{where} was False.", line)
         draft.say(f"The values of its parts are not known: {unknown}")
+        _last_true(draft, case, tests, run, "It")
 
 
 def _line_and_place(case: Case) -> tuple[int, str]:
@@ -99,19 +111,20 @@ def _line_and_place(case: Case) -> tuple[int, str]:
     return line, f" (line {line})" if line != case.line else ""
 
 
-def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
-    """Say when a condition was true before."""
+def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun, what: str) -> None:
+    """Say when a condition, called `what`, was true before."""
     tick = tests.last_true(case)
     if tick is None:
         return
     draft.facts["last_true"] = tick or None
     if not tick:
-        draft.say("It was never true before.")
+        draft.say(f"{what} was never true before.")
         return
-    then = run.history.state(tick, before=True)
-    states = [each.state for each in then.walk() if each.state[:-1] == case.machine.state[:-1]]
-    elsewhere = f", when `{states[0][-1]}` was active" if states and states[0] != case.machine.state else ""
-    draft.say(f"It was last true at {run.time(tick):g} s{elsewhere}.")
+    here = run.names(tick).of("state", case.machine.state, case.tick)
+    states = [each.state for each in run.state(tick).walk()]
+    other = [each for each in states if each[:-1] == here[:-1] and each != here]
+    elsewhere = f", when `{other[0][-1]}` was active" if other else ""
+    draft.say(f"{what} was last true at {run.time(tick):g} s{elsewhere}.")
 
 
 def _delay_not_over(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
@@ -152,21 +165,19 @@ def _machine_not_running(draft: AnswerDraft, case: Case, run: RecordedRun) -> No
     facts = run.history.facts(case.tick)
     spawns = spawns_of(case.program, path)
     for fact in facts.facts:
-        if isinstance(fact, Spawned) and fact.machine[-1] == name:
-            by = f"when `{fact.by[-1]}` was entered" if fact.by else "when the program started"
+        if isinstance(fact, Spawned) and fact.defined == path:
             lines = [line_of(case.program, spawning.noun) for spawning in spawns]
             if fact.by:
+                by = f"when `{fact.by[-1]}` was entered"
                 entering = [each for each in facts.fired if each.path == fact.by]
                 lines += [line_of_transition(case.program, each.transition) for each in entering]
+            else:
+                by = f"when the program {'restarted' if restart_of(facts.before) else 'started'}"
             draft.say(f"{case.did_not_fire}: `{name}` was spawned in this very tick, {by}.", *lines)
             draft.say("Its transitions are tested from the next tick on.")
             return
-    restarts = [fact for fact in facts.before if isinstance(fact, Commanded) and fact.kind == "restarted"]
-    restart = (
-        f"the program restarted before this tick ({restart_text(restarts[-1])}), and " if restarts else ""
-    )
-    draft.say(f"{case.did_not_fire}: {restart}`{name}` was not running.")
-    _how_it_ended(draft, case, run, name)
+    draft.say(f"{case.did_not_fire}: `{name}` was not running.")
+    _how_it_ended(draft, case, run, path)
     for spawning in spawns:
         line = line_of(case.program, spawning.noun)
         spawner = spawning.spawner
@@ -176,26 +187,37 @@ def _machine_not_running(draft: AnswerDraft, case: Case, run: RecordedRun) -> No
         draft.say(f"No `(spawn {name} …)` starts it.")
 
 
-def _how_it_ended(draft: AnswerDraft, case: Case, run: RecordedRun, name: str) -> None:
+def _how_it_ended(draft: AnswerDraft, case: Case, run: RecordedRun, path: Path) -> None:
     """Say how a machine that did not run ended before, or that it never ran."""
+    names = run.names(case.tick)
+    restart: tuple[float, Commanded] | None = None  # the first one after what is looked at
     for when, fact in run.backward(case.tick, before=True):
-        if isinstance(fact, Discarded) and fact.machine[-1] == name:
-            tick, by, line = int(when), "", 0
-            leaving = [each for each in run.history.facts(tick).fired if _ends(each, fact.machine)]
-            if leaving:
-                last = leaving[-1]
-                line = line_of_transition(run.program(tick), last.transition)
-                by = f", because `{last.label}` (line {line}) left `{last.source[-1]}`"
+        if isinstance(fact, Commanded) and fact.kind == "restarted":
+            restart = when, fact
+        elif isinstance(fact, Discarded) and names.of("machine", fact.defined, when) == path:
+            by, line = _what_discarded(run, fact, when)
             draft.say(f"It ended at {run.time(when):g} s{by}.", line)
+            return
+        elif isinstance(fact, Spawned) and names.of("machine", fact.defined, when) == path:
+            if restart is not None:  # else it was taken out of the program
+                at, command = restart
+                why = restart_text(command)
+                draft.say(f"It ended at {run.time(at):g} s, when the program restarted ({why}).")
             return
     first = run.history.ticks.start
     draft.say("It had never been spawned." if first == 1 else f"It was not spawned since tick {first}.")
 
 
-def _ends(fired: Fired, machine: Path) -> bool:
-    """Return whether a machine was inside the state that a transition left."""
-    home = fired.path[:-1]
-    return machine[: len(home)] == home
+def _what_discarded(run: RecordedRun, discarded: Discarded, when: float) -> tuple[str, int]:
+    """Return in words what ended a machine, and the line of the transition if it was one."""
+    if int(when) != when:
+        return ", by hand", 0
+    for fired in reversed(run.history.facts(int(when)).fired):
+        home = fired.path[:-1]
+        if discarded.machine[: len(home)] == home != discarded.machine:
+            line = line_of_transition(run.program(int(when)), fired.transition)
+            return f", because `{fired.label}` (line {line}) left `{discarded.machine[len(home)]}`", line
+    return "", 0
 
 
 def _other_fired(draft: AnswerDraft, case: Case) -> None:

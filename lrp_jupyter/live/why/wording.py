@@ -10,12 +10,14 @@ from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.errors import sentence_of
 from lrp_jupyter.interpreter.facts import Commanded
 from lrp_jupyter.interpreter.rendering import short
+from lrp_jupyter.interpreter.tree import is_boolean
 from lrp_jupyter.interpreter.watching import Shown, items
 from lrp_jupyter.language.expressions import Evaluation, UnknownValueError
 from lrp_jupyter.language.python import parse_python
 
 __all__ = [
     "call_text",
+    "decided_text",
     "given_arguments",
     "number_text",
     "plain_values",
@@ -42,9 +44,15 @@ def _plain(value: object) -> object:
     return value if isinstance(value, (int, float, str, type(None))) else short(value)
 
 
+def decided_text(evaluation: Evaluation) -> str:
+    """Say what the part that decides was; below a `not` that is the opposite of the whole."""
+    value = evaluation.decided
+    return str(bool(value)) if is_boolean(value) else _rounded(value, _decides(evaluation))
+
+
 def values_text(evaluation: Evaluation) -> str:
     """Say the values of the parts of what decides; empty if it has none."""
-    tree = parse_python(evaluation.decides, mode="eval").body
+    tree = _decides(evaluation)
     parts = [ast.unparse(node) for node in ast.walk(tree) if isinstance(node, ast.expr)]
     shown = [
         f"`{text}` was {_rounded(value, tree)}"
@@ -52,6 +60,11 @@ def values_text(evaluation: Evaluation) -> str:
         if text in parts and text != evaluation.decides
     ]
     return f" ({_and(shown)})" if shown else ""
+
+
+def _decides(evaluation: Evaluation) -> ast.expr:
+    tree: ast.Expression = parse_python(evaluation.decides, mode="eval")
+    return tree.body
 
 
 def _rounded(value: object, tree: ast.expr) -> str:
