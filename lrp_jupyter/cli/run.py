@@ -57,6 +57,7 @@ def run_file(file: str, wanted: RunOptions) -> int:
         raise typer.BadParameter(
             "--watch needs a file of your own; `lrp programs --show NAME > my.lrp` makes one."
         )
+    _check_files(source, wanted)
     complaints = plain_console(stderr=True)
     program, findings = scan(source.text, source.name)
     if program is None:
@@ -88,6 +89,31 @@ def run_file(file: str, wanted: RunOptions) -> int:
         for what in wanted.breakpoints:
             _pause_when(session, what)
         return _Run(session, source, wanted, trace).go(program)
+
+
+def _check_files(source: Source, wanted: RunOptions) -> None:
+    """Raise an error if an output would overwrite the program, the world or the other output."""
+    if wanted.record == "-":
+        raise typer.BadParameter("--record writes a file. Give its name, as in `--record run.lrplog`.")
+    world = FilePath(wanted.world or source.world or "")  # a name, or a file
+    kept = {"the program": source.path, "the world": world if world.is_file() else None}
+    for option, name in (("--trace", wanted.trace), ("--record", wanted.record)):
+        if name is None or name == "-":
+            continue
+        for what, path in kept.items():
+            if path is not None and _is_same_file(path, FilePath(name)):
+                raise typer.BadParameter(f"{option} would overwrite {what} `{path}`. Choose another name.")
+        kept["the trace"] = FilePath(name)
+
+
+def _is_same_file(one: FilePath, other: FilePath) -> bool:
+    """Return whether two paths are those of one file, which need not exist; a device is not a file."""
+    try:
+        if other.exists():
+            return other.is_file() and one.exists() and one.samefile(other)
+        return one.resolve() == other.resolve()
+    except (OSError, ValueError):  # neither can be opened: that is reported then
+        return False
 
 
 def _pause_when(session: Session, what: str) -> None:
