@@ -42,6 +42,7 @@ from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.live.unknown import unknown
 from lrp_jupyter.logs import open_log
 
 __all__ = ["open_robot", "run_file", "where"]
@@ -128,16 +129,27 @@ def _pause_when(session: Session, what: str) -> None:
         elif word == "event" and rest:
             session.pause_when(event=rest)
         else:
-            try:
-                session.pause_when(what)
-            except UnknownElementError as error:
-                if str(error).startswith("Several"):
-                    raise
-                session.pause_when(fires=what)
+            _pause_at(session, what)
     except UnknownElementError as error:
         raise typer.BadParameter(f"--break: {error}") from None
     except SyntaxError as error:
         raise typer.BadParameter(f"--break: {error.msg}") from None
+
+
+def _pause_at(session: Session, what: str) -> None:
+    """Set a breakpoint for a state or, if there is no such state, for a transition."""
+    for argument in ("entered", "fires"):
+        try:
+            session.pause_when(**{argument: what})  # type: ignore[arg-type]
+            return
+        except UnknownElementError as error:
+            if str(error).startswith("Several"):
+                raise
+    examples = {"left": "left moving", "event": "event bump", "when": "when robot.bumper.data"}
+    if (word := what.strip()) in examples:
+        raise typer.BadParameter(f"--break: Write more after `{word}`, as in `--break '{examples[word]}'`.")
+    remedies = {"event": f"Write `--break 'event {what}'`."}
+    raise unknown("state or transition", ["state", "transition"], what, [session.program], remedies)
 
 
 def _record(session: Session, wanted: RunOptions, stack: ExitStack) -> None:

@@ -194,7 +194,15 @@ def test_a_run_can_wait_for_other_things(lrp, program, what, said):
 
 
 @pytest.mark.parametrize(
-    ("what", "said"), [("stopp", "There is no transition `stopp`"), ("when n +", "--break")]
+    ("what", "said"),
+    [
+        ("stopp", "There is no state or transition `stopp`. Did you mean `stop`?"),
+        ("n", "`n` is a variable, not a state or transition. There are: `drive`, `stop`, `bright`, `far`."),
+        ("left", "Write more after `left`, as in `--break 'left moving'`."),
+        ("when", "Write more after `when`"),
+        ("event bright", "`bright` is a transition, not an event."),
+        ("when n +", "--break"),
+    ],
 )
 def test_a_breakpoint_that_cannot_be_set_is_refused(lrp, program, what, said):
     done = lrp("run", program(TEXT), "--for", "1", "--break", what)

@@ -111,6 +111,29 @@ def test_what_does_not_exist_is_named_with_what_was_probably_meant():
             live.why_not("full", at=99)
 
 
+@pytest.mark.parametrize(
+    ("ask", "sentence"),
+    [
+        (lambda s: s.explain("seen"), "`seen` is a variable, not a transition, state or command. "),
+        (lambda s: s.explain("xyz"), "There is no transition, state or command `xyz`. There are: `full`, "),
+        (lambda s: s.why_not("a"), "`a` is a state, not a transition. Ask `why` about it."),
+        (lambda s: s.why_not("robot.move"), "`robot.move` is a command, not a transition. Ask `why` "),
+        (lambda s: s.why("full"), "`full` is a transition, not a state. Ask `why_not` about it."),
+        (lambda s: s.why("m"), "`m` is a machine, not a state. There are: `a`, `b`."),
+        (lambda s: s.why("move"), "There is no state `move`. Did you mean `robot.move`?"),
+        (lambda s: s.why("robot.light.data"), "`robot` has no command `light.data`. There are: `move`"),
+        (lambda s: s.pause_when("full"), '`full` is a transition, not a state. Pass `fires="full"`.'),
+        (lambda s: s.pause_when(event="bump"), "There is no event `bump`. The program has no event."),
+    ],
+)
+def test_a_name_of_something_else_is_told_with_what_to_do(ask, sentence):
+    with session(LISTS, "sim", world="empty", namespace={"ask": len}) as live:
+        live.run(1)
+        with pytest.raises(UnknownElementError) as caught:
+            ask(live)
+        assert str(caught.value).startswith(sentence)
+
+
 def test_an_answer_about_a_tick_before_an_edit_is_about_the_program_of_then():
     text = (
         "(var n := [0])(machine m (state a (running [n += 1])) (state b) (on [n > 50] a -> b go))(spawn m a)"

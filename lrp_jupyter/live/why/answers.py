@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import replace
 
-from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, path_text
-from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.unknown import unknown
 from lrp_jupyter.live.why.evaluation import Again, PastTests
-from lrp_jupyter.live.why.finding import find_state, find_transition, states_in, transitions_in
+from lrp_jupyter.live.why.finding import find_state, find_transition
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.robot_commands import command_reason
+from lrp_jupyter.live.why.robot_commands import command_reason, commands_of
 from lrp_jupyter.live.why.states import state_reason
 from lrp_jupyter.live.why.transitions import transition_reason
 
@@ -50,8 +49,12 @@ class Answers:
         """
         reason = self._of_transition(transition, at)
         if reason is None:
-            known = [each.shown[-1] for program in self._programs(at) for each in transitions_in(program)]
-            raise _unknown("transition", transition, known)
+            if path_text(as_path(transition)) in self._commands:
+                raise UnknownElementError(
+                    f"`{path_text(as_path(transition))}` is a command, not a transition. Ask `why` about it."
+                )
+            remedies = {"state": "Ask `why` about it."}
+            raise unknown("transition", ["transition"], transition, self._programs(at), remedies)
         return reason
 
     def why(self, what: str | Path, at: int | None = None) -> Reason:
@@ -66,8 +69,8 @@ class Answers:
         """
         reason = self._of_state_or_command(what, at)
         if reason is None:
-            known = [path[-1] for program in self._programs(at) for path in states_in(program)]
-            raise _unknown("state", what, known)
+            remedies = {"transition": "Ask `why_not` about it."}
+            raise unknown("state", ["state"], what, self._programs(at), remedies, self._commands)
         return reason
 
     def explain(self, name: str | Path, at: int | None = None) -> Reason:
@@ -82,9 +85,8 @@ class Answers:
         """
         reason = self._of_transition(name, at) or self._of_state_or_command(name, at)
         if reason is None:
-            elements = resolve(self._run.present_program).elements()
-            known = [each.shown[-1] for each in elements if each.path]
-            raise _unknown("transition, state or command", name, known)
+            noun, kinds = "transition, state or command", ["transition", "state"]
+            raise unknown(noun, kinds, name, self._programs(at), others=self._commands)
         return reason
 
     def _of_transition(self, wanted: str | Path, at: int | None) -> Reason | None:
@@ -112,11 +114,10 @@ class Answers:
         state = find_state(wanted, self._programs(at))
         return None if state is None else state_reason(self._run, self._tests, state, tick)
 
+    @property
+    def _commands(self) -> list[str]:
+        return [_ROBOT + name for name in commands_of(self._loop.bridge)]
+
     def _programs(self, at: int | None) -> tuple[Program, Program]:
         """Return the programs in which a name is looked up: that of the tick, then the present one."""
         return self._run.program(self._run.tick(at)), self._run.present_program
-
-
-def _unknown(kind: str, wanted: str | Path, known: Iterable[str]) -> UnknownElementError:
-    text = path_text(as_path(wanted))
-    return UnknownElementError(f"There is no {kind} `{text}`.{did_you_mean(text, known)}")

@@ -9,10 +9,10 @@ from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
 
-__all__ = ["find_state", "find_transition", "states_in", "transitions_in"]
+__all__ = ["find_state", "find_transition"]
 
 
-def transitions_in(program: Program) -> list[Element]:
+def _transitions_in(program: Program) -> list[Element]:
     """Return all transitions of a program."""
     return [element for element in resolve(program).elements() if element.kind == "transition"]
 
@@ -26,7 +26,7 @@ def find_transition(wanted: str | Path, programs: Iterable[Program]) -> tuple[El
         There are several.
     """
     for program in programs:
-        found = [each for each in transitions_in(program) if _is_called(each, wanted)]
+        found = [each for each in _transitions_in(program) if _is_called(each, wanted)]
         if len(found) == 1:
             return found[0], program
         if found:
@@ -41,7 +41,7 @@ def _is_called(transition: Element, wanted: str | Path) -> bool:
     return wanted in texts or as_path(wanted) == path
 
 
-def states_in(program: Program) -> list[Path]:
+def _states_in(program: Program) -> list[Path]:
     """Return the paths of definition of all states of a program."""
     return list(
         dict.fromkeys(
@@ -60,7 +60,7 @@ def find_state(wanted: str | Path, programs: Iterable[Program]) -> Path | None:
     """
     path = as_path(wanted)
     for program in programs:
-        known = states_in(program)
+        known = _states_in(program)
         found = [each for each in known if each == path or each[-1:] == path]
         if len(path) > 1 and not found:
             defined = (*resolve(program).defined(path[:-1]), path[-1])
