@@ -336,7 +336,7 @@ class Session:
         self.bridge.open()
 
     def start(self, paused: bool = False) -> None:
-        """RunStart or resume; after :meth:`stop`, from the beginning. Does nothing while the program runs.
+        """Start or resume; after :meth:`stop`, from the beginning. Does nothing while the program runs.
 
         A broken session starts again, with the last text.
         """
@@ -902,15 +902,10 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not, or no longer, recorded.
+            The tick is not, or no longer, recorded; or the time is negative.
         """
-        check_type("tick", tick, (int, float), "the number of a tick, or a time in seconds")
-        loop = self._loop
-
-        def frame() -> Frame:
-            return frame_at(loop, tick if isinstance(tick, int) else tick_of(loop, tick))
-
-        return cast(Frame, self.call(frame))
+        _check_moment("tick", tick)
+        return cast(Frame, self.call(lambda: frame_at(self._loop, _tick_of(self._loop, tick))))
 
     def timeline(
         self, since: TimelineCursor | None = None, plots: Mapping[str, int] | None = None
@@ -937,15 +932,16 @@ class Session:
         wanted = dict.fromkeys(names, 0)
         return cast("list[Plot]", self.call(partial(plots_of, self._loop, wanted)))
 
-    def why_not(self, transition: str | Path, at: int | None = None) -> Reason:
+    def why_not(self, transition: str | Path, at: int | float | None = None) -> Reason:
         """Return why a transition did not fire in a tick, or that it did.
 
         Parameters
         ----------
         transition : str or path
             Its name, its label (``condition:from->to``) or its path.
-        at : int, optional
-            A tick; by default the last one.
+        at : int or float, optional
+            A tick; or a time in seconds, as a float: then the last tick that was not after it. By default
+            the last tick.
 
         Raises
         ------
@@ -954,18 +950,18 @@ class Session:
         ValueError
             The tick is not, or no longer, recorded.
         """
-        reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why_not(transition, at))
-        return reason
+        return self._answer("why_not", transition, at)
 
-    def why(self, what: str | Path, at: int | None = None) -> Reason:
+    def why(self, what: str | Path, at: int | float | None = None) -> Reason:
         """Return why a state is active, or why the robot got its last command.
 
         Parameters
         ----------
         what : str or path
             A state (``"looking"``) or a command of the robot (``"robot.move"``).
-        at : int, optional
-            A tick; by default the last one.
+        at : int or float, optional
+            A tick; or a time in seconds, as a float: then the last tick that was not after it. By default
+            the last tick.
 
         Raises
         ------
@@ -974,8 +970,7 @@ class Session:
         ValueError
             The tick is not, or no longer, recorded.
         """
-        reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why(what, at))
-        return reason
+        return self._answer("why", what, at)
 
     def explain(self, name: str | Path, at: int | float | None = None) -> Reason:
         """Return :meth:`why_not` for a transition, :meth:`why` for a state or a command of the robot.
@@ -984,15 +979,30 @@ class Session:
         ----------
         name : str or path
         at : int or float, optional
-            A tick; or a time in seconds, as a float. By default now.
+            A tick; or a time in seconds, as a float. By default the last tick.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such transition, state or command, or there are several.
+        ValueError
+            The tick is not, or no longer, recorded.
         """
+        return self._answer("explain", name, at)
+
+    def _answer(
+        self, question: Literal["why", "why_not", "explain"], name: str | Path, at: int | float | None
+    ) -> Reason:
+        if at is not None:
+            _check_moment("at", at)
 
         def answer() -> Reason:
-            tick = at if at is None or isinstance(at, int) else tick_of(self._loop, at)
-            return Answers(self._loop, self._test_again).explain(name, tick)
+            tick = None if at is None else _tick_of(self._loop, at)
+            answers = Answers(self._loop, self._test_again)
+            reason: Reason = getattr(answers, question)(name, tick)
+            return reason
 
-        reason: Reason = self.call(answer)
-        return reason
+        return cast(Reason, self.call(answer))
 
     def _test_again(self, tick: int, element: Element) -> Evaluation | Exception | None:
         """Run a tick again in a fork, and return what the test of a transition was there."""
@@ -1252,6 +1262,18 @@ class Session:
             self._changed.notify_all()
         for listener in self._listeners:
             listener()
+
+
+def _check_moment(name: str, at: object) -> None:
+    """Raise an error if an argument is neither a tick nor a time."""
+    check_type(name, at, (int, float), "the number of a tick, or a time in seconds")
+    if isinstance(at, float):
+        check_number(name, at, "a time in seconds", least=0)
+
+
+def _tick_of(loop: Loop, at: int | float) -> int:
+    """Return the tick that is meant by its number, or by a time in seconds."""
+    return at if isinstance(at, int) else tick_of(loop, at)
 
 
 def _tried(

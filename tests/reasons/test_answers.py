@@ -159,6 +159,39 @@ def test_the_last_time_that_a_condition_was_true_is_found_in_another_state():
         assert "It was last true at 0.4 s, when `a` was active." in str(answer)
 
 
+def test_a_moment_is_a_tick_or_a_time_for_every_question():
+    with session(LISTS, namespace={"ask": len}) as live:
+        live.run(1)
+        for ask in (live.why_not, live.explain):
+            assert ask("full", at=0.55) == ask("full", at=6) != ask("full", at=5)
+        assert live.why("a", at=0.55) == live.why("a", at=6)
+        assert live.at(0.55).tick == 6
+
+
+@pytest.mark.parametrize(
+    ("at", "sentence"),
+    [
+        ("x", "is the number of a tick, or a time in seconds, not str."),
+        (True, "is the number of a tick, or a time in seconds, not bool."),
+        (-0.5, "is a time in seconds of 0 or more, not -0.5."),
+        (float("nan"), "is a time in seconds of 0 or more, not nan."),
+    ],
+)
+def test_what_is_neither_a_tick_nor_a_time_is_refused(at, sentence):
+    with session(LISTS, namespace={"ask": len}) as live:
+        live.run(1)
+        calls = (
+            lambda: live.why_not("full", at=at),
+            lambda: live.why("a", at=at),
+            lambda: live.explain("full", at=at),
+            lambda: live.at(at),
+        )
+        for call in calls:
+            with pytest.raises((TypeError, ValueError)) as caught:
+                call()
+            assert str(caught.value).endswith(sentence)
+
+
 def test_reading_the_past_leaves_the_session_as_it_was():
     with session(LISTS, namespace={"ask": len}, on_issue="record") as live:
         live.run(1)
