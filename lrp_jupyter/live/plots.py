@@ -5,11 +5,13 @@ from __future__ import annotations
 import ast
 import math
 import operator
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain
 from typing import Literal, NamedTuple
 
+from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.interpreter.by_path import full_path
 from lrp_jupyter.language.expressions import UnknownValueError, evaluate, expression_of, names_in
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, path_text
@@ -17,7 +19,7 @@ from lrp_jupyter.language.resolution import Scope, resolve
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.recorded_robot import RecordedRobot
 
-__all__ = ["Plot", "Threshold", "plots_of", "plottable"]
+__all__ = ["Plot", "Threshold", "plots_of", "plots_of_named", "plottable"]
 
 _ROBOT = "robot."
 _MOST = 6  # thresholds of a plot
@@ -101,6 +103,44 @@ def plots_of(loop: Loop, wanted: Mapping[str, int]) -> list[Plot]:
         times = tuple(sample.time for sample in here)
         plots.append(Plot(name, "truth" if is_truth else "number", times, numbers, thresholds))
     return plots
+
+
+def plots_of_named(loop: Loop, names: Iterable[str]) -> list[Plot]:
+    """Return all samples of names that a person has written; between two ticks.
+
+    Raises
+    ------
+    UnknownElementError
+        There is no such variable or reading, or several variables have that name.
+    """
+    plots = plots_of(loop, {_whole(loop, name): 0 for name in names})
+    for plot in plots:
+        if plot.times and not _is_known(loop, plot):
+            known = plottable(loop)
+            hint = (
+                did_you_mean(plot.name, known) or f" There are: {', '.join(f'`{name}`' for name in known)}."
+            )
+            raise UnknownElementError(f"There is no variable or reading `{plot.name}` to plot.{hint}")
+    return plots
+
+
+def _whole(loop: Loop, name: str) -> str:
+    """Return the path of a variable that is called by its name only; other names unchanged."""
+    path, present = as_path(name), loop.frame.values
+    if name.startswith(_ROBOT) or len(path) > 1 or not any(each[-1:] == path for each in present):
+        return name
+    return path_text(full_path(path, tuple(present)))
+
+
+def _is_known(loop: Loop, plot: Plot) -> bool:
+    """Return whether a plotted name is, or was, that of a variable or a reading."""
+    if any(value is not None for value in plot.values):
+        return True
+    if plot.name.startswith(_ROBOT):
+        return plot.name.removeprefix(_ROBOT) in loop.bridge.readings_of(loop.moments[-1][2])
+    path, names = as_path(plot.name), resolve(loop.interpreter.program)
+    scope = names.by_path.get(names.defined(path[:-1]))
+    return path in loop.frame.values or (scope is not None and path[-1] in scope.variables)
 
 
 class _Sample(NamedTuple):

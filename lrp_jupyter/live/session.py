@@ -92,7 +92,7 @@ from lrp_jupyter.live.fork import ForkStart, check_repeated, fork_start, private
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
 from lrp_jupyter.live.past import frame_at, tick_of
-from lrp_jupyter.live.plots import Plot, plots_of
+from lrp_jupyter.live.plots import Plot, plots_of_named
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recorder import Recorder, start_of
 from lrp_jupyter.live.replay import Entry, Ticked, play, repeat, tested_again, without_edits
@@ -780,7 +780,7 @@ class Session:
         machine : str or path
             The machine in whose scope the condition is evaluated, while it runs; by default the top level.
         after : int
-            The hit from which on it pauses.
+            The hit from which on it pauses: 1 or more.
         once : bool
             Whether it is switched off when it has paused.
 
@@ -795,8 +795,12 @@ class Session:
         SyntaxError
             The condition is not an expression.
         TypeError
-            None of these is given, or several are.
+            None of these is given, or several are; `machine` is given without `condition`.
+        ValueError
+            `after` is less than 1.
         """
+        check_type("condition", condition, str, "a text, a Python expression")
+        check_type("after", after, int, "a number of hits")
         check_number("after", after, "a number of hits", least=1)
         given: dict[BreakpointKind, str | Path | None] = {
             "entered": entered,
@@ -808,6 +812,8 @@ class Session:
         chosen = [(kind, what) for kind, what in given.items() if what is not None]
         if len(chosen) != 1:
             raise TypeError("Pass one of a state, `left`, `fires`, `event` and `condition`.")
+        if machine and not condition:
+            raise TypeError("`machine` is the scope of a `condition`. To name an element, pass its path.")
         new = breakpoint_of(self.program, *chosen[0], machine or (), after=after, once=once)
         added: Breakpoint = self._driver.do(do.AddBreakpoint(new))
         return added
@@ -821,6 +827,7 @@ class Session:
             There is no such breakpoint.
         """
         if after is not None:
+            check_type("after", after, int, "a number of hits")
             check_number("after", after, "a number of hits", least=1)
         self._driver.do(do.ChangeBreakpoint(number, enabled if enabled is None else bool(enabled), after))
 
@@ -917,8 +924,10 @@ class Session:
         since : TimelineCursor, optional
             The `cursor` of an earlier answer: only what came after it is returned.
         plots : mapping of str to int, optional
-            Names to plot as for :meth:`plots`, each with the tick up to which its samples are known.
+            Names to plot, by their whole paths, each with the tick up to which its samples are known.
         """
+        check_type("since", since, (TimelineCursor, NoneType), "the `cursor` of a timeline")
+        check_type("plots", plots, (Mapping, NoneType), "a mapping of names to ticks")
         return cast(Timeline, self.call(partial(timeline_of, self._loop, since, plots)))
 
     def plots(self, names: Iterable[str]) -> list[Plot]:
@@ -927,10 +936,23 @@ class Session:
         Parameters
         ----------
         names : iterable of str
-            Paths of variables as spawned, ``robot.`` and the names of readings.
+            Variables by path as spawned, or by name where only one has it now; ``robot.`` and the names of
+            readings.
+
+        Returns
+        -------
+        list of Plot
+            One for each name.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such variable or reading, or several variables have that name.
         """
-        wanted = dict.fromkeys(names, 0)
-        return cast("list[Plot]", self.call(partial(plots_of, self._loop, wanted)))
+        wanted = _listed("names", names, '["robot.light.data"]')
+        for name in wanted:
+            check_type("names", name, str, "a list of texts")
+        return cast("list[Plot]", self.call(partial(plots_of_named, self._loop, wanted)))
 
     def why_not(self, transition: str | Path, at: int | float | None = None) -> Reason:
         """Return why a transition did not fire in a tick, or that it did.
@@ -1046,6 +1068,7 @@ class Session:
             The other text is not a valid program.
         """
         check_type("at", at, (int, NoneType), "the number of a tick")
+        check_type("program", program, (str, Program, NoneType), "a text or a Program")
         if isinstance(program, str):
             program = parse(program, self.program.filename)
         copy = self._forked(self.call(partial(fork_start, self._loop, at)))
@@ -1075,7 +1098,7 @@ class Session:
         program : str or Program, optional
             By default the one that runs now.
         seconds : float
-            How long, in seconds of the run.
+            How long, in seconds of the run; not infinite.
 
         Raises
         ------
@@ -1085,6 +1108,8 @@ class Session:
             The text is not a valid program.
         """
         check_number("seconds", seconds, "a number of seconds", above=0)
+        if math.isinf(seconds):
+            raise ValueError("Both runs last so many `seconds`. Pass a number that is not infinite.")
         if program is None and at is not None:
             program = self.program
         with self.fork(at, program, inputs=True) as fork:
@@ -1122,7 +1147,7 @@ class Session:
             A variable that exists at that moment.
         values : iterable
         seconds : float
-            How long each run lasts at most, in seconds of the run.
+            How long each run lasts at most, in seconds of the run; infinite only with `until`.
         until : str, path or callable, optional
             A state, or a condition on the frame, that ends a run; the time until then is part of the result.
         outcome : callable, optional
@@ -1142,8 +1167,13 @@ class Session:
         ValueError
             The tick is not, or no longer, recorded.
         """
+        check_number("seconds", seconds, "a number of seconds", least=0)
+        if math.isinf(seconds) and until is None:
+            raise ValueError("A run without `until` never ends. Pass `until`, or other `seconds`.")
+        if outcome is not None:
+            check_callable("outcome", outcome)
         trials = []
-        for value in values:
+        for value in _listed("values", values, "[0.2, 0.3]"):
             with self.fork(at) as fork:
                 fork.variables[variable] = value
                 trials.append(_tried(fork, value, seconds, until, outcome))
@@ -1262,6 +1292,14 @@ class Session:
             self._changed.notify_all()
         for listener in self._listeners:
             listener()
+
+
+def _listed(name: str, values: Iterable[Any], example: str) -> list[Any]:
+    """Return the values of an argument that is a list, for which a text is taken by mistake."""
+    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+        kind = type(values).__name__
+        raise TypeError(f"`{name}` is a list, such as `{example}`, not {kind}.")
+    return list(values)
 
 
 def _check_moment(name: str, at: object) -> None:
