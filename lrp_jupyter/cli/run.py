@@ -42,6 +42,7 @@ from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program, path_text
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.live.unknown import unknown
 from lrp_jupyter.logs import open_log
 
 __all__ = ["open_robot", "run_file", "where"]
@@ -57,6 +58,7 @@ def run_file(file: str, wanted: RunOptions) -> int:
         raise typer.BadParameter(
             "--watch needs a file of your own; `lrp programs --show NAME > my.lrp` makes one."
         )
+    _check_files(source, wanted)
     complaints = plain_console(stderr=True)
     program, findings = scan(source.text, source.name)
     if program is None:
@@ -90,6 +92,31 @@ def run_file(file: str, wanted: RunOptions) -> int:
         return _Run(session, source, wanted, trace).go(program)
 
 
+def _check_files(source: Source, wanted: RunOptions) -> None:
+    """Raise an error if an output would overwrite the program, the world or the other output."""
+    if wanted.record == "-":
+        raise typer.BadParameter("--record writes a file. Give its name, as in `--record run.lrplog`.")
+    world = FilePath(wanted.world or source.world or "")  # a name, or a file
+    kept = {"the program": source.path, "the world": world if world.is_file() else None}
+    for option, name in (("--trace", wanted.trace), ("--record", wanted.record)):
+        if name is None or name == "-":
+            continue
+        for what, path in kept.items():
+            if path is not None and _is_same_file(path, FilePath(name)):
+                raise typer.BadParameter(f"{option} would overwrite {what} `{path}`. Choose another name.")
+        kept["the trace"] = FilePath(name)
+
+
+def _is_same_file(one: FilePath, other: FilePath) -> bool:
+    """Return whether two paths are those of one file, which need not exist; a device is not a file."""
+    try:
+        if other.exists():
+            return other.is_file() and one.exists() and one.samefile(other)
+        return one.resolve() == other.resolve()
+    except (OSError, ValueError):  # neither can be opened: that is reported then
+        return False
+
+
 def _pause_when(session: Session, what: str) -> None:
     """Set a breakpoint that was given on the command line."""
     word, _, rest = what.strip().partition(" ")
@@ -102,16 +129,27 @@ def _pause_when(session: Session, what: str) -> None:
         elif word == "event" and rest:
             session.pause_when(event=rest)
         else:
-            try:
-                session.pause_when(what)
-            except UnknownElementError as error:
-                if str(error).startswith("Several"):
-                    raise
-                session.pause_when(fires=what)
+            _pause_at(session, what)
     except UnknownElementError as error:
         raise typer.BadParameter(f"--break: {error}") from None
     except SyntaxError as error:
         raise typer.BadParameter(f"--break: {error.msg}") from None
+
+
+def _pause_at(session: Session, what: str) -> None:
+    """Set a breakpoint for a state or, if there is no such state, for a transition."""
+    for argument in ("entered", "fires"):
+        try:
+            session.pause_when(**{argument: what})  # type: ignore[arg-type]
+            return
+        except UnknownElementError as error:
+            if str(error).startswith("Several"):
+                raise
+    examples = {"left": "left moving", "event": "event bump", "when": "when robot.bumper.data"}
+    if (word := what.strip()) in examples:
+        raise typer.BadParameter(f"--break: Write more after `{word}`, as in `--break '{examples[word]}'`.")
+    remedies = {"event": f"Write `--break 'event {what}'`."}
+    raise unknown("state or transition", ["state", "transition"], what, [session.program], remedies)
 
 
 def _record(session: Session, wanted: RunOptions, stack: ExitStack) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from lrp_jupyter.errors import UnknownElementError, did_you_mean, sentence_of
+from lrp_jupyter.errors import UnknownElementError, sentence_of
 from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import Hit
@@ -19,8 +19,13 @@ from lrp_jupyter.interpreter.variables import BlockTest, check_expression
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Block, Element, Path, Program, path_text
 from lrp_jupyter.language.resolution import resolve
+from lrp_jupyter.live.unknown import unknown
 
 __all__ = ["Breakpoints", "breakpoint_of", "element_of", "noun_of"]
+
+
+_KEYWORDS = {"state": "entered", "transition": "fires", "event": "event", "machine": "machine"}
+"""The argument of `Session.pause_when` that takes an element, by its kind."""
 
 
 def noun_of(kind: BreakpointKind) -> str:
@@ -52,8 +57,8 @@ def element_of(program: Program, kind: str, wanted: str | Path) -> Element:
     if found:
         listed = ", ".join(f"`{path_text(each.path)}`" for each in found)
         raise UnknownElementError(f"Several {kind}s are called `{text}`. Use one of {listed}.")
-    hint = did_you_mean(path[-1], [element.shown[-1] for element in known])
-    raise UnknownElementError(f"There is no {kind} `{text}`.{hint}")
+    remedies = {each: f'Pass `{keyword}="{text}"`.' for each, keyword in _KEYWORDS.items()}
+    raise unknown(kind, [kind], wanted, [program], remedies)
 
 
 def breakpoint_of(

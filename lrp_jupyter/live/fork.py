@@ -84,8 +84,8 @@ def fork_start(loop: Loop, at: int | None) -> ForkStart:
         if not now:
             raise ValueError("No tick has run yet. Run the program first.")
         every = loop.checkpoints.all
-        known = f"only {max(every[0].tick, first)} to {now} are" if every else "none is"
-        raise ValueError(f"Tick {at} is not recorded: {known}.")
+        known = f"Choose one from {max(every[0].tick, first)} to {now}." if every else "None is."
+        raise ValueError(f"Tick {at} is not remembered. {known}")
     bridge = _forked(loop.bridge, found.moment)
     feeds = isinstance(bridge, RecordedBridge)
     moments = [loop.moments[tick - now - 1] for tick in range(found.tick + 1, now + 1)]

@@ -14,6 +14,8 @@ from dataclasses import dataclass
 from itertools import chain
 from typing import Literal, NamedTuple
 
+from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.interpreter.by_path import full_path
 from lrp_jupyter.language.expressions import UnknownValueError, evaluate, expression_of, names_in
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Path, Program, path_text
@@ -21,7 +23,7 @@ from lrp_jupyter.language.resolution import Scope, resolve
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.recorded_robot import RecordedRobot
 
-__all__ = ["Plot", "Threshold", "plottable", "plotting"]
+__all__ = ["Plot", "Threshold", "plottable", "plotting", "plotting_named"]
 
 _ROBOT = "robot."
 _MOST = 6  # thresholds of a plot
@@ -137,6 +139,56 @@ class _Column:
         thresholds = () if is_truth else tuple(each.threshold() for each in self._thresholds)
         kind: Literal["number", "truth"] = "truth" if is_truth else "number"
         return Plot(self._name, kind, tuple(self._times[::-1]), tuple(self._values[::-1]), thresholds)
+
+
+def plotting_named(loop: Loop, names: Iterable[str]) -> Callable[[], list[Plot]]:
+    """Return what computes all samples of names that a person has written, as :func:`plotting` does.
+
+    It raises :class:`UnknownElementError` for a name that was never one of a variable or a reading.
+
+    Raises
+    ------
+    UnknownElementError
+        Several variables have that name.
+    """
+    whole = [_whole(loop, name) for name in names]
+    present = {name for name in whole if _is_present(loop, name)}
+    known = plottable(loop)
+    compute = plotting(loop, dict.fromkeys(whole, 0))
+
+    def plots() -> list[Plot]:
+        found = compute()
+        for plot in found:
+            had_value = any(value is not None for value in plot.values)
+            if plot.times and not had_value and plot.name not in present:
+                raise _unknown(plot.name, known)
+        return found
+
+    return plots
+
+
+def _unknown(name: str, known: list[str]) -> UnknownElementError:
+    hint = did_you_mean(name, known) or f" There are: {', '.join(f'`{each}`' for each in known)}."
+    return UnknownElementError(f"There is no variable or reading `{name}` to plot.{hint}")
+
+
+def _whole(loop: Loop, name: str) -> str:
+    """Return the path of a variable that is called by its name only; other names unchanged."""
+    path, present = as_path(name), loop.frame.values
+    if name.startswith(_ROBOT) or len(path) > 1 or not any(each[-1:] == path for each in present):
+        return name
+    return path_text(full_path(path, tuple(present)))
+
+
+def _is_present(loop: Loop, name: str) -> bool:
+    """Return whether a name is that of a reading, or of a variable that exists or may exist."""
+    if name.startswith(_ROBOT):
+        return bool(loop.moments) and name.removeprefix(_ROBOT) in loop.bridge.readings_of(
+            loop.moments[-1][2]
+        )
+    path, names = as_path(name), resolve(loop.interpreter.program)
+    scope = names.by_path.get(names.defined(path[:-1]))
+    return path in loop.frame.values or (scope is not None and path[-1] in scope.variables)
 
 
 class _Sample(NamedTuple):

@@ -92,7 +92,7 @@ from lrp_jupyter.live.fork import ForkStart, check_repeated, fork_start, private
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
 from lrp_jupyter.live.past import frame_at, tick_of
-from lrp_jupyter.live.plots import Plot, plotting
+from lrp_jupyter.live.plots import Plot, plotting_named
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recorder import Recorder, start_of
 from lrp_jupyter.live.replay import Entry, Ticked, play, repeat, tested_again, without_edits
@@ -780,7 +780,7 @@ class Session:
         machine : str or path
             The machine in whose scope the condition is evaluated, while it runs; by default the top level.
         after : int
-            The hit from which on it pauses.
+            The hit from which on it pauses: 1 or more.
         once : bool
             Whether it is switched off when it has paused.
 
@@ -795,11 +795,13 @@ class Session:
         SyntaxError
             The condition is not an expression.
         TypeError
-            None of these is given, or several are.
+            None of these is given, or several are; `machine` is given without `condition`.
+        ValueError
+            `after` is less than 1.
         """
         check_type("after", after, int, "a number of hits")
         check_number("after", after, "a number of hits", least=1)
-        check_type("condition", condition, str, "an expression as text")
+        check_type("condition", condition, str, "a text, a Python expression")
         given: dict[BreakpointKind, str | Path | None] = {
             "entered": entered,
             "left": left,
@@ -810,6 +812,8 @@ class Session:
         chosen = [(kind, what) for kind, what in given.items() if what is not None]
         if len(chosen) != 1:
             raise TypeError("Pass one of a state, `left`, `fires`, `event` and `condition`.")
+        if machine and not condition:
+            raise TypeError("`machine` is the scope of a `condition`. To name an element, pass its path.")
         new = breakpoint_of(self.program, *chosen[0], machine or (), after=after, once=once)
         added: Breakpoint = self._driver.do(do.AddBreakpoint(new))
         return added
@@ -905,15 +909,10 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not, or no longer, recorded.
+            The tick is not, or no longer, recorded; or the time is negative.
         """
-        check_type("tick", tick, (int, float), "the number of a tick, or a time in seconds")
-        loop = self._loop
-
-        def frame() -> Frame:
-            return frame_at(loop, tick if isinstance(tick, int) else tick_of(loop, tick))
-
-        return cast(Frame, self.call(frame))
+        _check_moment("tick", tick)
+        return cast(Frame, self.call(lambda: frame_at(self._loop, _tick_of(self._loop, tick))))
 
     def timeline(
         self, since: TimelineCursor | None = None, plots: Mapping[str, int] | None = None
@@ -925,8 +924,10 @@ class Session:
         since : TimelineCursor, optional
             The `cursor` of an earlier answer: only what came after it is returned.
         plots : mapping of str to int, optional
-            Names to plot as for :meth:`plots`, each with the tick up to which its samples are known.
+            Names to plot, by their whole paths, each with the tick up to which its samples are known.
         """
+        check_type("since", since, (TimelineCursor, NoneType), "the `cursor` of a timeline")
+        check_type("plots", plots, (Mapping, NoneType), "a mapping of names to ticks")
         timeline: Callable[[], Timeline] = self.call(partial(timeline_of, self._loop, since, plots))
         return timeline()
 
@@ -936,20 +937,35 @@ class Session:
         Parameters
         ----------
         names : iterable of str
-            Paths of variables as spawned, ``robot.`` and the names of readings.
+            Variables by path as spawned, or by name where only one has it now; ``robot.`` and the names of
+            readings.
+
+        Returns
+        -------
+        list of Plot
+            One for each name.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such variable or reading, or several variables have that name.
         """
-        plot: Callable[[], list[Plot]] = self.call(partial(plotting, self._loop, dict.fromkeys(names, 0)))
+        wanted = _listed("names", names, '["robot.light.data"]')
+        for name in wanted:
+            check_type("names", name, str, "a list of texts")
+        plot: Callable[[], list[Plot]] = self.call(partial(plotting_named, self._loop, wanted))
         return plot()
 
-    def why_not(self, transition: str | Path, at: int | None = None) -> Reason:
+    def why_not(self, transition: str | Path, at: int | float | None = None) -> Reason:
         """Return why a transition did not fire in a tick, or that it did.
 
         Parameters
         ----------
         transition : str or path
             Its name, its label (``condition:from->to``) or its path.
-        at : int, optional
-            A tick; by default the last one.
+        at : int or float, optional
+            A tick; or a time in seconds, as a float: then the last tick that was not after it. By default
+            the last tick.
 
         Raises
         ------
@@ -958,20 +974,18 @@ class Session:
         ValueError
             The tick is not, or no longer, recorded.
         """
-        if at is not None:
-            check_type("at", at, int, "the number of a tick")
-        reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why_not(transition, at))
-        return reason
+        return self._answer("why_not", transition, at)
 
-    def why(self, what: str | Path, at: int | None = None) -> Reason:
+    def why(self, what: str | Path, at: int | float | None = None) -> Reason:
         """Return why a state is active, or why the robot got its last command.
 
         Parameters
         ----------
         what : str or path
             A state (``"looking"``) or a command of the robot (``"robot.move"``).
-        at : int, optional
-            A tick; by default the last one.
+        at : int or float, optional
+            A tick; or a time in seconds, as a float: then the last tick that was not after it. By default
+            the last tick.
 
         Raises
         ------
@@ -980,10 +994,7 @@ class Session:
         ValueError
             The tick is not, or no longer, recorded.
         """
-        if at is not None:
-            check_type("at", at, int, "the number of a tick")
-        reason: Reason = self.call(lambda: Answers(self._loop, self._test_again).why(what, at))
-        return reason
+        return self._answer("why", what, at)
 
     def explain(self, name: str | Path, at: int | float | None = None) -> Reason:
         """Return :meth:`why_not` for a transition, :meth:`why` for a state or a command of the robot.
@@ -992,7 +1003,7 @@ class Session:
         ----------
         name : str or path
         at : int or float, optional
-            A tick; or a time in seconds, as a float. By default now.
+            A tick; or a time in seconds, as a float. By default the last tick.
 
         Raises
         ------
@@ -1001,15 +1012,21 @@ class Session:
         ValueError
             The tick is not, or no longer, recorded.
         """
+        return self._answer("explain", name, at)
+
+    def _answer(
+        self, question: Literal["why", "why_not", "explain"], name: str | Path, at: int | float | None
+    ) -> Reason:
         if at is not None:
-            check_type("at", at, (int, float), "the number of a tick, or a time in seconds")
+            _check_moment("at", at)
 
         def answer() -> Reason:
-            tick = at if at is None or isinstance(at, int) else tick_of(self._loop, at)
-            return Answers(self._loop, self._test_again).explain(name, tick)
+            tick = None if at is None else _tick_of(self._loop, at)
+            answers = Answers(self._loop, self._test_again)
+            reason: Reason = getattr(answers, question)(name, tick)
+            return reason
 
-        reason: Reason = self.call(answer)
-        return reason
+        return cast(Reason, self.call(answer))
 
     def _test_again(self, tick: int, element: Element) -> Evaluation | Exception | None:
         """Run a tick again in a fork, and return what the test of a transition was there."""
@@ -1053,6 +1070,7 @@ class Session:
             The other text is not a valid program.
         """
         check_type("at", at, (int, NoneType), "the number of a tick")
+        check_type("program", program, (str, Program, NoneType), "a text or a Program")
         if isinstance(program, str):
             program = parse(program, self.program.filename)
         copy = self._forked(self.call(partial(fork_start, self._loop, at)))
@@ -1083,7 +1101,7 @@ class Session:
         program : str or Program, optional
             By default the one that runs now.
         seconds : float
-            How long, in seconds of the run.
+            How long, in seconds of the run; not infinite.
 
         Raises
         ------
@@ -1093,6 +1111,8 @@ class Session:
             The text is not a valid program.
         """
         check_number("seconds", seconds, "a number of seconds", above=0)
+        if math.isinf(seconds):
+            raise ValueError("Both runs last so many `seconds`. Pass a number that is not infinite.")
         if program is None and at is not None:
             program = self.program
         with self.fork(at, program, inputs=True) as fork:
@@ -1130,7 +1150,7 @@ class Session:
             A variable that exists at that moment.
         values : iterable
         seconds : float
-            How long each run lasts at most, in seconds of the run.
+            How long each run lasts at most, in seconds of the run; infinite only with `until`.
         until : str, path or callable, optional
             A state, or a condition on the frame, that ends a run; the time until then is part of the result.
         outcome : callable, optional
@@ -1150,8 +1170,13 @@ class Session:
         ValueError
             The tick is not, or no longer, recorded.
         """
+        check_number("seconds", seconds, "a number of seconds", least=0)
+        if math.isinf(seconds) and until is None:
+            raise ValueError("A run without `until` never ends. Pass `until`, or other `seconds`.")
+        if outcome is not None:
+            check_callable("outcome", outcome)
         trials = []
-        for value in values:
+        for value in _listed("values", values, "[0.2, 0.3]"):
             with self.fork(at) as fork:
                 fork.variables[variable] = value
                 trials.append(_tried(fork, value, seconds, until, outcome))
@@ -1270,6 +1295,26 @@ class Session:
             self._changed.notify_all()
         for listener in self._listeners:
             listener()
+
+
+def _listed(name: str, values: Iterable[Any], example: str) -> list[Any]:
+    """Return the values of an argument that is a list, for which a text is taken by mistake."""
+    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+        kind = type(values).__name__
+        raise TypeError(f"`{name}` is a list, such as `{example}`, not {kind}.")
+    return list(values)
+
+
+def _check_moment(name: str, at: object) -> None:
+    """Raise an error if an argument is neither a tick nor a time."""
+    check_type(name, at, (int, float), "the number of a tick, or a time in seconds")
+    if isinstance(at, float):
+        check_number(name, at, "a time in seconds", least=0)
+
+
+def _tick_of(loop: Loop, at: int | float) -> int:
+    """Return the tick that is meant by its number, or by a time in seconds."""
+    return at if isinstance(at, int) else tick_of(loop, at)
 
 
 def _tried(

@@ -121,6 +121,29 @@ def test_a_recording_is_asked_why(lrp, recorded):
     assert "`drive.running` (line 5)" in lrp("why", path, "robot.move", "--at", "1.5").stdout
 
 
+def test_a_recording_or_trace_never_overwrites_what_the_run_reads_or_writes(lrp, program, tmp_path):
+    path, other = program(TEXT), tmp_path / "run.lrplog"
+    (link := tmp_path / "link.lrp").symlink_to(path)
+    world = tmp_path / "mine.json"
+    world.write_text(lrp("worlds", "--json", "line").stdout, encoding="utf-8")
+    for options, told in (
+        (["--record", path], "--record would overwrite the program"),
+        (["--record", link], "--record would overwrite the program"),
+        (["--trace", path], "--trace would overwrite the program"),
+        (["--world", world, "--record", world], "--record would overwrite the world"),
+        (["--trace", other, "--record", other], "--record would overwrite the trace"),
+        (["--record", "-"], "--record writes a file."),
+    ):
+        done = lrp("run", path, "--speed", "max", "--for", "1", *options)
+        assert done.exit_code == 2
+        assert told in " ".join(done.stderr.replace("│", " ").split())
+    assert path.read_text(encoding="utf-8") == TEXT
+    assert world.read_text(encoding="utf-8").startswith("{")
+    assert not other.exists()
+    done = lrp("run", path, "--speed", "max", "--for", "1", "--trace", "/dev/null", "--record", "/dev/null")
+    assert done.exit_code == 0
+
+
 def test_random_numbers_are_recorded_by_their_seed(lrp, recorded):
     text = TEXT.replace("n += 1", "import random; n = random.random()")
     assert "matches the recording" in lrp("replay", recorded(text=text)).stdout
@@ -171,7 +194,15 @@ def test_a_run_can_wait_for_other_things(lrp, program, what, said):
 
 
 @pytest.mark.parametrize(
-    ("what", "said"), [("stopp", "There is no transition `stopp`"), ("when n +", "--break")]
+    ("what", "said"),
+    [
+        ("stopp", "There is no state or transition `stopp`. Did you mean `stop`?"),
+        ("n", "`n` is a variable, not a state or transition. There are: `drive`, `stop`, `bright`, `far`."),
+        ("left", "Write more after `left`, as in `--break 'left moving'`."),
+        ("when", "Write more after `when`"),
+        ("event bright", "`bright` is a transition, not an event."),
+        ("when n +", "--break"),
+    ],
 )
 def test_a_breakpoint_that_cannot_be_set_is_refused(lrp, program, what, said):
     done = lrp("run", program(TEXT), "--for", "1", "--break", what)

@@ -2,6 +2,7 @@
 
 import contextlib
 import gc
+import math
 import threading
 
 import pytest
@@ -132,6 +133,46 @@ def test_a_wrong_type_anywhere_is_one_sentence(call, sentence):
             lambda s: setattr(s, "on_issue", "stop"),
             ValueError,
             "`on_issue` is `record` or `pause`, not `stop`.",
+        ),
+        (lambda s: s.fork(program=5), TypeError, "`program` is a text or a Program, not int."),
+        (
+            lambda s: s.what_if(seconds=math.inf),
+            ValueError,
+            "Both runs last so many `seconds`. Pass a number that is not infinite.",
+        ),
+        (
+            lambda s: s.try_values("n", [1], math.inf),
+            ValueError,
+            "A run without `until` never ends. Pass `until`, or other `seconds`.",
+        ),
+        (
+            lambda s: s.try_values("n", "123"),
+            TypeError,
+            "`values` is a list, such as `[0.2, 0.3]`, not str.",
+        ),
+        (lambda s: s.try_values("n", [1], outcome=5), TypeError, "`outcome` is a function, not int."),
+        (
+            lambda s: s.plots("n"),
+            TypeError,
+            '`names` is a list, such as `["robot.light.data"]`, not str.',
+        ),
+        (lambda s: s.plots([3]), TypeError, "`names` is a list of texts, not int."),
+        (lambda s: s.timeline(3), TypeError, "`since` is the `cursor` of a timeline, not int."),
+        (
+            lambda s: s.timeline(plots=["n"]),
+            TypeError,
+            "`plots` is a mapping of names to ticks, not list.",
+        ),
+        (
+            lambda s: s.pause_when(condition=5),
+            TypeError,
+            "`condition` is a text, a Python expression, not int.",
+        ),
+        (lambda s: s.pause_when("a", after=1.5), TypeError, "`after` is a number of hits, not float."),
+        (
+            lambda s: s.pause_when("a", machine="m"),
+            TypeError,
+            "`machine` is the scope of a `condition`. To name an element, pass its path.",
         ),
         (lambda s: s.rewind(-1), ValueError, "`ticks` is a number of ticks of 0 or more, not -1."),
         (lambda s: s.pause(3), TypeError, "`reason` is a sentence, not int."),

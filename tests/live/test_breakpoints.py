@@ -308,7 +308,7 @@ def test_hits_are_counted_in_whole_numbers(live, wrong):
 
 
 def test_a_condition_is_a_text(live):
-    with pytest.raises(TypeError, match="`condition` is an expression as text, not int"):
+    with pytest.raises(TypeError, match="`condition` is a text, a Python expression, not int"):
         live.pause_when(condition=5)
 
 

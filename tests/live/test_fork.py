@@ -402,7 +402,7 @@ def test_what_a_fork_prints_is_its_own():
 def test_only_recorded_ticks_can_be_forked_or_looked_at():
     with Session(COUNTER, clock=VirtualClock(), journal=5) as session:
         session.run(2)
-        with pytest.raises(ValueError, match="only"):
+        with pytest.raises(ValueError, match="Choose one from 15 to 20"):
             session.fork(21)
         with pytest.raises(ValueError, match="Ask about ticks 16 to 20"):
             session.at(3)
@@ -410,7 +410,7 @@ def test_only_recorded_ticks_can_be_forked_or_looked_at():
         with pytest.raises(ValueError, match=r"^No tick has run yet\. Run the program first\.$"):
             session.fork(0)
         session.run(2)
-        with pytest.raises(ValueError, match=r"^Tick 3 is not recorded: none is\.$"):
+        with pytest.raises(ValueError, match=r"^Tick 3 is not remembered\. None is\.$"):
             session.fork(3)
 
 

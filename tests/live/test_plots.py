@@ -5,6 +5,7 @@ import threading
 import pytest
 
 from lrp_jupyter import programs
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.live.plots import plotting
 from lrp_jupyter.live.session import Session
 
@@ -123,7 +124,22 @@ def test_a_value_that_is_not_finite_is_left_out():
 
 
 @pytest.mark.parametrize("name", ["nothing", "robot.nothing", "m/a/b/c"])
-def test_a_name_that_does_not_exist_gives_an_empty_plot(name):
+def test_a_name_that_does_not_exist_gives_an_empty_plot_in_the_timeline(name):
     with Session(PROGRAM) as session:
         session.run(0.3)
-        assert session.plots([name])[0].values == (None, None, None)
+        assert session.timeline(plots={name: 0}).plots[0].values == (None, None, None)
+        with pytest.raises(UnknownElementError, match=f"no variable or reading `{name}` to plot"):
+            session.plots([name])
+
+
+def test_a_variable_is_plotted_by_its_name():
+    with Session(PROGRAM) as session:
+        session.run(0.3)
+        assert session.plots(["n"]) == session.plots(["m/n"])
+
+
+def test_a_reading_without_robot_is_told_with_what_was_meant():
+    with Session(PROGRAM, "sim", world="empty") as session:
+        session.run(0.3)
+        with pytest.raises(UnknownElementError, match=r"Did you mean `robot\.light\.data`\?"):
+            session.plots(["light.data"])

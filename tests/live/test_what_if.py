@@ -165,7 +165,7 @@ def test_a_difference_of_the_paths_alone_has_its_tick():
 def test_an_invalid_program_is_refused(session):
     with pytest.raises(ValueError, match="seconds"):
         session.what_if(50, FOLLOWER, 0)
-    with pytest.raises(ValueError, match="not recorded"):
+    with pytest.raises(ValueError, match="Tick 5000 is not remembered"):
         session.what_if(5000, FOLLOWER)
 
 

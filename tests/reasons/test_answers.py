@@ -112,6 +112,29 @@ def test_what_does_not_exist_is_named_with_what_was_probably_meant():
             live.why_not("full", at=99)
 
 
+@pytest.mark.parametrize(
+    ("ask", "sentence"),
+    [
+        (lambda s: s.explain("seen"), "`seen` is a variable, not a transition, state or command. "),
+        (lambda s: s.explain("xyz"), "There is no transition, state or command `xyz`. There are: `full`, "),
+        (lambda s: s.why_not("a"), "`a` is a state, not a transition. Ask `why` about it."),
+        (lambda s: s.why_not("robot.move"), "`robot.move` is a command, not a transition. Ask `why` "),
+        (lambda s: s.why("full"), "`full` is a transition, not a state. Ask `why_not` about it."),
+        (lambda s: s.why("m"), "`m` is a machine, not a state. There are: `a`, `b`."),
+        (lambda s: s.why("move"), "There is no state `move`. Did you mean `robot.move`?"),
+        (lambda s: s.why("robot.light.data"), "`robot` has no command `light.data`. There are: `move`"),
+        (lambda s: s.pause_when("full"), '`full` is a transition, not a state. Pass `fires="full"`.'),
+        (lambda s: s.pause_when(event="bump"), "There is no event `bump`. The program has no event."),
+    ],
+)
+def test_a_name_of_something_else_is_told_with_what_to_do(ask, sentence):
+    with session(LISTS, "sim", world="empty", namespace={"ask": len}) as live:
+        live.run(1)
+        with pytest.raises(UnknownElementError) as caught:
+            ask(live)
+        assert str(caught.value).startswith(sentence)
+
+
 def test_an_answer_about_a_tick_before_an_edit_is_about_the_program_of_then():
     text = (
         "(var n := [0])(machine m (state a (running [n += 1])) (state b) (on [n > 50] a -> b go))(spawn m a)"
@@ -135,6 +158,39 @@ def test_the_last_time_that_a_condition_was_true_is_found_in_another_state():
         answer = live.why_not("never")
         assert answer.facts["last_true"] == 5
         assert "It was last true at 0.4 s, when `a` was active." in str(answer)
+
+
+def test_a_moment_is_a_tick_or_a_time_for_every_question():
+    with session(LISTS, namespace={"ask": len}) as live:
+        live.run(1)
+        for ask in (live.why_not, live.explain):
+            assert ask("full", at=0.55) == ask("full", at=6) != ask("full", at=5)
+        assert live.why("a", at=0.55) == live.why("a", at=6)
+        assert live.at(0.55).tick == 6
+
+
+@pytest.mark.parametrize(
+    ("at", "sentence"),
+    [
+        ("x", "is the number of a tick, or a time in seconds, not str."),
+        (True, "is the number of a tick, or a time in seconds, not bool."),
+        (-0.5, "is a time in seconds of 0 or more, not -0.5."),
+        (float("nan"), "is a time in seconds of 0 or more, not nan."),
+    ],
+)
+def test_what_is_neither_a_tick_nor_a_time_is_refused(at, sentence):
+    with session(LISTS, namespace={"ask": len}) as live:
+        live.run(1)
+        calls = (
+            lambda: live.why_not("full", at=at),
+            lambda: live.why("a", at=at),
+            lambda: live.explain("full", at=at),
+            lambda: live.at(at),
+        )
+        for call in calls:
+            with pytest.raises((TypeError, ValueError)) as caught:
+                call()
+            assert str(caught.value).endswith(sentence)
 
 
 def test_reading_the_past_leaves_the_session_as_it_was():
@@ -469,40 +525,30 @@ def test_the_journal_is_read_back_to_a_tick_once_for_an_answer(monkeypatch, name
     assert len(read) == len(set(read))
 
 
-@pytest.mark.parametrize("at", [2.5, 5.0, "5", True, float("nan"), [1]])
-def test_the_tick_of_a_question_is_a_whole_number(at):
-    with session(COUNTER) as live:
-        live.run(1)
-        for ask in (live.why_not, live.why):
-            with pytest.raises(TypeError, match="`at` is the number of a tick, not "):
-                ask("go", at=at)
-
-
-def test_a_moment_in_a_question_is_a_time_that_is_remembered():
+def test_a_moment_in_a_question_is_a_tick_or_a_time_that_is_remembered():
     with session(COUNTER, journal=20) as live:
         live.run(4)
-        assert live.explain("go", at=3.15).tick == 32
-        with pytest.raises(TypeError, match="`at` is the number of a tick, or a time in seconds, not str"):
-            live.explain("go", at="3")
-        for wrong in (float("nan"), -0.5):
-            with pytest.raises(ValueError, match="number of seconds of the run, 0 or more, not"):
-                live.explain("go", at=wrong)
-        with pytest.raises(ValueError, match=r"1.5 s is not remembered. Ask about 2 s or later."):
-            live.explain("go", at=1.5)
+        for ask in (live.why_not, live.explain):
+            assert ask("go", at=3.15).tick == ask("go", at=32).tick == 32
+            for wrong in ("3", True, [1]):
+                with pytest.raises(
+                    TypeError, match="`at` is the number of a tick, or a time in seconds, not "
+                ):
+                    ask("go", at=wrong)
+            for wrong in (float("nan"), -0.5):
+                with pytest.raises(ValueError, match="`at` is a time in seconds of 0 or more, not"):
+                    ask("go", at=wrong)
+            with pytest.raises(ValueError, match=r"1.5 s is not remembered. Ask about 2 s or later."):
+                ask("go", at=1.5)
 
 
 @pytest.mark.parametrize(
     ("ask", "name", "told"),
     [
-        ("why", "go", "There is no state `go`: it is a transition. Ask `why_not`."),
-        ("why_not", "m/s", "There is no transition `m/s`: it is a state. Ask `why`."),
-        (
-            "why_not",
-            "robot.move",
-            "There is no transition `robot.move`. Ask `why` about a command of the robot.",
-        ),
-        ("explain", "m", "There is no transition, state or command `m`: it is a machine."),
-        ("explain", "n", "There is no transition, state or command `n`: it is a variable."),
+        ("why", "go", "`go` is a transition, not a state. Ask `why_not` about it."),
+        ("why_not", "m/s", "`m/s` is a state, not a transition. Ask `why` about it."),
+        ("explain", "m", "`m` is a machine, not a transition, state or command. Ask about its states and"),
+        ("explain", "n", "`n` is a variable, not a transition, state or command. There are: `go`, `s`"),
         ("explain", "goo", "There is no transition, state or command `goo`. Did you mean `go`?"),
     ],
 )

@@ -5,30 +5,29 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.reasons import transition_of
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.program import Element, Path, Program, path_text
-from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.unknown import unknown
 from lrp_jupyter.live.why.evaluation import Again, PastTests
 from lrp_jupyter.live.why.finding import find_state, find_transition
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.robot_commands import command_reason
+from lrp_jupyter.live.why.robot_commands import command_reason, commands_of
 from lrp_jupyter.live.why.states import state_reason
 from lrp_jupyter.live.why.transitions import transition_reason
 
 __all__ = ["Answers"]
 
 _ROBOT = "robot."
-_INSTEAD = {  # what a name may be that is none of what is asked about
-    "transition": "a transition. Ask `why_not`.",
-    "state": "a state. Ask `why`.",
-    "machine": "a machine. Ask about its states and transitions.",
-    "event": "an event. Ask about a transition that waits for it.",
-    "variable": "a variable.",
+_INSTEAD = {
+    "transition": "Ask `why_not` about it.",
+    "state": "Ask `why` about it.",
+    "event": "Ask about a transition that waits for it.",
 }
+"""What to do where a name is that of another kind of element."""
 
 
 class Answers:
@@ -58,7 +57,11 @@ class Answers:
         """
         reason = self._of_transition(transition, at)
         if reason is None:
-            raise self._unknown("transition", transition, at)
+            if path_text(as_path(transition)) in self._commands:
+                raise UnknownElementError(
+                    f"`{path_text(as_path(transition))}` is a command, not a transition. Ask `why` about it."
+                )
+            raise unknown("transition", ["transition"], transition, self._programs(at), _INSTEAD)
         return reason
 
     def why(self, what: str | Path, at: int | None = None) -> Reason:
@@ -73,7 +76,7 @@ class Answers:
         """
         reason = self._of_state_or_command(what, at)
         if reason is None:
-            raise self._unknown("state", what, at)
+            raise unknown("state", ["state"], what, self._programs(at), _INSTEAD, self._commands)
         return reason
 
     def explain(self, name: str | Path, at: int | None = None) -> Reason:
@@ -88,7 +91,8 @@ class Answers:
         """
         reason = self._of_transition(name, at) or self._of_state_or_command(name, at)
         if reason is None:
-            raise self._unknown("transition, state or command", name, at)
+            noun, kinds = "transition, state or command", ["transition", "state"]
+            raise unknown(noun, kinds, name, self._programs(at), _INSTEAD, self._commands)
         return reason
 
     def _of_transition(self, wanted: str | Path, at: int | None) -> Reason | None:
@@ -130,22 +134,10 @@ class Answers:
             return element
         return Element(element.kind, self._run.names(tick).of(element.kind, element.path, math.inf))
 
+    @property
+    def _commands(self) -> list[str]:
+        return [_ROBOT + name for name in commands_of(self._loop.bridge)]
+
     def _programs(self, at: int | None) -> tuple[Program, Program]:
         """Return the programs in which a name is looked up: that of the tick, then the present one."""
         return self._run.program(self._run.tick(at)), self._run.present_program
-
-    def _unknown(self, kind: str, wanted: str | Path, at: int | None) -> UnknownElementError:
-        """Return the error for a name that is none of a kind: what it is instead, or what is like it."""
-        path = as_path(wanted)
-        text = path_text(path)
-        there_is_none = f"There is no {kind} `{text}`"
-        known: list[str] = []
-        for program in self._programs(at):
-            for each in resolve(program).elements():
-                if each.kind in _INSTEAD and (path in (each.path, each.path[-1:]) or text == each.shown[-1]):
-                    return UnknownElementError(f"{there_is_none}: it is {_INSTEAD[each.kind]}")
-                if each.kind in kind:
-                    known.append(each.shown[-1])
-        if text.startswith(_ROBOT):
-            return UnknownElementError(f"{there_is_none}. Ask `why` about a command of the robot.")
-        return UnknownElementError(f"{there_is_none}.{did_you_mean(text, known)}")

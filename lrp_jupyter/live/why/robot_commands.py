@@ -21,7 +21,7 @@ from lrp_jupyter.live.why.elements import line_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_text
 
-__all__ = ["command_reason"]
+__all__ = ["command_reason", "commands_of"]
 
 
 def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool) -> Reason:
@@ -73,11 +73,18 @@ def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool
     return draft.reason(code, tick, time)
 
 
+def commands_of(bridge: Bridge) -> dict[str, RobotMethod]:
+    """Return the commands of a robot by their names."""
+    return {each.path: each for each in bridge.nodes.members() if isinstance(each, RobotMethod)}
+
+
 def _alike(bridge: Bridge, name: str) -> set[str]:
     """Return the commands of which the last one is meant."""
-    methods = {each.path: each for each in bridge.nodes.members() if isinstance(each, RobotMethod)}
+    methods = commands_of(bridge)
     if name not in methods:
-        raise UnknownElementError(f"`robot` has no command `{name}`.{did_you_mean(name, methods)}")
+        known = ", ".join(f"`{each}`" for each in methods) or "none"
+        hint = did_you_mean(name, methods) or f" There are: {known}."
+        raise UnknownElementError(f"`robot` has no command `{name}`.{hint}")
     if name == "stop" or not methods[name].velocity:
         return {name}
     return {path for path, method in methods.items() if method.velocity}
