@@ -547,7 +547,7 @@ def test_a_moment_in_a_question_is_a_tick_or_a_time_that_is_remembered():
     [
         ("why", "go", "`go` is a transition, not a state. Ask `why_not` about it."),
         ("why_not", "m/s", "`m/s` is a state, not a transition. Ask `why` about it."),
-        ("explain", "m", "`m` is a machine, not a transition, state or command. Ask about its states and"),
+        ("explain", "m", "`m` is a machine, not a transition, state or command. There are: `go`, `s`, `t`."),
         ("explain", "n", "`n` is a variable, not a transition, state or command. There are: `go`, `s`"),
         ("explain", "goo", "There is no transition, state or command `goo`. Did you mean `go`?"),
     ],
