@@ -267,10 +267,29 @@ def _commands(history: History, commands: Sequence[CommandRecord], first: int) -
 def _by_hand(loop: Loop, first: int) -> Iterator[Happening]:
     """Yield what was done from outside to the robot, its world, and names that the program reads."""
     history = loop.interpreter.history
-    for entry in loop.inputs.since(first):
-        text = _hand(entry.what)
-        if text and entry.tick in history.ticks:
+    changed: dict[str, int] = {}
+    for entry in loop.inputs.since(first - _STREAM):
+        if isinstance(entry.what, ChangeNames):
+            new = [name for name in entry.what.names if entry.tick - changed.get(name, -_STREAM) >= _STREAM]
+            changed.update(dict.fromkeys(entry.what.names, entry.tick))
+            text = _renewed(entry.what.after, new)
+        else:
+            text = _hand(entry.what)
+        if text and entry.tick >= first and entry.tick in history.ticks:
             yield Happening(entry.tick, history.time(entry.tick), "hand", text=text)
+
+
+_STREAM = 5
+"""A name that changes again within fewer ticks is fed by something, and told once."""
+
+
+def _renewed(values: Mapping[str, object], names: Sequence[str]) -> str:
+    changes = [f"`{name}` was {_changed(values[name]) if name in values else 'deleted'}" for name in names]
+    return f"{' and '.join(changes)} outside the program." if changes else ""
+
+
+def _changed(value: object) -> str:
+    return f"set to `{short(value)}`" if is_scalar(value) else "changed"
 
 
 def _hand(what: object) -> str:
@@ -285,15 +304,6 @@ def _hand(what: object) -> str:
             return "The world was edited."
         case WorldLoaded():
             return "Another world was loaded."
-        case ChangeNames(_, after):
-            changes = [
-                f"`{name}` was {_changed(after[name]) if name in after else 'deleted'}" for name in what.names
-            ]
-            return f"{' and '.join(changes)} outside the program."
         case RobotCommanded(name):
             return f"`robot.{path_text((name,))}` was commanded by hand."
     return ""
-
-
-def _changed(value: object) -> str:
-    return f"set to `{short(value)}`" if is_scalar(value) else "changed"

@@ -67,6 +67,26 @@ def test_a_name_that_is_changed_outside_the_program_is_told():
         ]
 
 
+def test_a_name_that_something_feeds_is_told_once():
+    names = {"limit": 100}
+    with Session(PROGRAM.replace("n > 4", "n > limit"), namespace=names) as session:
+        session.run(0.5)
+        cursor = session.timeline().cursor
+        for limit in range(101, 130):
+            names["limit"] = limit
+            session.run(0.1)
+            more = told(session, "hand", since=cursor)
+            assert len(more) <= 1
+            cursor = session.timeline().cursor
+        session.run(2)
+        names["limit"] = 99
+        session.run(0.1)
+        assert [each.text for each in told(session, "hand")] == [
+            "`limit` was set to `101` outside the program.",
+            "`limit` was set to `99` outside the program.",
+        ]
+
+
 def test_only_what_is_new_is_told_again(session):
     session.run(1)
     first = session.timeline()
