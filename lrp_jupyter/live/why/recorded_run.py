@@ -31,7 +31,7 @@ class RecordedRun:
         self._interpreter = interpreter
 
     def tick(self, at: int | None) -> int:
-        """Return a tick that somebody asks about; for None the last one.
+        """Return the tick that a question is about; for None the last one.
 
         Raises
         ------
