@@ -217,6 +217,13 @@ def test_a_condition_of_a_breakpoint_that_raises_is_told_at_the_end(lrp, program
     assert not lrp("run", program(TEXT), "--speed", "max", "--for", "1", "--break", "when n > 999").stderr
 
 
+def test_a_part_that_ends_before_it_begins_is_refused(lrp, recorded):
+    done = lrp("replay", recorded(), "--from", "3", "--until", "1")
+    assert done.exit_code == 2
+    assert "--from 3 is after --until 1" in done.stderr
+    assert "0.0 s, 1 tick; m/drive active" in lrp("replay", recorded(), "--until", "0").stdout
+
+
 def test_initial_values_stay_after_a_recorded_edit_and_a_reset(lrp, program, tmp_path):
     from lrp_jupyter.cli.recordings import prepared
     from lrp_jupyter.language.parser import parse
