@@ -122,7 +122,7 @@ and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired
 
 **Recordings**: `--record run.lrplog` writes the trace and the inputs of the run: program and world, every
 save of the file, every key. `lrp replay run.lrplog` reproduces a simulated run bit for bit, and `lrp why
-run.lrplog NAME --at 12.3` answers why a transition did not fire there. A name that ends with `.gz` compresses
+run.lrplog NAME --at 12.3` says why a transition did not fire there. A name that ends with `.gz` compresses
 the file.
 """
 
@@ -291,7 +291,7 @@ def why(
     ] = None,
     program: Another = None,
 ) -> None:
-    """Answer why a transition of a recorded run did not fire, why a state was entered, why the robot moves.
+    """Say why a transition did not fire in a recorded run, why a state was entered, or why the robot moves.
 
     **Exit code**: 0, or 2 when the file cannot be read or the program has no such name.
     """

@@ -33,6 +33,10 @@ def prepared(program: Program, initials: Mapping[str, str]) -> Program:
 
 def replay_file(file: str, program: str | None, begin: float, end: float | None) -> int:
     """Run a recording again, print its events and the first difference; return the exit code."""
+    if end is not None and begin > end:
+        _refuse(
+            f"--from {begin:g} is after --until {end:g}, so nothing would be printed. Choose an earlier one."
+        )
     recording = read_recording(file, prepared)
     console, complaints = plain_console(), plain_console(stderr=True)
     text = _other_program(program)
@@ -46,7 +50,8 @@ def replay_file(file: str, program: str | None, begin: float, end: float | None)
     with again.session as session:
         frame = session.frame
         active = ", ".join("/".join(path) for path in frame.active) or "nothing"
-        console.print(f"{recording.name}: {frame.time:.1f} s, {frame.tick} ticks; {active} active")
+        ticks = "1 tick" if frame.tick == 1 else f"{frame.tick} ticks"
+        console.print(f"{recording.name}: {frame.time:.1f} s, {ticks}; {active} active")
         if recording.cut:
             complaints.print("The recording is cut off; it was replayed up to its last complete tick.")
         if again.difference is None:

@@ -481,8 +481,10 @@ class _Run:
             issue = max(of_issues, key=lambda each: each.last_tick, default=None)
             why = f" at an issue:\n{issue.traceback or issue}" if issue else f": {frame.reason}"
             self.print(f"Paused{why}")
+        self._report_breakpoints()
         active = ", ".join("/".join(path) for path in frame.active) or "nothing"
-        words = f"{self.session.name}: {frame.time:.1f} s, {frame.tick} ticks; {active} active"
+        ticks = "1 tick" if frame.tick == 1 else f"{frame.tick} ticks"
+        words = f"{self.session.name}: {frame.time:.1f} s, {ticks}; {active} active"
         if issues := sum(not issue.resolved for issue in frame.issues):
             words += f"; {issues} issue" + ("s" if issues > 1 else "")
         if self.wanted.speed == math.inf and wall > 0:
@@ -492,6 +494,18 @@ class _Run:
             return 128 + self._caught[0]
         missed = self.wanted.until is not None and not (self._events.reached.is_set() or self._quit)
         return int(alone or missed or bool(self._stuck))
+
+    def _report_breakpoints(self) -> None:
+        """Print which conditions of breakpoints could not be evaluated, and so never paused the run."""
+        with suppress(LRPError):
+            for each in self.session.breakpoints:
+                if each.problem:
+                    plain_console(stderr=True).print(
+                        Text(
+                            f"lrp: The condition `{each.name}` of --break could not be evaluated: "
+                            f"{each.problem} It can read global variables and `robot`."
+                        )
+                    )
 
 
 def _short(value: object) -> str:

@@ -92,7 +92,8 @@ def full_path(wanted: Path | str, known: Collection[Path]) -> Path:
     names = dict.fromkeys(name for other in known for name in (path_text(other), other[-1]))
     hint = did_you_mean(path_text(path), names)
     raise UnknownElementError(
-        f"There is no variable `{path_text(path)}` now. Variables exist while their machine runs.{hint}"
+        f"There is no variable `{path_text(path)}` now. Variables exist while their machine runs, global "
+        f"ones from the first tick after a start or restart.{hint}"
     )
 
 

@@ -129,7 +129,8 @@ class Breakpoints:
         self._held[new.number] = False
         if new.kind in ("event", "condition"):
             self._held[new.number], problem = self._holds(new)
-            self._all[new.number] = new = replace(new, problem=problem)
+            if self._interpreter.tick:  # before, there are no variables
+                self._all[new.number] = new = replace(new, problem=problem)
         if self._end is None:
             self._end = self._interpreter.observe(self._seen.append)
         return new

@@ -1,4 +1,4 @@
-"""Compare a run with a recorded one, tick by tick, and tell the first difference."""
+"""Compare a run with a recorded one, tick by tick, and report the first difference."""
 
 from __future__ import annotations
 

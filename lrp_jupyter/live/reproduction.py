@@ -1,4 +1,4 @@
-"""Reproduce a recorded session: run it again, and tell the first difference."""
+"""Reproduce a recorded session: run it again, and report the first difference."""
 
 from __future__ import annotations
 

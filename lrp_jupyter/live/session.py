@@ -729,7 +729,12 @@ class Session:
             self._driver.do(do.Assign(as_path(variable), value))
 
     def rewind(self, ticks: int = 1) -> None:
-        """Go back by so many ticks: program, simulated world, time.
+        """Go back by so many ticks: program, variables, simulated world, time. What came later is gone.
+
+        Parameters
+        ----------
+        ticks : int
+            0 or more; with 0, what came after the last tick is undone.
 
         Raises
         ------
@@ -821,6 +826,15 @@ class Session:
     def set_breakpoint(self, number: int, enabled: bool | None = None, after: int | None = None) -> None:
         """Switch a breakpoint on or off, or set the hit from which on it pauses; hits are always counted.
 
+        Parameters
+        ----------
+        number : int
+            As :attr:`breakpoints` lists it; the first is 1.
+        enabled : bool, optional
+            Whether it pauses; by default as before.
+        after : int, optional
+            The hit from which on it pauses: 1 or more; by default as before.
+
         Raises
         ------
         ValueError
@@ -833,6 +847,11 @@ class Session:
 
     def remove_breakpoint(self, number: int) -> None:
         """Remove a breakpoint.
+
+        Parameters
+        ----------
+        number : int
+            As :attr:`breakpoints` lists it.
 
         Raises
         ------
@@ -925,6 +944,11 @@ class Session:
             The `cursor` of an earlier answer: only what came after it is returned.
         plots : mapping of str to int, optional
             Names to plot, by their whole paths, each with the tick up to which its samples are known.
+
+        Returns
+        -------
+        Timeline
+            Its ``happenings`` are in order; times are in seconds of the run.
         """
         check_type("since", since, (TimelineCursor, NoneType), "the `cursor` of a timeline")
         check_type("plots", plots, (Mapping, NoneType), "a mapping of names to ticks")
@@ -967,6 +991,11 @@ class Session:
             A tick; or a time in seconds, as a float: then the last tick that was not after it. By default
             the last tick.
 
+        Returns
+        -------
+        Reason
+            Printed, it is a sentence or two.
+
         Raises
         ------
         UnknownElementError
@@ -987,6 +1016,11 @@ class Session:
             A tick; or a time in seconds, as a float: then the last tick that was not after it. By default
             the last tick.
 
+        Returns
+        -------
+        Reason
+            How the state was entered last, or which block gave the command and what became of it.
+
         Raises
         ------
         UnknownElementError
@@ -1002,8 +1036,13 @@ class Session:
         Parameters
         ----------
         name : str or path
+            A transition; if there is none of that name, a state or ``robot.`` and a command.
         at : int or float, optional
             A tick; or a time in seconds, as a float. By default the last tick.
+
+        Returns
+        -------
+        Reason
 
         Raises
         ------
@@ -1102,6 +1141,11 @@ class Session:
             By default the one that runs now.
         seconds : float
             How long, in seconds of the run; not infinite.
+
+        Returns
+        -------
+        WhatIf
+            Both courses and their first difference; ``str()`` is that difference in a sentence.
 
         Raises
         ------

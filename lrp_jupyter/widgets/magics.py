@@ -211,12 +211,18 @@ class LRPMagics(Magics):
                 "%lrp why: Write the name of a transition, a state or a command of the robot, as in "
                 "`%lrp why looking` or `%lrp why robot.move at 12.3`."
             )
+        if rest[0] == "not" and len(rest) > 1:  # the same question
+            rest = rest[1:]
         what, *rest = rest
         at = None
         if rest[:1] == ["at"]:
             if len(rest) < 2:
                 raise UsageError("%lrp why: Write the seconds of the run after `at`, as in `at 12.3`.")
             at, rest = _seconds(rest[1]), rest[2:]
+        elif rest and rest[0].removesuffix("s").replace(".", "", 1).isdecimal():
+            raise UsageError(
+                f"%lrp why: Write `at` before the seconds, as in `%lrp why {what} at {rest[0]}`."
+            )
         print(_the(rest).session.explain(what, at))  # noqa: T201
 
     def rate(self, rest: list[str]) -> None:

@@ -210,6 +210,20 @@ def test_a_breakpoint_that_cannot_be_set_is_refused(lrp, program, what, said):
     assert said in " ".join(done.stderr.replace("│", " ").split())
 
 
+def test_a_condition_of_a_breakpoint_that_raises_is_told_at_the_end(lrp, program):
+    done = lrp("run", program(TEXT), "--speed", "max", "--for", "1", "--break", "when nn > 3")
+    assert done.exit_code == 0
+    assert "The condition `nn > 3` of --break could not be evaluated: NameError" in done.stderr
+    assert not lrp("run", program(TEXT), "--speed", "max", "--for", "1", "--break", "when n > 999").stderr
+
+
+def test_a_part_that_ends_before_it_begins_is_refused(lrp, recorded):
+    done = lrp("replay", recorded(), "--from", "3", "--until", "1")
+    assert done.exit_code == 2
+    assert "--from 3 is after --until 1" in done.stderr
+    assert "0.0 s, 1 tick; m/drive active" in lrp("replay", recorded(), "--until", "0").stdout
+
+
 def test_initial_values_stay_after_a_recorded_edit_and_a_reset(lrp, program, tmp_path):
     from lrp_jupyter.cli.recordings import prepared
     from lrp_jupyter.language.parser import parse

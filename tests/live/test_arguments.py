@@ -134,6 +134,12 @@ def test_a_wrong_type_anywhere_is_one_sentence(call, sentence):
             ValueError,
             "`on_issue` is `record` or `pause`, not `stop`.",
         ),
+        (
+            lambda s: lrp.Session("(var v := [1]) (machine m (state a)) (spawn m a)").set_variable("v", 2),
+            UnknownElementError,
+            "There is no variable `v` now. Variables exist while their machine runs, global ones from the "
+            "first tick after a start or restart.",
+        ),
         (lambda s: s.fork(program=5), TypeError, "`program` is a text or a Program, not int."),
         (
             lambda s: s.what_if(seconds=math.inf),

@@ -148,7 +148,15 @@ def test_a_condition_that_raises_is_a_problem_of_the_breakpoint(live):
     live.pause_when(condition="nope > 3")
     live.run(1)
     assert live.breakpoints[0].problem.startswith("NameError")
+    assert str(live.breakpoints[0]).endswith("0 hits. NameError: name 'nope' is not defined.")
     assert (live.frame.tick, live.issues) == (10, ())
+
+
+def test_a_condition_has_no_problem_before_the_variables_exist():
+    with Session(TEXT) as fresh:
+        assert str(fresh.pause_when(condition="n > 3")).endswith("; 0 hits")
+        fresh.run(1)
+        assert fresh.breakpoints[0].problem == ""
 
 
 @pytest.mark.parametrize(

@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from e2e.programs import HELLO
+from prose import solution
+from stored import NOTEBOOKS, read
 
 from lrp_jupyter import grade
+from lrp_jupyter.grading.challenges import challenge as challenge_called
+from lrp_jupyter.programs import load
 
 CAREFUL = """
 (machine careful
@@ -75,3 +81,13 @@ def test_a_typical_mistake_gets_its_hint(challenge: str, program: str | list[str
 )
 def test_without_the_mistake_it_passes(challenge: str, program: str | list[str]):
     assert grade(program, challenge)
+
+
+def test_the_lap_in_30_seconds_does_not_depend_on_one_noise():
+    """The solution of notebook 08 is not one that luck has found."""
+    hidden = solution(read(NOTEBOOKS / "08-playing-with-time.ipynb"))
+    assert hidden is not None
+    names = {"follower": load("follower")}
+    exec(hidden[1], names)
+    lap = replace(challenge_called("there and back"), name="a lap in 30 s", seconds=32, hints=())
+    assert grade(names["mine"], lap, seeds=5)

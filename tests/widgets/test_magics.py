@@ -121,6 +121,7 @@ def test_why_is_answered_about_now_and_about_a_time(shell, run):
     lab.session.wait_for(lambda frame: frame.time > 0.5, timeout=30)
     assert "`later` (line 1) did not fire at 0.2 s: only 200 of 60000 ms" in run("why later at 0.2")
     assert "`a` was entered at 0 s" in run("why a mine")
+    assert run("why not later at 0.2") == run("why later at 0.2")
     assert "`robot.move` has not been called" in run("why robot.move")
 
 
@@ -194,6 +195,7 @@ def test_there_is_nothing_to_debug_before_a_block_fails(shell, run):
         ("why", "Write the name of a transition, a state or a command"),
         ("why a at", "Write the seconds of the run after `at`"),
         ("why a at noon", "`noon` is not a number of seconds."),
+        ("why a 2.5", "Write `at` before the seconds, as in `%lrp why a at 2.5`."),
         ("rate", "Write the number of ticks per second"),
         ("rate fast", "The rate is a number of ticks per second, not `fast`."),
         ("rate -1", "A rate is between 0.01 and 1,000,000 ticks"),

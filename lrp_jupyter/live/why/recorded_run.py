@@ -34,7 +34,7 @@ class RecordedRun:
         self._states: dict[int, PastState] = {}
 
     def tick(self, at: int | None) -> int:
-        """Return a tick that somebody asks about; for None the last one.
+        """Return the tick that a question is about; for None the last one.
 
         Raises
         ------
