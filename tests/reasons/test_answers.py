@@ -551,3 +551,56 @@ def test_a_command_that_was_not_given_is_looked_for_in_the_blocks(running, where
     with session(text, "sim", world="empty") as live:
         live.run(0.2)
         assert str(live.why("robot.move")) == f"`robot.move` has not been called. {where}"
+
+
+def test_a_number_of_numpy_is_told_as_a_number():
+    numbers = pytest.importorskip("numpy")
+    text = """(var f := [numbers.float64(1) / 3]) (var yes := [numbers.bool_(True)])
+    (machine m (state a) (state b) (on [f > 1] a -> b go) (on [not yes] a -> b no))
+    (spawn m a)"""
+    with session(text, namespace={"numbers": numbers}) as live:
+        live.run(0.2)
+        answer = live.why_not("go")
+        assert "`f > 1` was False (`f` was 0.333333)." in str(answer)
+        assert type(answer.facts["values"]["f"]) is float
+        assert "`yes` was True." in str(live.why_not("no"))
+
+
+@pytest.mark.parametrize(
+    ("condition", "told"),
+    [
+        ("a and n > 2 and b is a or b", "`a and n > 2 and b is a or b` was False"),
+        ("a and (b or n > 5 or not a)", "`b or n > 5 or not a` was False"),
+        ("b or not (a and n)", "`b or not (a and n)` was False"),
+        ("b or (a and (b or n == 1))", "`b or a and (b or n == 1)` was False"),
+        ("not (b if b else a) or b", "`not (b if b else a) or b` was False"),
+    ],
+)
+def test_the_part_that_decides_has_no_parentheses_that_it_does_not_need(condition, told):
+    text = f"""(var a := [True]) (var b := [False]) (var n := [3])
+    (machine m (state s) (state t) (on [{condition}] s -> t go))
+    (spawn m s)"""
+    with session(text) as live:
+        live.run(0.2)
+        assert told in str(live.why_not("go"))
+
+
+WORDS = """(var s := ["x"])
+(machine m
+  (state a) (state b) (state c)
+  (on [True] {b c d} -> a back)
+  (on [False] *-{a b} -> c wild)
+  (ontime [s] a -> b late)
+  (on [
+    y = 1
+    y > 1] a -> b long))
+(spawn m a)"""
+
+
+def test_answers_list_states_and_name_delays_as_one_writes_in_english():
+    with session(WORDS) as live:
+        live.run(0.2)
+        assert "it leaves `b`, `c` or `d`, but `m` was in `a`" in str(live.why_not("back"))
+        assert "it leaves a state other than `a`, `b` or `c`, but" in str(live.why_not("wild"))
+        assert "its delay is `s`. A delay must be a number" in str(live.why_not("late"))
+        assert "did not fire at 0.1 s: `y = 1 …` was False. The" in str(live.why_not("long"))

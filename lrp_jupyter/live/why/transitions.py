@@ -17,8 +17,10 @@ from lrp_jupyter.live.why.entries import entry_text, restart_of
 from lrp_jupyter.live.why.evaluation import PastTests
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import (
+    block_text,
     decided_text,
     number_text,
+    one_of,
     plain_values,
     restart_text,
     unknown_text,
@@ -100,7 +102,7 @@ def _condition_false(draft: AnswerDraft, case: Case, tests: PastTests, run: Reco
         _last_true(draft, case, tests, run, "It" if evaluation.is_whole else "The whole condition")
     else:
         unknown = draft.facts["unknown"] = unknown_text(evaluation)
-        draft.say(f"{case.did_not_fire}: `{case.tested[0].text.strip()}`{where} was False.", line)
+        draft.say(f"{case.did_not_fire}: {block_text(case.tested[0])}{where} was False.", line)
         draft.say(f"The values of its parts are not known: {unknown}")
         _last_true(draft, case, tests, run, "It")
 
@@ -145,7 +147,7 @@ def _source_inactive(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
     how, line = entry_text(run, machine, case.tick)
     other = "a state other than " if noun.wildcard else ""
     names = (*noun.sources, noun.destination) if noun.wildcard else noun.sources
-    listed = " or ".join(f"`{name}`" for name in names)
+    listed = one_of([f"`{name}`" for name in names])
     draft.say(
         f"{case.did_not_fire}: it leaves {other}{listed}, but `{machine.path[-1]}` was in "
         f"`{machine.state[-1]}`, entered at {machine.entered:g} s{how}.",
@@ -245,7 +247,8 @@ def _failed(draft: AnswerDraft, case: Case) -> None:
     what, line = case.did_not_fire, case.line
     if case.tested is not None:
         line, where = _line_and_place(case)
-        what += f": its condition is `{case.tested[0].text.strip()}`{where}"
+        noun = "delay" if isinstance(case.noun.trigger, Delay) else "condition"
+        what += f": its {noun} is {block_text(case.tested[0])}{where}"
     if case.cause.code == "unknown-destination":
         what = f"{case.did_not_fire}: it was enabled, but leads nowhere"
     draft.facts["message"] = fault.message
