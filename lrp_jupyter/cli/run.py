@@ -36,10 +36,11 @@ from lrp_jupyter.cli.options import RunOptions, with_initials
 from lrp_jupyter.cli.pace import LIMIT, Clocked, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, recorded_signals
-from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
+from lrp_jupyter.errors import FileError, LRPError, UnknownElementError, did_you_mean
 from lrp_jupyter.interpreter.frame import Frame, missing_state
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program, path_text
+from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.logs import open_log
@@ -102,16 +103,30 @@ def _pause_when(session: Session, what: str) -> None:
         elif word == "event" and rest:
             session.pause_when(event=rest)
         else:
-            try:
-                session.pause_when(what)
-            except UnknownElementError as error:
-                if str(error).startswith("Several"):
-                    raise
-                session.pause_when(fires=what)
+            _pause_at(session, what)
     except UnknownElementError as error:
         raise typer.BadParameter(f"--break: {error}") from None
     except SyntaxError as error:
         raise typer.BadParameter(f"--break: {error.msg}") from None
+
+
+def _pause_at(session: Session, name: str) -> None:
+    """Pause when a state is entered or, if there is no such state, when a transition fires."""
+    try:
+        session.pause_when(name)
+        return
+    except UnknownElementError as error:
+        if str(error).startswith("Several"):
+            raise
+    try:
+        session.pause_when(fires=name)
+    except UnknownElementError as error:
+        if str(error).startswith("Several"):
+            raise
+        elements = resolve(session.program).elements()
+        known = [each.shown[-1] for each in elements if each.kind in ("state", "transition")]
+        hint = did_you_mean(name, known)
+        raise UnknownElementError(f"There is no state or transition `{name}`.{hint}") from None
 
 
 def _record(session: Session, wanted: RunOptions, stack: ExitStack) -> None:
@@ -436,6 +451,10 @@ class _Run:
                 f"lrp: The interpreter itself failed, not your program. Report this:\n{self.session.fault}"
             )
             return 3
+        for each in self.session.breakpoints:
+            if each.problem:
+                what = f"--break: `{each.name}` could not be tested. {each.problem}"
+                plain_console(stderr=True).print(f"lrp: {what}")
         if self._stuck:
             plain_console(stderr=True).print(f"lrp: {self._stuck}")
         elif alone:

@@ -83,4 +83,5 @@ class Breakpoint:
         state = "" if self.enabled else ", switched off"
         state += ", dormant" if self.dormant else ""
         hits = f"{self.hits} hits" if self.hits != 1 else "1 hit"
-        return f"{self.number}: pause when {_WORDS[self.kind][0].format(self.name)}; {hits}{state}"
+        problem = f"; {self.problem}" if self.problem else ""
+        return f"{self.number}: pause when {_WORDS[self.kind][0].format(self.name)}; {hits}{state}{problem}"

@@ -171,12 +171,22 @@ def test_a_run_can_wait_for_other_things(lrp, program, what, said):
 
 
 @pytest.mark.parametrize(
-    ("what", "said"), [("stopp", "There is no transition `stopp`"), ("when n +", "--break")]
+    ("what", "said"),
+    [
+        ("stopp", "There is no state or transition `stopp`. Did you mean `stop`?"),
+        ("fahr", "There is no state or transition `fahr`. Did you mean `far`?"),
+        ("when n +", "--break"),
+    ],
 )
 def test_a_breakpoint_that_cannot_be_set_is_refused(lrp, program, what, said):
     done = lrp("run", program(TEXT), "--for", "1", "--break", what)
     assert done.exit_code == 2
     assert said in " ".join(done.stderr.replace("│", " ").split())
+
+
+def test_a_breakpoint_that_could_not_be_tested_says_why(lrp, program):
+    done = lrp("run", program(TEXT), "--speed", "max", "--for", "1", "--break", "when nn > 2")
+    assert "--break: `nn > 2` could not be tested. NameError: name 'nn' is not defined." in done.stderr
 
 
 def test_initial_values_stay_after_a_recorded_edit_and_a_reset(lrp, program, tmp_path):
