@@ -604,3 +604,47 @@ def test_answers_list_states_and_name_delays_as_one_writes_in_english():
         assert "it leaves a state other than `a`, `b` or `c`, but" in str(live.why_not("wild"))
         assert "its delay is `s`. A delay must be a number" in str(live.why_not("late"))
         assert "did not fire at 0.1 s: `y = 1 …` was False. The" in str(live.why_not("long"))
+
+
+def test_a_state_that_was_not_entered_is_explained_by_an_exit_that_leads_to_it_too():
+    with session(LEFT.replace("[True]", "[1 > 2]")) as live:
+        live.run(0.3)
+        assert str(live.why("b")) == (
+            "`b` has not been entered. `leave` (line 3) did not fire at 0.2 s: `1 > 2` was False. "
+            "It was never true before."
+        )
+
+
+def test_a_state_of_a_machine_that_does_not_run_needs_the_machine_first():
+    with session(INNER.replace("(spawn m a)", "(spawn m b)")) as live:
+        live.run(0.3)
+        assert str(live.why("y")) == (
+            "`y` has not been entered: `i` was not running. It had never been spawned. "
+            "It is spawned when `a` is entered (line 2)."
+        )
+
+
+def test_a_state_to_which_nothing_leads_is_said_to_be_one():
+    with session(BESIDE) as live:
+        live.run(0.3)
+        assert str(live.why("b")) == "`b` has not been entered. No transition leads to it."
+
+
+def test_a_state_that_was_entered_later_had_not_been_entered_by_then():
+    with session(RENAMED.replace("n == 0", "n == 0 and 1 > 0")) as live:
+        live.run(0.3)
+        assert str(live.why("b", at=1)).startswith("`b` had not been entered by 0 s: `m` was spawned in this")
+        live.edit(live.text.replace("(state a)", "(state a) (state c)"))
+        live.run(0.1)
+        had = "`c` had not been entered by 0.1 s. The program of tick 2 had no such state."
+        assert str(live.why("c", at=2)) == had
+
+
+def test_a_state_that_is_active_for_longer_than_is_remembered_was_entered():
+    with session(BESIDE.replace("(state b)", "(state b) (ontime 300 a -> b)"), journal=20) as live:
+        live.run(5)
+        how = "How is not known: only the ticks from 31 on are remembered."
+        assert str(live.why("b")) == f"`b` was entered at 0.3 s. {how}"
+        assert str(live.why("a")).startswith(
+            "`a` has not been entered (only the ticks from 31 on are remembered)."
+        )

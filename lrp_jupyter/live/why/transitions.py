@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from lrp_jupyter.errors import did_you_mean, ended
-from lrp_jupyter.interpreter.facts import Commanded, Discarded, Spawned
 from lrp_jupyter.interpreter.reasons import cause_in
 from lrp_jupyter.language.expressions import Evaluation
-from lrp_jupyter.language.program import Element, Path, Program
+from lrp_jupyter.language.program import Element, Program
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.triggers import Delay, Epsilon
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.draft import AnswerDraft
-from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
-from lrp_jupyter.live.why.entries import entry_text, restart_of
+from lrp_jupyter.live.why.elements import line_of, line_of_transition
+from lrp_jupyter.live.why.entries import entry_text
 from lrp_jupyter.live.why.evaluation import PastTests
+from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import (
     block_text,
@@ -22,7 +22,6 @@ from lrp_jupyter.live.why.wording import (
     number_text,
     one_of,
     plain_values,
-    restart_text,
     unknown_text,
     values_text,
 )
@@ -51,7 +50,7 @@ def transition_reason(
         case "source-inactive":
             _source_inactive(draft, case, run)
         case "machine-not-running":
-            _machine_not_running(draft, case, run)
+            not_running(draft, run, case.element.path[:-1], tick, case.did_not_fire)
         case "earlier-fired" | "outer-fired" | "exit-took-parent":
             _other_fired(draft, case)
         case "not-in-program":
@@ -159,67 +158,6 @@ def _source_inactive(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
     for name in noun.sources:
         if name not in scope.states:
             draft.say(f"There is no state `{name}`.{did_you_mean(str(name), scope.states)}", case.line)
-
-
-def _machine_not_running(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
-    path = case.element.path[:-1]
-    name = path[-1]
-    facts = run.history.facts(case.tick)
-    spawns = spawns_of(case.program, path)
-    for fact in facts.facts:
-        if isinstance(fact, Spawned) and fact.defined == path:
-            lines = [line_of(case.program, spawning.noun) for spawning in spawns]
-            if fact.by:
-                by = f"when `{fact.by[-1]}` was entered"
-                entering = [each for each in facts.fired if each.path == fact.by]
-                lines += [line_of_transition(case.program, each.transition) for each in entering]
-            else:
-                by = f"when the program {'restarted' if restart_of(facts.before) else 'started'}"
-            draft.say(f"{case.did_not_fire}: `{name}` was spawned in this very tick, {by}.", *lines)
-            draft.say("Its transitions are tested from the next tick on.")
-            return
-    draft.say(f"{case.did_not_fire}: `{name}` was not running.")
-    _how_it_ended(draft, case, run, path)
-    for spawning in spawns:
-        line = line_of(case.program, spawning.noun)
-        spawner = spawning.spawner
-        when = f"when `{spawner[-1]}` is entered" if spawner else "when the program starts"
-        draft.say(f"It is spawned {when} (line {line}).", line)
-    if not spawns:
-        draft.say(f"No `(spawn {name} …)` starts it.")
-
-
-def _how_it_ended(draft: AnswerDraft, case: Case, run: RecordedRun, path: Path) -> None:
-    """Say how a machine that did not run ended before, or that it never ran."""
-    names = run.names(case.tick)
-    restart: tuple[float, Commanded] | None = None  # the first one after what is looked at
-    for when, fact in run.backward(case.tick, before=True):
-        if isinstance(fact, Commanded) and fact.kind == "restarted":
-            restart = when, fact
-        elif isinstance(fact, Discarded) and names.of("machine", fact.defined, when) == path:
-            by, line = _what_discarded(run, fact, when)
-            draft.say(f"It ended at {run.time(when):g} s{by}.", line)
-            return
-        elif isinstance(fact, Spawned) and names.of("machine", fact.defined, when) == path:
-            if restart is not None:  # else it was taken out of the program
-                at, command = restart
-                why = restart_text(command)
-                draft.say(f"It ended at {run.time(at):g} s, when the program restarted ({why}).")
-            return
-    first = run.history.ticks.start
-    draft.say("It had never been spawned." if first == 1 else f"It was not spawned since tick {first}.")
-
-
-def _what_discarded(run: RecordedRun, discarded: Discarded, when: float) -> tuple[str, int]:
-    """Return in words what ended a machine, and the line of the transition if it was one."""
-    if int(when) != when:
-        return ", by hand", 0
-    for fired in reversed(run.history.facts(int(when)).fired):
-        home = fired.path[:-1]
-        if discarded.machine[: len(home)] == home != discarded.machine:
-            line = line_of_transition(run.program(int(when)), fired.transition)
-            return f", because `{fired.label}` (line {line}) left `{discarded.machine[len(home)]}`", line
-    return "", 0
 
 
 def _other_fired(draft: AnswerDraft, case: Case) -> None:
