@@ -648,3 +648,12 @@ def test_a_state_that_is_active_for_longer_than_is_remembered_was_entered():
         assert str(live.why("a")).startswith(
             "`a` has not been entered (only the ticks from 31 on are remembered)."
         )
+
+
+def test_times_are_told_to_the_millisecond():
+    text = "(machine m (state a) (state b) (ontime 60 a -> b) (on [False] b -> a back)) (spawn m a)"
+    with session(text, rate=30) as live:
+        live.run(0.2)
+        told = "`b` was entered at 0.067 s by `60:a->b` (line 1), from `a`, 66.667 ms after `a` was entered."
+        assert str(live.why("b")) == told
+        assert str(live.why_not("back")).startswith("`back` (line 1) did not fire at 0.167 s: `False`")

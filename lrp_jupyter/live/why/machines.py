@@ -8,7 +8,7 @@ from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
 from lrp_jupyter.live.why.entries import restart_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.wording import restart_text
+from lrp_jupyter.live.why.wording import restart_text, time_text
 
 __all__ = ["not_running"]
 
@@ -50,13 +50,13 @@ def _how_it_ended(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int) -
             restart = when, fact
         elif isinstance(fact, Discarded) and names.of("machine", fact.defined, when) == path:
             by, line = _what_discarded(run, fact, when)
-            draft.say(f"It ended at {run.time(when):g} s{by}.", line)
+            draft.say(f"It ended at {time_text(run.time(when))}{by}.", line)
             return
         elif isinstance(fact, Spawned) and names.of("machine", fact.defined, when) == path:
             if restart is not None:  # else it was taken out of the program
                 at, command = restart
                 why = restart_text(command)
-                draft.say(f"It ended at {run.time(at):g} s, when the program restarted ({why}).")
+                draft.say(f"It ended at {time_text(run.time(at))}, when the program restarted ({why}).")
             return
     first = run.history.ticks.start
     draft.say("It had never been spawned." if first == 1 else f"It was not spawned since tick {first}.")

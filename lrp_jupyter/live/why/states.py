@@ -14,6 +14,7 @@ from lrp_jupyter.live.why.evaluation import PastTests
 from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.transitions import because, transition_reason
+from lrp_jupyter.live.why.wording import time_text
 
 __all__ = ["state_reason"]
 
@@ -51,7 +52,7 @@ def _entered_by(run: RecordedRun, tests: PastTests, fired: Fired, called: str, t
     draft = AnswerDraft({"transition": fired.transition.path})
     by = f"`{fired.label}` (line {line}), from `{fired.source[-1]}`{because(draft, case, tests)}"
     block = case.tested[0] if case.tested is not None else None
-    draft.say(f"{called} was entered at {time:g} s by {by}.", line, line_of(before.program, block))
+    draft.say(f"{called} was entered at {time_text(time)} by {by}.", line, line_of(before.program, block))
     return draft.reason("fired", tick, time)
 
 
@@ -62,13 +63,13 @@ def _never_entered(run: RecordedRun, tests: PastTests, state: Path, name: str, t
     draft = AnswerDraft()
     machine = next((each for each in run.state(tick).walk() if each.state[:-1] == state[:-1]), None)
     if machine is not None and machine.state == state:
-        entered = f"`{name}` was entered at {machine.entered:g} s."
+        entered = f"`{name}` was entered at {time_text(machine.entered)}."
         draft.say(f"{entered} How is not known: only the ticks from {ticks.start} on are remembered.", line)
         return draft.reason("never", tick, time)
     so = (
         f"`{name}` has not been entered"
         if tick == ticks[-1]
-        else f"`{name}` had not been entered by {time:g} s"
+        else f"`{name}` had not been entered by {time_text(time)}"
     )
     if ticks.start > 1:
         so += f" (only the ticks from {ticks.start} on are remembered)"

@@ -22,6 +22,7 @@ from lrp_jupyter.live.why.wording import (
     number_text,
     one_of,
     plain_values,
+    time_text,
     unknown_text,
     values_text,
 )
@@ -54,7 +55,7 @@ def transition_reason(
         case "earlier-fired" | "outer-fired" | "exit-took-parent":
             _other_fired(draft, case)
         case "not-in-program":
-            draft.say(f"The program of tick {tick} (at {case.time:g} s) had no transition `{label}`.")
+            draft.say(f"The program of tick {tick} (at {time_text(case.time)}) had no transition `{label}`.")
         case _:
             _failed(draft, case)
     draft.lines.append(line)
@@ -67,7 +68,7 @@ def because(draft: AnswerDraft, case: Case, tests: PastTests) -> str:
     if case.cause.machine is None or isinstance(trigger, Epsilon):
         return ""
     if isinstance(trigger, Delay):
-        return f", {case.elapsed:g} ms after `{case.machine.state[-1]}` was entered"
+        return f", {number_text(case.elapsed)} ms after `{case.machine.state[-1]}` was entered"
     evaluation = tests.evaluation(case)
     if not isinstance(evaluation, Evaluation):
         return ""
@@ -125,7 +126,7 @@ def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRu
     states = [each.state for each in run.state(tick).walk()]
     other = [each for each in states if each[:-1] == here[:-1] and each != here]
     elsewhere = f", when `{other[0][-1]}` was active" if other else ""
-    draft.say(f"{what} was last true at {run.time(tick):g} s{elsewhere}.")
+    draft.say(f"{what} was last true at {time_text(run.time(tick))}{elsewhere}.")
 
 
 def _delay_not_over(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
@@ -135,7 +136,7 @@ def _delay_not_over(draft: AnswerDraft, case: Case, tests: PastTests, run: Recor
     draft.facts |= {"elapsed": case.elapsed, "delay": delay}
     draft.say(
         f"{case.did_not_fire}: only {number_text(case.elapsed)}{of} ms had passed since "
-        f"`{machine.state[-1]}` was entered at {machine.entered:g} s{how}.",
+        f"`{machine.state[-1]}` was entered at {time_text(machine.entered)}{how}.",
         case.line,
         line,
     )
@@ -149,7 +150,7 @@ def _source_inactive(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
     listed = one_of([f"`{name}`" for name in names])
     draft.say(
         f"{case.did_not_fire}: it leaves {other}{listed}, but `{machine.path[-1]}` was in "
-        f"`{machine.state[-1]}`, entered at {machine.entered:g} s{how}.",
+        f"`{machine.state[-1]}`, entered at {time_text(machine.entered)}{how}.",
         line,
     )
     scope = resolve(case.program).by_path.get(case.element.path[:-1])

@@ -24,6 +24,7 @@ __all__ = [
     "one_of",
     "plain_values",
     "restart_text",
+    "time_text",
     "unknown_text",
     "values_text",
 ]
@@ -32,6 +33,11 @@ __all__ = [
 def number_text(value: float) -> str:
     """Return a number with at most three decimals."""
     return f"{round(value, 3):g}" if abs(value) < 1e6 else f"{value:.0f}"
+
+
+def time_text(seconds: float) -> str:
+    """Return a time of the run, to the millisecond."""
+    return f"{number_text(seconds)} s"
 
 
 def plain_values(evaluation: Evaluation) -> dict[str, object]:
