@@ -657,3 +657,18 @@ def test_times_are_told_to_the_millisecond():
         told = "`b` was entered at 0.067 s by `60:a->b` (line 1), from `a`, 66.667 ms after `a` was entered."
         assert str(live.why("b")) == told
         assert str(live.why_not("back")).startswith("`back` (line 1) did not fire at 0.167 s: `False`")
+
+
+def test_a_condition_that_was_true_before_it_was_the_condition_is_said_to_have_been():
+    text = """(var n := [0])
+    (machine m (state a (running [n += 1])) (state b) (on [n > 50] a -> b go))
+    (spawn m a)"""
+    with session(text) as live:
+        live.run(0.6)
+        live.edit(text.replace("n > 50", "n < 3"))
+        live.run(0.2)
+        edited = "It was last true at 0.3 s, before an edit made it the condition."
+        assert str(live.why_not("go")).endswith(edited)
+        live.rename("variable", "n", "count")
+        live.run(0.1)
+        assert str(live.why_not("go")).endswith(f"`count < 3` was False (`count` was 7). {edited}")

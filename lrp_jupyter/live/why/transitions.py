@@ -126,7 +126,19 @@ def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRu
     states = [each.state for each in run.state(tick).walk()]
     other = [each for each in states if each[:-1] == here[:-1] and each != here]
     elsewhere = f", when `{other[0][-1]}` was active" if other else ""
-    draft.say(f"{what} was last true at {time_text(run.time(tick))}{elsewhere}.")
+    edited = ", before an edit made it the condition" if _had_another(case, run, tick) else ""
+    draft.say(f"{what} was last true at {time_text(run.time(tick))}{elsewhere}{edited}.")
+
+
+def _had_another(case: Case, run: RecordedRun, tick: int) -> bool:
+    """Return whether a transition had another condition in a tick, which was tested there and was false."""
+    state = run.state(tick)
+    then = Element("transition", run.names(tick).of("transition", case.element.path, case.tick))
+    cause = cause_in(state, run.history.facts(tick), then)
+    arrow = resolve(state.program).arrow(then)
+    if cause.code != "condition-false" or arrow is None or arrow.tested is None or case.tested is None:
+        return False
+    return arrow.tested[0].text.strip() != case.tested[0].text.strip()
 
 
 def _delay_not_over(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
