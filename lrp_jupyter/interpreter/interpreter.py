@@ -29,6 +29,7 @@ Every command takes effect between ticks, before the call returns. An interprete
 
 from __future__ import annotations
 
+import builtins
 from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -59,11 +60,16 @@ from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.rename import rename as renamed_text
 from lrp_jupyter.language.unmeant import Unmeant
 
-__all__ = ["Interpreter", "VariableMapping"]
+__all__ = ["Interpreter", "VariableMapping", "empty_namespace"]
 
 
 def nothing(_: object) -> None:
     """Return None: no object stands for another."""
+
+
+def empty_namespace() -> dict[str, Any]:
+    """Return the globals of blocks that read no names of anyone: C code such as numpy's imports by them."""
+    return {"__builtins__": builtins}
 
 
 _KEPT = 20  # number of recent edits whose maps are kept
@@ -146,7 +152,7 @@ class Interpreter:
         """The edits and renames that gave an element another path: after which tick, and the map."""
         self.patch_reason = ""
         self._robot = robot
-        self.namespace: dict[str, Any] = {} if namespace is None else namespace
+        self.namespace: dict[str, Any] = empty_namespace() if namespace is None else namespace
         """Names that blocks can read."""
         self._new_run = partial(
             Run,

@@ -8,6 +8,7 @@ anything; who calls it is the caller's choice.
 from __future__ import annotations
 
 import array
+import sys
 from collections import Counter, OrderedDict, defaultdict, deque
 from collections.abc import Callable, Iterable, Iterator
 from itertools import islice
@@ -16,7 +17,7 @@ from typing import Any
 
 from lrp_jupyter.errors import name_of
 
-__all__ = ["LONGEST", "is_scalar", "of_type", "render", "short"]
+__all__ = ["LONGEST", "is_scalar", "of_type", "render", "scalar_of", "short"]
 
 LONGEST = 400
 """Maximum number of characters of a rendered value."""
@@ -68,6 +69,15 @@ def is_scalar(value: object) -> bool:
     """Return whether a value is a number, a text or None of exactly Python's own types."""
     kind = type(value)
     return kind is float or kind is int or kind is str or kind is bool or kind is NoneType
+
+
+def scalar_of(value: object) -> object:
+    """Return the value of Python's own types that a scalar of numpy stands for; any other value itself."""
+    numpy = sys.modules.get("numpy")
+    if numpy is None or not issubclass(type(value), numpy.generic):
+        return value
+    plain: object = numpy.generic.item(value)  # code of numpy, also for a subclass
+    return plain if is_scalar(plain) else value
 
 
 class _Writer:

@@ -10,7 +10,7 @@ from typing import Any
 from lrp_jupyter.errors import NotAValue
 from lrp_jupyter.interpreter.cells import content
 from lrp_jupyter.interpreter.events import UNSET
-from lrp_jupyter.interpreter.rendering import is_scalar, short
+from lrp_jupyter.interpreter.rendering import is_scalar, scalar_of, short
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Edge
 from lrp_jupyter.language.expressions import Evaluation, evaluate, expression_of
@@ -27,11 +27,13 @@ class Shown(str):
 
 def items(evaluation: Evaluation) -> list[tuple[str, object]]:
     """Return the parts with their values, without those that are parts of a robot."""
-    return [(text, value) for text, value in evaluation.values.items() if not isinstance(value, NotAValue)]
+    found = evaluation.values.items()
+    return [(text, scalar_of(value)) for text, value in found if not isinstance(value, NotAValue)]
 
 
 def _shown(value: object) -> object:
     """Return a value that stays as it is; the text of one that may change."""
+    value = scalar_of(value)
     return value if is_scalar(value) else Shown(short(value))
 
 

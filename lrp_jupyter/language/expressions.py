@@ -132,12 +132,6 @@ def evaluate(expression: ast.expr, lookup: Lookup, *, calls: bool = False) -> Ev
     return Evaluation(value, evaluator.values, _text(part), decided, part is expression)
 
 
-@lru_cache(maxsize=2_000)
-def _text(node: ast.expr) -> str:
-    """Return the text of a part; a condition is evaluated for many ticks."""
-    return ast.unparse(node)
-
-
 class _Evaluator:
     def __init__(self, lookup: Lookup, calls: bool) -> None:
         self.values: dict[str, object] = {}
@@ -208,6 +202,30 @@ class _Evaluator:
             case ast.UnaryOp(ast.Not(), operand):
                 return self.deciding(operand)
         return node
+
+
+@lru_cache(maxsize=2_000)
+def _text(node: ast.expr) -> str:
+    """Return an expression as text; `ast.unparse` adds parentheses to operands that need none.
+
+    A condition is evaluated for many ticks.
+    """
+    match node:
+        case ast.BoolOp(connective, operands):
+            is_or = isinstance(connective, ast.Or)
+            return (" or " if is_or else " and ").join(
+                f"({_text(each)})" if _binds_less(each, is_or) else _text(each) for each in operands
+            )
+        case ast.UnaryOp(ast.Not(), operand):
+            return f"not ({_text(operand)})" if _binds_less(operand, False) else f"not {_text(operand)}"
+    return ast.unparse(node)
+
+
+def _binds_less(node: ast.expr, is_or: bool) -> bool:
+    """Return whether an operand of `or`, or of `and` and `not`, needs parentheses."""
+    return isinstance(node, (ast.IfExp, ast.Lambda, ast.BoolOp)) and not (
+        is_or and isinstance(node, ast.BoolOp) and isinstance(node.op, ast.And)
+    )
 
 
 def _is_pure(function: object) -> bool:

@@ -72,7 +72,7 @@ from lrp_jupyter.files import read_text, write_file
 from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches, missing_state
-from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.interpreter.interpreter import Interpreter, empty_namespace
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.checks import check
@@ -197,7 +197,7 @@ class Session:
         if isinstance(program, str):
             program = parse(program, f"<lrp {name}>")
         self.name = name
-        self.namespace = {} if namespace is None else namespace
+        self.namespace = empty_namespace() if namespace is None else namespace
         self.output = Output()
         self.findings: tuple[Finding, ...] = ()
         """The findings of the checks about the last text."""

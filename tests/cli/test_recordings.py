@@ -201,6 +201,7 @@ def test_a_run_can_wait_for_other_things(lrp, program, what, said):
         ("left", "Write more after `left`, as in `--break 'left moving'`."),
         ("when", "Write more after `when`"),
         ("event bright", "`bright` is a transition, not an event."),
+        ("fahr", "There is no state or transition `fahr`. Did you mean `far`?"),
         ("when n +", "--break"),
     ],
 )

@@ -282,6 +282,19 @@ def test_the_namespace_is_used_as_it_is_and_never_written(session):
     assert names == {"start": 10}
 
 
+def test_functions_of_c_that_import_modules_work_in_a_block(session):
+    pytest.importorskip("numpy")
+    text = """(var n := [0])
+    (machine m (state a (running [import numpy; n = int(numpy.array([1, 2]).sum())])))
+    (spawn m a)"""
+    summing = session(text)
+    summing.run(0.3)
+    assert (summing.frame.numbers[("n",)], summing.issues) == (3, ())
+    with summing.fork() as fork:
+        fork.run(0.1)
+        assert fork.issues == ()
+
+
 def test_a_session_does_not_start_with_a_text_that_is_not_a_program():
     with pytest.raises(LRPSyntaxError):
         Session("(machine")

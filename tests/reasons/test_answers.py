@@ -614,3 +614,124 @@ def test_a_command_that_was_not_given_is_looked_for_in_the_blocks(running, where
     with session(text, "sim", world="empty") as live:
         live.run(0.2)
         assert str(live.why("robot.move")) == f"`robot.move` has not been called. {where}"
+
+
+def test_a_number_of_numpy_is_told_as_a_number():
+    numbers = pytest.importorskip("numpy")
+    text = """(var f := [numbers.float64(1) / 3]) (var yes := [numbers.bool_(True)])
+    (machine m (state a) (state b) (on [f > 1] a -> b go) (on [not yes] a -> b no))
+    (spawn m a)"""
+    with session(text, namespace={"numbers": numbers}) as live:
+        live.run(0.2)
+        answer = live.why_not("go")
+        assert "`f > 1` was False (`f` was 0.333333)." in str(answer)
+        assert type(answer.facts["values"]["f"]) is float
+        assert "`yes` was True." in str(live.why_not("no"))
+
+
+@pytest.mark.parametrize(
+    ("condition", "told"),
+    [
+        ("a and n > 2 and b is a or b", "`a and n > 2 and b is a or b` was False"),
+        ("a and (b or n > 5 or not a)", "`b or n > 5 or not a` was False"),
+        ("b or not (a and n)", "`b or not (a and n)` was False"),
+        ("b or (a and (b or n == 1))", "`b or a and (b or n == 1)` was False"),
+        ("not (b if b else a) or b", "`not (b if b else a) or b` was False"),
+    ],
+)
+def test_the_part_that_decides_has_no_parentheses_that_it_does_not_need(condition, told):
+    text = f"""(var a := [True]) (var b := [False]) (var n := [3])
+    (machine m (state s) (state t) (on [{condition}] s -> t go))
+    (spawn m s)"""
+    with session(text) as live:
+        live.run(0.2)
+        assert told in str(live.why_not("go"))
+
+
+WORDS = """(var s := ["x"])
+(machine m
+  (state a) (state b) (state c)
+  (on [True] {b c d} -> a back)
+  (on [False] *-{a b} -> c wild)
+  (ontime [s] a -> b late)
+  (on [
+    y = 1
+    y > 1] a -> b long))
+(spawn m a)"""
+
+
+def test_answers_list_states_and_name_delays_as_one_writes_in_english():
+    with session(WORDS) as live:
+        live.run(0.2)
+        assert "it leaves `b`, `c` or `d`, but `m` was in `a`" in str(live.why_not("back"))
+        assert "it leaves a state other than `a`, `b` or `c`, but" in str(live.why_not("wild"))
+        assert "its delay is `s`. A delay must be a number" in str(live.why_not("late"))
+        assert "did not fire at 0.1 s: `y = 1 …` was False. The" in str(live.why_not("long"))
+
+
+def test_a_state_that_was_not_entered_is_explained_by_an_exit_that_leads_to_it_too():
+    with session(LEFT.replace("[True]", "[1 > 2]")) as live:
+        live.run(0.3)
+        assert str(live.why("b")) == (
+            "`b` has not been entered. `leave` (line 3) did not fire at 0.2 s: `1 > 2` was False. "
+            "It was never true before."
+        )
+
+
+def test_a_state_of_a_machine_that_does_not_run_needs_the_machine_first():
+    with session(INNER.replace("(spawn m a)", "(spawn m b)")) as live:
+        live.run(0.3)
+        assert str(live.why("y")) == (
+            "`y` has not been entered: `i` was not running. It had never been spawned. "
+            "It is spawned when `a` is entered (line 2)."
+        )
+
+
+def test_a_state_to_which_nothing_leads_is_said_to_be_one():
+    with session(BESIDE) as live:
+        live.run(0.3)
+        assert str(live.why("b")) == "`b` has not been entered. No transition leads to it."
+
+
+def test_a_state_that_was_entered_later_had_not_been_entered_by_then():
+    with session(RENAMED.replace("n == 0", "n == 0 and 1 > 0")) as live:
+        live.run(0.3)
+        assert str(live.why("b", at=1)).startswith("`b` had not been entered by 0 s: `m` was spawned in this")
+        live.edit(live.text.replace("(state a)", "(state a) (state c)"))
+        live.run(0.1)
+        had = "`c` had not been entered by 0.1 s. The program of tick 2 had no such state."
+        assert str(live.why("c", at=2)) == had
+
+
+def test_a_state_that_is_active_for_longer_than_is_remembered_was_entered():
+    with session(BESIDE.replace("(state b)", "(state b) (ontime 300 a -> b)"), journal=20) as live:
+        live.run(5)
+        how = "How is not known: only the ticks from 31 on are remembered."
+        assert str(live.why("b")) == f"`b` was entered at 0.3 s. {how}"
+        assert str(live.why("a")).startswith(
+            "`a` has not been entered (only the ticks from 31 on are remembered)."
+        )
+
+
+def test_times_are_told_to_the_millisecond():
+    text = "(machine m (state a) (state b) (ontime 60 a -> b) (on [False] b -> a back)) (spawn m a)"
+    with session(text, rate=30) as live:
+        live.run(0.2)
+        told = "`b` was entered at 0.067 s by `60:a->b` (line 1), from `a`, 66.667 ms after `a` was entered."
+        assert str(live.why("b")) == told
+        assert str(live.why_not("back")).startswith("`back` (line 1) did not fire at 0.167 s: `False`")
+
+
+def test_a_condition_that_was_true_before_it_was_the_condition_is_said_to_have_been():
+    text = """(var n := [0])
+    (machine m (state a (running [n += 1])) (state b) (on [n > 50] a -> b go))
+    (spawn m a)"""
+    with session(text) as live:
+        live.run(0.6)
+        live.edit(text.replace("n > 50", "n < 3"))
+        live.run(0.2)
+        edited = "It was last true at 0.3 s, before an edit made it the condition."
+        assert str(live.why_not("go")).endswith(edited)
+        live.rename("variable", "n", "count")
+        live.run(0.1)
+        assert str(live.why_not("go")).endswith(f"`count < 3` was False (`count` was 7). {edited}")

@@ -18,6 +18,7 @@ from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.robot_commands import command_reason, commands_of
 from lrp_jupyter.live.why.states import state_reason
 from lrp_jupyter.live.why.transitions import transition_reason
+from lrp_jupyter.live.why.wording import time_text
 
 __all__ = ["Answers"]
 
@@ -109,7 +110,7 @@ class Answers:
         if at is not None or not self._loop.interpreter.paused:
             return reason
         time = self._loop.now
-        paused = f"The session has been paused since {time:g} s, so nothing is tested."
+        paused = f"The session has been paused since {time_text(time)}, so nothing is tested."
         sentence = f"{paused} In the last tick: {reason}"
         facts = {**reason.facts, "otherwise": reason.code}
         return replace(reason, code="paused", time=time, sentence=sentence, facts=facts)

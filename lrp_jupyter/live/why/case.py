@@ -8,6 +8,7 @@ from lrp_jupyter.interpreter.history import PastMachine, PastState
 from lrp_jupyter.interpreter.reasons import Cause, transition_of
 from lrp_jupyter.language.program import Block, Element, Program, Transition
 from lrp_jupyter.language.resolution import Scope, resolve
+from lrp_jupyter.live.why.wording import time_text
 
 __all__ = ["Case"]
 
@@ -44,12 +45,12 @@ class Case:
     @property
     def did_not_fire(self) -> str:
         """The beginning of a sentence that says so."""
-        return f"{self._named} did not fire at {self.time:g} s"
+        return f"{self._named} did not fire at {time_text(self.time)}"
 
     @property
     def did_fire(self) -> str:
         """The beginning of a sentence that says so."""
-        return f"{self._named} fired at {self.time:g} s"
+        return f"{self._named} fired at {time_text(self.time)}"
 
     @property
     def _named(self) -> str:

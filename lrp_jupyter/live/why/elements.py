@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import chain
 
 from lrp_jupyter.interpreter.reasons import transition_of
 from lrp_jupyter.language.program import Block, Element, Path, Program, Spawn, State, Transition
@@ -34,9 +35,9 @@ def spawns_of(program: Program, machine: Path) -> list[Spawning]:
 
 
 def arrows_to(program: Program, state: Path) -> Iterator[Arrow]:
-    """Yield the transitions of its own machine that lead to a state, by path of definition."""
+    """Yield the transitions that lead to a state, by path of definition, each ``exit`` included."""
     names = resolve(program)
     scope = names.by_path.get(state[:-1])
-    for arrow in names.arrows[scope] if scope is not None else ():
-        if arrow.noun.destination == state[-1] and not arrow.noun.outward:
+    for arrow in chain.from_iterable(names.arrows.values()):
+        if arrow.noun.destination == state[-1] and scope in arrow.homes:
             yield arrow

@@ -11,7 +11,7 @@ from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_state, line_of_transition, spawns_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.wording import restart_text
+from lrp_jupyter.live.why.wording import restart_text, time_text
 
 __all__ = ["entered_otherwise", "entry_text"]
 
@@ -23,7 +23,7 @@ def entered_otherwise(run: RecordedRun, entered: Entered, called: str, when: flo
     time = run.entered(entered.path, when)
     draft = AnswerDraft()
     line = line_of_state(program, entered.state)
-    was_entered = f"{called} was entered at {time:g} s"
+    was_entered = f"{called} was entered at {time_text(time)}"
     facts = run.facts(when)
     place = max(index for index, fact in enumerate(facts) if fact is entered)
     command = next((fact for fact in facts[place:] if isinstance(fact, Commanded)), None)

@@ -19,7 +19,7 @@ from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
-from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_text
+from lrp_jupyter.live.why.wording import call_text, given_arguments, restart_text, time_text
 
 __all__ = ["command_reason", "commands_of"]
 
@@ -51,7 +51,9 @@ def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool
     last = given[-1]
     origin = last.origin if last.origin.tick <= tick else last.first
     where = f"by `{origin.block}` (line {origin.line})" if origin.block else "by hand"
-    since = f", repeated since {run.time(last.first.tick):g} s" if last.first.tick < origin.tick else ""
+    since = (
+        f", repeated since {time_text(run.time(last.first.tick))}" if last.first.tick < origin.tick else ""
+    )
     draft = AnswerDraft(
         {
             "command": last.name,
@@ -63,7 +65,7 @@ def command_reason(run: RecordedRun, loop: Loop, name: str, tick: int, now: bool
         }
     )
     call = call_text(last.name, last.arguments)
-    draft.say(f"The last command was {call}, given {where} at {run.time(origin.tick):g} s{since}.")
+    draft.say(f"The last command was {call}, given {where} at {time_text(run.time(origin.tick))}{since}.")
     draft.lines.append(origin.line)
     for sentence in last.limited:
         draft.say(sentence)
@@ -124,7 +126,7 @@ def _fate(
     notices = [each for each in safety.notices if each.kind == "command watchdog"]
     notices = [each for each in notices if last.now < each.now <= loop.now]
     if notices and (now or notices[-1].now <= run.time(tick) + 1e-9):
-        return "watchdog", f"The robot was stopped at {notices[-1].now:g} s: {notices[-1].text}"
+        return "watchdog", f"The robot was stopped at {time_text(notices[-1].now)}: {notices[-1].text}"
     for when, fact in run.backward(tick):
         if when <= given:
             break
@@ -142,5 +144,5 @@ def _fate(
     ]
     if stops:
         disarmed = "" if safety.armed or not is_last else " It is disarmed."
-        return "stopped", f"Then the robot was stopped at {stops[-1].time:g} s.{disarmed}"
+        return "stopped", f"Then the robot was stopped at {time_text(stops[-1].time)}.{disarmed}"
     return ("limited" if last.limited else "commanded"), ""

@@ -11,8 +11,10 @@ from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import arrows_to, line_of, line_of_state, line_of_transition
 from lrp_jupyter.live.why.entries import entered_otherwise
 from lrp_jupyter.live.why.evaluation import PastTests
+from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.transitions import because, transition_reason
+from lrp_jupyter.live.why.wording import time_text
 
 __all__ = ["state_reason"]
 
@@ -50,17 +52,38 @@ def _entered_by(run: RecordedRun, tests: PastTests, fired: Fired, called: str, t
     draft = AnswerDraft({"transition": fired.transition.path})
     by = f"`{fired.label}` (line {line}), from `{fired.source[-1]}`{because(draft, case, tests)}"
     block = case.tested[0] if case.tested is not None else None
-    draft.say(f"{called} was entered at {time:g} s by {by}.", line, line_of(before.program, block))
+    draft.say(f"{called} was entered at {time_text(time)} by {by}.", line, line_of(before.program, block))
     return draft.reason("fired", tick, time)
 
 
 def _never_entered(run: RecordedRun, tests: PastTests, state: Path, name: str, tick: int) -> Reason:
-    """Say so, and why the transitions that lead to the state did not fire."""
-    program, first = run.program(tick), run.history.ticks.start
-    since = "" if first == 1 else f" since tick {first}, as far as is recorded"
+    """Say so, and why its machine did not run or the transitions that lead to the state did not fire."""
+    program, ticks, time = run.program(tick), run.history.ticks, run.time(tick)
+    line = line_of_state(program, state)
     draft = AnswerDraft()
-    draft.say(f"`{name}` has not been entered{since}.", line_of_state(program, state))
-    for arrow in arrows_to(program, state):
-        reason = transition_reason(run, tests, arrow.element, program, tick)
-        draft.say(str(reason), line_of(program, arrow.noun))
-    return draft.reason("never", tick, run.time(tick))
+    machine = next((each for each in run.state(tick).walk() if each.state[:-1] == state[:-1]), None)
+    if machine is not None and machine.state == state:
+        entered = f"`{name}` was entered at {time_text(machine.entered)}."
+        draft.say(f"{entered} How is not known: only the ticks from {ticks.start} on are remembered.", line)
+        return draft.reason("never", tick, time)
+    so = (
+        f"`{name}` has not been entered"
+        if tick == ticks[-1]
+        else f"`{name}` had not been entered by {time_text(time)}"
+    )
+    if ticks.start > 1:
+        so += f" (only the ticks from {ticks.start} on are remembered)"
+    if not line:
+        draft.say(f"{so}. The program of tick {tick} had no such state.")
+    elif machine is None:
+        not_running(draft, run, state[:-1], tick, so)
+        draft.lines.append(line)
+    else:
+        draft.say(f"{so}.", line)
+        arrows = [*arrows_to(program, state)]
+        for arrow in arrows:
+            reason = transition_reason(run, tests, arrow.element, program, tick)
+            draft.say(str(reason), line_of(program, arrow.noun))
+        if not arrows:
+            draft.say("No transition leads to it.")
+    return draft.reason("never", tick, time)

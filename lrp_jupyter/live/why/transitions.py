@@ -3,24 +3,26 @@
 from __future__ import annotations
 
 from lrp_jupyter.errors import did_you_mean, ended
-from lrp_jupyter.interpreter.facts import Commanded, Discarded, Spawned
 from lrp_jupyter.interpreter.reasons import cause_in
 from lrp_jupyter.language.expressions import Evaluation
-from lrp_jupyter.language.program import Element, Path, Program
+from lrp_jupyter.language.program import Element, Program
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.language.triggers import Delay, Epsilon
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.why.case import Case
 from lrp_jupyter.live.why.draft import AnswerDraft
-from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
-from lrp_jupyter.live.why.entries import entry_text, restart_of
+from lrp_jupyter.live.why.elements import line_of, line_of_transition
+from lrp_jupyter.live.why.entries import entry_text
 from lrp_jupyter.live.why.evaluation import PastTests
+from lrp_jupyter.live.why.machines import not_running
 from lrp_jupyter.live.why.recorded_run import RecordedRun
 from lrp_jupyter.live.why.wording import (
+    block_text,
     decided_text,
     number_text,
+    one_of,
     plain_values,
-    restart_text,
+    time_text,
     unknown_text,
     values_text,
 )
@@ -49,11 +51,11 @@ def transition_reason(
         case "source-inactive":
             _source_inactive(draft, case, run)
         case "machine-not-running":
-            _machine_not_running(draft, case, run)
+            not_running(draft, run, case.element.path[:-1], tick, case.did_not_fire)
         case "earlier-fired" | "outer-fired" | "exit-took-parent":
             _other_fired(draft, case)
         case "not-in-program":
-            draft.say(f"The program of tick {tick} (at {case.time:g} s) had no transition `{label}`.")
+            draft.say(f"The program of tick {tick} (at {time_text(case.time)}) had no transition `{label}`.")
         case _:
             _failed(draft, case)
     draft.lines.append(line)
@@ -66,7 +68,7 @@ def because(draft: AnswerDraft, case: Case, tests: PastTests) -> str:
     if case.cause.machine is None or isinstance(trigger, Epsilon):
         return ""
     if isinstance(trigger, Delay):
-        return f", {case.elapsed:g} ms after `{case.machine.state[-1]}` was entered"
+        return f", {number_text(case.elapsed)} ms after `{case.machine.state[-1]}` was entered"
     evaluation = tests.evaluation(case)
     if not isinstance(evaluation, Evaluation):
         return ""
@@ -100,7 +102,7 @@ def _condition_false(draft: AnswerDraft, case: Case, tests: PastTests, run: Reco
         _last_true(draft, case, tests, run, "It" if evaluation.is_whole else "The whole condition")
     else:
         unknown = draft.facts["unknown"] = unknown_text(evaluation)
-        draft.say(f"{case.did_not_fire}: `{case.tested[0].text.strip()}`{where} was False.", line)
+        draft.say(f"{case.did_not_fire}: {block_text(case.tested[0])}{where} was False.", line)
         draft.say(f"The values of its parts are not known: {unknown}")
         _last_true(draft, case, tests, run, "It")
 
@@ -124,7 +126,19 @@ def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRu
     states = [each.state for each in run.state(tick).walk()]
     other = [each for each in states if each[:-1] == here[:-1] and each != here]
     elsewhere = f", when `{other[0][-1]}` was active" if other else ""
-    draft.say(f"{what} was last true at {run.time(tick):g} s{elsewhere}.")
+    edited = ", before an edit made it the condition" if _had_another(case, run, tick) else ""
+    draft.say(f"{what} was last true at {time_text(run.time(tick))}{elsewhere}{edited}.")
+
+
+def _had_another(case: Case, run: RecordedRun, tick: int) -> bool:
+    """Return whether a transition had another condition in a tick, which was tested there and was false."""
+    state = run.state(tick)
+    then = Element("transition", run.names(tick).of("transition", case.element.path, case.tick))
+    cause = cause_in(state, run.history.facts(tick), then)
+    arrow = resolve(state.program).arrow(then)
+    if cause.code != "condition-false" or arrow is None or arrow.tested is None or case.tested is None:
+        return False
+    return arrow.tested[0].text.strip() != case.tested[0].text.strip()
 
 
 def _delay_not_over(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun) -> None:
@@ -134,7 +148,7 @@ def _delay_not_over(draft: AnswerDraft, case: Case, tests: PastTests, run: Recor
     draft.facts |= {"elapsed": case.elapsed, "delay": delay}
     draft.say(
         f"{case.did_not_fire}: only {number_text(case.elapsed)}{of} ms had passed since "
-        f"`{machine.state[-1]}` was entered at {machine.entered:g} s{how}.",
+        f"`{machine.state[-1]}` was entered at {time_text(machine.entered)}{how}.",
         case.line,
         line,
     )
@@ -145,10 +159,10 @@ def _source_inactive(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
     how, line = entry_text(run, machine, case.tick)
     other = "a state other than " if noun.wildcard else ""
     names = (*noun.sources, noun.destination) if noun.wildcard else noun.sources
-    listed = " or ".join(f"`{name}`" for name in names)
+    listed = one_of([f"`{name}`" for name in names])
     draft.say(
         f"{case.did_not_fire}: it leaves {other}{listed}, but `{machine.path[-1]}` was in "
-        f"`{machine.state[-1]}`, entered at {machine.entered:g} s{how}.",
+        f"`{machine.state[-1]}`, entered at {time_text(machine.entered)}{how}.",
         line,
     )
     scope = resolve(case.program).by_path.get(case.element.path[:-1])
@@ -157,67 +171,6 @@ def _source_inactive(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
     for name in noun.sources:
         if name not in scope.states:
             draft.say(f"There is no state `{name}`.{did_you_mean(str(name), scope.states)}", case.line)
-
-
-def _machine_not_running(draft: AnswerDraft, case: Case, run: RecordedRun) -> None:
-    path = case.element.path[:-1]
-    name = path[-1]
-    facts = run.history.facts(case.tick)
-    spawns = spawns_of(case.program, path)
-    for fact in facts.facts:
-        if isinstance(fact, Spawned) and fact.defined == path:
-            lines = [line_of(case.program, spawning.noun) for spawning in spawns]
-            if fact.by:
-                by = f"when `{fact.by[-1]}` was entered"
-                entering = [each for each in facts.fired if each.path == fact.by]
-                lines += [line_of_transition(case.program, each.transition) for each in entering]
-            else:
-                by = f"when the program {'restarted' if restart_of(facts.before) else 'started'}"
-            draft.say(f"{case.did_not_fire}: `{name}` was spawned in this very tick, {by}.", *lines)
-            draft.say("Its transitions are tested from the next tick on.")
-            return
-    draft.say(f"{case.did_not_fire}: `{name}` was not running.")
-    _how_it_ended(draft, case, run, path)
-    for spawning in spawns:
-        line = line_of(case.program, spawning.noun)
-        spawner = spawning.spawner
-        when = f"when `{spawner[-1]}` is entered" if spawner else "when the program starts"
-        draft.say(f"It is spawned {when} (line {line}).", line)
-    if not spawns:
-        draft.say(f"No `(spawn {name} …)` starts it.")
-
-
-def _how_it_ended(draft: AnswerDraft, case: Case, run: RecordedRun, path: Path) -> None:
-    """Say how a machine that did not run ended before, or that it never ran."""
-    names = run.names(case.tick)
-    restart: tuple[float, Commanded] | None = None  # the first one after what is looked at
-    for when, fact in run.backward(case.tick, before=True):
-        if isinstance(fact, Commanded) and fact.kind == "restarted":
-            restart = when, fact
-        elif isinstance(fact, Discarded) and names.of("machine", fact.defined, when) == path:
-            by, line = _what_discarded(run, fact, when)
-            draft.say(f"It ended at {run.time(when):g} s{by}.", line)
-            return
-        elif isinstance(fact, Spawned) and names.of("machine", fact.defined, when) == path:
-            if restart is not None:  # else it was taken out of the program
-                at, command = restart
-                why = restart_text(command)
-                draft.say(f"It ended at {run.time(at):g} s, when the program restarted ({why}).")
-            return
-    first = run.history.ticks.start
-    draft.say("It had never been spawned." if first == 1 else f"It was not spawned since tick {first}.")
-
-
-def _what_discarded(run: RecordedRun, discarded: Discarded, when: float) -> tuple[str, int]:
-    """Return in words what ended a machine, and the line of the transition if it was one."""
-    if int(when) != when:
-        return ", by hand", 0
-    for fired in reversed(run.history.facts(int(when)).fired):
-        home = fired.path[:-1]
-        if discarded.machine[: len(home)] == home != discarded.machine:
-            line = line_of_transition(run.program(int(when)), fired.transition)
-            return f", because `{fired.label}` (line {line}) left `{discarded.machine[len(home)]}`", line
-    return "", 0
 
 
 def _other_fired(draft: AnswerDraft, case: Case) -> None:
@@ -245,7 +198,8 @@ def _failed(draft: AnswerDraft, case: Case) -> None:
     what, line = case.did_not_fire, case.line
     if case.tested is not None:
         line, where = _line_and_place(case)
-        what += f": its condition is `{case.tested[0].text.strip()}`{where}"
+        noun = "delay" if isinstance(case.noun.trigger, Delay) else "condition"
+        what += f": its {noun} is {block_text(case.tested[0])}{where}"
     if case.cause.code == "unknown-destination":
         what = f"{case.did_not_fire}: it was enabled, but leads nowhere"
     draft.facts["message"] = fault.message

@@ -9,19 +9,22 @@ from typing import Any
 from lrp_jupyter.bridges.message import Twist
 from lrp_jupyter.errors import sentence_of
 from lrp_jupyter.interpreter.facts import Commanded
-from lrp_jupyter.interpreter.rendering import short
-from lrp_jupyter.interpreter.tree import is_boolean
+from lrp_jupyter.interpreter.rendering import scalar_of, short
 from lrp_jupyter.interpreter.watching import Shown, items
 from lrp_jupyter.language.expressions import Evaluation, UnknownValueError
+from lrp_jupyter.language.program import Block
 from lrp_jupyter.language.python import parse_python
 
 __all__ = [
+    "block_text",
     "call_text",
     "decided_text",
     "given_arguments",
     "number_text",
+    "one_of",
     "plain_values",
     "restart_text",
+    "time_text",
     "unknown_text",
     "values_text",
 ]
@@ -30,6 +33,11 @@ __all__ = [
 def number_text(value: float) -> str:
     """Return a number with at most three decimals."""
     return f"{round(value, 3):g}" if abs(value) < 1e6 else f"{value:.0f}"
+
+
+def time_text(seconds: float) -> str:
+    """Return a time of the run, to the millisecond."""
+    return f"{number_text(seconds)} s"
 
 
 def plain_values(evaluation: Evaluation) -> dict[str, object]:
@@ -46,8 +54,7 @@ def _plain(value: object) -> object:
 
 def decided_text(evaluation: Evaluation) -> str:
     """Say what the part that decides was; below a `not` that is the opposite of the whole."""
-    value = evaluation.decided
-    return str(bool(value)) if is_boolean(value) else _rounded(value, _decides(evaluation))
+    return _rounded(scalar_of(evaluation.decided), _decides(evaluation))
 
 
 def values_text(evaluation: Evaluation) -> str:
@@ -76,7 +83,22 @@ def _rounded(value: object, tree: ast.expr) -> str:
 
 
 def _and(texts: list[str]) -> str:
-    return " and ".join([", ".join(texts[:-1]), texts[-1]] if len(texts) > 1 else texts)
+    return _listed(texts, "and")
+
+
+def one_of(texts: list[str]) -> str:
+    """Return a list of which any may be meant: ``a, b or c``."""
+    return _listed(texts, "or")
+
+
+def _listed(texts: list[str], word: str) -> str:
+    return f" {word} ".join([", ".join(texts[:-1]), texts[-1]] if len(texts) > 1 else texts)
+
+
+def block_text(block: Block) -> str:
+    """Return a block in a sentence; one of several lines by its first one."""
+    first, *more = block.text.strip().splitlines() or [""]
+    return f"`{first.rstrip()} …`" if more else f"`{first}`"
 
 
 def unknown_text(problem: Exception | None) -> str:

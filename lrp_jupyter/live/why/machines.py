@@ -1,0 +1,74 @@
+"""Why a machine did not run: what ended it, and what starts it."""
+
+from __future__ import annotations
+
+from lrp_jupyter.interpreter.facts import Commanded, Discarded, Spawned
+from lrp_jupyter.language.program import Path
+from lrp_jupyter.live.why.draft import AnswerDraft
+from lrp_jupyter.live.why.elements import line_of, line_of_transition, spawns_of
+from lrp_jupyter.live.why.entries import restart_of
+from lrp_jupyter.live.why.recorded_run import RecordedRun
+from lrp_jupyter.live.why.wording import restart_text, time_text
+
+__all__ = ["not_running"]
+
+
+def not_running(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int, so: str) -> None:
+    """Say why a machine, by path of definition, did not run when a tick began; `so` begins the sentence."""
+    name, program = path[-1], run.program(tick)
+    facts = run.history.facts(tick)
+    spawns = spawns_of(program, path)
+    for fact in facts.facts:
+        if isinstance(fact, Spawned) and fact.defined == path:
+            lines = [line_of(program, spawning.noun) for spawning in spawns]
+            if fact.by:
+                by = f"when `{fact.by[-1]}` was entered"
+                entering = [each for each in facts.fired if each.path == fact.by]
+                lines += [line_of_transition(program, each.transition) for each in entering]
+            else:
+                by = f"when the program {'restarted' if restart_of(facts.before) else 'started'}"
+            draft.say(f"{so}: `{name}` was spawned in this very tick, {by}.", *lines)
+            draft.say("Its transitions are tested from the next tick on.")
+            return
+    draft.say(f"{so}: `{name}` was not running.")
+    _how_it_ended(draft, run, path, tick)
+    for spawning in spawns:
+        line = line_of(program, spawning.noun)
+        spawner = spawning.spawner
+        when = f"when `{spawner[-1]}` is entered" if spawner else "when the program starts"
+        draft.say(f"It is spawned {when} (line {line}).", line)
+    if not spawns:
+        draft.say(f"No `(spawn {name} …)` starts it.")
+
+
+def _how_it_ended(draft: AnswerDraft, run: RecordedRun, path: Path, tick: int) -> None:
+    """Say how a machine that did not run ended before, or that it never ran."""
+    names = run.names(tick)
+    restart: tuple[float, Commanded] | None = None  # the first one after what is looked at
+    for when, fact in run.backward(tick, before=True):
+        if isinstance(fact, Commanded) and fact.kind == "restarted":
+            restart = when, fact
+        elif isinstance(fact, Discarded) and names.of("machine", fact.defined, when) == path:
+            by, line = _what_discarded(run, fact, when)
+            draft.say(f"It ended at {time_text(run.time(when))}{by}.", line)
+            return
+        elif isinstance(fact, Spawned) and names.of("machine", fact.defined, when) == path:
+            if restart is not None:  # else it was taken out of the program
+                at, command = restart
+                why = restart_text(command)
+                draft.say(f"It ended at {time_text(run.time(at))}, when the program restarted ({why}).")
+            return
+    first = run.history.ticks.start
+    draft.say("It had never been spawned." if first == 1 else f"It was not spawned since tick {first}.")
+
+
+def _what_discarded(run: RecordedRun, discarded: Discarded, when: float) -> tuple[str, int]:
+    """Return in words what ended a machine, and the line of the transition if it was one."""
+    if int(when) != when:
+        return ", by hand", 0
+    for fired in reversed(run.history.facts(int(when)).fired):
+        home = fired.path[:-1]
+        if discarded.machine[: len(home)] == home != discarded.machine:
+            line = line_of_transition(run.program(int(when)), fired.transition)
+            return f", because `{fired.label}` (line {line}) left `{discarded.machine[len(home)]}`", line
+    return "", 0
