@@ -24,7 +24,8 @@ from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.interpreter.history import PastState
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.program import path_text
-from lrp_jupyter.live.checkpoints import PLAIN, SessionCheckpoint
+from lrp_jupyter.live.checkpoints import SessionCheckpoint
+from lrp_jupyter.live.leftovers import differ
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.randomness import random_module
 from lrp_jupyter.live.replay import Entry, Ticked, merged
@@ -116,11 +117,11 @@ def check_repeated(recorded: PastState, copy: Interpreter, before: Mapping[str, 
     """
     repeated = copy.history.state(copy.tick)  # an `onpause` at an issue of this tick came after it
     variables = repeated.variables
-    other = [path for path, value in recorded.variables.items() if _differ(value, variables.get(path))]
+    other = [path for path, value in recorded.variables.items() if differ(value, variables.get(path))]
     if not other and recorded.active == repeated.active:
         return
     what = f"`{path_text(other[0])}` had another value" if other else "other states were active"
-    changed = [name for name, value in copy.namespace.items() if _differ(value, before.get(name))]
+    changed = [name for name, value in copy.namespace.items() if differ(value, before.get(name))]
     names = " and ".join(f"`{name}`" for name in changed)
     why = (
         f"{names} {'was' if len(changed) == 1 else 'were'} changed since"
@@ -128,13 +129,6 @@ def check_repeated(recorded: PastState, copy: Interpreter, before: Mapping[str, 
         else "the program depends on something that is not recorded, such as a clock or a file"
     )
     raise ValueError(f"Tick {copy.tick} cannot be repeated exactly: {what}. The reason may be that {why}.")
-
-
-def _differ(one: object, other: object) -> bool:
-    """Return whether two values differ, as far as that is known: what can be changed may have been."""
-    if type(one) not in PLAIN or type(other) not in PLAIN:
-        return False
-    return one != other and (one == one or other == other)  # not a number is not even itself
 
 
 def _is_after(entry: Entry, tick: int) -> bool:

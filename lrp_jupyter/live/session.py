@@ -731,6 +731,9 @@ class Session:
     def rewind(self, ticks: int = 1) -> None:
         """Go back by so many ticks: program, simulated world, time.
 
+        Objects that were changed in place stay as they are, and so do issues, counts, settings and the state
+        of the random numbers.
+
         Raises
         ------
         ValueError
@@ -1030,7 +1033,8 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not, or no longer, recorded.
+            The tick is not, or no longer, recorded. :meth:`run` raises it where the session went back to a
+            tick while something stayed as it was, such as a list that was changed in place.
         SessionTimeoutError
             A tick before it cannot be repeated, because a block does not return.
         LRPSyntaxError
@@ -1072,7 +1076,7 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not, or no longer, recorded.
+            The tick is not, or no longer, recorded; or what came later cannot be repeated, see :meth:`fork`.
         LRPSyntaxError
             The text is not a valid program.
         """
