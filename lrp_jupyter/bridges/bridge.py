@@ -247,6 +247,10 @@ class Bridge(Interface, ABC):
         """Return a token for the present moment of the bridge's own world, for `rewind`."""
         return None
 
+    def has_come_to(self, moment: object) -> bool:
+        """Return whether as much was done to the bridge's own world as at a moment, maybe of another run."""
+        return True
+
     def forget(self, moment: object) -> None:
         """Drop what only `rewind` and `fork` to moments before this one need."""
 

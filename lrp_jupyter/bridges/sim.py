@@ -283,6 +283,11 @@ class SimBridge(Bridge):
         self.safety.motion = moment.motion
         self._stopping = moment.stopping
 
+    def has_come_to(self, moment: object) -> bool:
+        """See :class:`Bridge`."""
+        done = (self.simulation.moment, self._stopping)
+        return not isinstance(moment, _SimMoment) or done == (moment.world, moment.stopping)
+
     def forget(self, moment: object) -> None:
         """See :class:`Bridge`."""
         if isinstance(moment, _SimMoment) and moment.simulation is self.simulation:

@@ -75,6 +75,14 @@ class Snapshot:
         """The names of the types of what could not be copied."""
         return self.values.uncopied
 
+    def contents(self) -> dict[Path | str, object]:
+        """Return new copies of the variables, by path of definition, and of what is beside them, by name."""
+        cells = [CellType() for _ in range(_count(self))]
+        owned = [((), self.own), *((machine.place[:-1], machine.own) for machine in self.machines)]
+        names: list[Path | str] = [(*path, name) for path, own in owned for name, _, _ in own]
+        values = unpack(self.values, cells, lambda token: token)
+        return dict(zip([*names, *self.beside], values, strict=True))
+
 
 def take(
     run: Run, known: Callable[[object], object], beside: Mapping[str, object] = MappingProxyType({})

@@ -62,6 +62,8 @@ class SessionCheckpoint(NamedTuple):
     moment: object
     random: tuple[Any, ...]
     armed: bool
+    rewound: bool = False
+    """Whether the run had just gone back to it."""
 
     @property
     def tick(self) -> int:
@@ -78,19 +80,29 @@ class Checkpoints:
         """The tick after which the next one is wanted, at the earliest."""
         self._rested = 0.0  # wall time from which on one may be taken
 
-    def add(self, take: Callable[[], SessionCheckpoint], always: bool = False) -> None:
-        """Take a checkpoint, unless the last one was too short a time ago, or always."""
+    def add(self, take: Callable[[], SessionCheckpoint], rewound: bool = False) -> SessionCheckpoint | None:
+        """Take a checkpoint and return it, unless the last one was too short a time ago.
+
+        One to which the run has `rewound` is always taken.
+        """
         start = perf_counter()
-        if start < self._rested and not always:
+        if start < self._rested and not rewound:
             self.due += _SPACING
-            return
-        checkpoint = take()
+            return None
+        checkpoint = take()._replace(rewound=rewound)
         self.all.append(checkpoint)
         end = perf_counter()
         self._rested = end + _SHARE * (end - start)
         self.due = checkpoint.tick + _SPACING
         if len(self.all) > _MOST or sum(len(each.snapshot.values.data) for each in self.all) > _BYTES:
-            del self.all[1:-1:2]  # every other one, but neither the first nor the last
+            self._thin_out()
+        return checkpoint
+
+    def _thin_out(self) -> None:
+        """Drop every other one: not the first and the last, and no rewound one if there are others."""
+        inner = self.all[1:-1]
+        dropped = {id(each) for each in ([each for each in inner if not each.rewound] or inner)[::2]}
+        self.all = [each for each in self.all if id(each) not in dropped]
 
     def begin(self, tick: int) -> SessionCheckpoint | None:
         """Drop those that no tick after this one needs; return the first that is left."""

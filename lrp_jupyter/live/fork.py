@@ -24,7 +24,8 @@ from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.interpreter.history import PastState
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.language.program import path_text
-from lrp_jupyter.live.checkpoints import PLAIN, SessionCheckpoint
+from lrp_jupyter.live.checkpoints import SessionCheckpoint
+from lrp_jupyter.live.leftovers import differ
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.names import ChangeNames
 from lrp_jupyter.live.randomness import random_module
@@ -121,7 +122,7 @@ def check_repeated(recorded: PastState, copy: Interpreter) -> None:
     """
     repeated = copy.history.state(copy.tick)  # an `onpause` at an issue of this tick came after it
     variables = repeated.variables
-    other = [path for path, value in recorded.variables.items() if _differ(value, variables.get(path))]
+    other = [path for path, value in recorded.variables.items() if differ(value, variables.get(path))]
     if not other and recorded.active == repeated.active:
         return
     what = f"`{path_text(other[0])}` had another value" if other else "other states were active"
@@ -129,13 +130,6 @@ def check_repeated(recorded: PastState, copy: Interpreter) -> None:
         f"Tick {copy.tick} cannot be repeated exactly: {what}. The program may depend on something that is "
         "not recorded, such as a clock, a file, or a variable that a function of the notebook reads."
     )
-
-
-def _differ(one: object, other: object) -> bool:
-    """Return whether two values differ, as far as that is known: what can be changed may have been."""
-    if type(one) not in PLAIN or type(other) not in PLAIN:
-        return False
-    return one != other and (one == one or other == other)  # not a number is not even itself
 
 
 def _is_after(entry: Entry, tick: int) -> bool:

@@ -7,13 +7,15 @@ nothing; what a simulated robot senses follows from them.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import takewhile
 from threading import RLock
 from typing import NamedTuple
 
-__all__ = ["Input", "Inputs", "Paused", "Resumed", "RunEnded"]
+from lrp_jupyter.live.checkpoints import SessionCheckpoint
+
+__all__ = ["Input", "Inputs", "Paused", "Resumed", "Rewound", "RunEnded"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,6 +33,13 @@ class Resumed:
 @dataclass(frozen=True, slots=True)
 class RunEnded:
     """A run in virtual time was over: what follows is paused, though the program was not told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rewound:
+    """Later ticks were undone; `checkpoint` is the session as it was then, with what was not undone."""
+
+    checkpoint: SessionCheckpoint
 
 
 class Input(NamedTuple):
@@ -109,14 +118,25 @@ class Inputs:
             while self._all and self._all[0][0].number <= number:
                 self._letters -= self._all.popleft()[1]
 
-    def undo(self, tick: int) -> list[Input]:
-        """Drop those that came after a tick, and return them in order."""
+    def undo(self, tick: int, stays: Callable[[object], bool] = lambda what: False) -> list[Input]:
+        """Drop those that came after a tick, but not what `stays` of what came before the next one.
+
+        Returns
+        -------
+        list of Input
+            Those that were dropped, in order.
+        """
+        kept: list[tuple[Input, int]] = []
         dropped = []
         with self.lock:
             while self._all and self._all[-1][0].tick >= tick:
                 entry, letters = self._all.pop()
-                self._letters -= letters
-                dropped.append(entry)
+                if entry.tick == tick and stays(entry.what):
+                    kept.append((entry, letters))
+                else:
+                    self._letters -= letters
+                    dropped.append(entry)
+            self._all.extend(reversed(kept))
         return dropped[::-1]
 
     def clear(self) -> None:

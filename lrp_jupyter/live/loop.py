@@ -64,7 +64,7 @@ from lrp_jupyter.live.checkpoints import COPIED, PLAIN, Checkpoints, SessionChec
 from lrp_jupyter.live.clock import LAG, Clock
 from lrp_jupyter.live.foreign import Foreign, on_main_thread
 from lrp_jupyter.live.inbox import Command, Inbox
-from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, RunEnded
+from lrp_jupyter.live.inputs import Input, Inputs, Paused, Resumed, Rewound, RunEnded
 from lrp_jupyter.live.moments import Moments
 from lrp_jupyter.live.names import ChangeNames, WatchedNames
 from lrp_jupyter.live.randomness import random_module
@@ -423,6 +423,14 @@ class Loop:
         bridge.safety.tick(interpreter.now, self.period)
         bridge.safety.armed = checkpoint.armed
         self.status, self._unstarted = "running" if checkpoint.running else "paused", False
+
+    def settle_as(self, checkpoint: SessionCheckpoint) -> None:
+        """Take over the settings of a session, and whether it was paused."""
+        settings = checkpoint.snapshot.settings
+        for name in ("on_active_edit", "on_issue", "paused"):
+            setattr(self.interpreter, name, settings[name])
+        self.set_rate(checkpoint.rate)
+        self.status = "running" if checkpoint.running else "paused"
 
     def _prepare(self) -> None:
         """Note what other threads have stopped, and take a checkpoint if one is due."""
@@ -833,14 +841,18 @@ class Loop:
         if self.paused_by is not None and ticks:
             self.paused_by, self.reason = None, ""  # that tick has not happened
         bridge.safety.forget(interpreter.tick)
-        undone = self.inputs.undo(interpreter.tick)
+        undone = self.inputs.undo(interpreter.tick, _is_of_the_world)
         self.names.undo(entry.what for entry in undone if isinstance(entry.what, ChangeNames))
         self.checkpoints.cut(interpreter.tick)
         self._pending_at = 0.0
         for what in kept:
             self.inputs.keep(self.inputs.next(interpreter.tick, self.now, what))
+        self._note_names()  # which stay as they are
         if self._remembers:  # the rate and the policies stay, though their inputs are dropped
-            self.checkpoints.add(self.checkpoint, always=True)
+            is_first, entry = not self.checkpoints.all, self.inputs.next(interpreter.tick, self.now, None)
+            taken = self.checkpoints.add(self.checkpoint, rewound=True)
+            if taken is not None and not is_first:  # then a run from before may come to it
+                self.inputs.keep(entry._replace(what=Rewound(taken)), len(taken.snapshot.values.data))
 
     def force(self, path: Path, how: Literal["transition", "teleport"]) -> None:
         """Force a state; one that does not exist is an issue, as it is in a transition. Paper: §6.4."""
@@ -897,6 +909,11 @@ class Loop:
         except BaseException as error:
             self.bridge.lose(hook.__name__, error)
             self.bridge.stop_all()
+
+
+def _is_of_the_world(what: object) -> bool:
+    """Return whether an input was done to the robot or its world, and not to the program or in a tick."""
+    return not isinstance(what, (Command, Paused, Resumed, Rewound, RunEnded, CommandsHeld))
 
 
 def _full_path(program: Program, path: Path) -> Path:

@@ -276,7 +276,7 @@ def _moment(line: Line) -> tuple[int, float]:
 def _event(line: Line) -> Line:
     """Return what followed; every kind of it has its fields."""
     event = {**line, "event": "commanded"} if "command" in line else line  # as version 1 has it
-    if not {"event", "readings"} & event.keys():
+    if event.get("event") is None and "readings" not in event:
         raise FileError("This line has no `input`, `event` or `readings`.")
     for name, kind in _FIELDS.get(event.get("event"), {}).items():
         if not isinstance(event[name], kind):
@@ -351,7 +351,7 @@ _STARTS: dict[str, Callable[[Any], bool]] = {
     "bridge": lambda value: isinstance(value, str),
     "world": lambda value: value is None or isinstance(value, dict),
     "members": lambda value: isinstance(value, list) and all(isinstance(each, dict) for each in value),
-    "rate": lambda value: isinstance(value, (int, float)) and (value == 0 or SLOWEST <= value <= FASTEST),
+    "rate": lambda value: type(value) in (int, float) and (value == 0 or SLOWEST <= value <= FASTEST),
     "on_active_edit": lambda value: value in ("restart", "keep"),
     "on_issue": lambda value: value in ("record", "pause"),
     "names": _are_texts,

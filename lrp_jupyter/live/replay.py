@@ -16,9 +16,11 @@ from lrp_jupyter.bridges.outside import CommandsHeld, RobotArmed, RobotCommanded
 from lrp_jupyter.bridges.recorded import RecordedBridge
 from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.program import Element
+from lrp_jupyter.live.checkpoints import SessionCheckpoint
 from lrp_jupyter.live.commands import Rename, RepeatEdit, ReplaceProgram
 from lrp_jupyter.live.inbox import Command
-from lrp_jupyter.live.inputs import Input, Paused, Resumed, RunEnded
+from lrp_jupyter.live.inputs import Input, Paused, Resumed, Rewound, RunEnded
+from lrp_jupyter.live.leftovers import leftover
 from lrp_jupyter.live.loop import Loop
 
 __all__ = ["Entry", "Ticked", "merged", "play", "repeat", "tested_again", "without_edits"]
@@ -56,11 +58,13 @@ def merged(ticks: Iterable[Ticked], inputs: Iterable[Input]) -> Iterator[Entry]:
 
 
 def without_edits(entries: Iterable[Entry]) -> Iterator[Entry]:
-    """Leave out the inputs that change the program."""
+    """Leave out the inputs that change the program, and what is true only of a run of the recorded one."""
     return (
         entry
         for entry in entries
-        if not (isinstance(entry, Input) and isinstance(entry.what, (ReplaceProgram, RepeatEdit, Rename)))
+        if not (
+            isinstance(entry, Input) and isinstance(entry.what, (ReplaceProgram, RepeatEdit, Rename, Rewound))
+        )
     )
 
 
@@ -73,7 +77,8 @@ def play(
     """
     while script and script[0].time <= end + 1e-9:
         entry = script.popleft()
-        with suppress(Exception) if isinstance(entry, Input) else nullcontext():
+        is_left_out = isinstance(entry, Input) and not isinstance(entry.what, Rewound)
+        with suppress(Exception) if is_left_out else nullcontext():
             repeat(loop, entry)
         if isinstance(entry, Ticked) and after_tick is not None and after_tick():
             return True
@@ -112,12 +117,31 @@ def _apply(loop: Loop, what: object) -> None:
             bridge.stop_all()
         case RobotArmed(armed):
             (bridge.arm if armed else bridge.disarm)()
+        case Rewound(checkpoint):
+            _check_rewound(loop, checkpoint)
+            loop.settle_as(checkpoint)
         case CommandsHeld(sent):
             bridge.safety.most = sent
         case RobotCommanded(name, arguments):
             bridge.nodes.table[name](**arguments)  # type: ignore[operator]
         case _:
             bridge.repeat(what)
+
+
+def _check_rewound(loop: Loop, checkpoint: SessionCheckpoint) -> None:
+    """Check that nothing is left of the ticks that were undone here.
+
+    Raises
+    ------
+    ValueError
+        There is something, so the recorded run went on from another state.
+    """
+    world = "" if loop.bridge.has_come_to(checkpoint.moment) else "the world"
+    if left := world or leftover(checkpoint, loop.checkpoint()):
+        raise ValueError(
+            f"What came after tick {checkpoint.tick} cannot be repeated from an earlier tick: the session "
+            f"went back to it, and {left} was no longer as before. Begin at tick {checkpoint.tick} or later."
+        )
 
 
 def tested_again(loop: Loop, script: deque[Entry], element: Element) -> Evaluation | Exception | None:

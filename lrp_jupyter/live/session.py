@@ -736,6 +736,9 @@ class Session:
         ticks : int
             0 or more; with 0, what came after the last tick is undone.
 
+        Objects that were changed in place stay as they are, and so do issues, counts, settings and the state
+        of the random numbers.
+
         Raises
         ------
         ValueError
@@ -1102,7 +1105,8 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not, or no longer, recorded.
+            The tick is not, or no longer, recorded. :meth:`run` raises it where the session went back to a
+            tick while something stayed as it was, such as a list that was changed in place.
         SessionTimeoutError
             A tick before it cannot be repeated, because a block does not return.
         LRPSyntaxError
@@ -1150,7 +1154,7 @@ class Session:
         Raises
         ------
         ValueError
-            The tick is not, or no longer, recorded.
+            The tick is not, or no longer, recorded; or what came later cannot be repeated, see :meth:`fork`.
         LRPSyntaxError
             The text is not a valid program.
         """

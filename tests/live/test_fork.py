@@ -56,6 +56,86 @@ def test_the_rate_and_the_policies_that_a_rewind_keeps_are_those_of_a_fork():
             assert (fork.frame.tick, fork.frame.values) == (session.frame.tick, session.frame.values)
 
 
+LEAVING = """(var n := [0]) (var seen := [[]]) (var r := [0.0])
+(machine m (state a (running [n += 1] [
+if n > 12: pass
+]))) (spawn m a)"""
+
+
+def gone_back(program=LEAVING, act=None, **options):
+    """A session that was run for 2 s, has gone back to its tenth tick, and was run on."""
+    session = Session(program, clock=VirtualClock(), **options)
+    session.run(1.5)
+    if act is not None:
+        act(session)
+    session.run(0.5)
+    session.rewind(10)
+    session.run(1.5)
+    return session
+
+
+@pytest.mark.parametrize(
+    ("block", "left"),
+    [
+        ("seen.append(n)", "`seen`"),
+        ("1 / 0", "an issue"),
+        ("import random; r = random.random(); r = 0", "the state of the random numbers"),
+        ("found[n] = [n]", "`found`"),
+    ],
+)
+def test_what_a_rewind_leaves_is_told_by_a_fork_of_an_earlier_tick_that_comes_to_it(block, left):
+    with gone_back(LEAVING.replace("pass", block), namespace={"found": {}}) as session:
+        told = (
+            rf"after tick 10 cannot be .*: the session went back to it, and {left} was no longer as before\."
+        )
+        with session.fork(5, inputs=True) as fork:
+            fork.run(0.5)
+            with pytest.raises(ValueError, match=told):
+                fork.run(0.5)
+        with pytest.raises(ValueError, match=told):
+            session.what_if(5, seconds=2)
+        assert session.what_if(5, seconds=0.3).divergence is None
+        for tick in (10, 20):
+            with session.fork(tick, inputs=True) as fork:
+                fork.run(session.frame.time - fork.frame.time)
+                assert wandering.seen(fork) == wandering.seen(session)
+        with session.fork(5, LEAVING, inputs=True) as fork:
+            fork.run(2)
+            assert fork.frame.tick == 25, "another program does not come from what was left"
+
+
+def test_the_settings_that_a_rewind_keeps_are_those_of_a_fork_that_comes_to_it():
+    def act(session):
+        session.rate, session.on_issue, session.on_active_edit = 20, "pause", "keep"
+
+    with gone_back(act=act) as session, session.fork(5, inputs=True) as fork:
+        fork.run(session.frame.time - fork.frame.time)
+        assert (fork.rate, fork.on_issue, fork.on_active_edit) == (20, "pause", "keep")
+
+
+def test_a_fork_of_a_tick_before_a_rewind_comes_to_the_present_if_nothing_is_left():
+    program = LEAVING.replace("pass", "seen = [*seen, n]")
+    with gone_back(program, namespace={"unused": []}) as session:
+        random.random()  # by others
+        with session.fork(5, inputs=True) as fork:
+            fork.run(session.frame.time - fork.frame.time)
+            assert fork.frame.values == session.frame.values
+        assert session.what_if(5).divergence is None
+
+
+def test_the_checkpoints_of_rewinds_are_the_last_to_be_dropped(monkeypatch):
+    monkeypatch.setattr(checkpoints, "_SHARE", 0)
+    monkeypatch.setattr(checkpoints, "_MOST", 6)
+    with Session(LEAVING.replace("pass", "seen.append(n)"), clock=VirtualClock()) as session:
+        session.run(50)
+        session.rewind(10)
+        session.run(500)
+        assert len(session._loop.checkpoints.all) <= 6
+        with session.fork(500, inputs=True) as fork:
+            fork.run(1)
+            assert fork.frame.values["n"] == 509
+
+
 def test_the_names_that_a_program_uses_are_its_global_names():
     program = """(machine m (state a (running [
       import math
@@ -327,6 +407,35 @@ def test_a_fork_of_the_time_since_a_rewind_comes_to_the_present(seed, bridge):
                 while fork._script:
                     fork.run(0.1)
                 assert wandering.seen(fork) == present, f"from tick {tick}"
+
+
+def refused(fork, end):
+    """Run a fork to a time; return why that is not possible."""
+    try:
+        fork.run(end - fork.frame.time)
+        while fork._script:
+            fork.run(0.1)
+    except ValueError as error:
+        return str(error)
+    return ""
+
+
+@pytest.mark.parametrize("bridge", ["sim", "none"])
+@pytest.mark.parametrize("seed", seeds(6, 60))
+def test_a_fork_of_any_tick_comes_to_the_present_or_says_why_not(seed, bridge):
+    draw = random.Random(seed)
+    with walk(seed, bridge) as session:
+        session.run(1)
+        for _ in range(3):
+            tick = draw.randint(session._loop.checkpoints.all[0].tick, session.frame.tick)
+            with session.fork(tick, inputs=True) as fork:
+                if refusal := refused(fork, session.frame.time):
+                    assert "the session went back to it, and" in refusal
+                    continue
+                there, here = fork.frame, session.frame
+                assert (there.tick, there.time, there.active) == (here.tick, here.time, here.active)
+                assert there.numbers == here.numbers
+                assert there.readings == here.readings
 
 
 @pytest.mark.parametrize("seed", seeds(4, 30))
