@@ -60,16 +60,11 @@ from lrp_jupyter.language.program import Element, Path, Program, path_text
 from lrp_jupyter.language.rename import rename as renamed_text
 from lrp_jupyter.language.unmeant import Unmeant
 
-__all__ = ["Interpreter", "VariableMapping", "empty_namespace"]
+__all__ = ["Interpreter", "VariableMapping"]
 
 
 def nothing(_: object) -> None:
     """Return None: no object stands for another."""
-
-
-def empty_namespace() -> dict[str, Any]:
-    """Return the globals of blocks that read no names of anyone: C code such as numpy's imports by them."""
-    return {"__builtins__": builtins}
 
 
 _KEPT = 20  # number of recent edits whose maps are kept
@@ -90,7 +85,7 @@ class Interpreter:
     robot : object, optional
         The value of ``robot`` in blocks.
     namespace : dict, optional
-        Names that blocks can read (a notebook's); never written.
+        Names that blocks can read (a notebook's); never written, except for `__builtins__`, as by ``exec``.
     on_active_edit : {"restart", "keep"}
         The effect of a change to the actions of an active state.
     on_issue : {"record", "pause"}
@@ -152,8 +147,9 @@ class Interpreter:
         """The edits and renames that gave an element another path: after which tick, and the map."""
         self.patch_reason = ""
         self._robot = robot
-        self.namespace: dict[str, Any] = empty_namespace() if namespace is None else namespace
+        self.namespace: dict[str, Any] = {} if namespace is None else namespace
         """Names that blocks can read."""
+        self.namespace.setdefault("__builtins__", builtins)  # by which C code such as numpy's imports
         self._new_run = partial(
             Run,
             robot=robot,

@@ -71,10 +71,12 @@ def tick_of(loop: Loop, time: float) -> int:
     Raises
     ------
     ValueError
-        There is no such time, or it is not remembered any more.
+        There is no such time, it is still to come, or it is not remembered any more.
     """
     if not time >= 0:
         raise ValueError(f"A time is a number of seconds of the run, 0 or more, not {time:g}.")
+    if time > loop.now + 1e-9:
+        raise ValueError(f"{time:g} s is later than the run, which is at {loop.now:g} s.")
     moments = loop.moments
     count = bisect_right(range(len(moments)), time + 1e-9, key=lambda index: moments[index].time)
     tick = loop.interpreter.tick - len(moments) + count

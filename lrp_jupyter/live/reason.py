@@ -64,7 +64,8 @@ class Reason:
         What the answer is made of, as plain data; which ones depends on the code. ``lines``: every line that
         the answer mentions. ``values``: the values of the parts of a condition, by their text. ``decides``:
         the part that decides, and ``decided``: its value, as text. ``last_true``: the tick in which the
-        whole condition was last true, or None.
+        whole condition was last true; None if it never was. ``false_since``: instead, the tick from which on
+        it was not, as far as it is known.
 
     Examples
     --------

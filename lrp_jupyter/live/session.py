@@ -72,7 +72,7 @@ from lrp_jupyter.files import read_text, write_file
 from lrp_jupyter.interpreter.breakpoint import Breakpoint, BreakpointKind
 from lrp_jupyter.interpreter.events import Observer
 from lrp_jupyter.interpreter.frame import Frame, Status, definition_of, matches, missing_state
-from lrp_jupyter.interpreter.interpreter import Interpreter, empty_namespace
+from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.checks import check
@@ -129,7 +129,8 @@ class Session:
     rate : float
         Ticks per second; 0 for as many as possible.
     namespace : dict, optional
-        Names that blocks can read (a notebook's ``user_ns``); never written.
+        Names that blocks can read (a notebook's ``user_ns``); never written, except for `__builtins__`, as by
+        ``exec``.
     on_active_edit : {"restart", "keep"}
     on_issue : {"record", "pause"}
     name : str
@@ -197,7 +198,7 @@ class Session:
         if isinstance(program, str):
             program = parse(program, f"<lrp {name}>")
         self.name = name
-        self.namespace = empty_namespace() if namespace is None else namespace
+        self.namespace = {} if namespace is None else namespace
         self.output = Output()
         self.findings: tuple[Finding, ...] = ()
         """The findings of the checks about the last text."""
@@ -782,7 +783,8 @@ class Session:
         fires : str or path, optional
             A transition, by its name, label or path.
         event : str or path, optional
-            An event that becomes True, whether a transition waits for it or not.
+            An event that becomes True, whether a transition waits for it or not. Its block is run once more
+            in each tick, so it should only read.
         condition : str, optional
             A Python expression over the variables and ``robot`` that becomes True.
         machine : str or path

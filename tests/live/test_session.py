@@ -1,3 +1,4 @@
+import builtins
 import math
 from dataclasses import replace
 from types import MappingProxyType
@@ -279,7 +280,7 @@ def test_the_namespace_is_used_as_it_is_and_never_written(session):
     names["start"] = 10
     counting.run(0.1)
     assert counting.frame.numbers[("n",)] == 16
-    assert names == {"start": 10}
+    assert names == {"start": 10, "__builtins__": builtins}, "as `exec` adds it"
 
 
 def test_functions_of_c_that_import_modules_work_in_a_block(session):
@@ -287,12 +288,13 @@ def test_functions_of_c_that_import_modules_work_in_a_block(session):
     text = """(var n := [0])
     (machine m (state a (running [import numpy; n = int(numpy.array([1, 2]).sum())])))
     (spawn m a)"""
-    summing = session(text)
-    summing.run(0.3)
-    assert (summing.frame.numbers[("n",)], summing.issues) == (3, ())
-    with summing.fork() as fork:
-        fork.run(0.1)
-        assert fork.issues == ()
+    for names in (None, {"other": 1}):
+        summing = session(text, namespace=names)
+        summing.run(0.3)
+        assert (summing.frame.numbers[("n",)], summing.issues) == (3, ())
+        with summing.fork() as fork:
+            fork.run(0.1)
+            assert fork.issues == ()
 
 
 def test_a_session_does_not_start_with_a_text_that_is_not_a_program():

@@ -8,6 +8,7 @@ from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.interpreter.history import History
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.live.why import evaluation
 
 LISTS = """(var seen := [[]])
 (machine m
@@ -735,3 +736,24 @@ def test_a_condition_that_was_true_before_it_was_the_condition_is_said_to_have_b
         live.rename("variable", "n", "count")
         live.run(0.1)
         assert str(live.why_not("go")).endswith(f"`count < 3` was False (`count` was 7). {edited}")
+
+
+def test_how_long_a_condition_was_not_true_is_told_as_far_as_it_is_known(monkeypatch):
+    with session(COUNTER, journal=20) as live:
+        live.run(4)
+        live.teleport_to("m/t")
+        live.run(0.1)
+        reason = live.why_not("go")
+        assert str(reason).endswith("It has not been true since 2.1 s or longer.")
+        assert (reason.facts["false_since"], "last_true" in reason.facts) == (22, False)
+        monkeypatch.setattr(evaluation, "_SEARCH", 0.0)
+        assert "true since" not in str(live.why_not("go"))
+
+
+def test_a_time_that_is_still_to_come_is_refused():
+    with session(COUNTER) as live:
+        live.run(2)
+        assert live.explain("go", at=2.0).tick == 20
+        for ask in (live.at, lambda at: live.explain("go", at), lambda at: live.why("s", at)):
+            with pytest.raises(ValueError, match=r"^99 s is later than the run, which is at 2 s\.$"):
+                ask(99.0)

@@ -71,7 +71,7 @@ def test_variables_are_read_and_written_by_name_or_path(make):
     assert lab.variables._ipython_key_completions_() == ["box", "m/v", "m/w", "m/a/n/v"]
     assert len(lab.variables) == 4
     assert "w = 6" in repr(lab.variables)
-    assert lab.session.namespace == {}
+    assert lab.session.namespace.keys() == {"__builtins__"}
     with pytest.raises(UnknownElementError, match="Several variables are called `v`"):
         lab.variables["v"]
     with pytest.raises(UnknownElementError, match="There is no variable `x` now"):

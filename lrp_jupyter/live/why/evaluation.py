@@ -6,7 +6,7 @@ import builtins
 from collections.abc import Callable, Mapping
 from time import perf_counter
 from types import BuiltinFunctionType, CellType, FunctionType, ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 from lrp_jupyter.interpreter.events import UNSET
 from lrp_jupyter.interpreter.history import PastState
@@ -28,6 +28,21 @@ Again = Callable[[int, Element], "Evaluation | Exception | None"]
 _SEARCH = 0.03  # wall seconds for which the last time that a condition was true is searched
 _IMMUTABLE = (int, float, complex, str, bytes, type(None))
 _UNCHANGING = (FunctionType, BuiltinFunctionType, ModuleType, type)
+
+
+class LastTrue(NamedTuple):
+    """When a condition was true before a tick.
+
+    Parameters
+    ----------
+    tick : int or None
+        The last tick in which it was, if one is known.
+    first : int
+        The first tick that was looked at; the tick itself if none was.
+    """
+
+    tick: int | None
+    first: int
 
 
 class PastTests:
@@ -83,14 +98,11 @@ class PastTests:
                 value = evaluation.value if isinstance(evaluation, Evaluation) else None
         return float(value) if isinstance(value, (int, float)) and not isinstance(value, bool) else None
 
-    def last_true(self, case: Case) -> int | None:
-        """Return the last tick before in which a condition was true, whether it was tested then or not.
-
-        It is 0 if the condition was never true before, None if that is not known.
-        """
+    def last_true(self, case: Case) -> LastTrue:
+        """Return when a condition was true before, whether it was tested then or not."""
         expression = expression_of(case.tested[0].text) if case.tested is not None else None
         if case.tested is None or expression is None:
-            return None
+            return LastTrue(None, case.tick)
         machine = case.tested[1].path
         cells = _cells(case.state, machine)
         moves = self._loop.interpreter.moves
@@ -98,21 +110,24 @@ class PastTests:
         def machine_at(tick: int) -> Path:
             return Names(moves, tick).of("machine", machine, case.tick) if machine else machine
 
-        end = perf_counter() + _SEARCH
+        end, first = perf_counter() + _SEARCH, case.tick
         for tick, then, value_of in self._history.scopes_before(case.tick, machine_at):
             if perf_counter() > end:
-                return None
+                break
             alive = set(map(id, then.values()))  # under whatever names they had
             seen = {**then, **{name: cell for name, cell in cells.items() if id(cell) in alive}}
             try:
                 value = evaluate(expression, self._lookup(tick, seen, value_of)).value
             except UnknownValueError:
-                return None
+                break
             except Exception:  # of the expression itself
-                continue
+                value = False
+            first = tick
             if is_boolean(value) and value:
-                return tick
-        return 0 if self._history.ticks.start == 1 else None
+                return LastTrue(tick, first)
+        else:
+            first = self._history.ticks.start
+        return LastTrue(None, first)
 
     def _lookup(
         self,

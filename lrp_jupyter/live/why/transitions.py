@@ -115,13 +115,16 @@ def _line_and_place(case: Case) -> tuple[int, str]:
 
 def _last_true(draft: AnswerDraft, case: Case, tests: PastTests, run: RecordedRun, what: str) -> None:
     """Say when a condition, called `what`, was true before."""
-    tick = tests.last_true(case)
+    tick, first = tests.last_true(case)
     if tick is None:
+        if first == 1:
+            draft.facts["last_true"] = None
+            draft.say(f"{what} was never true before.")
+        elif first < case.tick:
+            draft.facts["false_since"] = first
+            draft.say(f"{what} has not been true since {time_text(run.time(first))} or longer.")
         return
-    draft.facts["last_true"] = tick or None
-    if not tick:
-        draft.say(f"{what} was never true before.")
-        return
+    draft.facts["last_true"] = tick
     here = run.names(tick).of("state", case.machine.state, case.tick)
     states = [each.state for each in run.state(tick).walk()]
     other = [each for each in states if each[:-1] == here[:-1] and each != here]
