@@ -95,3 +95,20 @@ def test_a_breakpoint_is_kept_over_an_edit_and_a_reset(open_lab):
     lab.replace("visits = visits + 1", "visits = visits + 2")
     lab.do("reset")
     lab.sees('[data-lrp-state="m/there"] > .lrp-breakpoint')
+
+
+def test_the_dots_stay_while_a_bracket_is_open(open_lab):
+    lab = open_lab(BLINK)
+    lab.is_active("m/here")
+    for line in ("here tback", "state there"):
+        lab.select(line)
+        lab.page.keyboard.press("Control+F8")
+    dots = '.lrp-breakpoint-gutter [data-dot="on"]'
+    lab.until("(root, dots) => root.querySelectorAll(dots).length === 2", argument=dots)
+    lab.type_after("(machine m", "(")
+    lab.page.keyboard.press("Delete")  # the bracket that closed it
+    lab.reads('[data-lrp="editor"]', "error")
+    assert lab.find(dots).count() == 2
+    place = lab.find(dots).first.bounding_box()
+    lab.page.mouse.click(place["x"] + place["width"] / 2, place["y"] + place["height"] / 2)
+    lab.until("(root, dots) => root.querySelectorAll(dots).length === 1", argument=dots)
