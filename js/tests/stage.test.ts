@@ -3,7 +3,8 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { WorldView } from "../src/protocol";
 import type { Act } from "../src/session/connection";
-import type { Lab } from "../src/session/store";
+import { type Lab, Store } from "../src/session/store";
+import { Looking } from "../src/timeline/looking";
 import { WorldEdits } from "../src/world/edits";
 import type { Palette } from "../src/world/paint";
 import { Stage } from "../src/world/stage";
@@ -23,6 +24,7 @@ const view: WorldView = {
 let stage: Stage;
 let edits: WorldEdits;
 let acts: Act[];
+let looking: Looking;
 let captured: Set<number>;
 beforeEach(() => {
   acts = [];
@@ -37,7 +39,9 @@ beforeEach(() => {
   stage.canvas.setPointerCapture = (id) => void captured.add(id);
   stage.canvas.hasPointerCapture = (id) => captured.has(id);
   stage.canvas.releasePointerCapture = (id) => void captured.delete(id);
-  edits = new WorldEdits(stage, { act, send } as unknown as Lab, () => {});
+  const lab = { act, send, store: new Store(), root: document.body } as unknown as Lab;
+  looking = new Looking(lab);
+  edits = new WorldEdits(stage, lab, looking, () => {});
   const tool: Tool = "move";
   useTools(stage, edits, { tool, choose: () => {}, grid: () => {}, follow: () => {} });
   stage.show(view);
@@ -118,10 +122,11 @@ describe("the trail", () => {
       stage.move({ ...stage.latest!, time: i, robots: robots(0.5 + i / 10) }, i, "m/a");
   });
 
-  it("leads to the moment at which the robot was where it is clicked", () => {
+  it("leads to the moment at which the robot was where it is clicked, and the playhead goes there", () => {
     point("pointerdown", 0.85, 1.5);
     point("pointerup", 0.85, 1.5);
     expect(acts).toEqual([{ do: "look", time: expect.closeTo(3.5) }]);
+    expect(looking.wanted).toEqual({ time: expect.closeTo(3.5) });
   });
 
   it("does not lead anywhere with a drag, nor when it is hidden", () => {

@@ -3,6 +3,7 @@
 import type { Point } from "../protocol";
 import type { Act } from "../session/connection";
 import type { Lab } from "../session/store";
+import type { Looking } from "../timeline/looking";
 import type { Stage } from "./stage";
 import { keyed, poseOf, type Shape, same, shaped, type Thing, thingsOf } from "./things";
 
@@ -20,6 +21,7 @@ export class WorldEdits {
   constructor(
     private readonly stage: Stage,
     private readonly lab: Lab,
+    private readonly looking: Looking,
     private readonly selectionChanged: () => void,
   ) {}
 
@@ -56,12 +58,12 @@ export class WorldEdits {
 
   /** Show an earlier moment: the one at a time, in seconds. */
   look(time: number): void {
-    void this.lab.act({ do: "look", time });
+    void this.looking.at({ time });
   }
 
   /** Show the present if an earlier moment is shown, which cannot be edited; return whether one was. */
   showNow(): boolean {
-    if (this.stage.isPast) this.lab.send({ do: "look" });
+    if (this.stage.isPast) this.looking.back();
     return this.stage.isPast;
   }
 
