@@ -24,15 +24,17 @@ const view: WorldView = {
 let stage: Stage;
 let edits: WorldEdits;
 let acts: Act[];
+let reply: () => Promise<string | null>;
 let looking: Looking;
 let captured: Set<number>;
 beforeEach(() => {
   acts = [];
   const send = (act: Act) => void acts.push(act);
-  const act = async (act: Act) => {
+  const act = (act: Act) => {
     send(act);
-    return null;
+    return reply();
   };
+  reply = async () => null;
   stage = new Stage(() => ({}) as Palette);
   document.body.replaceChildren(stage.canvas);
   captured = new Set();
@@ -111,6 +113,40 @@ it("a zone, which has no angle, is not edited by the keys that turn", () => {
   press("ArrowLeft");
   edits.flush();
   expect(acts.map((act) => act.do)).toEqual(["put_zone"]);
+});
+
+describe("a thing that was just placed", () => {
+  const wall = (x: number) => ({ ...view, solids: [...view.solids!, { box: [x, 1, 0.4, 0.1], angle: 0 }] });
+  const where = () => stage.shape({ kind: "solid", index: 1 })?.x;
+
+  it("is moved by every key, however late the kernel describes it", async () => {
+    vi.useFakeTimers();
+    const replies: (() => void)[] = [];
+    reply = () => new Promise((resolve) => replies.push(() => resolve(null)));
+    edits.add("wall", { x: 1, y: 1, angle: 0, box: [0.4, 0.1] });
+    press("ArrowRight");
+    vi.advanceTimersByTime(2000); // longer than between two moves of which one edit is made
+    press("ArrowRight");
+    stage.show(wall(1)); // as it was placed
+    replies[0]!();
+    await vi.advanceTimersByTimeAsync(2000);
+    press("ArrowRight");
+    expect(where()).toBeCloseTo(1.06);
+    vi.useRealTimers();
+  });
+
+  it("is where the kernel describes it as soon as it has replied", async () => {
+    edits.add("wall", { x: 1, y: 1, angle: 0, box: [0.4, 0.1] });
+    stage.show(wall(1.2)); // another hand has moved it
+    await vi.waitFor(() => expect(stage.preview).toBe(null));
+    expect(where()).toBe(1.2);
+  });
+
+  it("that does not move by itself is where the newest description says", () => {
+    stage.show(wall(1));
+    stage.show(wall(1.3));
+    expect(where()).toBe(1.3);
+  });
 });
 
 describe("the trail", () => {

@@ -11,7 +11,7 @@ export type Placed = "wall" | "box" | "zone";
 
 export const PUSH = 0.3; // coefficient of friction of a new box
 const QUIET = 600; // ms after which moves by key are one edit
-const DESCRIBED = 400; // ms after an edit in which the kernel has described the world
+const INKED = 400; // ms after a drawn line in which its ink has come with a frame
 
 export class WorldEdits {
   /** Of the newest solid, until the kernel describes it. */
@@ -170,7 +170,7 @@ export class WorldEdits {
 
   /** Draw a line, or erase with the floor's own grey. */
   stroke(kind: "stroke" | "erase", points: Point[], width: number): void {
-    this.act({ do: kind, points, width });
+    this.act({ do: kind, points, width }, INKED);
   }
 
   /** Set the start to where the robot is. */
@@ -189,15 +189,18 @@ export class WorldEdits {
     void this.act({ do: "redo_world" });
   }
 
-  /** Send an edit; what it will look like is shown until the kernel describes the world with it. */
-  private async act(act: Act): Promise<string | null> {
+  /**
+   * Send an edit; what it will look like is shown until the kernel has replied: by then it has described the world,
+   * but for ink, which comes so many ms `later` at most.
+   */
+  private async act(act: Act, later = 0): Promise<string | null> {
     const { stage } = this;
     if (this.showNow()) return null;
     stage.awaited += 1;
     const error = await this.lab.act(act);
     stage.awaited -= 1;
-    if (error) stage.clearDraft();
-    else setTimeout(() => stage.clearDraft(), DESCRIBED);
+    if (later && !error) setTimeout(() => stage.clearDraft(), later);
+    else stage.clearDraft();
     return error;
   }
 }

@@ -78,11 +78,7 @@ export class Stage {
     this.world = world;
     this.ink = [];
     this.clearDraft();
-    const fits =
-      world &&
-      this.after?.robots.length === world.robots.length &&
-      this.after.solids.length === world.solids.length;
-    if (world && !fits) this.before = this.after = firstPoses(world, this.after);
+    if (world) this.before = this.after = firstPoses(world, this.after); // its solids are where they are now
     if (other) this.arrange();
     this.repaint();
   }
