@@ -606,9 +606,13 @@ class WhyLine(TypedDict):
 
 
 class WhyView(TypedDict):
-    """Why something happened, or did not; `present`: whether its lines are those of the running text."""
+    """Why something happened, or did not; `present`: whether its lines are those of the running text.
+
+    `name` is what its sentence calls the transition or state that was asked about.
+    """
 
     code: str
+    name: str
     tick: int
     time: float
     sentence: str

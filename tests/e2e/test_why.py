@@ -38,3 +38,12 @@ def test_a_state_is_asked_by_its_menu_and_the_robot_by_that_of_the_lab(open_lab)
     lab.choose("why-robot")
     assert "The last command was robot.move(" in card(lab).inner_text()
     assert "(line " in lab.find(".lrp-why-sentence").inner_text()
+
+
+def test_a_transition_without_a_name_is_called_as_in_the_sentence(open_lab):
+    lab = open_lab(COUNTER.replace(" tfull)", ")"))
+    lab.goes_on()
+    lab.find("[data-lrp-transition]").first.focus()
+    lab.page.keyboard.press("?")
+    card(lab)
+    lab.reads(".lrp-why .lrp-title", "Why not full:count->rest?")

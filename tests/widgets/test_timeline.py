@@ -184,7 +184,14 @@ def test_a_moment_that_is_not_recorded_does_not_pause_the_robot(lab, page):
 def test_why_is_answered_about_the_moment_looked_at(page):
     look(page, tick=5)
     why = page.ask("why", kind="transition", path="m:far")["why"]
-    assert (why["tick"], why["code"]) == (5, "condition-false")
+    assert (why["tick"], why["code"], why["name"]) == (5, "condition-false", "far")
+
+
+def test_the_answer_has_the_name_of_its_sentence_also_of_a_transition_without_one(page):
+    why = page.ask("why", kind="transition", path="m:ontime:turn->go")["why"]
+    assert why["name"] == "500:turn->go"
+    assert "`500:turn->go` (line 7)" in why["sentence"]
+    assert page.ask("why", kind="state", path="m/turn")["why"]["name"] == "turn"
 
 
 def test_the_pose_of_the_robot_is_that_of_the_moment(lab, page):
