@@ -152,6 +152,18 @@ def test_what_was_edited_while_looking_runs_on_from_there(lab, page):
     assert entered[0] < 0.9
 
 
+def test_an_edit_that_was_undone_is_none(lab, page):
+    look(page, tick=5)
+    lab.session.edit(PROGRAM.replace("steps > 9", "steps > 6"))
+    lab.session.edit(PROGRAM)
+    lab.publish()
+    assert not state(page)["looking"]["edited"]
+    page.do("run_from")
+    lab.session.pause()
+    assert lab.session.program.text == PROGRAM
+    assert not any(each.kind == "edit" for each in lab.session.timeline().happenings)
+
+
 def test_the_edited_program_is_shown_beside_what_was_recorded(lab, page):
     look(page, tick=5)
     lab.session.edit(PROGRAM.replace("steps > 9", "steps > 6"))
