@@ -86,6 +86,24 @@ def test_the_list_takes_a_condition_and_changes_breakpoints(open_lab):
     axe.finds_nothing_serious(lab)
 
 
+def test_the_list_is_in_sight_once_it_is_open_however_low_the_panel(page, open_lab):
+    page.set_viewport_size({"width": 1280, "height": 800})
+    lab = open_lab(BLINK.replace("(state here", "(event unused [visits > 9])\n  (state here"))
+    lab.sees(".lrp-issue")
+    for line in ("here tback", "there tgo"):
+        lab.select(line)
+        lab.page.keyboard.press("Control+F8")
+    lab.sees(".lrp-breakpoint-item >> nth=1")
+    panel = lab.box('[data-lrp="issues"]')
+    for selector in (".lrp-breakpoint-list > summary", ".lrp-breakpoint-item > .lrp-link"):
+        box = lab.box(selector)
+        assert panel["y"] <= box["y"]
+        assert box["y"] + box["height"] <= panel["y"] + panel["height"]
+    lab.find(".lrp-condition input").focus()  # the last of the list
+    box = lab.box(".lrp-condition")
+    assert box["y"] + box["height"] <= panel["y"] + panel["height"] + 1
+
+
 def test_a_breakpoint_is_kept_over_an_edit_and_a_reset(open_lab):
     lab = open_lab(BLINK)
     lab.is_active("m/here")
