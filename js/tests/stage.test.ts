@@ -149,6 +149,21 @@ describe("a thing that was just placed", () => {
   });
 });
 
+it("the robot is moved by every key, also by those that come before a frame shows where it is", async () => {
+  const replies: (() => void)[] = [];
+  reply = () => new Promise((resolve) => replies.push(() => resolve(null)));
+  for (let i = 0; i < 3; i++) press("ArrowRight");
+  stage.move({ ...stage.latest!, time: 1 }, 1, ""); // of a moment before the kernel knew of it
+  for (const answer of replies) answer();
+  await vi.waitFor(() => expect(stage.isHeld).toBe(false));
+  press("ArrowRight");
+  expect(acts.at(-1)).toMatchObject({ do: "drag_robot", pose: [expect.closeTo(0.58), 1, 0] });
+  replies.at(-1)!();
+  await vi.waitFor(() => expect(stage.isHeld).toBe(false));
+  stage.move({ ...stage.latest!, time: 2 }, 2, "");
+  expect(stage.preview).toBe(null); // it may drive from there
+});
+
 describe("the trail", () => {
   beforeEach(() => {
     const robots = (x: number) => [

@@ -11,7 +11,7 @@ export type Placed = "wall" | "box" | "zone";
 
 export const PUSH = 0.3; // coefficient of friction of a new box
 const QUIET = 600; // ms after which moves by key are one edit
-const INKED = 400; // ms after a drawn line in which its ink has come with a frame
+const IN_FRAMES: Act["do"][] = ["drag_robot", "stroke", "erase"]; // seen with a frame, not in a description
 
 export class WorldEdits {
   /** Of the newest solid, until the kernel describes it. */
@@ -107,10 +107,8 @@ export class WorldEdits {
     this.stage.preview = { thing, shape };
     this.stage.wake();
     const pose = poseOf(shape);
-    if (thing.kind === "robot") {
-      this.stage.preview = null;
-      this.lab.send({ do: "drag_robot", index: thing.index, pose });
-    } else if (thing.kind === "start") this.act({ do: "set_start", index: thing.index, pose });
+    if (thing.kind === "robot") this.act({ do: "drag_robot", index: thing.index, pose });
+    else if (thing.kind === "start") this.act({ do: "set_start", index: thing.index, pose });
     else if (thing.kind === "zone") this.act({ do: "put_zone", name: thing.name, ...shaped(shape) });
     else this.putSolid(thing.index, shape, {});
   }
@@ -170,7 +168,7 @@ export class WorldEdits {
 
   /** Draw a line, or erase with the floor's own grey. */
   stroke(kind: "stroke" | "erase", points: Point[], width: number): void {
-    this.act({ do: kind, points, width }, INKED);
+    this.act({ do: kind, points, width });
   }
 
   /** Set the start to where the robot is. */
@@ -190,17 +188,16 @@ export class WorldEdits {
   }
 
   /**
-   * Send an edit; what it will look like is shown until the kernel has replied: by then it has described the world,
-   * but for ink, which comes so many ms `later` at most.
+   * Send an edit; what it will look like is shown until the kernel has replied: by then it has described the world.
+   * Where the robot is and what is drawn comes with the next frame.
    */
-  private async act(act: Act, later = 0): Promise<string | null> {
+  private async act(act: Act): Promise<string | null> {
     const { stage } = this;
     if (this.showNow()) return null;
     stage.awaited += 1;
     const error = await this.lab.act(act);
     stage.awaited -= 1;
-    if (later && !error) setTimeout(() => stage.clearDraft(), later);
-    else stage.clearDraft();
+    if (error || !IN_FRAMES.includes(act.do)) stage.clearDraft();
     return error;
   }
 }

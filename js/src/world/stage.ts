@@ -115,6 +115,7 @@ export class Stage {
     this.after = next;
     this.arrived = now;
     if (next.robots[0] && !this.isPast) this.trail.add(next.time, next.robots[0].pose, state);
+    this.clearDraft(); // the kernel replies before it shows in a frame what it has done
     this.wake();
   }
 
