@@ -158,9 +158,10 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     editor?.wasAnswered(answer);
   }
 
+  const looking = new Looking(lab);
   const wanted = (name: PartName) => part === "lab" || part === name;
   if (wanted("editor")) editor = new Editor(lab, connection);
-  if (wanted("world")) world = worldView(lab);
+  if (wanted("world")) world = worldView(lab, looking);
   inspecting = inspector(lab);
   const card = membersCard(lab);
   const panels = {
@@ -194,7 +195,6 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     cell: () => cell?.items() ?? [],
   };
   if (part === "lab" || part === "controls") root.append(controls(lab, choices));
-  const looking = new Looking(lab);
   if (part !== "lab") root.append(band(lab, looking));
   root.append(layout?.element ?? Object.values(panels).find(Boolean) ?? h("div"));
   if (part === "lab") root.append(timelineView(lab, looking));

@@ -1222,6 +1222,7 @@ export interface WhyLine {
 /** Why something happened, or did not; `present`: whether its lines are those of the running text. */
 export interface WhyView {
   code: string;
+  name: string;
   tick: number;
   time: number;
   sentence: string;

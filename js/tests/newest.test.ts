@@ -85,7 +85,15 @@ describe("what if, after edits of the past", () => {
 
 describe("a why card", () => {
   const why = (sentence: string): { why: WhyView } => ({
-    why: { code: "condition-false", tick: 1, time: 0, sentence, lines: [], present: true },
+    why: {
+      code: "condition-false",
+      name: "n > 3:a->b",
+      tick: 1,
+      time: 0,
+      sentence,
+      lines: [],
+      present: true,
+    },
   });
   const sentence = () => page.root.querySelector(".lrp-why-sentence")!.textContent;
 

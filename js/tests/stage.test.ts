@@ -3,7 +3,8 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import type { WorldView } from "../src/protocol";
 import type { Act } from "../src/session/connection";
-import type { Lab } from "../src/session/store";
+import { type Lab, Store } from "../src/session/store";
+import { Looking } from "../src/timeline/looking";
 import { WorldEdits } from "../src/world/edits";
 import type { Palette } from "../src/world/paint";
 import { Stage } from "../src/world/stage";
@@ -23,21 +24,26 @@ const view: WorldView = {
 let stage: Stage;
 let edits: WorldEdits;
 let acts: Act[];
+let reply: () => Promise<string | null>;
+let looking: Looking;
 let captured: Set<number>;
 beforeEach(() => {
   acts = [];
   const send = (act: Act) => void acts.push(act);
-  const act = async (act: Act) => {
+  const act = (act: Act) => {
     send(act);
-    return null;
+    return reply();
   };
+  reply = async () => null;
   stage = new Stage(() => ({}) as Palette);
   document.body.replaceChildren(stage.canvas);
   captured = new Set();
   stage.canvas.setPointerCapture = (id) => void captured.add(id);
   stage.canvas.hasPointerCapture = (id) => captured.has(id);
   stage.canvas.releasePointerCapture = (id) => void captured.delete(id);
-  edits = new WorldEdits(stage, { act, send } as unknown as Lab, () => {});
+  const lab = { act, send, store: new Store(), root: document.body } as unknown as Lab;
+  looking = new Looking(lab);
+  edits = new WorldEdits(stage, lab, looking, () => {});
   const tool: Tool = "move";
   useTools(stage, edits, { tool, choose: () => {}, grid: () => {}, follow: () => {} });
   stage.show(view);
@@ -109,6 +115,55 @@ it("a zone, which has no angle, is not edited by the keys that turn", () => {
   expect(acts.map((act) => act.do)).toEqual(["put_zone"]);
 });
 
+describe("a thing that was just placed", () => {
+  const wall = (x: number) => ({ ...view, solids: [...view.solids!, { box: [x, 1, 0.4, 0.1], angle: 0 }] });
+  const where = () => stage.shape({ kind: "solid", index: 1 })?.x;
+
+  it("is moved by every key, however late the kernel describes it", async () => {
+    vi.useFakeTimers();
+    const replies: (() => void)[] = [];
+    reply = () => new Promise((resolve) => replies.push(() => resolve(null)));
+    edits.add("wall", { x: 1, y: 1, angle: 0, box: [0.4, 0.1] });
+    press("ArrowRight");
+    vi.advanceTimersByTime(2000); // longer than between two moves of which one edit is made
+    press("ArrowRight");
+    stage.show(wall(1)); // as it was placed
+    replies[0]!();
+    await vi.advanceTimersByTimeAsync(2000);
+    press("ArrowRight");
+    expect(where()).toBeCloseTo(1.06);
+    vi.useRealTimers();
+  });
+
+  it("is where the kernel describes it as soon as it has replied", async () => {
+    edits.add("wall", { x: 1, y: 1, angle: 0, box: [0.4, 0.1] });
+    stage.show(wall(1.2)); // another hand has moved it
+    await vi.waitFor(() => expect(stage.preview).toBe(null));
+    expect(where()).toBe(1.2);
+  });
+
+  it("that does not move by itself is where the newest description says", () => {
+    stage.show(wall(1));
+    stage.show(wall(1.3));
+    expect(where()).toBe(1.3);
+  });
+});
+
+it("the robot is moved by every key, also by those that come before a frame shows where it is", async () => {
+  const replies: (() => void)[] = [];
+  reply = () => new Promise((resolve) => replies.push(() => resolve(null)));
+  for (let i = 0; i < 3; i++) press("ArrowRight");
+  stage.move({ ...stage.latest!, time: 1 }, 1, ""); // of a moment before the kernel knew of it
+  for (const answer of replies) answer();
+  await vi.waitFor(() => expect(stage.isHeld).toBe(false));
+  press("ArrowRight");
+  expect(acts.at(-1)).toMatchObject({ do: "drag_robot", pose: [expect.closeTo(0.58), 1, 0] });
+  replies.at(-1)!();
+  await vi.waitFor(() => expect(stage.isHeld).toBe(false));
+  stage.move({ ...stage.latest!, time: 2 }, 2, "");
+  expect(stage.preview).toBe(null); // it may drive from there
+});
+
 describe("the trail", () => {
   beforeEach(() => {
     const robots = (x: number) => [
@@ -118,10 +173,11 @@ describe("the trail", () => {
       stage.move({ ...stage.latest!, time: i, robots: robots(0.5 + i / 10) }, i, "m/a");
   });
 
-  it("leads to the moment at which the robot was where it is clicked", () => {
+  it("leads to the moment at which the robot was where it is clicked, and the playhead goes there", () => {
     point("pointerdown", 0.85, 1.5);
     point("pointerup", 0.85, 1.5);
     expect(acts).toEqual([{ do: "look", time: expect.closeTo(3.5) }]);
+    expect(looking.wanted).toEqual({ time: expect.closeTo(3.5) });
   });
 
   it("does not lead anywhere with a drag, nor when it is hidden", () => {

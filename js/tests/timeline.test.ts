@@ -225,7 +225,9 @@ describe("the drawing", () => {
     );
     const svg = drawn({ other });
     expect(svg.getAttribute("height")).toBe(String(heightOf(drawing({ other }))));
-    expect(svg.querySelector(".lrp-timeline-other")!.textContent).toBe("with the edit: b is entered.");
+    const sentence = svg.querySelector(".lrp-timeline-other")!;
+    expect(sentence.textContent).toBe("with the edit: b is entered.");
+    expect(sentence.parentElement!.querySelector("title")!.textContent).toBe(sentence.textContent);
     expect(svg.querySelectorAll("[data-lrp-visit][data-other]").length).toBeGreaterThan(0);
     expect(svg.querySelector(".lrp-timeline-divergence")).not.toBeNull();
   });
@@ -253,6 +255,28 @@ describe("the drawing", () => {
     expect(svg.querySelector(".lrp-timeline-curve")!.getAttribute("d")!.match(/M/g)).toHaveLength(2);
     expect(svg.querySelector(".lrp-timeline-limit")!.textContent).toBe("9");
     expect(svg.querySelectorAll(".lrp-timeline-truth").length).toBe(1);
+  });
+
+  it("names thresholds where there is room, and no name lies over another or outside of its plot", () => {
+    const values = [0, 100];
+    const limits = ["2", "3", "4", "50", "99"].map((text) => [text, [Number(text), Number(text)]] as const);
+    const plotted = { kind: "number" as const, tick: 2, times: [0, 1], values, thresholds: new Map() };
+    for (const [text, samples] of limits) plotted.thresholds.set(text, samples);
+    const svg = drawn({ plots: [["x", plotted]] });
+    const plot = svg.querySelector("[data-lrp-plot]")!;
+    const top = Number(plot.getAttribute("y"));
+    const places = [...svg.querySelectorAll(".lrp-timeline-limit")].map((each) =>
+      Number(each.getAttribute("y")),
+    );
+    expect(places).toHaveLength(4); // there is no room for a fifth
+    expect(Math.min(...places)).toBeGreaterThan(top);
+    expect(Math.max(...places)).toBeLessThan(top + Number(plot.getAttribute("height")));
+    const apart = places.sort((a, b) => a - b).map((each, index) => each - (places[index - 1] ?? 0));
+    expect(Math.min(...apart)).toBeGreaterThanOrEqual(10);
+    const titles = [...svg.querySelectorAll(".lrp-timeline-threshold > title")].map(
+      (each) => each.textContent,
+    );
+    expect(titles).toEqual(limits.map(([text]) => text));
   });
 
   it("draws marks where they can be told apart, and one for several says them all", () => {

@@ -1,7 +1,7 @@
 import { ensureSyntaxTree } from "@codemirror/language";
 import { EditorState } from "@codemirror/state";
 import { expect, it } from "vitest";
-import { WholeOutline } from "../src/editor/whole";
+import { wholeOutline, wholeOutlineOf } from "../src/editor/whole";
 import { lrp } from "../src/language/lrp";
 
 const PROGRAM = "(machine m (state a (running [x])) (state b) (on go a -> b))";
@@ -11,14 +11,15 @@ function parsed(state: EditorState): EditorState {
   return state.update({}).state; // which has the whole tree, however slow the machine is
 }
 
+function open(doc: string): EditorState {
+  return parsed(EditorState.create({ doc, extensions: [lrp(), wholeOutline] }));
+}
+
 function marked(old: string, text: string, path: string): string {
-  const whole = new WholeOutline();
-  let state = parsed(EditorState.create({ doc: PROGRAM, extensions: lrp() }));
-  whole.update(state, null);
   const from = PROGRAM.indexOf(old);
-  const { state: next, changes } = state.update({ changes: { from, to: from + old.length, insert: text } });
-  state = parsed(next);
-  const found = whole.update(state, changes).find("state", path);
+  const changes = { from, to: from + old.length, insert: text };
+  const state = parsed(open(PROGRAM).update({ changes }).state);
+  const found = wholeOutlineOf(state).find("state", path);
   return found ? state.sliceDoc(found.from, found.to) : "";
 }
 
@@ -39,4 +40,8 @@ it.each([
 
 it("keeps the place of what comes after an open bracket", () => {
   expect(marked("(running [x])", "(running [x]", "m/b")).toBe("(state b)");
+});
+
+it("is what is there of a text that was opened with an open bracket", () => {
+  expect(wholeOutlineOf(open(PROGRAM.slice(0, -1))).find("state", "m/b")?.name).toBe("b");
 });

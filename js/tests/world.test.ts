@@ -332,6 +332,15 @@ describe("the trail", () => {
       "blue",
     ]);
   });
+
+  it("has the same styles wherever a program is drawn, whatever is seen first there", () => {
+    const states = [{ path: "m/a", machines: [] }];
+    const machine = { path: "m", parent: null, states, transitions: [], variables: [], events: [] };
+    const program = { variables: [], events: [], machines: [machine] };
+    const [trail, timeline] = [trailStyles(program, ["r", "g", "b"]), trailStyles(program, ["R", "G", "B"])];
+    expect(["m/old", "m/older"].map((state) => trail(state).color)).toEqual(["g", "b"]);
+    expect(["m/older", "m/old", "m/a"].map((state) => timeline(state).color)).toEqual(["B", "G", "R"]);
+  });
 });
 
 /** Linear RGB, as seen without one kind of cones. Machado, Oliveira and Fernandes 2009, severity 1. */

@@ -112,7 +112,9 @@ class PageConnection:
             elif isinstance(message, PageCommand):  # also of a view that was forgotten: stop means stop
                 if message.is_present:
                     self.looking.leave()
-                self._reply(message, partial(message.apply, self), message.patience)
+                self._reply(
+                    message, partial(message.apply, self), message.patience, describes=message.changes_world
+                )
             elif isinstance(message, PageRequest):
                 self._reply(message, partial(self.work, partial(message.answer, self)), fields_of=dict)
             elif not self._publisher.knows(message.view):
@@ -145,6 +147,7 @@ class PageConnection:
         begin: Callable[[], Future[Any] | None],
         patience: float = 1.0,
         fields_of: Callable[[Any], Mapping[str, Any]] = lambda _: {},
+        describes: bool = False,
     ) -> None:
         """Start a command or request; reply when its future is done, or at once if it cannot start."""
         answer: Future[Any] | None
@@ -158,7 +161,8 @@ class PageConnection:
             answer.set_result(None)
         if message.id:
             deadline = self._clock() + patience
-            self._publisher.reply_later(PendingReply(message.view, message.id, answer, deadline, fields_of))
+            reply = PendingReply(message.view, message.id, answer, deadline, fields_of, describes)
+            self._publisher.reply_later(reply)
 
     def change_bridge(self, bridge: str, **options: Any) -> None:
         """Continue with another bridge: the same program starts again in another session.

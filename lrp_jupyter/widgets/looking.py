@@ -33,6 +33,10 @@ class _Moment:
     program: Program  # that ran when the person began to look
     resumes: bool
 
+    def is_edited(self, program: Program) -> bool:
+        """Return whether this program is another one; an edit that was undone is none."""
+        return program.text != self.program.text
+
 
 class Looking:
     """See the head of this module. Its moment is one reference, so that any thread may read it."""
@@ -52,7 +56,7 @@ class Looking:
             "tick": past.tick,
             "time": round(past.time, 3),
             "ago": round(max(0.0, now.time - past.time), 1),
-            "edited": now.program is not moment.program,
+            "edited": moment.is_edited(now.program),
         }
         return MomentShown(replace(past, status=now.status, hung=now.hung), view)
 
@@ -115,6 +119,6 @@ class Looking:
         program = session.program
         session.rewind(session.frame.tick - moment.past.tick)
         self._moment = None
-        if program is not moment.program:
+        if moment.is_edited(program):
             session.edit(program.text)
         session.start()

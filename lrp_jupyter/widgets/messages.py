@@ -143,6 +143,9 @@ class PageCommand(PageMessage, ABC, type="command"):
     is_present: ClassVar[bool] = False
     """Whether it changes the run or the world as it is now; views that show the past then return from it."""
 
+    changes_world: ClassVar[bool] = False
+    """Whether a page shows what it does until the world is described; the reply follows the description."""
+
     @abstractmethod
     def apply(self, opened: OpenProgram) -> Future[Any] | None:
         """Apply the command, on the thread that delivers messages.

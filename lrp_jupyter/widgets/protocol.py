@@ -23,8 +23,9 @@ and without the text to the sender, with ``seq`` 0 and the text to the others. I
 text which that view typed. The program that results and its layouts come with the next frame.
 
 **Commands and requests** with an ``id`` other than 0 get exactly one `ReplyMessage`, as soon as the session
-has applied or refused them; ``error`` is one sentence. A page without an answer for 300 ms shows "kernel
-busy".
+has applied or refused them; ``error`` is one sentence. The reply to a change of the world comes after the
+`WorldMessage` about it: until then the page shows what it has sent. A page without an answer for 300 ms
+shows "kernel busy".
 
 **Places** are lines and columns from 1, columns in characters, as the language counts them; the end is
 after the last character. Only the page converts them to UTF-16 (`range_of` and `offset_of` of `places`
@@ -605,9 +606,13 @@ class WhyLine(TypedDict):
 
 
 class WhyView(TypedDict):
-    """Why something happened, or did not; `present`: whether its lines are those of the running text."""
+    """Why something happened, or did not; `present`: whether its lines are those of the running text.
+
+    `name` is what its sentence calls the transition or state that was asked about.
+    """
 
     code: str
+    name: str
     tick: int
     time: float
     sentence: str

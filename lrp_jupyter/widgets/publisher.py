@@ -13,6 +13,7 @@ every tick is calm: its frames are spaced out, because each of them costs the pa
 from __future__ import annotations
 
 import contextvars
+import math
 import threading
 import traceback
 from collections import deque
@@ -143,6 +144,8 @@ class PendingReply:
         When it is answered with the reason for the delay.
     fields_of : callable
         Converts the result to the reply's fields.
+    describes : bool
+        Whether a changed world is described before the reply.
     """
 
     view: str
@@ -150,6 +153,7 @@ class PendingReply:
     answer: Future[Any]
     deadline: float
     fields_of: Callable[[Any], Mapping[str, Any]] = field(default=lambda _: {})
+    describes: bool = False
 
     def outcome(self) -> tuple[str | None, Mapping[str, Any]]:
         """Return the error, a sentence or None, and the other fields."""
@@ -356,6 +360,8 @@ class Publisher:
                 if now < reply.deadline + _GONE_AFTER:  # it was forgotten, and will say hello
                     self._replies.append(reply)
                 continue
+            if reply.describes:
+                self._send_world(view, now, at_once=True)
             error, fields = reply.outcome() if done else (self._what_blocks(), {})
             view.send({"type": "reply", "id": reply.id, "error": error, **fields})
 
@@ -371,10 +377,15 @@ class Publisher:
                 self._report(view.fault)
 
     def _send_worlds(self, now: float) -> None:
-        bridge, picture = self.session.bridge, self._shown().frame.robot
         for view in self._views.values():
-            if view.world is not None and view.has_credit and view.world.must_describe(bridge, picture, now):
-                view.send({"type": "world", "world": view.world.describe(bridge, picture, now)})
+            if view.has_credit:
+                self._send_world(view, now)
+
+    def _send_world(self, view: View, now: float, at_once: bool = False) -> None:
+        bridge, picture = self.session.bridge, self._shown().frame.robot
+        due = math.inf if at_once else now
+        if view.world is not None and view.world.must_describe(bridge, picture, due):
+            view.send({"type": "world", "world": view.world.describe(bridge, picture, now)})
 
     def _shown(self) -> MomentShown:
         """Return what views show of the session now."""

@@ -22,7 +22,7 @@ from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.language.format import formatting
 from lrp_jupyter.language.parser import scan
-from lrp_jupyter.language.program import Path
+from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.language.rename import references as find_references
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.session import Session
@@ -422,12 +422,24 @@ def _why(opened: OpenProgram, kind: ElementKind, path: str) -> WhyView:
             lines.append({"line": line, "text": sources[line - 1].strip()})
     return {
         "code": reason.code,
+        "name": _name_of(kind, path, program),
         "tick": reason.tick,
         "time": reason.time,
         "sentence": str(reason),
         "lines": lines,
         "present": program.text == session.program.text,
     }
+
+
+def _name_of(kind: ElementKind, path: str, program: Program) -> str:
+    """Return the name of an element; of a transition without one, its label."""
+    if kind == "robot":
+        return path
+    wanted = path_of(kind, path)
+    names = (
+        each.shown[-1] for each in resolve(program).elements() if each.kind == kind and each.path == wanted
+    )
+    return next(names, wanted[-1])
 
 
 def _moving(bridge: Bridge) -> str:

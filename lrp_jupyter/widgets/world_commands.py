@@ -56,6 +56,7 @@ class WorldChange(PageCommand, ABC):
     """Base class of commands that change the world, which is the present one."""
 
     is_present: ClassVar[bool] = True
+    changes_world: ClassVar[bool] = True
 
 
 @dataclass(frozen=True)

@@ -86,6 +86,24 @@ def test_the_list_takes_a_condition_and_changes_breakpoints(open_lab):
     axe.finds_nothing_serious(lab)
 
 
+def test_the_list_is_in_sight_once_it_is_open_however_low_the_panel(page, open_lab):
+    page.set_viewport_size({"width": 1280, "height": 800})
+    lab = open_lab(BLINK.replace("(state here", "(event unused [visits > 9])\n  (state here"))
+    lab.sees(".lrp-issue")
+    for line in ("here tback", "there tgo"):
+        lab.select(line)
+        lab.page.keyboard.press("Control+F8")
+    lab.sees(".lrp-breakpoint-item >> nth=1")
+    panel = lab.box('[data-lrp="issues"]')
+    for selector in (".lrp-breakpoint-list > summary", ".lrp-breakpoint-item > .lrp-link"):
+        box = lab.box(selector)
+        assert panel["y"] <= box["y"]
+        assert box["y"] + box["height"] <= panel["y"] + panel["height"]
+    lab.find(".lrp-condition input").focus()  # the last of the list
+    box = lab.box(".lrp-condition")
+    assert box["y"] + box["height"] <= panel["y"] + panel["height"] + 1
+
+
 def test_a_breakpoint_is_kept_over_an_edit_and_a_reset(open_lab):
     lab = open_lab(BLINK)
     lab.is_active("m/here")
@@ -95,3 +113,20 @@ def test_a_breakpoint_is_kept_over_an_edit_and_a_reset(open_lab):
     lab.replace("visits = visits + 1", "visits = visits + 2")
     lab.do("reset")
     lab.sees('[data-lrp-state="m/there"] > .lrp-breakpoint')
+
+
+def test_the_dots_stay_while_a_bracket_is_open(open_lab):
+    lab = open_lab(BLINK)
+    lab.is_active("m/here")
+    for line in ("here tback", "state there"):
+        lab.select(line)
+        lab.page.keyboard.press("Control+F8")
+    dots = '.lrp-breakpoint-gutter [data-dot="on"]'
+    lab.until("(root, dots) => root.querySelectorAll(dots).length === 2", argument=dots)
+    lab.type_after("(machine m", "(")
+    lab.page.keyboard.press("Delete")  # the bracket that closed it
+    lab.reads('[data-lrp="editor"]', "error")
+    assert lab.find(dots).count() == 2
+    place = lab.find(dots).first.bounding_box()
+    lab.page.mouse.click(place["x"] + place["width"] / 2, place["y"] + place["height"] / 2)
+    lab.until("(root, dots) => root.querySelectorAll(dots).length === 1", argument=dots)

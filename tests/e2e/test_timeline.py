@@ -189,6 +189,32 @@ def test_a_reading_is_plotted_with_the_threshold_of_its_condition(follower):
     assert "light.data" in lab.find(PLAYHEAD).get_attribute("data-label")
 
 
+def test_the_values_at_the_playhead_stay_in_sight_however_long_their_names(page, open_lab):
+    page.set_viewport_size({"width": 900, "height": 900})
+    name = "a_counter_with_a_name_that_is_much_too_long_to_be_read_at_a_glance"
+    lab = open_lab(
+        COUNTER.replace("n := ", f"{name} := ")
+        .replace("[n = n + 1]", f"[{name} += 1]")
+        .replace("n > ", f"{name} > ")
+    )
+    lab.until("root => Number(root.dataset.lrpTick) > 40")
+    lab.do("timeline")
+    lab.do("timeline-in")
+    lab.do("plot")
+    lab.choose(f"plot-m/{name}")
+    for key in ("Shift+ArrowLeft", "Shift+ArrowLeft", "Shift+ArrowLeft"):
+        press(lab, key)
+        looks(lab)
+        lab.until(
+            "head => { const label = getComputedStyle(head, '::after');"
+            " const { left, right } = head.parentElement.getBoundingClientRect();"
+            " const at = head.getBoundingClientRect().left + head.offsetWidth / 2;"
+            " const room = head.hasAttribute('data-right') ? at - left : right - at;"
+            " return parseFloat(label.width) > 50 && parseFloat(label.width) <= room + 1; }",
+            PLAYHEAD,
+        )
+
+
 def test_an_edit_and_an_issue_are_marked(counter):
     lab = counter
     lab.replace("[1000]", "[2000]")

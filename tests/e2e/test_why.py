@@ -2,6 +2,8 @@
 
 from e2e.programs import COUNTER, FOLLOWER
 
+LONG = "a_name_that_is_much_too_long_to_be_read_at_a_glance_" * 2
+
 
 def card(lab):
     """The open card."""
@@ -38,3 +40,29 @@ def test_a_state_is_asked_by_its_menu_and_the_robot_by_that_of_the_lab(open_lab)
     lab.choose("why-robot")
     assert "The last command was robot.move(" in card(lab).inner_text()
     assert "(line " in lab.find(".lrp-why-sentence").inner_text()
+
+
+def test_a_card_about_a_long_name_can_be_closed_where_there_is_little_room(page, open_lab):
+    page.set_viewport_size({"width": 700, "height": 900})
+    lab = open_lab(COUNTER.replace("rest", LONG))
+    lab.goes_on()
+    lab.find(f'[data-lrp-state="m/{LONG}"]').first.focus()
+    lab.page.keyboard.press("?")
+    card(lab)
+    answer, button = lab.box(".lrp-why"), lab.box('[data-lrp-action="close-why"]')
+    assert answer["x"] <= button["x"]
+    assert button["x"] + button["width"] <= answer["x"] + answer["width"]
+    title = lab.box(".lrp-why .lrp-title")
+    assert title["x"] + title["width"] <= button["x"]
+    assert lab.find(".lrp-why .lrp-title").inner_text().endswith(" s")  # of which moment
+    lab.do("close-why")
+    lab.misses(".lrp-why")
+
+
+def test_a_transition_without_a_name_is_called_as_in_the_sentence(open_lab):
+    lab = open_lab(COUNTER.replace(" tfull)", ")"))
+    lab.goes_on()
+    lab.find("[data-lrp-transition]").first.focus()
+    lab.page.keyboard.press("?")
+    card(lab)
+    lab.reads(".lrp-why .lrp-title", "Why not full:count->rest?")

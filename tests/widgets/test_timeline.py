@@ -152,6 +152,18 @@ def test_what_was_edited_while_looking_runs_on_from_there(lab, page):
     assert entered[0] < 0.9
 
 
+def test_an_edit_that_was_undone_is_none(lab, page):
+    look(page, tick=5)
+    lab.session.edit(PROGRAM.replace("steps > 9", "steps > 6"))
+    lab.session.edit(PROGRAM)
+    lab.publish()
+    assert not state(page)["looking"]["edited"]
+    page.do("run_from")
+    lab.session.pause()
+    assert lab.session.program.text == PROGRAM
+    assert not any(each.kind == "edit" for each in lab.session.timeline().happenings)
+
+
 def test_the_edited_program_is_shown_beside_what_was_recorded(lab, page):
     look(page, tick=5)
     lab.session.edit(PROGRAM.replace("steps > 9", "steps > 6"))
@@ -184,7 +196,14 @@ def test_a_moment_that_is_not_recorded_does_not_pause_the_robot(lab, page):
 def test_why_is_answered_about_the_moment_looked_at(page):
     look(page, tick=5)
     why = page.ask("why", kind="transition", path="m:far")["why"]
-    assert (why["tick"], why["code"]) == (5, "condition-false")
+    assert (why["tick"], why["code"], why["name"]) == (5, "condition-false", "far")
+
+
+def test_the_answer_has_the_name_of_its_sentence_also_of_a_transition_without_one(page):
+    why = page.ask("why", kind="transition", path="m:ontime:turn->go")["why"]
+    assert why["name"] == "500:turn->go"
+    assert "`500:turn->go` (line 7)" in why["sentence"]
+    assert page.ask("why", kind="state", path="m/turn")["why"]["name"] == "turn"
 
 
 def test_the_pose_of_the_robot_is_that_of_the_moment(lab, page):

@@ -40,6 +40,19 @@ def test_a_wall_is_put_changed_and_removed(lab, page):
     assert "`solid.box[2]`" in page.do("put_solid", box=[1, 1, 0, 1])
 
 
+def test_a_changed_world_is_described_before_the_reply_however_soon_and_busy_the_view(lab):
+    page = lab.page(pays=False)
+    for _ in range(20):
+        lab.session.step()
+        lab.publish()  # no more frames may be sent until the view has acknowledged some
+    for x in (1.0, 1.1):
+        lab.wall.now -= 0.5  # the whole round takes no time
+        assert page.do("put_solid", index=0 if x > 1 else None, box=[x, 0.5, 0.4, 0.05]) is None
+        described, reply = page.messages[-2:]
+        assert described["world"]["solids"][0]["box"][0] == x
+        assert reply["type"] == "reply"
+
+
 def test_zones_and_the_start_are_put_and_kept_over_a_reset_of_the_world(lab, page):
     assert page.do("put_zone", name="goal", circle=[2.0, 1.0, 0.3]) is None
     assert page.do("put_zone", name="end", former="goal", box=[2.0, 1.0, 0.3, 0.2]) is None

@@ -12,13 +12,13 @@ import {
   StateField,
 } from "@codemirror/state";
 import { type BlockInfo, EditorView, GutterMarker, gutter, keymap } from "@codemirror/view";
-import { outlineOf } from "../language/lrp";
 import type { Item, Outline } from "../language/outline";
 import { breakpointsOf, type Dot, dotsOf, keyOf, toggleBreakpoint, USUAL } from "../parts/breakpoints";
 import { askWhy } from "../parts/why";
 import type { ElementKind } from "../protocol";
 import type { Lab } from "../session/store";
 import { h } from "../ui/dom";
+import { wholeOutline, wholeOutlineOf } from "./whole";
 
 const ASKED: ElementKind[] = ["state", "transition"];
 
@@ -68,7 +68,7 @@ const hoveredLine = StateField.define<number>({
 });
 
 function marks(editor: EditorState, lab: Lab): RangeSet<GutterMarker> {
-  const outline = outlineOf(editor);
+  const outline = wholeOutlineOf(editor);
   const dots = new Map<number, Dot>();
   const all = dotsOf(lab.store.state);
   for (const { kind, path, nameFrom } of all.size ? outline.items : []) {
@@ -93,7 +93,7 @@ function marks(editor: EditorState, lab: Lab): RangeSet<GutterMarker> {
 /** Remove the breakpoints that the dot of a line stands for; where there is none, set one. */
 function toggleAt(view: EditorView, lab: Lab, offset: number): boolean {
   const { from, to } = view.state.doc.lineAt(offset);
-  const outline = outlineOf(view.state);
+  const outline = wholeOutlineOf(view.state);
   const item = definedOn(outline, from, to, Object.keys(USUAL) as ElementKind[]);
   const kind = item && USUAL[item.kind];
   const known = outline.items
@@ -107,7 +107,7 @@ function toggleAt(view: EditorView, lab: Lab, offset: number): boolean {
 
 function askAt(view: EditorView, lab: Lab, offset: number): boolean {
   const { from, to } = view.state.doc.lineAt(offset);
-  const item = definedOn(outlineOf(view.state), from, to, ASKED);
+  const item = definedOn(wholeOutlineOf(view.state), from, to, ASKED);
   const at = view.coordsAtPos(from);
   if (item && at) askWhy(lab, item.kind, item.path, { x: at.left, y: at.bottom });
   else lab.notify("This line defines no state and no transition to ask about.");
@@ -126,6 +126,7 @@ export function breakpointGutter(lab: Lab): Extension {
     return (target as Element).closest("[data-asks]") ? askAt(view, lab, from) : toggleAt(view, lab, from);
   };
   return [
+    wholeOutline,
     hoveredLine,
     gutter({
       class: "lrp-breakpoint-gutter",

@@ -4,7 +4,7 @@
  */
 
 import { syntaxTree } from "@codemirror/language";
-import { type EditorState, type Range, StateEffect } from "@codemirror/state";
+import { type EditorState, type Extension, type Range, StateEffect } from "@codemirror/state";
 import {
   Decoration,
   type DecorationSet,
@@ -19,7 +19,7 @@ import type { LabState } from "../session/state";
 import { shortened } from "../ui/cut";
 import { h } from "../ui/dom";
 import { testedEvents } from "./tested";
-import { WholeOutline } from "./whole";
+import { wholeOutline, wholeOutlineOf } from "./whole";
 
 /** An effect: something that is drawn here has changed. */
 export const liveChanged = StateEffect.define<null>();
@@ -68,27 +68,26 @@ export function marksOf({ lit, fired }: LabState): string {
 }
 
 /** Draws the run of the program; `values` returns whether values are shown. */
-export function live(state: LabState, values: () => boolean) {
-  return ViewPlugin.fromClass(
+export function live(state: LabState, values: () => boolean): Extension {
+  const plugin = ViewPlugin.fromClass(
     class {
       decorations: DecorationSet;
-      private readonly whole = new WholeOutline();
 
       constructor(view: EditorView) {
-        this.decorations = decorate(view.state, this.whole.update(view.state, null), state, values());
+        this.decorations = decorate(view.state, wholeOutlineOf(view.state), state, values());
       }
 
       update(update: ViewUpdate): void {
         const changed = update.transactions.some((tr) => tr.effects.some((effect) => effect.is(liveChanged)));
         const parsed = syntaxTree(update.startState) !== syntaxTree(update.state);
         if (changed || parsed || update.docChanged) {
-          const outline = this.whole.update(update.state, update.docChanged ? update.changes : null);
-          this.decorations = decorate(update.state, outline, state, values());
+          this.decorations = decorate(update.state, wholeOutlineOf(update.state), state, values());
         }
       }
     },
     { decorations: (plugin) => plugin.decorations },
   );
+  return [wholeOutline, plugin];
 }
 
 function decorate(editor: EditorState, found: Outline, lab: LabState, values: boolean): DecorationSet {

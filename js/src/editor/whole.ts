@@ -4,26 +4,40 @@
  */
 
 import { syntaxTree } from "@codemirror/language";
-import type { ChangeDesc, EditorState } from "@codemirror/state";
+import { type ChangeDesc, type EditorState, StateField } from "@codemirror/state";
 import { IterMode, type Tree } from "@lezer/common";
 import { outlineOf } from "../language/lrp";
 import { type Item, Outline } from "../language/outline";
 
-export class WholeOutline {
-  private last = new Outline([]);
-  private since: ChangeDesc | null = null;
+interface Whole {
+  /** Of the text in which all brackets last matched, and what has changed since. */
+  last: Outline;
+  since: ChangeDesc | null;
+  now: Outline;
+}
 
-  /** The outline after a change of the text, or of its tree. */
-  update(state: EditorState, changes: ChangeDesc | null): Outline {
-    if (isWhole(syntaxTree(state))) {
-      this.last = outlineOf(state);
-      this.since = null;
-      return this.last;
-    }
-    if (changes) this.since = this.since ? this.since.composeDesc(changes) : changes;
-    const { since } = this;
-    return since ? new Outline(this.last.items.map((item) => moved(item, since))) : this.last;
+/** Every editor has it, so that all that is drawn beside or into the text keeps the same places. */
+export const wholeOutline = StateField.define<Whole>({
+  create: (state) => next({ last: new Outline([]), since: null }, state),
+  update(value, { state, startState, docChanged, changes }) {
+    if (!docChanged && syntaxTree(state) === syntaxTree(startState)) return value;
+    const { last, since } = value;
+    if (!docChanged) return next({ last, since }, state);
+    return next({ last, since: since ? since.composeDesc(changes) : changes.desc }, state);
+  },
+});
+
+export function wholeOutlineOf(state: EditorState): Outline {
+  return state.field(wholeOutline).now;
+}
+
+function next({ last, since }: Pick<Whole, "last" | "since">, state: EditorState): Whole {
+  if (isWhole(syntaxTree(state))) {
+    const now = outlineOf(state);
+    return { last: now, since: null, now };
   }
+  if (!last.items.length) return { last, since, now: outlineOf(state) }; // it was opened like this
+  return { last, since, now: since ? new Outline(last.items.map((item) => moved(item, since))) : last };
 }
 
 function moved(item: Item, changes: ChangeDesc): Item {

@@ -17,10 +17,15 @@ const WORDS: Record<BreakpointView["kind"], string> = {
   condition: "becomes True",
 };
 
-export function breakpointList(lab: Lab): HTMLElement {
+/** The list below what else the panel holds: once it is open, both scroll together, since the panel may be low. */
+export function breakpointList(lab: Lab, above: HTMLElement): HTMLElement {
   const list = h("ul", { class: "lrp-breakpoints" });
   const title = h("summary", {}, "Breakpoints");
   const details = h("details", { class: "lrp-details lrp-breakpoint-list" }, title, list, conditionForm(lab));
+  const body = h("div", { class: "lrp-issues-body" }, above, details);
+  details.addEventListener("toggle", () => {
+    if (details.open) body.scrollTop = details.offsetTop - body.offsetTop;
+  });
   lab.store.watch(["breakpoints"], () => {
     const all = Object.entries(lab.store.state.breakpoints);
     setText(title, all.length ? `Breakpoints (${all.length})` : "Breakpoints");
@@ -28,7 +33,7 @@ export function breakpointList(lab: Lab): HTMLElement {
     const make = ([number]: Entry) => item(lab, number);
     reconcile(list, all, ([number]) => number, make, update);
   });
-  return details;
+  return body;
 }
 
 function item(lab: Lab, number: string): HTMLElement {

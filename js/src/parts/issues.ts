@@ -36,8 +36,7 @@ export function issuesView(lab: Lab): HTMLElement {
     "issues",
     "Issues",
     [pause, clear],
-    list,
-    breakpointList(lab),
+    breakpointList(lab, list),
     printed(lab),
   );
   store.watch(["settings"], () => setSwitch(pause, store.state.settings.pause_on_issue));

@@ -15,14 +15,15 @@ const INTERVAL = 500; // ms between two questions while the program runs
 export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: number; y: number }): void {
   const sentence = h("p", { class: "lrp-why-sentence", role: "status" });
   const lines = h("div", { class: "lrp-why-lines" });
-  const title = h("span", {}, titleOf(kind, path));
+  const plain = titleOf(kind, path.slice(Math.max(path.lastIndexOf("/"), path.indexOf(":")) + 1));
+  const title = h("span", {}, plain);
   const when = h("span", { class: "lrp-faint" });
   const card = h(
     "section",
     {
       class: "lrp-why",
       role: "dialog",
-      "aria-label": titleOf(kind, path),
+      "aria-label": plain,
       tabindex: "-1",
       onkeydown: (event: KeyboardEvent) => {
         if (event.key !== "Escape") return;
@@ -49,7 +50,7 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: numbe
   const show = (why: WhyView) => {
     when.textContent = ` at ${why.time.toFixed(1)} s`;
     card.dataset.code = why.code;
-    title.textContent = titleOf(kind, path, why.code);
+    title.textContent = titleOf(kind, why.name, why.code);
     card.setAttribute("aria-label", title.textContent);
     const content = JSON.stringify([why.sentence, why.lines, why.present]);
     if (content === shown) return;
@@ -105,8 +106,7 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: numbe
   const unwatch = lab.store.watch(["tick", "status", "program", "looking"], ask);
 }
 
-function titleOf(kind: ElementKind, path: string, code = ""): string {
+function titleOf(kind: ElementKind, name: string, code = ""): string {
   if (kind === "robot") return "Why does the robot do this?";
-  const name = path.slice(Math.max(path.lastIndexOf("/"), path.indexOf(":")) + 1);
   return kind === "state" || code === "fired" ? `Why ${name}?` : `Why not ${name}?`;
 }

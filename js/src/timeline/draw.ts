@@ -48,6 +48,7 @@ const NARROW = 8; // px of a visit at which nobody can aim: all of a lane are dr
 const GAP = 3;
 const MOST_WORDS = 10; // marks in one place that are named
 const LETTER = 6; // px, about
+const LABEL = 10; // px that the name of a threshold is high
 const ROUND = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600];
 const MARK_SHAPES: Partial<Record<HappeningKind, string>> = {
   edit: "M-3 4V1L1-3l3 3-4 4zM-4 5h8v1h-8z",
@@ -118,7 +119,9 @@ export function draw(svg: SVGSVGElement, drawing: Drawing): void {
   }
   y = Math.max(y, AXIS + MARKS + LANE);
   if (other) {
-    const heading = s("text", { class: "lrp-timeline-other", x: left + 4, y: y + LANE - 5 }, wordsOf(other));
+    const words = wordsOf(other);
+    const place = { class: "lrp-timeline-other", x: 8, y: y + LANE - 5 };
+    const heading = s("g", {}, s("title", {}, words), s("text", place, words)); // a narrow page cuts it
     const top = y + 2;
     y += LANE;
     for (const lane of other.lanes) {
@@ -338,14 +341,14 @@ function plotOf(drawing: Drawing, name: string, plotted: Plotted, y: number): No
     ),
   );
   const line = (samples: (number | null)[]) => pathOf(times, samples, range, drawing, yOf);
-  const labels: number[] = []; // where they stand, from above
+  const free = Array.from({ length: PLOT / LABEL }, (_, row) => y + (row + 1) * LABEL - 1); // rows for names
   for (const [text, samples] of thresholds) {
     const last = samples.slice(...range).findLast((value) => value !== null);
     parts.push(s("path", { class: "lrp-timeline-threshold", d: line(samples) }, s("title", {}, text)));
     if (last === undefined || last === null) continue;
-    const above = yOf(last) - 2;
-    const at = labels.some((other) => Math.abs(other - above) < 10) ? above + 12 : above;
-    labels.push(at);
+    const near = (base: number) => Math.abs(base - LABEL / 2 - yOf(last));
+    const [at] = free.sort((a, b) => near(a) - near(b)).splice(0, 1);
+    if (at === undefined) continue; // its line has a title
     parts.push(s("text", { class: "lrp-timeline-limit", x: left + width - 4, y: at }, text));
   }
   parts.push(s("path", { class: "lrp-timeline-curve", d: line(values) }));

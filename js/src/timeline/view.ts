@@ -179,7 +179,9 @@ export function timelineView(lab: Lab, looking: Looking): HTMLElement {
     const x = drawing.left + ((Math.min(to, Math.max(from, at)) - from) / (to - from)) * drawing.width;
     playhead.style.transform = `translateX(${x.toFixed(1)}px)`;
     playhead.toggleAttribute("data-past", isPast());
-    playhead.toggleAttribute("data-right", x > drawing.left + drawing.width / 2);
+    const isRight = x > drawing.left + drawing.width / 2;
+    playhead.toggleAttribute("data-right", isRight);
+    playhead.style.setProperty("--lrp-beside", `${Math.floor(isRight ? x : area.clientWidth - x)}px`);
     setAttribute(playhead, "aria-valuemin", happened.begin);
     setAttribute(playhead, "aria-valuemax", now().toFixed(1));
     setAttribute(playhead, "aria-valuenow", at.toFixed(1));

@@ -3,6 +3,7 @@
 import type { Point } from "../protocol";
 import type { Act } from "../session/connection";
 import type { Lab } from "../session/store";
+import type { Looking } from "../timeline/looking";
 import type { Stage } from "./stage";
 import { keyed, poseOf, type Shape, same, shaped, type Thing, thingsOf } from "./things";
 
@@ -10,7 +11,7 @@ export type Placed = "wall" | "box" | "zone";
 
 export const PUSH = 0.3; // coefficient of friction of a new box
 const QUIET = 600; // ms after which moves by key are one edit
-const DESCRIBED = 400; // ms after an edit in which the kernel has described the world
+const IN_FRAMES: Act["do"][] = ["drag_robot", "stroke", "erase"]; // seen with a frame, not in a description
 
 export class WorldEdits {
   /** Of the newest solid, until the kernel describes it. */
@@ -20,6 +21,7 @@ export class WorldEdits {
   constructor(
     private readonly stage: Stage,
     private readonly lab: Lab,
+    private readonly looking: Looking,
     private readonly selectionChanged: () => void,
   ) {}
 
@@ -56,12 +58,12 @@ export class WorldEdits {
 
   /** Show an earlier moment: the one at a time, in seconds. */
   look(time: number): void {
-    void this.lab.act({ do: "look", time });
+    void this.looking.at({ time });
   }
 
   /** Show the present if an earlier moment is shown, which cannot be edited; return whether one was. */
   showNow(): boolean {
-    if (this.stage.isPast) this.lab.send({ do: "look" });
+    if (this.stage.isPast) this.looking.back();
     return this.stage.isPast;
   }
 
@@ -105,10 +107,8 @@ export class WorldEdits {
     this.stage.preview = { thing, shape };
     this.stage.wake();
     const pose = poseOf(shape);
-    if (thing.kind === "robot") {
-      this.stage.preview = null;
-      this.lab.send({ do: "drag_robot", index: thing.index, pose });
-    } else if (thing.kind === "start") this.act({ do: "set_start", index: thing.index, pose });
+    if (thing.kind === "robot") this.act({ do: "drag_robot", index: thing.index, pose });
+    else if (thing.kind === "start") this.act({ do: "set_start", index: thing.index, pose });
     else if (thing.kind === "zone") this.act({ do: "put_zone", name: thing.name, ...shaped(shape) });
     else this.putSolid(thing.index, shape, {});
   }
@@ -187,15 +187,17 @@ export class WorldEdits {
     void this.act({ do: "redo_world" });
   }
 
-  /** Send an edit; what it will look like is shown until the kernel describes the world with it. */
+  /**
+   * Send an edit; what it will look like is shown until the kernel has replied: by then it has described the world.
+   * Where the robot is and what is drawn comes with the next frame.
+   */
   private async act(act: Act): Promise<string | null> {
     const { stage } = this;
     if (this.showNow()) return null;
     stage.awaited += 1;
     const error = await this.lab.act(act);
     stage.awaited -= 1;
-    if (error) stage.clearDraft();
-    else setTimeout(() => stage.clearDraft(), DESCRIBED);
+    if (error || !IN_FRAMES.includes(act.do)) stage.clearDraft();
     return error;
   }
 }

@@ -10,20 +10,38 @@ export const REACH = 9; // px from the trail
 const DASH = [8, 5]; // px
 const STRIPES = [3, 3]; // px
 
+const numbers = new WeakMap<ProgramView, Map<string, number>>();
+
+/**
+ * The numbers of a program's states, the same for all that is drawn of it. The states in which machines run come
+ * after the others. States of another program, an earlier one or one with an edit of the past, get the next numbers
+ * when they are first seen.
+ */
+function numbersOf(program: ProgramView): Map<string, number> {
+  let order = numbers.get(program);
+  if (!order) {
+    const states = program.machines.flatMap((machine) => machine.states);
+    const inOrder = [
+      ...states.filter(({ machines }) => !machines.length),
+      ...states.filter(({ machines }) => machines.length),
+    ];
+    order = new Map(inOrder.map(({ path }, index) => [path, index]));
+    numbers.set(program, order);
+  }
+  return order;
+}
+
 /**
  * The colours in the order of the program; once they are used up, they come again with a dash. The states in
- * which machines run come after the others, striped: they are seen where no machine runs in them. States of another
- * program, an earlier one or one with an edit of the past, get the next colours when they are first seen.
+ * which machines run are striped: they are seen where no machine runs in them.
  */
 export function trailStyles(
   program: ProgramView,
   colors: readonly string[],
 ): (state: string) => { color: string; dash: number[] } {
-  const order = new Map<string, number>();
+  const order = numbersOf(program);
   const states = program.machines.flatMap((machine) => machine.states);
-  for (const { path, machines } of states) if (!machines.length) order.set(path, order.size);
   const outer = new Set(states.flatMap(({ path, machines }) => (machines.length ? [path] : [])));
-  for (const path of outer) order.set(path, order.size);
   return (state) => {
     const index = order.get(state) ?? order.size;
     order.set(state, index);

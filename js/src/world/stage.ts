@@ -78,11 +78,7 @@ export class Stage {
     this.world = world;
     this.ink = [];
     this.clearDraft();
-    const fits =
-      world &&
-      this.after?.robots.length === world.robots.length &&
-      this.after.solids.length === world.solids.length;
-    if (world && !fits) this.before = this.after = firstPoses(world, this.after);
+    if (world) this.before = this.after = firstPoses(world, this.after); // its solids are where they are now
     if (other) this.arrange();
     this.repaint();
   }
@@ -119,6 +115,7 @@ export class Stage {
     this.after = next;
     this.arrived = now;
     if (next.robots[0] && !this.isPast) this.trail.add(next.time, next.robots[0].pose, state);
+    this.clearDraft(); // the kernel replies before it shows in a frame what it has done
     this.wake();
   }
 

@@ -4,6 +4,7 @@ import { saveForm } from "../parts/save";
 import { askWhy } from "../parts/why";
 import type { FromKernel } from "../protocol";
 import type { Lab } from "../session/store";
+import type { Looking } from "../timeline/looking";
 import { button, panel } from "../ui/button";
 import { h, prose, setAttribute, setText } from "../ui/dom";
 import { isOn, keepOn } from "../ui/kept";
@@ -39,7 +40,7 @@ const LABEL =
   "World. N selects the next thing. Arrow keys move it, or the robot; with Shift they resize it. " +
   "[ and ] turn it, Delete removes it. F follows the robot, G shows a grid, plus and minus zoom, 0 shows all.";
 
-export function worldView(lab: Lab): WorldPart {
+export function worldView(lab: Lab, looking: Looking): WorldPart {
   const { store } = lab;
   const stage = new Stage(() => palette(lab.root));
   const { canvas } = stage;
@@ -56,7 +57,7 @@ export function worldView(lab: Lab): WorldPart {
   }
 
   const strip = properties(lab, stage, () => edits);
-  const edits = new WorldEdits(stage, lab, strip.refresh);
+  const edits = new WorldEdits(stage, lab, looking, strip.refresh);
   const preview = new Preview(lab, isOn("world-preview", true));
   let tool: Tool = "move";
   const box: ToolBox = {
