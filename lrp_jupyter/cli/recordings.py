@@ -64,6 +64,8 @@ def replay_file(file: str, program: str | None, begin: float, end: float | None)
 def why_file(file: str, name: str, at: float | None, program: str | None) -> int:
     """Run a recording again up to a time, and print why something happened there or did not."""
     recording = read_recording(file, prepared)
+    if at is not None and at > recording.seconds + _ROUNDING:
+        _refuse(f"`{recording.name}` ends at {recording.seconds:.1f} s. Ask about an earlier time.")
     text = _other_program(program)
     again = _run_again(recording, at, text)
     with again.session as session:

@@ -154,6 +154,8 @@ def test_what_cannot_be_run_again_is_refused(lrp, recorded, tmp_path):
     assert "no transition, state or command `brigt`. Did you mean `bright`?" in " ".join(
         lrp("why", path, "brigt").stderr.replace("│", " ").split()
     )
+    late = lrp("why", path, "bright", "--at", "7").stderr.replace("│", " ")
+    assert "ends at 5.0 s. Ask about an earlier time." in " ".join(late.split())
     assert lrp("replay", tmp_path / "missing.lrplog").exit_code == 2
     start, *rest = path.read_text(encoding="utf-8").splitlines()
     foreign = json.loads(start) | {"names": ["draw"]}
