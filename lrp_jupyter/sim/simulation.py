@@ -220,7 +220,8 @@ class Simulation:
         ValueError
             It names no robot or solid of this world, or a number is not finite.
         """
-        self._drain()
+        if not isinstance(what, (Drive, Pen)):  # these are a program's, in the middle of a tick
+            self._drain()
         self._apply_new(check_input(what, self.world))
 
     def replay(self, what: Input) -> None:

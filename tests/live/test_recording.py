@@ -375,6 +375,17 @@ def test_a_stop_by_another_thread_between_two_ticks_acts_in_a_replay_when_it_act
     assert (again.difference, wandering.seen(again.session)) == (None, seen)
 
 
+def test_what_is_done_to_the_world_in_the_middle_of_a_tick_is_reproduced(tmp_path):
+    path, names = tmp_path / "run.lrplog", {}
+    with Session(STOPPED, "sim", clock=VirtualClock(), world="line", namespace=names) as session:
+        names["stop"] = lambda: session.bridge.place_robot((0.5, 0.6, 1.0))
+        with session.record(path):
+            session.run(1)
+        seen = wandering.seen(session)
+    again = reproduce(read_recording(path), namespace={"stop": lambda: None})
+    assert (again.difference, wandering.seen(again.session)) == (None, seen)
+
+
 class Beeper(Bridge):
     """A robot whose methods have parameters, and whose reading is a list."""
 
