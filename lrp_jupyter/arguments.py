@@ -29,13 +29,13 @@ def check_type(name: str, value: object, kind: type | tuple[type, ...], what: st
         What the argument is, in words: ``a text``.
     """
     if not isinstance(value, kind) or isinstance(value, (bool, type)):
-        raise TypeError(f"`{name}` is {what}, not {_kind(value)}.")
+        raise TypeError(f"`{name}` must be {what}, not {_kind(value)}.")
 
 
 def check_callable(name: str, value: object) -> None:
     """Raise a TypeError if an argument cannot be called."""
     if not callable(value):
-        raise TypeError(f"`{name}` is a function, not {_kind(value)}.")
+        raise TypeError(f"`{name}` must be a function, not {_kind(value)}.")
 
 
 def check_choice(name: str, value: object, choices: Iterable[str]) -> None:
@@ -44,7 +44,7 @@ def check_choice(name: str, value: object, choices: Iterable[str]) -> None:
     if value not in known:
         listed = " or ".join(f"`{choice}`" for choice in known)
         shown = f"`{value}`" if isinstance(value, str) else _kind(value)
-        raise ValueError(f"`{name}` is {listed}, not {shown}.{did_you_mean(str(value), known)}")
+        raise ValueError(f"`{name}` must be {listed}, not {shown}.{did_you_mean(str(value), known)}")
 
 
 def check_number(
@@ -64,8 +64,8 @@ def check_number(
     """
     check_type(name, value, Real, what)
     if not (value > above and value >= least):
-        limit = f"above {above:g}" if above > -math.inf else f"of {least:g} or more"
-        raise ValueError(f"`{name}` is {what} {limit}, not {value!r}.")
+        limit = f" above {above:g}" if above > -math.inf else f", {least:g} or more"
+        raise ValueError(f"`{name}` must be {what}{limit}, not {value!r}.")
 
 
 def _kind(value: object) -> str:

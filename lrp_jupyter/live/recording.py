@@ -59,6 +59,7 @@ __all__ = ["VERSION", "Recording", "RunStart", "random_of", "read_recording"]
 VERSION = 2
 _OLD = 1  # in it, commands were no events, and what is printed was not recorded
 _LATEST = 1e7  # s of a run
+_MAKE = "`lrp run FILE --record run.lrplog` makes one."
 _LONGEST = 1.5 / SLOWEST  # s between two lines of a simulated run
 
 Line = dict[str, Any]
@@ -257,7 +258,9 @@ def _line(raw: bytes) -> Line:
     try:
         line = json.loads(raw)
     except (ValueError, RecursionError):
-        raise FileError("This line is not JSON, so the file is damaged or is not a recording.") from None
+        raise FileError(
+            f"This line is not JSON, so the file is damaged or is not a recording. {_MAKE}"
+        ) from None
     if not isinstance(line, dict):
         raise FileError("This line is not a JSON object.")
     return line
@@ -289,7 +292,7 @@ def _start(line: Line, prepared: Callable[[Program, Mapping[str, str]], Program]
     if line.get("lrplog") not in (VERSION, _OLD):
         found = line.get("lrplog")
         if found is None:
-            raise FileError("This is not a recording. One begins with a line that has `lrplog`.")
+            raise FileError(f"This is not a recording. One begins with a line that has `lrplog`. {_MAKE}")
         raise FileError(
             f"This recording is of version {found!r}. This release reads versions {_OLD} and {VERSION}: "
             "install a newer lrp-jupyter."

@@ -1084,7 +1084,7 @@ class Session:
             return None
 
     def fork(
-        self, at: int | None = None, program: str | Program | None = None, *, inputs: bool = False
+        self, at: int | float | None = None, program: str | Program | None = None, *, inputs: bool = False
     ) -> Self:
         """Return an independent copy of this session, now or after an earlier tick.
 
@@ -1096,8 +1096,8 @@ class Session:
 
         Parameters
         ----------
-        at : int, optional
-            A tick; by default now.
+        at : int or float, optional
+            A tick; or a time in seconds, as a float. By default now.
         program : str or Program, optional
             Another program, applied at once as an edit is.
         inputs : bool
@@ -1114,11 +1114,16 @@ class Session:
         LRPSyntaxError
             The other text is not a valid program.
         """
-        check_type("at", at, (int, NoneType), "the number of a tick")
+        if at is not None:
+            _check_moment("at", at)
         check_type("program", program, (str, Program, NoneType), "a text or a Program")
         if isinstance(program, str):
             program = parse(program, self.program.filename)
-        copy = self._forked(self.call(partial(fork_start, self._loop, at)))
+
+        def start() -> ForkStart:
+            return fork_start(self._loop, None if at is None else _tick_of(self._loop, at))
+
+        copy = self._forked(self.call(start))
         with copy._closed_on_error(), copy._driver.exclusive("fork"):
             if program is not None:
                 copy._loop.apply(do.ReplaceProgram(program))
@@ -1132,7 +1137,7 @@ class Session:
         return copy
 
     def what_if(
-        self, at: int | None = None, program: str | Program | None = None, seconds: float = 60.0
+        self, at: int | float | None = None, program: str | Program | None = None, seconds: float = 60.0
     ) -> WhatIf:
         """Return how another program would go on from a moment, beside how it went; nothing changes here.
 
@@ -1141,8 +1146,8 @@ class Session:
 
         Parameters
         ----------
-        at : int, optional
-            A tick; by default now.
+        at : int or float, optional
+            A tick; or a time in seconds, as a float. By default now.
         program : str or Program, optional
             By default the one that runs now.
         seconds : float
@@ -1190,7 +1195,7 @@ class Session:
         until: Until | None = None,
         outcome: Callable[[Session], object] | None = None,
         *,
-        at: int | None = None,
+        at: int | float | None = None,
     ) -> Trials:
         """Run on from one moment with different values of a variable, each in a fork; nothing changes here.
 
@@ -1205,8 +1210,8 @@ class Session:
             A state, or a condition on the frame, that ends a run; the time until then is part of the result.
         outcome : callable, optional
             Called with the fork at the end of its run; the result is shown.
-        at : int, optional
-            A tick; by default now.
+        at : int or float, optional
+            A tick; or a time in seconds, as a float. By default now.
 
         Returns
         -------

@@ -22,7 +22,7 @@ from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.names import ChangeNames
 from lrp_jupyter.live.plots import Plot, plottable, plotting
 from lrp_jupyter.live.renamed import Names
-from lrp_jupyter.live.why.wording import call_text
+from lrp_jupyter.live.why.wording import call_text, time_text
 from lrp_jupyter.sim.edits import WorldEdit
 from lrp_jupyter.sim.inputs import PlaceRobot, PlaceSolid, ResetWorld
 
@@ -73,9 +73,9 @@ class TimelineCursor(NamedTuple):
     tick: int = -1
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class Timeline:
-    """What happened since a moment.
+    """What happened since a moment; printed, a line for each happening.
 
     Parameters
     ----------
@@ -109,6 +109,21 @@ class Timeline:
     def cursor(self) -> TimelineCursor:
         """What a caller has after this answer."""
         return TimelineCursor(self.epoch, self.last)
+
+    def __repr__(self) -> str:
+        return f"<Timeline: {self.begin:g} to {self.end:g} s, {len(self.happenings)} happenings>"
+
+    def __str__(self) -> str:
+        return "\n".join(f"{time_text(each.time)}: {_sentence(each)}" for each in self.happenings)
+
+
+def _sentence(each: Happening) -> str:
+    match each.kind:
+        case "entered":
+            return f"`{path_text(each.state)}` was entered. {each.text}".rstrip()
+        case "ended":
+            return f"`{path_text(each.lane)}` ended."
+    return each.text
 
 
 def timeline_of(

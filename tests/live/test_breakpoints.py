@@ -311,12 +311,12 @@ def test_a_condition_is_true_or_false_as_that_of_a_transition(live):
 
 @pytest.mark.parametrize("wrong", [{"after": 1.5}, {"after": "2"}, {"after": True}])
 def test_hits_are_counted_in_whole_numbers(live, wrong):
-    with pytest.raises(TypeError, match="`after` is a number of hits, not "):
+    with pytest.raises(TypeError, match="`after` must be a number of hits, not "):
         live.pause_when("b", **wrong)
 
 
 def test_a_condition_is_a_text(live):
-    with pytest.raises(TypeError, match="`condition` is a text, a Python expression, not int"):
+    with pytest.raises(TypeError, match="`condition` must be a text, a Python expression, not int"):
         live.pause_when(condition=5)
 
 

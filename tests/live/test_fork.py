@@ -523,10 +523,13 @@ def test_only_recorded_ticks_can_be_forked_or_looked_at():
             session.fork(3)
 
 
-@pytest.mark.parametrize("at", [1.5, "x"])
-def test_a_fork_begins_at_the_number_of_a_tick(at):
+def test_a_fork_begins_at_a_tick_or_a_time():
     with Session(COUNTER, clock=VirtualClock()) as session:
         session.run(1)
+        with session.fork(0.55) as fork, session.fork(6) as other:
+            assert fork.frame.tick == other.frame.tick == 6
+        assert session.what_if(0.55, seconds=1).tick == session.what_if(6, seconds=1).tick == 6
+        assert [each.seconds for each in session.try_values("n", [1], seconds=1, at=0.55)] == [1.0]
         for ask in (session.fork, session.what_if):
-            with pytest.raises(TypeError, match="`at` is the number of a tick"):
-                ask(at)
+            with pytest.raises(TypeError, match="`at` must be the number of a tick, or a time in seconds"):
+                ask("x")

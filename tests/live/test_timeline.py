@@ -87,6 +87,20 @@ def test_a_name_that_something_feeds_is_told_once():
         ]
 
 
+def test_a_timeline_is_printed_line_by_line(session):
+    session.run(0.9)
+    session.edit(PROGRAM.replace("1000", "900"))
+    timeline = session.timeline()
+    assert repr(timeline) == "<Timeline: 0 to 0.9 s, 5 happenings>"
+    assert str(timeline).splitlines() == [
+        "0 s: `m/a` was entered.",
+        "0.6 s: `m/b` was entered. `go` fired.",
+        "0.6 s: `m/b/inner/x` was entered.",
+        "0.8 s: `m/b/inner/y` was entered. `200:x->y` fired.",
+        "0.8 s: The program was edited.",
+    ]
+
+
 def test_only_what_is_new_is_told_again(session):
     session.run(1)
     first = session.timeline()

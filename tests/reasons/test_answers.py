@@ -173,10 +173,10 @@ def test_a_moment_is_a_tick_or_a_time_for_every_question():
 @pytest.mark.parametrize(
     ("at", "sentence"),
     [
-        ("x", "is the number of a tick, or a time in seconds, not str."),
-        (True, "is the number of a tick, or a time in seconds, not bool."),
-        (-0.5, "is a time in seconds of 0 or more, not -0.5."),
-        (float("nan"), "is a time in seconds of 0 or more, not nan."),
+        ("x", "must be the number of a tick, or a time in seconds, not str."),
+        (True, "must be the number of a tick, or a time in seconds, not bool."),
+        (-0.5, "must be a time in seconds, 0 or more, not -0.5."),
+        (float("nan"), "must be a time in seconds, 0 or more, not nan."),
     ],
 )
 def test_what_is_neither_a_tick_nor_a_time_is_refused(at, sentence):
@@ -533,11 +533,11 @@ def test_a_moment_in_a_question_is_a_tick_or_a_time_that_is_remembered():
             assert ask("go", at=3.15).tick == ask("go", at=32).tick == 32
             for wrong in ("3", True, [1]):
                 with pytest.raises(
-                    TypeError, match="`at` is the number of a tick, or a time in seconds, not "
+                    TypeError, match="`at` must be the number of a tick, or a time in seconds, not "
                 ):
                     ask("go", at=wrong)
             for wrong in (float("nan"), -0.5):
-                with pytest.raises(ValueError, match="`at` is a time in seconds of 0 or more, not"):
+                with pytest.raises(ValueError, match="`at` must be a time in seconds, 0 or more, not"):
                     ask("go", at=wrong)
             with pytest.raises(ValueError, match=r"1.5 s is not remembered. Ask about 2 s or later."):
                 ask("go", at=1.5)
