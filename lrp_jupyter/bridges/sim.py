@@ -255,7 +255,8 @@ class SimBridge(Bridge):
         self.simulation.step(round(seconds / STEP))
 
     def moment(self) -> object:
-        """Return a token for the present moment of the world."""
+        """Return a token for the present moment of the world, with all queued inputs applied."""
+        self.simulation.step(0)
         return _SimMoment(self.simulation, self.simulation.moment, self.safety.motion, self._stopping)
 
     def rewind(self, moment: object) -> None:

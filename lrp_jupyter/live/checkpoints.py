@@ -94,15 +94,23 @@ class Checkpoints:
         end = perf_counter()
         self._rested = end + _SHARE * (end - start)
         self.due = checkpoint.tick + _SPACING
-        if len(self.all) > _MOST or sum(len(each.snapshot.values.data) for each in self.all) > _BYTES:
+        while len(self.all) > 2 and (len(self.all) > _MOST or self._bytes > _BYTES):
             self._thin_out()
         return checkpoint
 
+    @property
+    def _bytes(self) -> int:
+        return sum(len(each.snapshot.values.data) for each in self.all)
+
     def _thin_out(self) -> None:
-        """Drop every other one: not the first and the last, and no rewound one if there are others."""
-        inner = self.all[1:-1]
-        dropped = {id(each) for each in ([each for each in inner if not each.rewound] or inner)[::2]}
-        self.all = [each for each in self.all if id(each) not in dropped]
+        """Drop the one without which the others are spaced most evenly: neither the first nor the last."""
+        inner = range(1, len(self.all) - 1)
+        common = [place for place in inner if not self.all[place].rewound]
+        del self.all[min(common or inner, key=self._gap)]
+
+    def _gap(self, place: int) -> int:
+        """Return how many ticks would lie between the neighbours of one."""
+        return self.all[place + 1].tick - self.all[place - 1].tick
 
     def begin(self, tick: int) -> SessionCheckpoint | None:
         """Drop those that no tick after this one needs; return the first that is left."""

@@ -1,17 +1,25 @@
 """A session remembers 10,000 ticks or 10 minutes, whichever are more, and no more than that needs."""
 
 import gc
+import itertools
 import sys
 import tracemalloc
 
 import pytest
 
 from lrp_jupyter.interpreter import journal
+from lrp_jupyter.live import checkpoints
 from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
 
 COUNTER = "(var n := [0])(machine m (state a (running [n += 1])))(spawn m a)"
 DRIVER = "(var n := [0])(machine m (state a (running [n += 1] [robot.move(angular=n % 7 / 10)])))(spawn m a)"
+
+
+@pytest.fixture
+def always_rested(monkeypatch):
+    """Take checkpoints every so many ticks, however long each of them takes on this machine."""
+    monkeypatch.setattr(checkpoints, "_SHARE", 0)
 
 
 def started(text=COUNTER, bridge="none", rate=100, **options):
@@ -119,7 +127,17 @@ def test_typing_does_not_shorten_what_is_remembered():
         assert (session.frame.tick, session.frame.time) == (0, 0.0)
 
 
-def test_memory_does_not_grow_after_that():
+def test_a_fork_is_never_far_from_a_checkpoint(always_rested):
+    with started() as session:
+        for _ in range(8):
+            session.run(300)
+            ticks = [each.tick for each in session._loop.checkpoints.all]
+            gaps = [second - first for first, second in itertools.pairwise([*ticks, session.frame.tick])]
+            assert max(gaps) <= 2500
+            assert len(session._loop.moments) <= 65_000
+
+
+def test_memory_does_not_grow_after_that(always_rested):
     tracemalloc.start()
     try:
         with started() as session:
@@ -135,7 +153,7 @@ def test_memory_does_not_grow_after_that():
     assert after < 30_000_000
 
 
-def test_memory_bounds_what_a_very_fast_session_remembers(monkeypatch):
+def test_memory_bounds_what_a_very_fast_session_remembers(monkeypatch, always_rested):
     monkeypatch.setattr(journal, "LONGEST", 900_000)
     with started(rate=1000) as session:
         session.run(100)

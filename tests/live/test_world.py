@@ -7,6 +7,8 @@ import pytest
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.live import clock as clocks
+from lrp_jupyter.live.recording import read_recording
+from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.trace import Trace
 
 BOUNCE = """
@@ -81,15 +83,24 @@ def test_stepping_and_stepping_back_leaves_everything_where_it_was(session):
     assert (poses(bouncing), bouncing.frame.time, bouncing.frame.tick) == before
 
 
-def test_rewinding_undoes_changes_of_the_world_by_hand(session):
+def test_rewinding_undoes_what_came_after_the_beginning_of_a_tick(session, tmp_path):
+    path = tmp_path / "run.lrplog"
     bouncing = session(BOUNCE, "sim", world="boxes")
-    bouncing.run(3)
-    before = poses(bouncing)
-    bouncing.bridge.place_robot((1.5, 1.5, 2.0))
-    bouncing.step()
-    assert poses(bouncing) != before
-    bouncing.rewind(1)
-    assert poses(bouncing) == before
+    with bouncing.record(path):
+        bouncing.run(3)
+        before = poses(bouncing)
+        bouncing.bridge.place_robot((1.5, 1.5, 2.0))
+        bouncing.step()
+        assert poses(bouncing) != before
+        bouncing.rewind(1)
+        assert poses(bouncing) == [(1.5, 1.5, 2.0)], "where it was put before that tick"
+        bouncing.step()
+        bouncing.rewind(2)
+        bouncing.step()
+        assert poses(bouncing) == before
+    again = reproduce(read_recording(path))
+    assert again.difference is None
+    again.session.close()
 
 
 def test_a_period_is_a_whole_number_of_physics_steps(session):
