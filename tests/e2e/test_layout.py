@@ -229,6 +229,18 @@ def test_another_key_lets_the_lab_fill_the_window(open_follower):
     assert "; typed on" in lab.text
 
 
+@pytest.mark.parametrize(("width", "height"), SCREENS)
+def test_the_head_of_the_graph_shows_its_title_and_its_mode_whole(open_follower, width, height):
+    lab = open_follower(width, height)
+    title, mode = '[data-lrp="graph"] .lrp-title', '[data-lrp="graph"] .lrp-select'
+    lab.until("select => select.offsetWidth >= 56", mode)  # with less the arrow lies on its word
+    assert lab.box(title)["x"] + lab.box(title)["width"] <= lab.box(mode)["x"]
+    lab.do("graph-menu")
+    before = lab.box('[data-lrp-state="follower/moving"]')["width"]
+    lab.choose("menu-zoom-in")
+    lab.until(f"node => node.getBoundingClientRect().width > {before}", '[data-lrp-state="follower/moving"]')
+
+
 # -- keys ------------------------------------------------------------------------------------------
 
 
