@@ -204,7 +204,9 @@ def did_you_mean(name: str, names: Iterable[str], likeness: float = 0.55) -> str
 
     `likeness` is the least that counts, from 0 to 1; of names of different things, close ones are rarer.
     """
-    close = get_close_matches(name, list(names), n=1, cutoff=likeness)
+    known = list(names)
+    same = [each for each in known if each.casefold() == name.casefold()]
+    close = same or get_close_matches(name, known, n=1, cutoff=likeness)
     return f" Did you mean `{close[0]}`?" if close else ""
 
 

@@ -49,6 +49,7 @@ def test_the_message_of_a_syntax_error_lists_its_findings():
     [
         ("ligth", ["name", "light"], " Did you mean `light`?"),
         ("bmup", ["bump"], " Did you mean `bump`?"),
+        ("GO", ["to", "go"], " Did you mean `go`?"),
         ("move", ["name", "beep"], ""),
         ("world", ["rate", "on_issue"], ""),
     ],

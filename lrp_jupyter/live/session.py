@@ -1356,7 +1356,7 @@ def _listed(name: str, values: Iterable[Any], example: str) -> list[Any]:
     """Return the values of an argument that is a list, for which a text is taken by mistake."""
     if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
         kind = type(values).__name__
-        raise TypeError(f"`{name}` is a list, such as `{example}`, not {kind}.")
+        raise TypeError(f"`{name}` must be a list, such as `{example}`, not {kind}.")
     return list(values)
 
 

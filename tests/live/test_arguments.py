@@ -163,13 +163,13 @@ def test_a_wrong_type_anywhere_is_one_sentence(call, sentence):
         (
             lambda s: s.try_values("n", "123"),
             TypeError,
-            "`values` is a list, such as `[0.2, 0.3]`, not str.",
+            "`values` must be a list, such as `[0.2, 0.3]`, not str.",
         ),
         (lambda s: s.try_values("n", [1], outcome=5), TypeError, "`outcome` must be a function, not int."),
         (
             lambda s: s.plots("n"),
             TypeError,
-            '`names` is a list, such as `["robot.light.data"]`, not str.',
+            '`names` must be a list, such as `["robot.light.data"]`, not str.',
         ),
         (lambda s: s.plots([3]), TypeError, "`names` must be a list of texts, not int."),
         (lambda s: s.timeline(3), TypeError, "`since` must be the `cursor` of a timeline, not int."),
