@@ -64,11 +64,27 @@ class Comparison:
         Whether the program is another one: then neither the lines of its text nor its edits are compared.
     has_printed : bool
         Whether that says what was printed.
+    has_values : bool
+        Whether variables are compared, too, and not only what the program does.
     """
 
-    def __init__(self, recorded: Iterable[Line], other: bool = False, has_printed: bool = True) -> None:
+    def __init__(
+        self,
+        recorded: Iterable[Line],
+        other: bool = False,
+        has_printed: bool = True,
+        has_values: bool = True,
+    ) -> None:
         self._other = other
-        self._has_printed = has_printed
+        self._left_out = {
+            name
+            for name, is_left_out in (
+                ("patched", other),
+                ("printed", not has_printed),
+                ("changed", not has_values),
+            )
+            if is_left_out
+        }
         self._recorded = deque(line for line in recorded if self._counts(line))
         self._now: list[Line] = []  # the lines of the present tick
         self._machines: dict[str, str] = {}  # of the states that were entered, by name
@@ -108,8 +124,7 @@ class Comparison:
             self._differ([self._recorded[0]], [])
 
     def _counts(self, line: Line) -> bool:
-        event = line.get("event")
-        return not ((self._other and event == "patched") or (event == "printed" and not self._has_printed))
+        return line.get("event") not in self._left_out
 
     def _key(self, line: Line) -> Line:
         """Return what is compared of a line."""

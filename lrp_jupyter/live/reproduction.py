@@ -113,34 +113,47 @@ def reproduce(
 def _repeated(
     session: Session, recording: Recording, entries: deque[Entry], until: float | None, other: bool
 ) -> FirstDifference | None:
-    """Repeat entries up to a time, or to the first difference from a run of the same program; return that."""
-    comparison = Comparison(recording.followed, other, recording.has_printed)
+    """Repeat entries up to a time, or to the first difference from a run of the same program; return that.
+
+    Of another program it is what that does otherwise; or a variable, if it does nothing otherwise.
+    """
+    comparisons = [
+        Comparison(recording.followed, other, recording.has_printed, has_values)
+        for has_values in ([False, True] if other else [True])
+    ]
     session.open()
     loop = session._loop
-    recorder = Recorder(loop, comparison.write)
+
+    def write(text: str) -> None:
+        for comparison in comparisons:
+            comparison.write(text)
+
+    recorder = Recorder(loop, write)
     failed: FileError | None = None
 
     def is_due() -> bool:
         return bool(entries) and (until is None or entries[0].time <= until + 1e-9)
 
-    while is_due() and failed is None and (other or comparison.difference is None):
+    while is_due() and failed is None and (other or comparisons[-1].difference is None):
         with session.driving(_LIMIT):
             for _ in range(1000):
                 if not is_due() or failed is not None:
                     break
                 failed = _repeat(loop, entries.popleft(), recording.name)
                 failed = None if other else failed  # what was done may not be possible in another program
-    if entries or failed is not None:
-        comparison.end_of_tick(is_whole=False)
-    else:
-        comparison.end()
-    if failed is not None and comparison.difference is None:
+    for comparison in comparisons:
+        if entries or failed is not None:
+            comparison.end_of_tick(is_whole=False)
+        else:
+            comparison.end()
+    difference = next((each.difference for each in comparisons if each.difference is not None), None)
+    if failed is not None and difference is None:
         raise failed
     recorder.end()
     with session.driving(_LIMIT):
         loop.rest()
         loop.publish()
-    return comparison.difference
+    return difference
 
 
 def _repeat(loop: Loop, entry: Entry, name: str) -> FileError | None:

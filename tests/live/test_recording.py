@@ -93,6 +93,29 @@ def test_a_recording_of_another_program_tells_the_first_difference(tmp_path):
     assert again.session.frame.values["n"] == 13, "and the run goes on to its end"
 
 
+DRIVER_OF_TWO = """(var speed := [0.2]) (var n := [0])
+(machine m
+  (state a (running [n += 1]))
+  (state b (running [robot.move(linear=speed)]))
+  (on [n > 3] a -> b go))
+(spawn m a)"""
+
+
+def test_what_another_program_does_otherwise_tells_more_than_its_variables(tmp_path):
+    path = tmp_path / "run.lrplog"
+    with Session(DRIVER_OF_TWO, "sim", clock=VirtualClock()) as session, session.record(path):
+        session.run(2)
+    told = {
+        "[0.2]": "at 0.6 s (tick 7)",  # and not at the start, where `speed` has another value
+        "n += 1": "at 0.3 s (tick 4), in the machine `m`",
+        "[0])": "at 0 s (tick 1). Recorded: `n` became 0. Replay: `n` became -0.1.",
+    }
+    for old, new in (("[0.2]", "[0.1]"), ("n += 1", "n += 2"), ("[0])", "[-0.1])")):
+        again = reproduce(read_recording(path), program=DRIVER_OF_TWO.replace(old, new))
+        again.session.close()
+        assert told[old] in str(again.difference)
+
+
 def test_a_run_that_depends_on_something_else_is_told_where(tmp_path):
     path, names = tmp_path / "run.lrplog", {"clock": iter(range(100)).__next__}
     text = COUNTER.replace("n += 1", "n = clock()")
