@@ -360,9 +360,7 @@ class Driver:
     def check_open(self) -> None:
         """Raise SessionClosedError if the session is closed."""
         if self.loop.status == "closed":
-            raise SessionClosedError(
-                f"The session `{self.name}` is closed. Use it before `close`, or inside its `with` block."
-            )
+            raise SessionClosedError(f"The session `{self.name}` is closed.")
 
     def refuse_inside(self, what: str) -> None:
         """Raise LRPError if a block of the program, or an observer, is the caller: the tick would not end."""
