@@ -111,7 +111,7 @@ class PageConnection:
                 self.start()
             elif isinstance(message, PageCommand):  # also of a view that was forgotten: stop means stop
                 if message.is_present:
-                    self.looking.leave()
+                    self.looking.back(self.session)
                 self._reply(
                     message, partial(message.apply, self), message.patience, describes=message.changes_world
                 )

@@ -6,6 +6,7 @@ simulated robot move again leads back to the present.
 
 from __future__ import annotations
 
+from concurrent.futures import Future
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
@@ -74,7 +75,7 @@ class Looking:
         goes_on = frame.tick != moment.present or frame.status not in ("paused", "ready", "hung")
         return None if goes_on and not session.bridge.hardware else moment
 
-    # -- what a person does: on the worker's thread -----------------------------------------------------
+    # -- what a person does: on the worker's thread, unless said -----------------------------------------
 
     def look(self, session: Session, at: int | float) -> None:
         """Show the moment after a tick, or at a time in seconds.
@@ -93,15 +94,16 @@ class Looking:
         else:
             self._moment = replace(before, past=past)
 
-    def leave(self) -> None:
-        """Show the present again, with the robot as it is; from any thread."""
-        self._moment = None
+    def back(self, session: Session) -> Future[None] | None:
+        """Show the present again; a robot that was paused for looking drives on. From any thread.
 
-    def back(self, session: Session) -> None:
-        """Show the present again; a robot that was paused for looking drives on."""
+        Returns
+        -------
+        Future or None
+            Done when it drives on.
+        """
         moment, self._moment = self._of(session), None
-        if moment is not None and moment.resumes:
-            session.ask(do.Resume()).result()
+        return session.ask(do.Resume()) if moment is not None and moment.resumes else None
 
     def run_on(self, session: Session) -> None:
         """Go back to the moment looked at, and run on from there; with what was edited meanwhile.

@@ -141,7 +141,7 @@ class PageCommand(PageMessage, ABC, type="command"):
     """Wall seconds after which a command that is not applied yet is answered with the reason."""
 
     is_present: ClassVar[bool] = False
-    """Whether it changes the run or the world as it is now; views that show the past then return from it."""
+    """Whether it changes the run or the world as it is now: views that show the past return from it first."""
 
     changes_world: ClassVar[bool] = False
     """Whether a page shows what it does until the world is described; the reply follows the description."""

@@ -65,7 +65,9 @@ class LookCommand(PageCommand, do="look"):
 
         def look() -> None:
             if at is None:
-                looking.back(session)
+                resumed = looking.back(session)
+                if resumed is not None:
+                    resumed.result()
             else:
                 looking.look(session, at)
             opened.wake()

@@ -125,6 +125,25 @@ def test_what_is_done_by_hand_is_done_in_the_present_and_shown_there(lab, page, 
     look(page, tick=5)
     assert page.do(act, **details) is None
     assert state(page)["looking"] is None
+    assert lab.session.status == "paused", "as it was before"
+
+
+@pytest.mark.parametrize(
+    ("act", "details"),
+    [
+        ("reset", {}),
+        ("teleport", {"path": "m/turn"}),
+        ("set_variable", {"path": "speed", "expression": "0.1"}),
+    ],
+)
+def test_a_robot_that_was_paused_for_looking_drives_on_after_what_is_done_by_hand(lab, page, act, details):
+    lab.session.start()
+    look(page, tick=5)
+    page.send("command", id=0, do=act, **details)
+    lab.session.call(lambda: None)  # what was queued before is done then
+    lab.publish()
+    assert state(page)["looking"] is None
+    assert lab.session.status == "running"
 
 
 def test_run_on_from_the_moment_looked_at(lab, page):
