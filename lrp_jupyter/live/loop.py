@@ -411,7 +411,7 @@ class Loop:
         The objects of the namespace that are copied are put into this one.
         """
         interpreter, bridge = self.interpreter, self.bridge
-        self.names.put(interpreter.begin(checkpoint.snapshot, self._find))
+        self.names.begin(interpreter.begin(checkpoint.snapshot, self._find))
         self.now = checkpoint.time
         if self._step is not None:
             self._steps = round(self.now / self._step)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, ClassVar
+from typing import Any
 
 from lrp_jupyter.live.checkpoints import COPIED, PLAIN
 from lrp_jupyter.live.inbox import Command
@@ -22,15 +22,14 @@ ABSENT = object()
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ChangeNames(Command):
-    """Assign or delete names of the namespace.
+    """Assign or delete names of the namespace, as their owner does: the change is noticed, and recorded.
 
     Parameters
     ----------
     before, after : mapping of str to object
-        Their values; a name that is missing has none.
+        Their values; a name that is missing has none. Those before are not needed to repeat it.
     """
 
-    recorded: ClassVar[bool] = True
     before: Mapping[str, object]
     after: Mapping[str, object]
 
@@ -42,7 +41,7 @@ class ChangeNames(Command):
     def apply(self, loop: Any) -> None:
         """See :class:`Command`."""
         values = {name: loop.restored(value) for name, value in self.after.items()}
-        loop.names.put({name: values.get(name, ABSENT) for name in self.names})
+        loop.names.assign({name: values.get(name, ABSENT) for name in self.names})
 
     def kept(self, loop: Any) -> tuple[Command, int]:
         """See :class:`Command`: with copies of what can be changed in place."""
@@ -90,13 +89,17 @@ class WatchedNames:
             return None
         return ChangeNames(_present(before, differing), _present(self.values, differing))
 
-    def put(self, values: Mapping[str, object]) -> None:
-        """Assign names in the namespace, and delete those that are absent."""
+    def assign(self, values: Mapping[str, object]) -> None:
+        """Assign names in the namespace, and delete those that are absent; this is a change."""
         for name, value in values.items():
             if value is ABSENT:
                 self._namespace.pop(name, None)
             else:
                 self._namespace[name] = value
+
+    def begin(self, values: Mapping[str, object]) -> None:
+        """Assign names in the namespace with which a run begins; this is no change."""
+        self.assign(values)
         self.values |= values
 
     def undo(self, changes: Iterable[ChangeNames]) -> None:

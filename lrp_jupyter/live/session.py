@@ -85,6 +85,7 @@ from lrp_jupyter.language.unmeant import Cursor, Judgement, judge
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.breakpoints import breakpoint_of
 from lrp_jupyter.live.checking import members_of
+from lrp_jupyter.live.checkpoints import names_of
 from lrp_jupyter.live.clock import Clock, MonotonicClock, VirtualClock
 from lrp_jupyter.live.driver import Driver
 from lrp_jupyter.live.foreign import surviving
@@ -583,7 +584,7 @@ class Session:
             nothing: Future[Any] = Future()
             nothing.set_result(None)
             return judgement, nothing
-        link(program)  # here and now, so that the loop stands still only for the swap of plans
+        names_of(link(program))  # here and now, so that the loop stands still only for the swap of plans
         if unmeant is not None:
             link(unmeant.instead)
         return judgement, self._driver.ask(do.ReplaceProgram(program, unmeant))
@@ -732,13 +733,13 @@ class Session:
     def rewind(self, ticks: int = 1) -> None:
         """Go back by so many ticks: program, variables, simulated world, time. What came later is gone.
 
+        Objects that were changed in place stay as they are, and so do issues, counts, settings and the state
+        of the random numbers.
+
         Parameters
         ----------
         ticks : int
             0 or more; with 0, what came after the last tick is undone.
-
-        Objects that were changed in place stay as they are, and so do issues, counts, settings and the state
-        of the random numbers.
 
         Raises
         ------

@@ -116,6 +116,23 @@ def test_what_another_program_does_otherwise_tells_more_than_its_variables(tmp_p
         assert told[old] in str(again.difference)
 
 
+def test_a_replay_knows_what_a_notebook_had_assigned_when(tmp_path):
+    path, names = tmp_path / "run.lrplog", {"limit": 40}
+    text = """(var n := [50])
+    (machine m (state a) (state b) (ontime 300 a -> b) (on [n > limit] b -> a go))
+    (spawn m a)"""
+    with Session(text, clock=VirtualClock(), namespace=names) as session, session.record(path):
+        session.run(0.3)
+        names["limit"] = 60
+        session.run(0.5)
+        answer, told = session.why_not("go"), str(session.timeline())
+    assert "`limit` was set to `60` outside the program." in told
+    assert (answer.facts["values"], answer.facts["last_true"]) == ({"n": 50, "limit": 60}, 3)
+    with reproduce(read_recording(path)).session as again:
+        assert again.why_not("go", at=answer.tick) == answer
+        assert str(again.timeline()) == told
+
+
 def test_a_run_that_depends_on_something_else_is_told_where(tmp_path):
     path, names = tmp_path / "run.lrplog", {"clock": iter(range(100)).__next__}
     text = COUNTER.replace("n += 1", "n = clock()")
