@@ -241,6 +241,12 @@ def test_the_head_of_the_graph_shows_its_title_and_its_mode_whole(open_follower,
     lab.until(f"node => node.getBoundingClientRect().width > {before}", '[data-lrp-state="follower/moving"]')
 
 
+def test_the_title_of_the_breakpoints_is_whole_in_a_low_panel(open_follower):
+    lab = open_follower(1280, 800)
+    panel, title = box(lab, "issues"), lab.box(".lrp-breakpoint-list > summary")
+    assert title["y"] + title["height"] <= panel["y"] + panel["height"] + 0.5
+
+
 # -- keys ------------------------------------------------------------------------------------------
 
 
