@@ -32,6 +32,8 @@ from lrp_jupyter.live.inbox import Command
 from lrp_jupyter.live.interruption import RunningBlock, ending_calls, interrupt
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.monitor import AGAIN, PATIENCE, Monitor, block_of
+from lrp_jupyter.live.self_monitor import SelfMonitor
+from lrp_jupyter.live.waking import TaskEvent
 
 __all__ = ["Driver", "LoopTask", "LoopThread"]
 
@@ -123,7 +125,6 @@ class LoopTask:
         self._loop = loop
         self._ended = False
         self._task: asyncio.Task[None] | None = None
-        self._wake = asyncio.Event()
         self._thread: int | None = None
 
     @property
@@ -133,14 +134,9 @@ class LoopTask:
 
     def start(self) -> None:
         """Create the task; an event loop must be running."""
-        home = asyncio.get_running_loop()
-
-        def notify() -> None:
-            if not home.is_closed():
-                home.call_soon_threadsafe(self._wake.set)
-
-        self._loop.inbox.notify = notify
-        self._task = home.create_task(self._run())
+        wake = TaskEvent()
+        self._loop.inbox.notify = wake.set
+        self._task = asyncio.get_running_loop().create_task(self._run(wake))
         self._thread = threading.get_ident()
 
     def suspend(self) -> None:
@@ -160,18 +156,15 @@ class LoopTask:
         self._thread = None
         return True
 
-    async def _run(self) -> None:
+    async def _run(self, wake: TaskEvent) -> None:
         loop = self._loop
         while not self._ended:
             try:
-                self._wake.clear()
+                wake.clear()
                 delay = loop.clock.delay(loop.turn())
-                if delay == math.inf:
-                    await self._wake.wait()
-                else:
-                    await asyncio.wait_for(self._wake.wait(), max(delay, 0.0))
-            except TimeoutError:
-                await asyncio.sleep(0)  # a wait of 0 lets no other task run
+                await wake.wait(None if delay == math.inf else delay)
+            except Interrupted:  # too late: the block had returned
+                pass
             except Exception as error:  # the task never ends without a trace
                 loop.break_down(error)
                 await asyncio.sleep(_REST)
@@ -191,8 +184,10 @@ class Driver:
         self.loop = loop
         self.name = name
         self._motor: LoopThread | LoopTask | None = None
-        self._monitor: Monitor | None = None
-        self._spare: Monitor | None = None  # that of the last run, if the driver had none: it ends by itself
+        self._monitor: Monitor | SelfMonitor | None = None
+        self._spare: Monitor | SelfMonitor | None = (
+            None  # that of the last run, if the driver had none: it ends by itself
+        )
         self._turning = threading.RLock()
         self._caller: int | None = None  # the thread that drives the loop itself, for a while
 
@@ -218,14 +213,14 @@ class Driver:
     # -- life ------------------------------------------------------------------------------------
 
     def start(self, kind: Literal["thread", "asyncio"], hung_after: float, dead_man: float | None) -> None:
-        """Start a thread or a task and, where there are threads, the monitor."""
+        """Start a thread or a task, and its monitor."""
         if kind == "asyncio":
             self._motor = LoopTask(self.loop)
-            self._motor.start()
-            return
-        self._motor = motor = LoopThread(self.loop, self._turning, f"lrp {self.name}")
-        motor.start()
-        self._monitor = Monitor(self.loop, lambda: self._thread, hung_after, dead_man)
+            self._monitor = SelfMonitor(self.loop, hung_after)
+        else:
+            self._motor = LoopThread(self.loop, self._turning, f"lrp {self.name}")
+            self._monitor = Monitor(self.loop, lambda: self._thread, hung_after, dead_man)
+        self._motor.start()
         self._monitor.start()
 
     def end(self) -> bool:
@@ -289,8 +284,8 @@ class Driver:
                 try:
                     monitor.start()
                 except RuntimeError:  # there are no threads (Pyodide)
-                    yield
-                    return
+                    monitor = SelfMonitor(self.loop, min(2.0, seconds))
+                    monitor.start()
             self._monitor = self._spare = monitor
         monitor.limit = seconds
         try:

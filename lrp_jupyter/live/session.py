@@ -41,6 +41,7 @@ import atexit
 import inspect
 import math
 import os
+import sys
 import threading
 import warnings
 import weakref
@@ -141,8 +142,9 @@ class Session:
         are more, and fewer if they take more than about 100 MB.
     speed : float
         Seconds of the session per wall second; ``math.inf``: never wait.
-    driver : {"thread", "asyncio"}
-        The kind of driver after :meth:`start`.
+    driver : {"thread", "asyncio"}, optional
+        The kind of driver after :meth:`start`; default: a thread, and in a browser, where there are none, a
+        task of the running event loop.
     hung_after : float
         Wall seconds after which a block that does not return is reported.
     dead_man : float, optional
@@ -180,7 +182,7 @@ class Session:
         name: str = "lrp",
         journal: int | None = None,
         speed: float = 1.0,
-        driver: Literal["thread", "asyncio"] = "thread",
+        driver: Literal["thread", "asyncio"] | None = None,
         hung_after: float = 2.0,
         dead_man: float | None = None,
         **options: Any,
@@ -191,6 +193,8 @@ class Session:
         check_type("clock", clock, (Clock, NoneType), "a clock, such as `VirtualClock()`")
         if clock is not None and speed != 1:
             raise ValueError("Pass either `clock` or `speed`: a clock has a speed of its own.")
+        if driver is None:
+            driver = "asyncio" if sys.platform == "emscripten" else "thread"
         check_choice("driver", driver, ("thread", "asyncio"))
         check_number("hung_after", hung_after, "a number of seconds", above=0)
         if dead_man is not None:
@@ -200,6 +204,8 @@ class Session:
             program = parse(program, f"<lrp {name}>")
         self.name = name
         self.namespace = {} if namespace is None else namespace
+        self.driver: Literal["thread", "asyncio"] = driver
+        """The kind of driver: a thread of its own, or a task of the running event loop."""
         self.output = Output()
         self.findings: tuple[Finding, ...] = ()
         """The findings of the checks about the last text."""

@@ -150,15 +150,9 @@ class PageConnection:
         describes: bool = False,
     ) -> None:
         """Start a command or request; reply when its future is done, or at once if it cannot start."""
-        answer: Future[Any] | None
-        try:
-            answer = begin()
-        except Exception as error:
-            answer = Future()
-            answer.set_exception(error)
-        if answer is None:
-            answer = Future()
-            answer.set_result(None)
+        answer = _done(begin)
+        if answer.exception() is None and answer.result() is not None:
+            answer = answer.result()
         if message.id:
             deadline = self._clock() + patience
             reply = PendingReply(message.view, message.id, answer, deadline, fields_of, describes)
@@ -216,10 +210,12 @@ class PageConnection:
         raise SessionClosedError(f"`{session.name}` has been closed in the meantime.")
 
     def work(self, job: Callable[[], Any]) -> Future[Any]:
-        """Queue a job that may have to wait, for the worker's thread."""
+        """Queue a job that may have to wait, for the worker's thread; without threads, do it now."""
         with self._lock:
             if self.closed:
                 raise SessionClosedError(f"`{self.name}` is closed.")
+            if self.session.driver == "asyncio":
+                return _done(job)
             if self._worker is None:
                 self._worker = ThreadPoolExecutor(1, f"lrp {self.name} worker")
             return self._worker.submit(contextvars.copy_context().run, job)
@@ -257,6 +253,16 @@ class PageConnection:
         self._publisher.end()
         if self._worker is not None:
             self._worker.shutdown(wait=False, cancel_futures=True)
+
+
+def _done(job: Callable[[], Any]) -> Future[Any]:
+    """Do a job; return the future of its result, or of what it raised."""
+    answer: Future[Any] = Future()
+    try:
+        answer.set_result(job())
+    except Exception as error:
+        answer.set_exception(error)
+    return answer
 
 
 def _cursor(message: TextMessage) -> Cursor | None:

@@ -1,4 +1,4 @@
-"""Publish a session to its views: one thread sends them everything.
+"""Publish a session to its views: one thread (where there are none, one task) sends them everything.
 
 The publisher sends answers and replies as soon as they are known, and then to each view what changed since
 the last frame *sent to that view*, while the view has credit. It is woken by a new frame of the session,
@@ -12,6 +12,7 @@ every tick is calm: its frames are spaced out, because each of them costs the pa
 
 from __future__ import annotations
 
+import asyncio
 import contextvars
 import math
 import threading
@@ -29,6 +30,7 @@ from lrp_jupyter.bridges.discovery import find_bridges
 from lrp_jupyter.errors import SessionClosedError, sentence_of
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.live.waking import TaskEvent
 from lrp_jupyter.sim.worlds import BUNDLED
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking, MomentShown
@@ -199,8 +201,8 @@ class Publisher:
         self._lock = threading.RLock()  # of the views and what was sent to them
         self._views: dict[str, View] = {}
         self._replies: deque[PendingReply] = deque()
-        self._wake = threading.Event()
-        self._thread: threading.Thread | None = None
+        self._wake: threading.Event | TaskEvent = threading.Event()
+        self._motor: threading.Thread | asyncio.Task[None] | None = None
         self._ended = False
         self._refreshed: tuple[float, Future[Any] | None] = (float("-inf"), None)
         self._left = False  # whether a view may be owed something urgent
@@ -213,7 +215,7 @@ class Publisher:
         with self._lock:
             self._unlisten()
             self.session = session
-            self._unlisten = session.listen(self._wake.set)
+            self._unlisten = session.listen(self.wake)
             with suppress(SessionClosedError):
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # a request to another session may never be answered
@@ -269,15 +271,19 @@ class Publisher:
     # -- the thread ----------------------------------------------------------------------------------
 
     def start(self) -> None:
-        """Start the thread, once."""
+        """Start the thread, once; for a session without threads, a task of the running event loop."""
         with self._lock:
-            if self._thread is not None or self._ended:
+            if self._motor is not None or self._ended:
+                return
+            if self.session.driver == "asyncio":
+                self._wake = wake = TaskEvent()
+                self._motor = asyncio.get_running_loop().create_task(self._run_task(wake))
                 return
             context = contextvars.copy_context()  # or messages would go to the cell run last, or nowhere
-            self._thread = threading.Thread(
+            self._motor = threading.Thread(
                 target=context.run, args=(self._run,), name=f"lrp {self.session.name} publisher", daemon=True
             )
-            self._thread.start()
+            self._motor.start()
 
     def wake(self) -> None:
         """Start a round at once."""
@@ -288,10 +294,10 @@ class Publisher:
         with self._lock:
             self._unlisten()
             self._ended = True
-            thread = self._thread
+            motor = self._motor
         self.wake()
-        if thread is not None and thread is not threading.current_thread():
-            thread.join(2)
+        if isinstance(motor, threading.Thread) and motor is not threading.current_thread():
+            motor.join(2)
         try:
             self._send_end()
         except Exception:
@@ -300,11 +306,19 @@ class Publisher:
     def _run(self) -> None:
         while not self._ended:
             self._wake.wait(self._pace())
-            self._wake.clear()
-            try:
-                self.publish()
-            except BaseException:
-                self._report(traceback.format_exc())
+            self._round()
+
+    async def _run_task(self, wake: TaskEvent) -> None:
+        while not self._ended:
+            await wake.wait(self._pace())
+            self._round()
+
+    def _round(self) -> None:
+        self._wake.clear()
+        try:
+            self.publish()
+        except BaseException:
+            self._report(traceback.format_exc())
 
     def _pace(self) -> float:
         if not self._views:
