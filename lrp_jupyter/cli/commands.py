@@ -486,3 +486,31 @@ def lab(
     from lrp_jupyter.cli.lab import open_lab
 
     open_lab(folder.resolve(), browser, ctx.args)
+
+
+@app.command()
+def site(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the site; it is created.")],
+    notebooks: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="Notebooks of your own instead of those of the package."),
+    ] = None,
+    offline: Annotated[
+        bool, typer.Option("--offline", help="Include Python itself, so that no other address is needed.")
+    ] = False,
+    pyodide: Annotated[
+        Path | None,
+        typer.Option(metavar="DIR", help="A folder with Pyodide, so that it need not be downloaded."),
+    ] = None,
+) -> None:
+    """Build a web site of the lab and the notebooks that runs in the browser, without a server of its own.
+
+    Any host of static pages can publish it; `python -m http.server --directory DIR` shows it here.
+    """
+    from lrp_jupyter.cli.lab import shipped_notebooks
+    from lrp_jupyter.site.build import build_site
+
+    build_site(folder, notebooks or shipped_notebooks(), offline=offline, pyodide=pyodide, say=typer.echo)
+    typer.echo(
+        f"The site is in {folder}. Try it: python -m http.server --bind 127.0.0.1 --directory {folder}"
+    )

@@ -1,0 +1,146 @@
+"""The packages of a site: wheels for a Python in a browser, and the list in which Pyodide finds them.
+
+What Pyodide itself publishes keeps the version that it has there: pure Python comes from the package index,
+compiled packages from Pyodide's distribution. Of everything else, the package index has the newest version.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import subprocess
+import sys
+import zipfile
+from collections.abc import Iterable, Mapping
+from email.parser import Parser
+from pathlib import Path
+from typing import Any
+
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.site.runtime import LOCK, Pyodide
+
+__all__ = ["collect"]
+
+_PURE = "-none-any.whl"
+_TAGS = ("--platform", "pyemscripten_2026_0_wasm32", "--python-version", "3.14", "--implementation", "cp")
+
+
+def collect(
+    pyodide: Pyodide, wheels: Iterable[Path], names: Iterable[str], folder: Path, offline: bool
+) -> None:
+    """Put wheels, the packages of these names, and all that they need, into a folder with the list of them.
+
+    Parameters
+    ----------
+    pyodide : Pyodide
+    wheels : iterable of Path
+        Wheels that no package index has.
+    names : iterable of str
+    folder : Path
+    offline : bool
+        Whether the packages that Pyodide publishes are copied, too; otherwise browsers load them from there.
+
+    Raises
+    ------
+    LRPError
+        A package cannot be downloaded.
+    """
+    from packaging.utils import canonicalize_name as canonical
+
+    known: dict[str, Any] = json.loads(pyodide.read(LOCK))
+    published = {canonical(name): package for name, package in known["packages"].items()}
+    environment = _environment(known["info"])
+    found: dict[str, dict[str, Any]] = {}
+    needed: dict[str, str] = {canonical(name): "" for name in names}
+    arrived = [_copy(wheel, folder) for wheel in wheels]
+    while True:
+        for wheel in arrived:
+            package, requirements = _described(wheel, environment)
+            found[canonical(package["name"])] = package
+            needed |= requirements
+        missing = [name for name in needed if name not in found]
+        if not missing:
+            break
+        arrived, on_index = [], list[str]()
+        for name in missing:
+            known_one = published.get(name)
+            if known_one is None:
+                on_index.append(name + needed[name])
+            elif not offline:
+                found[name] = {**known_one, "file_name": pyodide.url + known_one["file_name"]}
+                for other in known_one["depends"]:
+                    needed.setdefault(canonical(other), "")
+            elif known_one["file_name"].endswith(_PURE):
+                on_index.append(f"{name}=={known_one['version']}")
+            else:
+                arrived.append(folder / known_one["file_name"])
+                arrived[-1].write_bytes(pyodide.read(known_one["file_name"], known_one["sha256"]))
+        arrived += _download(on_index, folder)
+    text = json.dumps({"info": known["info"], "packages": dict(sorted(found.items()))}, indent=1)
+    (folder / LOCK).write_text(text, encoding="utf-8")
+
+
+def _copy(wheel: Path, folder: Path) -> Path:
+    (folder / wheel.name).write_bytes(wheel.read_bytes())
+    return folder / wheel.name
+
+
+def _environment(info: Mapping[str, str]) -> dict[str, str]:
+    """Return what the markers of requirements are compared with."""
+    return {
+        "implementation_name": "cpython",
+        "implementation_version": info["python"],
+        "os_name": "posix",
+        "platform_machine": info["arch"],
+        "platform_python_implementation": "CPython",
+        "platform_release": "",
+        "platform_system": "Emscripten",
+        "platform_version": "",
+        "python_full_version": info["python"],
+        "python_version": info["python"].rpartition(".")[0],
+        "sys_platform": "emscripten",
+        "extra": "",
+    }
+
+
+def _described(wheel: Path, environment: dict[str, str]) -> tuple[dict[str, Any], dict[str, str]]:
+    """Return the entry of a wheel in the list, and the versions of what it needs, by name."""
+    from packaging.requirements import Requirement
+    from packaging.utils import canonicalize_name as canonical
+
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+        metadata = next(name for name in names if name.endswith(".dist-info/METADATA"))
+        about = Parser().parsestr(archive.read(metadata).decode())
+    modules = {name.partition("/")[0].partition(".")[0] for name in names if ".dist-info/" not in name}
+    needed: dict[str, str] = {
+        canonical(each.name): str(each.specifier)
+        for each in map(Requirement, about.get_all("Requires-Dist", []))
+        if each.marker is None or each.marker.evaluate(environment)
+    }
+    return {
+        "name": about["Name"],
+        "version": about["Version"],
+        "file_name": wheel.name,
+        "install_dir": "site",
+        "sha256": hashlib.sha256(wheel.read_bytes()).hexdigest(),
+        "package_type": "package",
+        "imports": sorted(name for name in modules if name.isidentifier()),
+        "depends": sorted(needed),
+        "unvendored_tests": False,
+    }, needed
+
+
+def _download(requirements: list[str], folder: Path) -> list[Path]:
+    """Download packages of the package index that a browser can run; return their wheels."""
+    if not requirements:
+        return []
+    before = set(folder.glob("*.whl"))
+    command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps", "--only-binary", ":all:"]
+    command += ["--disable-pip-version-check", *_TAGS, "--dest", str(folder), *requirements]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        errors = [line for line in done.stderr.splitlines() if "ERROR" in line or "No module" in line]
+        why = (errors or done.stderr.splitlines() or ["pip failed."])[-1]
+        raise LRPError(f"{', '.join(requirements)}: the packages cannot be downloaded. {why}")
+    return sorted(set(folder.glob("*.whl")) - before)
