@@ -5,7 +5,7 @@
 
 import { execFileSync } from "node:child_process";
 import { createHash } from "node:crypto";
-import { readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import { copyFileSync, readdirSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { build, context } from "esbuild";
 
 const OUT = "../lrp_jupyter/static";
@@ -83,7 +83,7 @@ function onlyOnce(code) {
 }
 
 /** The licence of each package that the bundle holds, from the package's own folder. */
-function licences(inputs) {
+function licences(bundle, inputs) {
   const packages = new Set();
   for (const file of inputs) {
     const [, name] = /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(file) ?? [];
@@ -97,7 +97,22 @@ function licences(inputs) {
     return `${name} ${version} (${license})\n\n${readFileSync(`${folder}/${file}`, "utf8").trim()}\n`;
   });
   const line = `\n${"-".repeat(78)}\n\n`;
-  return ["lab.js contains code of the following packages.\n", ...texts].join(line);
+  return [`${bundle} contains code of the following packages.\n`, ...texts].join(line);
+}
+
+/** The plain page, its worker and its service worker, which `lrp site` copies beside the lab. */
+async function site() {
+  const outdir = `${OUT}/site`;
+  const { metafile } = await build({
+    ...options,
+    entryPoints: ["page", "worker", "cache"].map((name) => `src/site/${name}.ts`),
+    outdir,
+    minify: true,
+    metafile: true,
+    logLevel: "info",
+  });
+  for (const name of ["index.html", "page.css"]) copyFileSync(`src/site/${name}`, `${outdir}/${name}`);
+  writeFileSync(`${outdir}/THIRD-PARTY-LICENSES.txt`, licences("page.js", Object.keys(metafile.inputs)));
 }
 
 if (process.argv.includes("--watch")) {
@@ -111,9 +126,10 @@ if (process.argv.includes("--watch")) {
     minifySyntax: true,
     logLevel: "info",
   });
-  writeFileSync(`${OUT}/THIRD-PARTY-LICENSES.txt`, licences(inputs));
+  writeFileSync(`${OUT}/THIRD-PARTY-LICENSES.txt`, licences("lab.js", inputs));
   const bundle = onlyOnce(readFileSync(`${OUT}/lab.js`, "utf8"));
   writeFileSync(`${OUT}/lab.js`, bundle);
   if (statSync(`${OUT}/lab.js`).size > LIMIT) throw new Error(`lab.js is larger than ${LIMIT} bytes`);
   if (/https?:\/\/(cdn|unpkg|esm)\b/.test(bundle)) throw new Error("lab.js loads from elsewhere");
+  await site();
 }

@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.site.notebooks import build_notebooks, check_installed, kernel_wheels
 from lrp_jupyter.site.packages import collect
+from lrp_jupyter.site.page import write_page
 from lrp_jupyter.site.runtime import RUNTIME, Pyodide
 from lrp_jupyter.site.wheel import pack
 
@@ -65,6 +66,7 @@ def build_site(
         if offline:
             say("Copying Python …")
             runtime.copy(RUNTIME, python)
+        write_page(site, wheel.name, offline)
         say("Building the notebooks …")
         build_notebooks(notebooks, site / "jupyter", offline)
         (site / _MARK).write_text("")

@@ -13,8 +13,10 @@ from tempfile import TemporaryDirectory
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
-__all__ = ["build_notebooks", "check_installed", "kernel_wheels"]
+__all__ = ["STORAGE", "build_notebooks", "check_installed", "kernel_wheels"]
 
+STORAGE = "lrp-notebooks"
+"""The storage of the notebooks in a browser; the plain page writes notebooks into it, too."""
 _KERNEL = "@jupyterlite/pyodide-kernel-extension"
 _PRELOADED = ("micropip", "piplite", "ipykernel", "comm", "pyodide-kernel", "jedi", "ipython", "lrp-jupyter")
 
@@ -53,6 +55,7 @@ def build_notebooks(notebooks: Path, folder: Path, offline: bool) -> None:
         "jupyter-lite-schema-version": 0,
         "jupyter-config-data": {
             "appName": "LRP",
+            "contentsStorageName": STORAGE,
             "litePluginSettings": {f"{_KERNEL}:kernel": settings},
         },
     }

@@ -48,7 +48,7 @@ def collect(
     from packaging.utils import canonicalize_name as canonical
 
     known: dict[str, Any] = json.loads(pyodide.read(LOCK))
-    published = {canonical(name): package for name, package in known["packages"].items()}
+    published: dict[str, Any] = {canonical(name): package for name, package in known["packages"].items()}
     environment = _environment(known["info"])
     found: dict[str, dict[str, Any]] = {}
     needed: dict[str, str] = {canonical(name): "" for name in names}

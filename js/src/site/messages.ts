@@ -1,0 +1,40 @@
+/** What the page and its worker say to each other. */
+
+import type { Wanted } from "./address";
+
+/** What a built site consists of. */
+export interface Site {
+  /** Where Python itself is, and the list of its packages. */
+  python: string;
+  lock: string;
+  /** Packages to be loaded, and the wheel of this package. */
+  packages: string[];
+  wheel: string;
+  programs: { name: string; about: string }[];
+  challenges: { name: string; task: string }[];
+}
+
+/** The program that is open: its name, its text, and the bundled world of its robot, if it is one. */
+export interface Shared {
+  program: string;
+  text: string;
+  world: string;
+}
+
+export type ToWorker =
+  | { do: "start"; site: Site; base: string }
+  | { do: "open"; wanted: Wanted & { again: boolean; hung: boolean } }
+  | { do: "message"; message: string }
+  | { do: "grade"; challenge: string }
+  | { do: "text" }
+  | { do: "ping" };
+
+export type FromWorker =
+  | { is: "step"; step: string }
+  | { is: "ready" }
+  | { is: "opened" }
+  | { is: "message"; message: string; buffers: Uint8Array[] }
+  | ({ is: "text" } & Shared)
+  | { is: "graded"; passed: boolean; text: string }
+  | { is: "failed"; sentence: string }
+  | { is: "pong" };

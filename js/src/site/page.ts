@@ -1,0 +1,176 @@
+/**
+ * The plain page: one lab and no notebook. Python and the simulator run in a worker of this page, and what is
+ * typed stays in this browser until its owner shares a link.
+ */
+
+import type lab from "../index";
+import { copyText } from "../ui/clipboard";
+import { h, prose } from "../ui/dom";
+import { addressOf, readAddress, type Wanted } from "./address";
+import type { Site } from "./messages";
+import { writeNotebook } from "./notebook";
+import { Python } from "./python";
+
+const HUNG = "lrp-hung"; // in this tab's storage: Python was ended because it did not answer
+const VERSION = new URL(import.meta.url).search; // of the site: `?v=…`
+const CONTROL = 5000; // ms that the service worker may take
+
+const base = new URL("./", location.href);
+const file = (name: string) => new URL(name + VERSION, base);
+const element = (id: string) => document.getElementById(id)!;
+const host = element("lab");
+const status = element("status");
+
+function say(sentence: string, kind: "busy" | "error" | "done" = "busy"): void {
+  status.replaceChildren(...prose(sentence));
+  status.dataset.kind = kind;
+  status.hidden = !sentence;
+}
+
+/** Let the service worker keep what is loaded; without one the page works, but loads all at each visit. */
+async function keepFiles(): Promise<void> {
+  const workers = navigator.serviceWorker;
+  if (!workers) return;
+  const isOurs = () => workers.controller?.scriptURL.endsWith(VERSION);
+  const controlled = new Promise<void>((resolve) => {
+    workers.addEventListener("controllerchange", () => isOurs() && resolve());
+    setTimeout(resolve, CONTROL);
+  });
+  try {
+    await workers.register(file("cache.js"));
+    if (!isOurs()) await controlled;
+  } catch {
+    // a private window, or a page without https
+  }
+}
+
+class Page {
+  private wanted: Wanted = {};
+  private close: () => void = () => {};
+  private readonly python = new Python(file("worker.js"), {
+    step: (step) => say(`${step} …`),
+    silent: (on) => this.offerRestart(on),
+  });
+
+  constructor(
+    private readonly site: Site,
+    private readonly render: typeof lab.render,
+  ) {}
+
+  async start(): Promise<void> {
+    this.fillPicker();
+    const jobs = {
+      share: () => this.share(),
+      notebook: () => this.openNotebook(),
+      check: () => this.check(),
+    };
+    for (const [id, job] of Object.entries(jobs))
+      element(id).addEventListener("click", () => void this.guarded(job));
+    element("restart").addEventListener("click", () => {
+      sessionStorage.setItem(HUNG, "1");
+      this.python.end();
+      location.reload();
+    });
+    addEventListener("popstate", () => void this.guarded(() => this.show(true)));
+    await keepFiles();
+    await this.python.start(this.site, base.href);
+    const [navigation] = performance.getEntriesByType("navigation") as PerformanceNavigationTiming[];
+    await this.show(navigation?.type !== "navigate");
+  }
+
+  /** Open what the address asks for; `again` if this browser has shown it before. */
+  private async show(again: boolean): Promise<void> {
+    this.wanted = await readAddress(new URL(location.href));
+    const hung = sessionStorage.getItem(HUNG) !== null;
+    sessionStorage.removeItem(HUNG);
+    this.close();
+    this.close = () => {};
+    host.replaceChildren();
+    await this.python.open(this.wanted, again, hung);
+    const model = this.python.model();
+    this.close = this.render({ model, el: host });
+    this.showTask();
+    say("");
+  }
+
+  private fillPicker(): void {
+    const picker = element("picker") as HTMLSelectElement;
+    const group = (label: string, key: string, items: { name: string; title: string }[]) =>
+      h(
+        "optgroup",
+        { label },
+        ...items.map(({ name, title }) => h("option", { value: `${key}=${name}`, title }, name)),
+      );
+    picker.append(
+      group(
+        "Programs",
+        "program",
+        this.site.programs.map(({ name, about }) => ({ name, title: about })),
+      ),
+      group(
+        "Challenges",
+        "challenge",
+        this.site.challenges.map(({ name, task }) => ({ name, title: task })),
+      ),
+    );
+    picker.addEventListener("change", async () => {
+      const [key, name] = picker.value.split("=") as ["program" | "challenge", string];
+      history.pushState(null, "", await addressOf({ [key]: name }, base));
+      picker.value = "";
+      await this.guarded(() => this.show(false));
+    });
+  }
+
+  private offerRestart(on: boolean): void {
+    element("silent").hidden = !on;
+  }
+
+  private showTask(): void {
+    const task = this.site.challenges.find(({ name }) => name === this.wanted.challenge);
+    element("task").hidden = !task;
+    element("verdict").replaceChildren();
+    element("goal").textContent = task ? `${task.name}: ${task.task}` : "";
+  }
+
+  private async check(): Promise<void> {
+    const verdict = element("verdict");
+    verdict.replaceChildren("Checking …");
+    const { passed, text } = await this.python.grade(this.wanted.challenge!);
+    verdict.dataset.passed = String(passed);
+    verdict.replaceChildren(text);
+  }
+
+  private async share(): Promise<void> {
+    const link = await addressOf({ ...this.wanted, ...(await this.python.shared()) }, base);
+    history.replaceState(null, "", link);
+    const copied = await copyText(link.href);
+    say(
+      copied ? "The link is copied. It contains the program." : "The address of this page is the link.",
+      "done",
+    );
+  }
+
+  private async openNotebook(): Promise<void> {
+    const { program, text, world } = await this.python.shared();
+    location.href = new URL(await writeNotebook(program, text, world), base).href;
+  }
+
+  async guarded(job: () => Promise<void>): Promise<void> {
+    try {
+      await job();
+    } catch (error) {
+      say((error as Error).message, "error");
+    }
+  }
+}
+
+async function main(): Promise<void> {
+  const [site, module] = await Promise.all([
+    fetch(file("site.json")).then((response) => response.json() as Promise<Site>),
+    import(file("lab.js").href) as Promise<{ default: typeof lab }>,
+  ]);
+  const page = new Page(site, module.default.render);
+  await page.guarded(() => page.start());
+}
+
+void main();

@@ -1,0 +1,78 @@
+/** The worker in which Python runs. The folder of kept texts is stored by the browser. */
+
+import type { loadPyodide, PyodideInterface } from "pyodide";
+import type { FromWorker, Site, ToWorker } from "./messages";
+
+interface Opened {
+  receive(message: string): void;
+  grade(challenge: string): string;
+  shared(): string;
+  close(): void;
+}
+
+const FOLDER = "/lab";
+const STORED_EVERY = 1000; // ms
+
+let python: PyodideInterface;
+let opened: Opened | null = null;
+
+const post = (message: FromWorker, transfer: Transferable[] = []) =>
+  (postMessage as (message: unknown, transfer: Transferable[]) => void)(message, transfer);
+
+async function start(site: Site, base: string): Promise<void> {
+  const at = (path: string) => new URL(path, base).href;
+  post({ is: "step", step: "Loading Python" });
+  const module: { loadPyodide: typeof loadPyodide } = await import(at(`${site.python}pyodide.mjs`));
+  python = await module.loadPyodide({ indexURL: at(site.python), lockFileURL: at(site.lock) });
+  post({ is: "step", step: "Loading the simulator" });
+  await python.loadPackage([...site.packages, at(site.wheel)], { messageCallback: () => {} });
+  python.FS.mkdirTree(FOLDER);
+  python.FS.mount(python.FS.filesystems.IDBFS, {}, FOLDER);
+  await synchronize(true);
+  python.FS.chdir(FOLDER);
+  setInterval(() => void synchronize(false), STORED_EVERY);
+  post({ is: "step", step: "Starting the robot" });
+  python.pyimport("lrp_jupyter.widgets.worker");
+  post({ is: "ready" });
+}
+
+let storing: Promise<void> = Promise.resolve();
+
+/** Load the folder from the browser's storage, or store it there. */
+function synchronize(load: boolean): Promise<void> {
+  storing = storing.then(() => new Promise((done) => python.FS.syncfs(load, () => done())));
+  return storing;
+}
+
+function send(message: string, buffers: { toJs(): Uint8Array[]; destroy(): void }): void {
+  const bytes = buffers.toJs();
+  buffers.destroy();
+  post({ is: "message", message, buffers: bytes });
+}
+
+async function handle(message: ToWorker): Promise<void> {
+  if (message.do === "start") await start(message.site, message.base);
+  if (message.do === "open") {
+    opened?.close();
+    opened = null;
+    opened = python.pyimport("lrp_jupyter.widgets.worker").open_program(JSON.stringify(message.wanted), send);
+    post({ is: "opened" });
+  }
+  if (message.do === "message") opened?.receive(message.message);
+  if (message.do === "grade" && opened)
+    post({ is: "graded", ...JSON.parse(opened.grade(message.challenge)) });
+  if (message.do === "text" && opened) post({ is: "text", ...JSON.parse(opened.shared()) });
+  if (message.do === "ping") post({ is: "pong" });
+}
+
+/** The last line of a Python traceback says what is wrong. */
+function sentenceOf(error: unknown): string {
+  const lines = String((error as Error).message ?? error)
+    .trim()
+    .split("\n");
+  return lines.at(-1)!.replace(/^[\w.]*Error: /, "");
+}
+
+addEventListener("message", ({ data }: MessageEvent<ToWorker>) => {
+  handle(data).catch((error) => post({ is: "failed", sentence: sentenceOf(error) }));
+});

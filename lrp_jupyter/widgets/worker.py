@@ -1,0 +1,120 @@
+"""The lab in a web page without a notebook: Python runs in a worker of the page, and they exchange JSON.
+
+The page shows one program at a time. What is typed is kept in the folder of the worker, which the browser
+stores for the page: nothing leaves the browser.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from lrp_jupyter import programs
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.grading.challenges import challenge
+from lrp_jupyter.grading.grade import grade
+from lrp_jupyter.sim.worlds import BUNDLED
+from lrp_jupyter.widgets import registry
+from lrp_jupyter.widgets.connection import PageConnection
+
+__all__ = ["Opened", "open_program"]
+
+SendText = Callable[[str, "list[bytes]"], None]
+
+
+class Opened:
+    """The program that the page shows.
+
+    Parameters
+    ----------
+    connection : PageConnection
+    send : callable
+        Sends a message, as JSON, and its buffers to the page.
+    """
+
+    def __init__(self, connection: PageConnection, send: SendText) -> None:
+        self._connection = connection
+        self._send = send
+
+    def receive(self, message: str) -> None:
+        """Handle a message of the page, in JSON."""
+        self._connection.receive(self._pass, json.loads(message))
+
+    def _pass(self, message: Any, buffers: list[bytes] | None) -> None:
+        self._send(json.dumps(message), buffers or [])
+
+    def grade(self, name: str) -> str:
+        """Grade the text as a solution of a challenge; return whether it passed, and the verdict, as JSON."""
+        try:
+            result = grade(self._connection.texts.text, name)
+        except LRPError as error:
+            return json.dumps({"passed": False, "text": str(error)})
+        return json.dumps({"passed": result.passed, "text": str(result)})
+
+    def shared(self) -> str:
+        """Return the name of the program, its text, and the world of its robot, as JSON."""
+        bridge = self._connection.session.bridge
+        world = bridge.world.name if isinstance(bridge, SimBridge) else "none"
+        return json.dumps(
+            {
+                "program": self._connection.name,
+                "text": self._connection.texts.text,
+                "world": world if world in (*BUNDLED, "none") else "",
+            }
+        )
+
+    def close(self) -> None:
+        """Stop the program."""
+        registry.forget(self._connection)
+
+
+def open_program(wanted: str, send: SendText) -> Opened:
+    """Open the program that the address of the page asks for.
+
+    Parameters
+    ----------
+    wanted : str
+        An object in JSON: the ``program`` (a name), its ``text`` if the address contains one, the ``world``
+        and the ``challenge`` if it names them. With ``again`` the text that was kept here continues, as
+        expected of a page that is loaded again. With ``hung`` it does not run before the user wants it.
+    send : callable
+        Sends a message, as JSON, and its buffers to the page.
+
+    Raises
+    ------
+    LRPError
+        There is no such program, world or challenge.
+    """
+    address: dict[str, Any] = json.loads(wanted)
+    text: str = address.get("text") or ""
+    task = challenge(address["challenge"]) if address.get("challenge") else None
+    name: str = address.get("program") or ("follower" if task is None else task.name.replace(" ", "-"))
+    if text:
+        start = text
+    elif task is not None:
+        start = _BEGINNING.format(task=task.task)
+    else:
+        start = programs.load(name)
+    world = address.get("world") or (task.worlds[0] if task is not None else programs.heading(start).world)
+    options: dict[str, Any] = {} if world in (None, "none") else {"world": world}
+    given = None if address.get("again") or not text else text
+    connection = registry.open_program(name, given, namespace={}, **options)
+    if not connection.texts.text.strip():  # nothing was kept
+        connection.texts.write(start)
+    if address.get("hung"):
+        connection.session.pause(_HUNG)
+    return Opened(connection, send)
+
+
+_HUNG = (
+    "Python did not answer and was started again. Your text is as it was: correct what did not return, "
+    "then run it."
+)
+_BEGINNING = """\
+; {task}
+(machine solution
+  (state start))
+(spawn solution start)
+"""
