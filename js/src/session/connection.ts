@@ -4,6 +4,7 @@
  */
 
 import type { AnswerMessage, Command, FromKernel, FromPage, PartName, ReplyMessage } from "../protocol";
+import { viewOf, withNulls } from "./plain";
 import type { Link } from "./state";
 
 /** The part of anywidget's interface that is used here. */
@@ -173,8 +174,12 @@ export class Connection {
     }
   }
 
-  private readonly receive = (message: FromKernel, buffers: DataView[] = []): void => {
-    if (!message || message.view !== this.view) return;
+  private readonly receive = (
+    received: FromKernel,
+    buffers: (ArrayBuffer | ArrayBufferView)[] = [],
+  ): void => {
+    if (!received || received.view !== this.view) return;
+    const message = withNulls(received);
     this.lastMessage = this.clock.now();
     this.suspectedAt = Number.POSITIVE_INFINITY;
     if (message.type === "frame") this.credit(message.frame);
@@ -185,9 +190,12 @@ export class Connection {
       this.credit(message.frame.frame);
     }
     this.updateLink();
-    this.listener.message(message, buffers);
-    if (message.type === "answer" && message.seq) this.next();
-    if (message.type === "snapshot") this.restart(message.text);
+    try {
+      this.listener.message(message, buffers.map(viewOf));
+    } finally {
+      if (message.type === "answer" && message.seq) this.next(); // whatever failed, what was typed is sent
+      if (message.type === "snapshot") this.restart(message.text);
+    }
   };
 
   /** Every message makes the kernel report "busy" and "idle", which its host draws: acknowledge two at once. */
