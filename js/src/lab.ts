@@ -22,6 +22,7 @@ import { versionsForm } from "./parts/versions";
 import type { AnswerMessage, FromKernel, PartName, ReplyMessage } from "./protocol";
 import { Connection, type Model } from "./session/connection";
 import { forgetLost, keepLost, lostTexts } from "./session/lost";
+import { reportChanges } from "./session/reports";
 import { apply } from "./session/state";
 import { steady } from "./session/steady";
 import { type Lab, Store } from "./session/store";
@@ -201,6 +202,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   root.append(inspecting.element, toast, announcer(lab));
 
   if (part === "lab" || part === "world") askWhatIf(lab);
+  reportChanges(model, lab);
   store.watch(["tick", "revision", "status", "link"], () => {
     const { tick, revision, status, link } = store.state;
     setAttribute(root, "data-lrp-tick", tick);

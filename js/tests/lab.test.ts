@@ -27,6 +27,9 @@ class Page {
   private ended = false;
   private hear: (message: unknown, buffers: ArrayBufferView[]) => void = () => {};
   readonly close: () => void;
+  /** The traits of its widget, and how often the page has saved them. */
+  readonly traits: Record<string, unknown> = {};
+  saved = 0;
 
   constructor(part: PartName = "lab", attach = true) {
     document.body.append(this.around);
@@ -40,6 +43,13 @@ class Page {
         if (event === "msg:custom") this.hear = callback as never;
       },
       off: () => {},
+      get: (name: string) => this.traits[name],
+      set: (name: string, value: unknown) => {
+        this.traits[name] = value;
+      },
+      save_changes: () => {
+        this.saved += 1;
+      },
     };
     this.close = openLab(model, part, this.host);
   }
@@ -246,6 +256,35 @@ describe("a page of any notebook", () => {
     const menu = page.find('[role="menu"]');
     press(page.find(".lrp-graph"));
     expect(menu.isConnected).toBe(false);
+  });
+
+  it("reports changes of what runs, the last one too, now and then, and only where that is waited for", async () => {
+    const frames = async (tick: number) => {
+      for (const lit of [["follower/end"], ["follower/moving"]]) {
+        page.deliver({ type: "frame", frame: ++tick, tick, active: lit, lit });
+        await page.drawn();
+      }
+      page.deliver({ type: "frame", frame: ++tick, tick, time: tick });
+      await page.drawn();
+    };
+    await frames(100);
+    expect(page.saved).toBe(0);
+    page.traits.reports = true;
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "performance"] });
+    await frames(200);
+    expect(page.saved).toBe(1);
+    await vi.advanceTimersByTimeAsync(250);
+    expect(page.saved).toBe(2);
+    await vi.advanceTimersByTimeAsync(1000);
+    page.deliver({ type: "frame", frame: 299, tick: 299, time: 299 });
+    await page.drawn();
+    expect(page.saved).toBe(2);
+    expect(page.traits.reported).toBeGreaterThan(0);
+    await frames(300);
+    page.close();
+    await vi.advanceTimersByTimeAsync(1000);
+    expect(page.saved).toBe(3);
+    vi.useRealTimers();
   });
 
   it("says that no program runs once the kernel has ended", async () => {

@@ -13,6 +13,8 @@ export interface Model {
   on(event: string, callback: (...args: never[]) => void): void;
   off(event: string, callback: (...args: never[]) => void): void;
   get?(name: string): unknown;
+  set?(name: string, value: unknown): void;
+  save_changes?(): void;
 }
 
 export interface Clock {
