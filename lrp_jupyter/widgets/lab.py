@@ -159,7 +159,7 @@ class Lab(Part):
     rate : float, optional
         Ticks per second.
     namespace : dict, optional
-        Names that blocks can read; default: the notebook's.
+        Names that blocks can read; default: those of a Jupyter notebook. Elsewhere pass ``globals()``.
     **options
         For the bridge: ``world="line"``.
 
@@ -167,6 +167,18 @@ class Lab(Part):
     ------
     BridgeError
         There is no such bridge, or its robot cannot be reached.
+
+    Notes
+    -----
+    In marimo, have two names: one for the lab, and one for what other cells depend on::
+
+        program = lrp_jupyter.Lab("follower", namespace=globals())
+        lab = mo.ui.anywidget(program)
+        lab
+
+    A cell that uses ``lab.frame.active`` runs again whenever the active states change; a cell that uses
+    ``program``, for example ``lrp_jupyter.StateGraph(program)``, does not. ``program.text`` is the text in
+    the editor; ``lab.text`` is what marimo draws. The folder ``hosts`` of the notebooks has an example.
     """
 
     def __init__(
