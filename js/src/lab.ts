@@ -22,6 +22,7 @@ import { versionsForm } from "./parts/versions";
 import type { AnswerMessage, FromKernel, PartName, ReplyMessage } from "./protocol";
 import { Connection, type Model } from "./session/connection";
 import { forgetLost, keepLost, lostTexts } from "./session/lost";
+import { reportChanges } from "./session/reports";
 import { apply } from "./session/state";
 import { steady } from "./session/steady";
 import { type Lab, Store } from "./session/store";
@@ -118,7 +119,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
 
   function receive(message: FromKernel, buffers: DataView[]): void {
     if (message.type === "reply") return;
-    const changed = apply(store.state, message);
+    store.touch(apply(store.state, message));
     if (message.type === "snapshot") {
       editor?.begin(message.text, message.running, message.half_typed);
       void recover(message.home, message.text);
@@ -127,7 +128,6 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     }
     if (message.type === "answer") answered(message);
     world?.message(message, buffers);
-    store.touch(changed);
   }
 
   /** Offer what was typed into earlier views of this program and has not reached a kernel. */
@@ -202,11 +202,12 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   root.append(inspecting.element, toast, announcer(lab));
 
   if (part === "lab" || part === "world") askWhatIf(lab);
+  reportChanges(model, lab);
   store.watch(["tick", "revision", "status", "link"], () => {
     const { tick, revision, status, link } = store.state;
     setAttribute(root, "data-lrp-tick", tick);
     setAttribute(root, "data-lrp-revision", revision);
-    setAttribute(root, "data-lrp-status", status);
+    setAttribute(root, "data-lrp-status", link === "dead" ? "dead" : status); // nothing runs without a kernel
     setAttribute(root, "data-link", link);
   });
   root.addEventListener("keydown", (event) => {
@@ -221,12 +222,11 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     event.preventDefault();
     host.dispatchEvent(new KeyboardEvent("keydown", event)); // saves the notebook, as everywhere else in it
   });
-  const unwatchTheme = watchTheme(root);
+  watchTheme(root, closing.signal);
   window.addEventListener("pagehide", () => rescue(), { signal: closing.signal });
   return () => {
     closing.abort();
     rescue();
-    unwatchTheme();
     height?.close();
     layout?.close();
     elsewhere.close();

@@ -8,13 +8,15 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path as FilePath
 from typing import Any, ClassVar
 from weakref import WeakValueDictionary
 
 import anywidget
 import traitlets
+from traitlets.utils.bunch import Bunch
 
 from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_type
@@ -22,6 +24,7 @@ from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.graph.still import draw
+from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program
@@ -63,6 +66,9 @@ class Part(anywidget.AnyWidget):
     _css = _STATIC / "lab.css"
     view = traitlets.Unicode("lab").tag(sync=True)
     part: ClassVar[str] = "lab"
+    reports = traitlets.Bool(False).tag(sync=True)
+    """Whether the page sets `reported` when the run has changed, at most four times a second."""
+    reported = traitlets.Float(0.0).tag(sync=True)
 
     def __init__(self, session: Session | Part | str) -> None:
         check_type("session", session, (Session, Part, str), "a Session, a Lab or the name of a program")
@@ -73,8 +79,9 @@ class Part(anywidget.AnyWidget):
         self._connect(registry.connection_of(session))
 
     def _connect(self, connection: PageConnection) -> None:
-        super().__init__(view=self.part)
+        super().__init__(view=self.part, reports=_runs_cells_again())
         self._connection = connection
+        self._noticed = connection.session.frame
         comm = self.comm
         if hasattr(comm, "_reply_subshell_for"):  # or answers of the page would wait for the running cell
             comm._reply_subshell_for = lambda data, default: default
@@ -90,6 +97,33 @@ class Part(anywidget.AnyWidget):
     def session(self) -> Session:
         """The session that is shown; a change of bridge opens a new one."""
         return self._connection.session
+
+    @property
+    def frame(self) -> Frame:
+        """What runs now, frozen: `status`, `tick`, `time`, `active`, `variables` and more.
+
+        In marimo, cells that use a lab run again when its active states, variables, issues, status or
+        revision change; everywhere a function that observes ``"frame"`` is called then. Both happen at most
+        four times a second, and while a page shows the lab.
+        """
+        return self.session.frame
+
+    def observe(
+        self,
+        handler: Callable[..., Any],
+        names: Any = traitlets.All,
+        type: str = "change",  # noqa: A002 (its name in traitlets)
+    ) -> None:
+        """Call a function when a trait changes, or `frame`."""
+        super().observe(handler, names, type)
+        if names == "frame" or (isinstance(names, (list, tuple)) and "frame" in names):
+            self.reports = True
+
+    @traitlets.observe("reported")
+    def _notice(self, _change: object) -> None:
+        frame = self.frame
+        self.notify_change(Bunch(name="frame", type="change", owner=self, old=self._noticed, new=frame))
+        self._noticed = frame
 
     def _repr_mimebundle_(self, **options: Any) -> tuple[dict[str, Any], dict[str, Any]] | None:
         shown = super()._repr_mimebundle_(**options)
@@ -125,7 +159,7 @@ class Lab(Part):
     rate : float, optional
         Ticks per second.
     namespace : dict, optional
-        Names that blocks can read; default: the notebook's.
+        Names that blocks can read; default: those of a Jupyter notebook. Elsewhere pass ``globals()``.
     **options
         For the bridge: ``world="line"``.
 
@@ -133,6 +167,18 @@ class Lab(Part):
     ------
     BridgeError
         There is no such bridge, or its robot cannot be reached.
+
+    Notes
+    -----
+    In marimo, have two names: one for the lab, and one for what other cells depend on::
+
+        program = lrp_jupyter.Lab("follower", namespace=globals())
+        lab = mo.ui.anywidget(program)
+        lab
+
+    A cell that uses ``lab.frame.active`` runs again whenever the active states change; a cell that uses
+    ``program``, for example ``lrp_jupyter.StateGraph(program)``, does not. ``program.text`` is the text in
+    the editor; ``lab.text`` is what marimo draws. The folder ``hosts`` of the notebooks has an example.
     """
 
     def __init__(
@@ -279,6 +325,12 @@ class Tree(Part):
     """The machines, nested as in the program."""
 
     part = "tree"
+
+
+def _runs_cells_again() -> bool:
+    """Return whether the notebook runs cells again when a value that they use has changed."""
+    marimo = sys.modules.get("marimo")
+    return marimo is not None and bool(marimo.running_in_notebook())
 
 
 def _notebook() -> dict[str, Any] | None:
