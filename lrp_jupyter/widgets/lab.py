@@ -110,8 +110,13 @@ class Lab(Part):
     """A program, alive in a notebook cell: editor, graphs, robot, variables, issues, controls.
 
     It runs at once; on hardware it opens disarmed. A second lab of the same name shows, and patches, the
-    same running program. What is typed is kept in the folder ``.lrp``; if the kept text differs from the
-    given one, the given one runs and the lab asks which to keep.
+    same running program.
+
+    What is typed is kept in the folder ``.lrp`` beside the notebook; if the kept text differs from the given
+    one, the given one runs and the lab asks which to keep. The environment variable ``LRP_KEEP`` says where
+    texts are kept: ``notebook`` (there), ``user`` (in the user's state folder, where several people share the
+    folder) or ``nothing``. Nothing is kept by default under Voila, nor in a folder on a JupyterHub outside of
+    the user's home, in which texts are kept as with ``user``.
 
     Parameters
     ----------

@@ -69,26 +69,28 @@ class Server:
 
     def write(self, name, cells):
         """Write a notebook of code cells."""
-        cells = [
-            {
-                "cell_type": "code",
-                "id": f"cell-{index}",
-                "metadata": {},
-                "source": source,
-                "outputs": [],
-                "execution_count": None,
-            }
-            for index, source in enumerate(cells)
-        ]
-        kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
-        path = self.root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(
-            json.dumps(
-                {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
-            )
-        )
-        return path
+        return write_notebook(self.root / name, cells)
+
+
+def write_notebook(path, cells):
+    """Write a notebook of code cells, and return its path."""
+    cells = [
+        {
+            "cell_type": "code",
+            "id": f"cell-{index}",
+            "metadata": {},
+            "source": source,
+            "outputs": [],
+            "execution_count": None,
+        }
+        for index, source in enumerate(cells)
+    ]
+    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(
+        json.dumps({"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5})
+    )
+    return path
 
 
 @contextmanager
@@ -97,20 +99,13 @@ def jupyter(home, app=("jupyterlab", "--ServerApp.root_dir"), settings=QUIET):
 
     `app` is a module with its arguments, of which the last names the option for the folder of notebooks.
     """
-    root = home / "notebooks"
-    root.mkdir(parents=True)
-    env = {**os.environ, **{name: str(home / name.lower()) for name in DIRECTORIES}, "PYTHONWARNINGS": ""}
-    env.pop("JUPYTER_PATH", None)
-    for name in DIRECTORIES:
-        Path(env[name]).mkdir()
+    root, env, port = home / "notebooks", private(home), free_port()
+    root.mkdir()
     (Path(env["JUPYTER_CONFIG_DIR"]) / "jupyter_server_config.py").write_text(CONFIG)
     for name, values in settings.items():
         file = Path(env["JUPYTERLAB_SETTINGS_DIR"]) / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(values))
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
     command = [
         *(sys.executable, "-m", *app[:-1], f"{app[-1]}={root}", "--no-browser"),
         *("--ServerApp.ip=127.0.0.1", f"--ServerApp.port={port}", "--ServerApp.port_retries=0"),
@@ -118,14 +113,36 @@ def jupyter(home, app=("jupyterlab", "--ServerApp.root_dir"), settings=QUIET):
         *("--ServerApp.answer_yes=True", "--ServerApp.allow_root=True"),
         *("--LabApp.expose_app_in_browser=True", "--JupyterNotebookApp.expose_app_in_browser=True"),
     ]
-    with (home / "log").open("w") as log:
-        process = subprocess.Popen(command, env=env, stdout=log, stderr=subprocess.STDOUT)
-        server = Server(f"http://127.0.0.1:{port}", root)
+    with serving(command, env, home / "log", Server(f"http://127.0.0.1:{port}", root)) as server:
+        yield server
+
+
+def private(home):
+    """Return an environment whose directories of Jupyter are in `home`, and create them."""
+    env = {**os.environ, **{name: str(home / name.lower()) for name in DIRECTORIES}, "PYTHONWARNINGS": ""}
+    env.pop("JUPYTER_PATH", None)
+    for name in DIRECTORIES:
+        Path(env[name]).mkdir(parents=True)
+    return env
+
+
+def free_port():
+    """Return a port of this machine at which nothing listens."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
+
+
+@contextmanager
+def serving(command, env, log, server):
+    """Run a server until it is left; it is ready when it ``answers``."""
+    with log.open("w") as output:
+        server.process = process = subprocess.Popen(command, env=env, stdout=output, stderr=subprocess.STDOUT)
         try:
             end = time.monotonic() + 90
             while not server.answers():
-                assert process.poll() is None, f"JupyterLab ended: {(home / 'log').read_text()[-2000:]}"
-                assert time.monotonic() < end, "JupyterLab does not answer"
+                assert process.poll() is None, f"{command[2]} ended: {log.read_text()[-2000:]}"
+                assert time.monotonic() < end, f"{command[2]} does not answer"
                 time.sleep(0.1)
             yield server
         finally:
