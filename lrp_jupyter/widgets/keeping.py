@@ -10,6 +10,10 @@ Without ``LRP_KEEP``, texts are kept beside the notebook, with two exceptions, i
 each other may open the same folder. Under Voila nothing is kept, so a visitor never gets what another one has
 typed. On a JupyterHub, texts are kept for the user where the folder is in the user's home, and not at all
 elsewhere. A home there may contain folders that are shared, and it cannot be seen from the inside which.
+
+Programs of one name in one folder are one program, whichever notebook opens them. The kernel knows the name
+of its notebook from some servers only, and as it was when the kernel started: one that is renamed would
+lose its text. Where two notebooks differ, the lab asks which text to keep.
 """
 
 from __future__ import annotations

@@ -137,7 +137,9 @@ def free_port():
 def serving(command, env, log, server):
     """Run a server until it is left; it is ready when it ``answers``."""
     with log.open("w") as output:
-        server.process = process = subprocess.Popen(command, env=env, stdout=output, stderr=subprocess.STDOUT)
+        server.process = process = subprocess.Popen(
+            command, cwd=log.parent, env=env, stdout=output, stderr=subprocess.STDOUT
+        )
         try:
             end = time.monotonic() + 90
             while not server.answers():
