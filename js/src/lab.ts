@@ -122,7 +122,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     store.touch(apply(store.state, message));
     if (message.type === "snapshot") {
       editor?.begin(message.text, message.running, message.half_typed);
-      void recover(message.home, message.text);
+      void recover(message.text);
       if (part === "lab" && !opened) requestAnimationFrame(() => bringIntoSight(root));
       opened = true;
     }
@@ -131,26 +131,28 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   }
 
   /** Offer what was typed into earlier views of this program and has not reached a kernel. */
-  async function recover(home: string, text: string): Promise<void> {
+  async function recover(text: string): Promise<void> {
     if (!editor || !connection.isAnswered) return;
-    for (const [view, lost] of lostTexts(home)) {
+    const { home, tab_only } = store.state;
+    for (const [view, lost] of lostTexts({ home, tab_only })) {
       if (lost !== text && (await connection.command({ do: "recover", text: lost })).error) return;
-      forgetLost(home, view);
+      forgetLost({ home, tab_only }, view);
     }
   }
 
   /** Keep the text if the kernel has not answered it, or has ended and could not keep it. */
   function rescue(isNew = false): void {
-    const { link, home, unkept } = store.state;
-    if (!editor || !(isNew || !connection.isAnswered || (link === "dead" && unkept))) return;
-    keepLost(home, connection.view, editor.text);
+    const { link, tab_only, unkept } = store.state;
+    const ended = link === "dead" && (tab_only || unkept);
+    if (!editor || !(isNew || !connection.isAnswered || ended)) return;
+    keepLost(store.state, connection.view, editor.text);
     rescued = true;
   }
 
   function answered(answer: AnswerMessage): void {
     const { seq, text } = answer;
     if (rescued && connection.isAnswered) {
-      forgetLost(store.state.home, connection.view);
+      forgetLost(store.state, connection.view);
       rescued = false;
     }
     if (seq === 0 && connection.inFlight) return; // a text from elsewhere; the one typed here is newer and is sent next

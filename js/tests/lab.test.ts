@@ -862,13 +862,19 @@ describe("the page", () => {
 });
 
 describe("a text that no kernel has answered", () => {
-  const snapshot = { ...structuredClone(recording.snapshot), home: "/home/follower" };
-  const next = async (text = snapshot.text) => {
+  const snapshot = { ...structuredClone(recording.snapshot), home: "/home/follower", tab_only: false };
+  const leave = () => {
     page.close();
     page.host.remove();
+  };
+  const open = (fields = {}) => {
     page = new Page();
-    page.deliver({ ...structuredClone(snapshot), text });
-    await page.drawn();
+    page.deliver({ ...structuredClone(snapshot), ...fields });
+    return page.drawn();
+  };
+  const next = (text = snapshot.text) => {
+    leave();
+    return open({ text });
   };
   const isRecovered = (text: string) => {
     expect(page.commands("recover")).toMatchObject([{ text }]);
@@ -878,6 +884,7 @@ describe("a text that no kernel has answered", () => {
 
   beforeEach(async () => {
     localStorage.clear();
+    sessionStorage.clear();
     await next();
   });
 
@@ -892,7 +899,7 @@ describe("a text that no kernel has answered", () => {
   it("is also kept when the page is left", async () => {
     page.type("; x\n");
     window.dispatchEvent(new Event("pagehide"));
-    expect([...lostTexts("/home/follower").values()]).toEqual([`; x\n${snapshot.text}`]);
+    expect([...lostTexts(snapshot).values()]).toEqual([`; x\n${snapshot.text}`]);
   });
 
   it("is forgotten as soon as it is answered, or if the kernel has it", async () => {
@@ -904,7 +911,7 @@ describe("a text that no kernel has answered", () => {
     page.type("; y\n");
     await next(`; y\n${snapshot.text}`);
     expect(page.commands("recover")).toEqual([]);
-    expect(lostTexts("/home/follower").size).toBe(0);
+    expect(lostTexts(snapshot).size).toBe(0);
   });
 
   it("includes one that the kernel could not keep before it ended", async () => {
@@ -938,7 +945,7 @@ describe("a text that no kernel has answered", () => {
     other.host.remove();
     await next();
     const texts = [`; a\n${snapshot.text}`, `; b\n${snapshot.text}`];
-    expect(new Set(lostTexts("/home/follower").values())).toEqual(new Set(texts));
+    expect(new Set(lostTexts(snapshot).values())).toEqual(new Set(texts));
     for (let each = 0; each < 2; each++) {
       page.deliver({ type: "reply", id: page.commands("recover")[each]!.id, error: null });
       await page.drawn();
@@ -946,16 +953,31 @@ describe("a text that no kernel has answered", () => {
     expect(new Set(page.commands("recover").map((command) => "text" in command && command.text))).toEqual(
       new Set(texts),
     );
-    expect(lostTexts("/home/follower").size).toBe(0);
+    expect(lostTexts(snapshot).size).toBe(0);
+  });
+
+  it("ends with its tab where the kernel keeps no text, because the browser may be someone else's next", async () => {
+    leave();
+    await open({ tab_only: true });
+    page.type("; x\n");
+    page.deliver(answer({ seq: 1 }));
+    page.end();
+    leave();
+    expect(localStorage).toHaveLength(0);
+    const tab = { ...sessionStorage };
+    sessionStorage.clear();
+    await open({ tab_only: true });
+    expect(page.commands("recover")).toEqual([]);
+    leave();
+    Object.assign(sessionStorage, tab);
+    await open({ tab_only: true });
+    await isRecovered(`; x\n${snapshot.text}`);
   });
 
   it("of one program is not given to another", async () => {
     page.type("; x\n");
-    page.close();
-    page.host.remove();
-    page = new Page();
-    page.deliver({ ...structuredClone(snapshot), home: "/elsewhere/follower" });
-    await page.drawn();
+    leave();
+    await open({ home: "/elsewhere/follower" });
     expect(page.commands("recover")).toEqual([]);
   });
 });

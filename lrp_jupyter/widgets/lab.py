@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import re
 import sys
+from base64 import b64encode
 from collections.abc import Callable, Sequence
 from pathlib import Path as FilePath
 from typing import Any, ClassVar
@@ -33,6 +34,7 @@ from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.hosts import is_static
 from lrp_jupyter.widgets.kept import Version
 
 __all__ = [
@@ -87,6 +89,11 @@ class Part(anywidget.AnyWidget):
             comm._reply_subshell_for = lambda data, default: default
         self.on_msg(self._receive)
 
+    def open(self) -> None:
+        """Open the connection to pages, unless the notebook is executed without one."""
+        if not is_static():
+            super().open()
+
     def __del__(self) -> None:
         """Do nothing: a widget that is garbage collected does not stop a robot."""
 
@@ -126,6 +133,9 @@ class Part(anywidget.AnyWidget):
         self._noticed = frame
 
     def _repr_mimebundle_(self, **options: Any) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        if self.comm is None:
+            pictures = _pictures(self._connection)
+            return {**pictures, **_bitmap(pictures["image/svg+xml"])}, {}
         shown = super()._repr_mimebundle_(**options)
         if shown is None:
             return None
@@ -144,8 +154,16 @@ class Lab(Part):
     """A program, alive in a notebook cell: editor, graphs, robot, variables, issues, controls.
 
     It runs at once; on hardware it opens disarmed. A second lab of the same name shows, and patches, the
-    same running program. What is typed is kept in the folder ``.lrp``; if the kept text differs from the
-    given one, the given one runs and the lab asks which to keep.
+    same running program.
+
+    What is typed is kept in the folder ``.lrp`` beside the notebook; if the kept text differs from the given
+    one, the given one runs and the lab asks which to keep. The environment variable ``LRP_KEEP`` says where
+    texts are kept: ``notebook`` (there), ``user`` (in the user's state folder, where several people share the
+    folder) or ``nothing``. Nothing is kept by default under Voila, nor in a folder on a JupyterHub outside of
+    the user's home, in which texts are kept as with ``user``.
+
+    In a notebook that is executed by nbconvert, papermill or the like, the output is a picture and the
+    program's text; ``LRP_STATIC`` set to ``1`` or ``0`` decides otherwise.
 
     Parameters
     ----------
@@ -359,6 +377,15 @@ def _pictures(connection: PageConnection) -> dict[str, str]:
     active = [tuple(path.split("/")) for path in state["lit"]]
     graph = draw(list(state["layouts"].values()), active, [name for _, name in last.values()])
     return {"image/svg+xml": _stacked(graph, _world(connection)), "text/plain": connection.texts.text}
+
+
+def _bitmap(picture: str) -> dict[str, str]:
+    """Return a picture as PNG, for readers that show no SVG; nothing without the extra ``png``."""
+    try:
+        from resvg_py import svg_to_bytes
+    except ImportError:
+        return {}
+    return {"image/png": b64encode(svg_to_bytes(svg_string=picture, zoom=2)).decode()}
 
 
 def _world(connection: PageConnection) -> str:

@@ -111,7 +111,7 @@ def free_port():
 
 @contextmanager
 def serving(module, *arguments, home, answers, **options):
-    """Run a module as a server in a process, from when it answers until the context is left."""
+    """Run a module as a server in a process, which is yielded when it answers, until the context is left."""
     with (home / "log").open("w") as log:
         command = [sys.executable, "-m", module, *arguments]
         process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, **options)
@@ -121,7 +121,7 @@ def serving(module, *arguments, home, answers, **options):
                 assert process.poll() is None, f"{module} ended: {(home / 'log').read_text()[-2000:]}"
                 assert time.monotonic() < end, f"{module} does not answer"
                 time.sleep(0.1)
-            yield
+            yield process
         finally:
             process.terminate()  # it ends its kernels
             try:
