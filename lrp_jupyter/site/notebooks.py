@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
-__all__ = ["STORAGE", "build_notebooks", "check_installed", "kernel_wheels"]
+__all__ = ["STORAGE", "build_notebooks", "check_installed", "for_the_browser", "kernel_wheels"]
 
 STORAGE = "lrp-notebooks"
 """The storage of the notebooks in a browser; the plain page writes notebooks into it, too."""
@@ -62,6 +62,8 @@ def build_notebooks(notebooks: Path, folder: Path, offline: bool) -> None:
     with TemporaryDirectory(prefix="lrp-site-") as work:
         Path(work, "jupyter-lite.json").write_text(json.dumps(config), encoding="utf-8")
         shutil.copytree(notebooks, Path(work, "files"), ignore=shutil.ignore_patterns(".*"))
+        for notebook in Path(work, "files").rglob("*.ipynb"):
+            notebook.write_text(for_the_browser(notebook.read_text(encoding="utf-8")), encoding="utf-8")
         command = [sys.executable, "-m", "jupyterlite_core", "build", "--lite-dir", work]
         command += [
             "--output-dir",
@@ -73,3 +75,14 @@ def build_notebooks(notebooks: Path, folder: Path, offline: bool) -> None:
         done = subprocess.run(command, cwd=work, capture_output=True, text=True, check=False)
     if done.returncode:
         raise LRPError(f"JupyterLite cannot be built: {(done.stderr or done.stdout).strip()[-800:]}")
+
+
+def for_the_browser(notebook: str) -> str:
+    """Return a notebook that asks for the kernel that JupyterLite has."""
+    content = json.loads(notebook)
+    content["metadata"]["kernelspec"] = {
+        "display_name": "Python (Pyodide)",
+        "language": "python",
+        "name": "python",
+    }
+    return json.dumps(content, ensure_ascii=False, indent=1) + "\n"

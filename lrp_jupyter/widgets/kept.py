@@ -11,7 +11,7 @@
 They are in ``.lrp`` beside the notebook, in this user's state folder, or nowhere: see `keeping.py`. Those in
 ``.lrp`` are hidden, and whoever passes the folder on passes them on too. What a file contains therefore
 counts as the user's own only if its hash is noted in this user's state folder, which is elsewhere. All other
-texts are shown, and never run unasked.
+texts are shown, and never run unasked. In a browser the files are in its own storage, which no folder brings.
 """
 
 from __future__ import annotations
@@ -179,6 +179,8 @@ class Kept:
 
     def is_own(self, ending: str, text: str) -> bool:
         """Return whether this user wrote this text to the file, with this package."""
+        if sys.platform == "emscripten":  # the files are this browser's own; Python's home is always new
+            return True
         mark = self._mark(ending)
         return mark is not None and _digest(text) in (read_file(mark) or "").split()
 

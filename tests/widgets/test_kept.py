@@ -7,6 +7,7 @@ import os
 import random
 import tracemalloc
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -102,6 +103,14 @@ def test_without_a_cells_text_a_program_continues_with_what_this_user_wrote(cell
     assert connection.session.program.text == B
     assert connection.texts.text == BROKEN
     assert connection.texts.conflict is None
+
+
+def test_in_a_browser_whose_python_has_a_new_home_kept_texts_are_still_this_users(
+    cell, tmp_path, monkeypatch
+):
+    given(tmp_path, B)  # and no note of it, which was in the old home
+    monkeypatch.setattr("lrp_jupyter.widgets.kept.sys", SimpleNamespace(platform="emscripten"))
+    assert cell(None).session.program.text == B
 
 
 def test_the_notes_about_own_texts_are_bounded(cell, monkeypatch):
