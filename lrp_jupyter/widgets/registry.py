@@ -107,6 +107,7 @@ def open_program(
     namespace: dict[str, Any] | None = None,
     rate: float | None = None,
     folder: str | os.PathLike[str] | None = None,
+    paused: str = "",
     **options: Any,
 ) -> PageConnection:
     """Open a program, or continue with the open one of that name; it runs at once.
@@ -124,6 +125,8 @@ def open_program(
         Ticks per second.
     folder : path, optional
         The directory of the notebook, on which depends where texts are kept; default: the current one.
+    paused : str, optional
+        Why a program that is opened does not run before its user wants it.
     **options
         For the bridge: ``world="line"``.
 
@@ -141,9 +144,10 @@ def open_program(
         kept = kept_texts(here, name)
         texts = Texts(kept, os.path.realpath(FilePath(here) / name))
         first, *later = _first_texts(texts, text) or [""]
-        has_hung = kept is not None and kept.read(".hung") in (first, *later)
+        if kept is not None and kept.read(".hung") in (first, *later):
+            paused = _HAS_HUNG
         session = _open_session(
-            name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options, has_hung
+            name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options, paused
         )
         connection = _add(PageConnection(session, texts, _reopen, options, free_name=_free_name))
         for each in (first, *later):
@@ -172,7 +176,7 @@ def _open_session(
     namespace: dict[str, Any] | None,
     rate: float,
     options: dict[str, Any],
-    paused: bool = False,
+    paused: str = "",
 ) -> Session:
     program, _ = scan(text, f"<lrp {name}>")
     robot = make_bridge(bridge, **options)
@@ -185,9 +189,9 @@ def _open_session(
         dead_man=DEAD_MAN if robot.hardware else None,
     )
     try:
-        session.start(paused)
+        session.start(bool(paused))
         if paused:
-            session.pause(_HAS_HUNG)
+            session.pause(paused)
     except BaseException:
         session.close()
         raise

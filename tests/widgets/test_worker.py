@@ -70,7 +70,7 @@ def test_a_link_that_is_opened_shows_its_text_and_asks_about_the_kept_one(openin
 def test_a_program_that_hung_python_waits_for_its_user(opening):
     opening(program="mine", text=TEXT, hung=True)
     session = registry.find("mine").session
-    assert session.status == "paused"
+    assert (session.status, session.frame.tick) == ("paused", 0)
     assert "correct what did not return" in session.frame.reason
 
 
