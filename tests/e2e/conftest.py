@@ -40,16 +40,21 @@ def server(tmp_path_factory):
 
 
 @pytest.fixture(scope="package")
-def context(server):
-    """A browser whose cache knows JupyterLab after the first test."""
+def playwright():
     from playwright.sync_api import sync_playwright
 
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
-        context = browser.new_context(viewport=WINDOW)
-        context.set_default_timeout(WAIT)
-        yield context
-        browser.close()
+        yield playwright
+
+
+@pytest.fixture(scope="package")
+def context(server, playwright):
+    """A browser whose cache knows JupyterLab after the first test."""
+    browser = playwright.chromium.launch(executable_path=chromium(), args=FLAGS)
+    context = browser.new_context(viewport=WINDOW)
+    context.set_default_timeout(WAIT)
+    yield context
+    browser.close()
 
 
 @pytest.fixture

@@ -1,0 +1,218 @@
+"""The notebooks of a static site: Python, the simulator and the lab in a browser without a network."""
+
+import os
+
+import pytest
+from static_site import pyodide
+from static_site.site import built
+
+from e2e.jupyter import FLAGS, chromium
+from e2e.pages import APP, NotebookPage
+
+WAIT = 120_000  # ms: Python is loaded and compiled in the page, on a busy machine
+ALONE = "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1"
+PANELS = ("editor", "tree", "graph", "world", "variables", "issues", "timeline")
+COUNT = """\
+(var n := [0])
+(machine m
+  (state count (running [n = n + 1])))
+(spawn m count)
+"""
+
+
+@pytest.fixture(scope="module")
+def site(tmp_path_factory):
+    if pyodide.lacking():
+        assert not os.environ.get("CI"), f"there is no {pyodide.lacking()}"
+        pytest.skip(f"there is no {pyodide.lacking()}")
+    with built(tmp_path_factory.mktemp("site")) as site:
+        assert not (os.environ.get("CI") and site.without_simulator), site.without_simulator
+        yield site
+
+
+@pytest.fixture(scope="module")
+def browser(playwright):
+    """A browser that knows no name of the network."""
+    browser = playwright.chromium.launch(executable_path=chromium(), args=[*FLAGS, ALONE])
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def page(browser, site):
+    """The page of a new visitor, who asks for nothing but the site."""
+    context = browser.new_context(viewport={"width": 1600, "height": 1000})
+    context.set_default_timeout(WAIT)
+    asked = []
+    context.on("request", lambda request: asked.append(request.url))
+    yield context.new_page()
+    context.close()
+    assert [url for url in asked if not url.startswith((site.url, "blob:", "data:"))] == []
+    assert f"{site.url}/python/pyodide.asm.wasm" in asked
+
+
+@pytest.fixture
+def simulator(site):
+    if site.without_simulator:
+        pytest.skip(site.without_simulator)
+
+
+class SiteNotebook(NotebookPage):
+    """A notebook in JupyterLite."""
+
+    def __init__(self, page, site, name):
+        self.page, self.site, self.name = page, site, name
+
+    def show(self):
+        self.page.goto(f"{self.site.url}/jupyter/lab/index.html?path={self.name}")
+        return self.ready()
+
+    def run_all(self):
+        """Run all cells to their ends; return the errors of each."""
+        self.page.evaluate("() => { void jupyterapp.commands.execute('notebook:run-all-cells'); }")
+        return self.errors()
+
+    def errors(self):
+        """Wait for the ends of all cells; return what went wrong."""
+        code = f"{APP}.content.widgets.filter(cell => cell.model.type === 'code')"
+        error = "cell => cell.model.sharedModel.outputs.some(output => output.output_type === 'error')"
+        self.page.wait_for_function(
+            f"(cells => cells.every(cell => cell.model.executionCount) || cells.some({error}))({code})"
+        )
+        return self.page.evaluate(
+            f"{code}.flatMap(cell => cell.model.sharedModel.outputs)"
+            ".filter(output => output.output_type === 'error')"
+            ".map(output => `${output.ename}: ${output.evalue}`)"
+        )
+
+
+@pytest.fixture
+def notebook(page, site):
+    """Open a notebook of the site."""
+    return lambda name: SiteNotebook(page, site, name).show()
+
+
+@pytest.fixture
+def lab(page, site):
+    """Write a notebook into the browser's storage, and run its lab."""
+
+    def lab(program):
+        page.goto(f"{site.url}/jupyter/lab/index.html")
+        page.wait_for_function("window.jupyterapp?.shell?.currentWidget")
+        cells = ["%load_ext lrp_jupyter", f"%%lrp count --bridge none\n{program}"]
+        page.evaluate(WRITE, ["mine.ipynb", cells])
+        return run(SiteNotebook(page, site, "mine.ipynb").show())
+
+    return lab
+
+
+WRITE = """async ([path, sources]) => {
+  const cells = sources.map((source, index) => (
+    { cell_type: "code", id: `cell-${index}`, source, metadata: {}, outputs: [], execution_count: null }));
+  const metadata = { kernelspec: { name: "python", display_name: "Python", language: "python" } };
+  const content = { cells, metadata, nbformat: 4, nbformat_minor: 5 };
+  await jupyterapp.serviceManager.contents.save(path, { type: "notebook", format: "json", content });
+}"""
+
+
+def run(notebook):
+    """Run the first two code cells, of which the second has a lab."""
+    first, second = notebook.page.evaluate(
+        f"{APP}.content.widgets.flatMap((cell, at) => cell.model.type === 'code' ? [at] : []).slice(0, 2)"
+    )
+    notebook.run_cell(first)
+    notebook.begin_cell(second)
+    lab = notebook.lab().ready()
+    lab.notebook = notebook
+    return lab
+
+
+def test_the_first_notebook_drives_a_robot_in_the_browser(notebook, simulator):
+    lab = run(notebook("00-hello-live-robot.ipynb"))
+    lab.goes_on()
+    for part in PANELS:
+        lab.sees(f'[data-lrp="{part}"]')
+    assert lab.find('[data-lrp-action="pause"]').is_visible()
+    picture = lab.find(".lrp-canvas").evaluate("canvas => canvas.toDataURL()")
+    lab.until("(canvas, picture) => canvas.toDataURL() !== picture", ".lrp-canvas", picture)
+
+
+def test_a_typed_state_appears_in_the_graph_of_the_running_program_which_can_be_paused_and_stopped(lab):
+    lab = lab(COUNT)
+    lab.goes_on()
+    lab.type_after("[n = n + 1]))", "\n  (state rest")
+    lab.state("m/rest")
+    lab.goes_on()
+    lab.pause()
+    lab.do("stop")
+    lab.ready("stopped")
+
+
+def test_a_typed_text_is_there_again_after_the_page_was_loaded_again(lab):
+    lab = lab(COUNT)
+    lab.type_after("[n = n + 1]))", "\n  (state rest")
+    lab.state("m/rest")
+    lab.notebook.save()
+    lab.page.reload()
+    lab = run(lab.notebook.ready())
+    lab.state("m/rest")
+    assert lab.find('[role="alertdialog"]:not([hidden])').count() == 0
+
+
+def test_a_block_that_does_not_return_pauses_the_program_and_leaves_the_page_alive(lab):
+    lab = lab(COUNT)
+    lab.goes_on()
+    lab.select("[n = n + 1]")
+    lab.page.keyboard.insert_text("[while True: pass]")
+    lab.ready("paused")
+    lab.reads(":scope", "did not return within")
+    lab.select("while True: pass")
+    lab.page.keyboard.insert_text("n = n + 2")
+    lab.do("run")
+    lab.ready().goes_on()
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "00-hello-live-robot",
+        "01-states-and-events",
+        "02-time-is-a-condition",
+        "03-what-the-robot-sees",
+        "04-line-follower-live",
+    ],
+)
+def test_a_notebook_runs_from_its_first_cell_to_its_last(name, notebook, simulator):
+    assert notebook(f"{name}.ipynb").run_all() == []
+
+
+def test_a_challenge_is_graded_in_the_browser(notebook, simulator):
+    opened = notebook("01-states-and-events.ipynb")
+    passed = opened.page.evaluate(
+        KERNEL,
+        f"from lrp_jupyter import grade\nprint(grade({BUMPER!r}, 'bump and stay').passed)",
+    )
+    assert passed == "True\n"
+
+
+BUMPER = """
+(machine careful
+  (event bump [robot.bumper.data == 1])
+  (state driving
+    (running [robot.move(linear=0.2)]))
+  (state stopped
+    (onentry [robot.stop()]))
+  (on bump driving -> stopped))
+(spawn careful driving)
+"""
+KERNEL = """async code => {
+  const kernel = jupyterapp.shell.currentWidget.sessionContext.session.kernel;
+  const future = kernel.requestExecute({ code, store_history: false });
+  let text = "";
+  future.onIOPub = ({ header, content }) => {
+    if (header.msg_type === "stream") text += content.text;
+    if (header.msg_type === "error") text += `${content.ename}: ${content.evalue}`;
+  };
+  await future.done;
+  return text;
+}"""
