@@ -9,12 +9,16 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from static_site import pyodide
+from static_site.site import built
 
 from e2e.jupyter import FLAGS, chromium, jupyter, lacking
 from e2e.pages import NotebookPage, close_all, forget
 
 WAIT = 30_000  # ms that anything may take on a busy machine
+WAIT_FOR_PYTHON = 120_000  # ms: it is loaded and compiled in the page
 WINDOW = {"width": 1600, "height": 1000}
+ALONE = "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1"
 
 
 def pytest_collection_modifyitems(items):
@@ -55,6 +59,56 @@ def context(server, playwright):
     context.set_default_timeout(WAIT)
     yield context
     browser.close()
+
+
+@pytest.fixture(scope="package")
+def site(tmp_path_factory):
+    """A static site that holds all that it needs."""
+    if pyodide.lacking():
+        assert not os.environ.get("CI"), f"there is no {pyodide.lacking()}"
+        pytest.skip(f"there is no {pyodide.lacking()}")
+    with built(tmp_path_factory.mktemp("site")) as site:
+        assert not (os.environ.get("CI") and site.without_simulator), site.without_simulator
+        yield site
+
+
+@pytest.fixture
+def simulator(site):
+    """Skip a test that needs a robot where the site has none."""
+    if site.without_simulator:
+        pytest.skip(site.without_simulator)
+
+
+@pytest.fixture(scope="package")
+def alone(playwright):
+    """A browser that knows no name of the network."""
+    browser = playwright.chromium.launch(executable_path=chromium(), args=[*FLAGS, ALONE])
+    yield browser
+    browser.close()
+
+
+@pytest.fixture
+def visitors(alone, site):
+    """Open pages of new visitors, who ask for nothing but the site."""
+    contexts, asked = [], []
+
+    def visitor():
+        contexts.append(alone.new_context(viewport=WINDOW))
+        contexts[-1].set_default_timeout(WAIT_FOR_PYTHON)
+        contexts[-1].on("request", lambda request: asked.append(request.url))
+        return contexts[-1].new_page()
+
+    yield visitor
+    for each in contexts:
+        each.close()
+    assert [url for url in asked if not url.startswith((site.url, "blob:", "data:"))] == []
+    assert f"{site.url}/python/pyodide.asm.wasm" in asked
+
+
+@pytest.fixture
+def visitor(visitors):
+    """The page of a new visitor."""
+    return visitors()
 
 
 @pytest.fixture

@@ -12,6 +12,19 @@ COUNT = """\
 """
 
 
+STORED = """words => new Promise(resolve => {
+  const opening = indexedDB.open("/lab");
+  opening.onsuccess = () => {
+    const reading = opening.result.transaction("FILE_DATA").objectStore("FILE_DATA").getAll();
+    reading.onsuccess = () => {
+      opening.result.close();
+      const texts = reading.result.map(({ contents }) => new TextDecoder().decode(contents));
+      resolve(texts.some(text => text.includes(words)));
+    };
+  };
+})"""
+
+
 class PlainPage(LabPage):
     """The page of a visitor."""
 
@@ -26,6 +39,10 @@ class PlainPage(LabPage):
     def again(self, status="running"):
         self.page.reload()
         return self.ready(status)
+
+    def stores(self, words):
+        """Wait until the browser has stored a text that contains these words."""
+        self.page.wait_for_function(STORED, arg=words)
 
     def says(self, words):
         """Wait until the line below the title says this."""
@@ -56,27 +73,27 @@ def test_a_link_is_enough_for_a_robot_that_drives(plain, simulator):
     lab.until("(canvas, picture) => canvas.toDataURL() !== picture", ".lrp-canvas", picture)
 
 
-def test_the_second_visit_needs_no_server(plain, site):
+def test_the_second_visit_needs_no_network(plain):
     plain.show("?program=stopwatch").goes_on()
-    with site.gone():
-        plain.again().goes_on()
+    plain.page.context.set_offline(True)
+    plain.again().goes_on()
 
 
 def test_what_was_typed_is_there_when_the_page_is_loaded_again(counting):
-    counting.type_after("[n = n + 1])", "\n  (state rest")
+    counting.type_after("[n = n + 1]))", "\n  (state rest)")
     counting.state("m/rest")
-    counting.stored()
+    counting.stores("(state rest)")
     counting.again()
     counting.state("m/rest")
     assert counting.find('[role="alertdialog"]:not([hidden])').count() == 0
 
 
-def test_a_shared_link_opens_the_same_program_in_another_browser(counting, another_visitor, site):
+def test_a_shared_link_opens_the_same_program_in_another_browser(counting, visitors, site):
     counting.page.locator("#share").click()
     counting.says("The address of this page is the link.")
     link = counting.page.url
     assert "#text=" in link
-    other = PlainPage(another_visitor, site).show(link.removeprefix(f"{site.url}/"))
+    other = PlainPage(visitors(), site).show(link.removeprefix(f"{site.url}/"))
     other.state("m/count")
     assert other.text == COUNT
 

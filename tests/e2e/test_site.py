@@ -1,16 +1,9 @@
 """The notebooks of a static site: Python, the simulator and the lab in a browser without a network."""
 
-import os
-
 import pytest
-from static_site import pyodide
-from static_site.site import built
 
-from e2e.jupyter import FLAGS, chromium
 from e2e.pages import APP, NotebookPage
 
-WAIT = 120_000  # ms: Python is loaded and compiled in the page, on a busy machine
-ALONE = "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1"
 PANELS = ("editor", "tree", "graph", "world", "variables", "issues", "timeline")
 COUNT = """\
 (var n := [0])
@@ -18,43 +11,6 @@ COUNT = """\
   (state count (running [n = n + 1])))
 (spawn m count)
 """
-
-
-@pytest.fixture(scope="module")
-def site(tmp_path_factory):
-    if pyodide.lacking():
-        assert not os.environ.get("CI"), f"there is no {pyodide.lacking()}"
-        pytest.skip(f"there is no {pyodide.lacking()}")
-    with built(tmp_path_factory.mktemp("site")) as site:
-        assert not (os.environ.get("CI") and site.without_simulator), site.without_simulator
-        yield site
-
-
-@pytest.fixture(scope="module")
-def browser(playwright):
-    """A browser that knows no name of the network."""
-    browser = playwright.chromium.launch(executable_path=chromium(), args=[*FLAGS, ALONE])
-    yield browser
-    browser.close()
-
-
-@pytest.fixture
-def page(browser, site):
-    """The page of a new visitor, who asks for nothing but the site."""
-    context = browser.new_context(viewport={"width": 1600, "height": 1000})
-    context.set_default_timeout(WAIT)
-    asked = []
-    context.on("request", lambda request: asked.append(request.url))
-    yield context.new_page()
-    context.close()
-    assert [url for url in asked if not url.startswith((site.url, "blob:", "data:"))] == []
-    assert f"{site.url}/python/pyodide.asm.wasm" in asked
-
-
-@pytest.fixture
-def simulator(site):
-    if site.without_simulator:
-        pytest.skip(site.without_simulator)
 
 
 class SiteNotebook(NotebookPage):
@@ -87,21 +43,21 @@ class SiteNotebook(NotebookPage):
 
 
 @pytest.fixture
-def notebook(page, site):
+def notebook(visitor, site):
     """Open a notebook of the site."""
-    return lambda name: SiteNotebook(page, site, name).show()
+    return lambda name: SiteNotebook(visitor, site, name).show()
 
 
 @pytest.fixture
-def lab(page, site):
+def lab(visitor, site):
     """Write a notebook into the browser's storage, and run its lab."""
 
     def lab(program):
-        page.goto(f"{site.url}/jupyter/lab/index.html")
-        page.wait_for_function("window.jupyterapp?.shell?.currentWidget")
+        visitor.goto(f"{site.url}/jupyter/lab/index.html")
+        visitor.wait_for_function("window.jupyterapp?.shell?.currentWidget")
         cells = ["%load_ext lrp_jupyter", f"%%lrp count --bridge none\n{program}"]
-        page.evaluate(WRITE, ["mine.ipynb", cells])
-        return run(SiteNotebook(page, site, "mine.ipynb").show())
+        visitor.evaluate(WRITE, ["mine.ipynb", cells])
+        return run(SiteNotebook(visitor, site, "mine.ipynb").show())
 
     return lab
 

@@ -11,7 +11,7 @@ interface Opened {
 }
 
 const FOLDER = "/lab";
-const STORED_EVERY = 1000; // ms
+const STORED_EVERY = 250; // ms
 
 let python: PyodideInterface;
 let opened: Opened | null = null;
