@@ -1,6 +1,7 @@
 """The notebooks of a static site: Python, the simulator and the lab in a browser without a network."""
 
 import os
+import shutil
 
 import pytest
 from static_site import pyodide
@@ -8,6 +9,8 @@ from static_site.site import built
 
 from e2e.jupyter import FLAGS, chromium
 from e2e.pages import APP, NotebookPage
+from lrp_jupyter.cli.lab import shipped_notebooks
+from lrp_jupyter.site.build import build_site
 
 WAIT = 120_000  # ms: Python is loaded and compiled in the page, on a busy machine
 ALONE = "--host-resolver-rules=MAP * ~NOTFOUND , EXCLUDE 127.0.0.1"
@@ -193,6 +196,19 @@ def test_a_challenge_is_graded_in_the_browser(notebook, simulator):
         f"from lrp_jupyter import grade\nprint(grade({BUMPER!r}, 'bump and stay').passed)",
     )
     assert passed == "True\n"
+
+
+def test_a_site_is_replaced_by_the_next_one_even_without_the_package_index(site, tmp_path, monkeypatch):
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    monkeypatch.setenv("PIP_FIND_LINKS", str(site.folder / "python"))
+    folder = tmp_path / "site"
+    folder.mkdir()
+    for name in (".lrp-site", "old.txt"):
+        shutil.copy(site.folder / ".lrp-site", folder / name)
+    build_site(folder, shipped_notebooks(), offline=True, pyodide=site.folder / "python")
+    assert not (folder / "old.txt").exists()
+    wheels = {each.name for each in (site.folder / "python").iterdir()}
+    assert {each.name for each in (folder / "python").iterdir()} == wheels
 
 
 BUMPER = """
