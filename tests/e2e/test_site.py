@@ -143,7 +143,7 @@ def test_the_first_notebook_drives_a_robot_in_the_browser(notebook, simulator):
 def test_a_typed_state_appears_in_the_graph_of_the_running_program_which_can_be_paused_and_stopped(lab):
     lab = lab(COUNT)
     lab.goes_on()
-    lab.type_after("[n = n + 1]))", "\n  (state rest")
+    lab.type_after("[n = n + 1]))", "\n  (state rest)")
     lab.state("m/rest")
     lab.goes_on()
     lab.pause()
@@ -153,7 +153,7 @@ def test_a_typed_state_appears_in_the_graph_of_the_running_program_which_can_be_
 
 def test_a_typed_text_is_there_again_after_the_page_was_loaded_again(lab):
     lab = lab(COUNT)
-    lab.type_after("[n = n + 1]))", "\n  (state rest")
+    lab.type_after("[n = n + 1]))", "\n  (state rest)")
     lab.state("m/rest")
     lab.notebook.save()
     lab.page.reload()
