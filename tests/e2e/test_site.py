@@ -24,7 +24,7 @@ COUNT = """\
 
 
 UNSENT = pytest.mark.xfail(
-    strict=True, reason="In JupyterLite the last letters of quick typing do not arrive in the kernel."
+    strict=True, reason="The page takes `undefined`, JupyterLite's None, for a text, and sends no more."
 )
 
 
