@@ -22,6 +22,7 @@ import { versionsForm } from "./parts/versions";
 import type { AnswerMessage, FromKernel, PartName, ReplyMessage } from "./protocol";
 import { Connection, type Model } from "./session/connection";
 import { forgetLost, keepLost, lostTexts } from "./session/lost";
+import { reportChanges } from "./session/reports";
 import { apply } from "./session/state";
 import { steady } from "./session/steady";
 import { type Lab, Store } from "./session/store";
@@ -118,39 +119,40 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
 
   function receive(message: FromKernel, buffers: DataView[]): void {
     if (message.type === "reply") return;
-    const changed = apply(store.state, message);
+    store.touch(apply(store.state, message));
     if (message.type === "snapshot") {
       editor?.begin(message.text, message.running, message.half_typed);
-      void recover(message.home, message.text);
+      void recover(message.text);
       if (part === "lab" && !opened) requestAnimationFrame(() => bringIntoSight(root));
       opened = true;
     }
     if (message.type === "answer") answered(message);
     world?.message(message, buffers);
-    store.touch(changed);
   }
 
   /** Offer what was typed into earlier views of this program and has not reached a kernel. */
-  async function recover(home: string, text: string): Promise<void> {
+  async function recover(text: string): Promise<void> {
     if (!editor || !connection.isAnswered) return;
-    for (const [view, lost] of lostTexts(home)) {
+    const { home, tab_only } = store.state;
+    for (const [view, lost] of lostTexts({ home, tab_only })) {
       if (lost !== text && (await connection.command({ do: "recover", text: lost })).error) return;
-      forgetLost(home, view);
+      forgetLost({ home, tab_only }, view);
     }
   }
 
   /** Keep the text if the kernel has not answered it, or has ended and could not keep it. */
   function rescue(isNew = false): void {
-    const { link, home, unkept } = store.state;
-    if (!editor || !(isNew || !connection.isAnswered || (link === "dead" && unkept))) return;
-    keepLost(home, connection.view, editor.text);
+    const { link, tab_only, unkept } = store.state;
+    const ended = link === "dead" && (tab_only || unkept);
+    if (!editor || !(isNew || !connection.isAnswered || ended)) return;
+    keepLost(store.state, connection.view, editor.text);
     rescued = true;
   }
 
   function answered(answer: AnswerMessage): void {
     const { seq, text } = answer;
     if (rescued && connection.isAnswered) {
-      forgetLost(store.state.home, connection.view);
+      forgetLost(store.state, connection.view);
       rescued = false;
     }
     if (seq === 0 && connection.inFlight) return; // a text from elsewhere; the one typed here is newer and is sent next
@@ -202,11 +204,12 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   root.append(inspecting.element, toast, announcer(lab));
 
   if (part === "lab" || part === "world") askWhatIf(lab);
+  reportChanges(model, lab);
   store.watch(["tick", "revision", "status", "link"], () => {
     const { tick, revision, status, link } = store.state;
     setAttribute(root, "data-lrp-tick", tick);
     setAttribute(root, "data-lrp-revision", revision);
-    setAttribute(root, "data-lrp-status", status);
+    setAttribute(root, "data-lrp-status", link === "dead" ? "dead" : status); // nothing runs without a kernel
     setAttribute(root, "data-link", link);
   });
   root.addEventListener("keydown", (event) => {
@@ -221,12 +224,11 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     event.preventDefault();
     host.dispatchEvent(new KeyboardEvent("keydown", event)); // saves the notebook, as everywhere else in it
   });
-  const unwatchTheme = watchTheme(root);
+  watchTheme(root, closing.signal);
   window.addEventListener("pagehide", () => rescue(), { signal: closing.signal });
   return () => {
     closing.abort();
     rescue();
-    unwatchTheme();
     height?.close();
     layout?.close();
     elsewhere.close();

@@ -1150,6 +1150,7 @@ export interface SnapshotMessage {
   view: string;
   name: string;
   home: string;
+  tab_only: boolean;
   text: string;
   revision: number;
   running: string;

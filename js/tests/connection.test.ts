@@ -10,6 +10,7 @@ class Wire {
   time = 0;
   broken = false;
   private callback: (message: FromKernel, buffers: DataView[]) => void = () => {};
+  fails = false;
   commChanged = () => {};
   private ticks: (() => void)[] = [];
   connection: Connection;
@@ -36,7 +37,10 @@ class Wire {
       off: () => {},
     };
     const listener = {
-      message: (message: FromKernel) => void this.got.push(message.type),
+      message: (message: FromKernel) => {
+        this.got.push(message.type);
+        if (this.fails) throw new Error("A panel failed");
+      },
       link: (link: Link) => void this.links.push(link),
     };
     this.connection = new Connection(model, "lab", listener, clock, "me");
@@ -79,6 +83,16 @@ describe("text", () => {
     expect(wire.texts()).toEqual(["a", "abcd"]);
     wire.hear(answer(2));
     expect(wire.texts()).toEqual(["a", "abcd"]);
+  });
+
+  it("is sent although a panel fails at the message that makes way for it", () => {
+    wire.connection.text("a");
+    wire.connection.text("ab");
+    wire.fails = true;
+    expect(() => wire.hear(answer(1))).toThrow("A panel failed");
+    expect(wire.texts()).toEqual(["a", "ab"]);
+    expect(() => wire.hear(snapshot(""))).toThrow("A panel failed");
+    expect(wire.texts()).toEqual(["a", "ab", "ab"]);
   });
 
   it("is sent again when its last word is meant", () => {

@@ -9,16 +9,31 @@ import { lostTexts } from "../src/session/lost";
 import { Stage } from "../src/world/stage";
 import recording from "./page/recording.json";
 
+/** Whether these tests run as in Colab and marimo (see `vitest.config.ts`), else as in Jupyter. */
+const ELSEWHERE = process.env.LRP_HOST === "elsewhere";
+
+/** A message as such a notebook passes it on: undefined is what it makes of Python's `None`. */
+function withoutNull(value: unknown): unknown {
+  if (typeof value !== "object" || value === null) return value ?? undefined;
+  if (Array.isArray(value)) return value.map(withoutNull);
+  return Object.fromEntries(Object.entries(value).map(([key, each]) => [key, withoutNull(each)]));
+}
+
 /** A whole lab in a page without a browser, and the kernel's end of its wire. */
 class Page {
+  readonly around = document.createElement("div");
   readonly host = document.createElement("div");
   sent: FromPage[] = [];
   private ended = false;
-  private hear: (message: object, buffers: DataView[]) => void = () => {};
+  private hear: (message: unknown, buffers: ArrayBufferView[]) => void = () => {};
   readonly close: () => void;
+  /** The traits of its widget, and how often the page has saved them. */
+  readonly traits: Record<string, unknown> = {};
+  saved = 0;
 
-  constructor(part: PartName = "lab") {
-    document.body.append(this.host);
+  constructor(part: PartName = "lab", attach = true) {
+    document.body.append(this.around);
+    if (attach) this.attach();
     const model = {
       send: (message: unknown) => {
         if (this.ended) throw new Error("The comm is closed");
@@ -28,8 +43,24 @@ class Page {
         if (event === "msg:custom") this.hear = callback as never;
       },
       off: () => {},
+      get: (name: string) => this.traits[name],
+      set: (name: string, value: unknown) => {
+        this.traits[name] = value;
+      },
+      save_changes: () => {
+        this.saved += 1;
+      },
     };
     this.close = openLab(model, part, this.host);
+  }
+
+  attach(): void {
+    (ELSEWHERE ? this.around.attachShadow({ mode: "open" }) : this.around).append(this.host);
+  }
+
+  /** The element that has the keyboard's focus. */
+  get focused(): Element | null {
+    return (this.host.getRootNode() as Document).activeElement;
   }
 
   /** The kernel ends; the page notices at its next message. */
@@ -38,8 +69,13 @@ class Page {
     this.find('[data-lrp-action="stop"]').click();
   }
 
-  deliver(message: object): void {
-    this.hear({ view: this.sent[0]!.view, ...message }, []);
+  deliver(message: object, bytes: Uint8Array[] = []): void {
+    const whole = { view: this.sent[0]!.view, ...message };
+    if (ELSEWHERE) this.hear(withoutNull(whole), bytes);
+    else {
+      const views = bytes.map(({ buffer, byteOffset, length }) => new DataView(buffer, byteOffset, length));
+      this.hear(whole, views);
+    }
   }
 
   async begin(): Promise<this> {
@@ -170,6 +206,91 @@ describe("the editor", () => {
     page.deliver({ ...structuredClone(recording.snapshot), text: "(machine m)\r\n(spawn m a)\r\n" });
     page.type(";", 0);
     expect(page.of("text").at(-1)?.text).toBe(";(machine m)\r\n(spawn m a)\r\n");
+  });
+});
+
+describe("a page of any notebook", () => {
+  it("has an editor that knows the tree it is in, also where it is rendered before it is attached", () => {
+    const sizes: (() => void)[] = [];
+    vi.stubGlobal(
+      "ResizeObserver",
+      class {
+        constructor(callback: () => void) {
+          sizes.push(callback);
+        }
+        observe() {}
+        disconnect() {}
+      },
+    );
+    const late = new Page("editor", false);
+    late.attach();
+    for (const changed of sizes) changed();
+    vi.unstubAllGlobals();
+    for (const { editor, host } of [page, late]) expect(editor.root).toBe(host.getRootNode());
+    late.close();
+  });
+
+  it("is dark where what is around it is dark", () => {
+    document.body.style.backgroundColor = "rgb(20, 20, 20)";
+    const dark = new Page();
+    document.body.style.backgroundColor = "";
+    expect([page, dark].map((each) => each.find(".lrp-lab").dataset.theme)).toEqual(["light", "dark"]);
+    dark.close();
+  });
+
+  it("shows the poses of a frame, whatever brings the bytes", async () => {
+    const { frame, poses } = recording.frames[0]!;
+    const bytes = Uint8Array.from(`?${atob(poses)}`, (letter) => letter.charCodeAt(0));
+    page.deliver(frame, [bytes.subarray(1)]);
+    const { getFloat64 } = DataView.prototype;
+    const time = getFloat64.call(new DataView(bytes.buffer, 1), 0, true);
+    await page.drawn();
+    expect(page.find(".lrp-world-time").textContent).toContain(`${time.toFixed(1)} s`);
+  });
+
+  it("keeps a menu open while it is pressed, and closes it when something else is", () => {
+    const press = (element: Element) =>
+      element.dispatchEvent(new Event("pointerdown", { bubbles: true, composed: true }));
+    page.find('[data-lrp-action="menu"]').click();
+    press(page.find('[role="menu"] button'));
+    const menu = page.find('[role="menu"]');
+    press(page.find(".lrp-graph"));
+    expect(menu.isConnected).toBe(false);
+  });
+
+  it("reports changes of what runs, the last one too, now and then, and only where that is waited for", async () => {
+    const frames = async (tick: number) => {
+      for (const lit of [["follower/end"], ["follower/moving"]]) {
+        page.deliver({ type: "frame", frame: ++tick, tick, active: lit, lit });
+        await page.drawn();
+      }
+      page.deliver({ type: "frame", frame: ++tick, tick, time: tick });
+      await page.drawn();
+    };
+    await frames(100);
+    expect(page.saved).toBe(0);
+    page.traits.reports = true;
+    vi.useFakeTimers({ toFake: ["setTimeout", "clearTimeout", "performance"] });
+    await frames(200);
+    expect(page.saved).toBe(1);
+    await vi.advanceTimersByTimeAsync(250);
+    expect(page.saved).toBe(2);
+    await vi.advanceTimersByTimeAsync(1000);
+    page.deliver({ type: "frame", frame: 299, tick: 299, time: 299 });
+    await page.drawn();
+    expect(page.saved).toBe(2);
+    expect(page.traits.reported).toBeGreaterThan(0);
+    await frames(300);
+    page.close();
+    await vi.advanceTimersByTimeAsync(1000);
+    expect(page.saved).toBe(3);
+    vi.useRealTimers();
+  });
+
+  it("says that no program runs once the kernel has ended", async () => {
+    page.end();
+    await page.drawn();
+    expect(page.find(".lrp-lab").dataset.lrpStatus).toBe("dead");
   });
 });
 
@@ -353,7 +474,7 @@ describe("the page", () => {
     page.deliver({ type: "reply", id: page.of("save").at(-1)!.id, error: null, exists: true });
     await page.drawn();
     expect(replace.hidden).toBe(false);
-    expect(document.activeElement).toBe(replace);
+    expect(page.focused).toBe(replace);
     replace.click();
     expect(page.of("save").at(-1)).toMatchObject({ name: "follower.lrp", replace: true });
     page.deliver({ type: "reply", id: page.of("save").at(-1)!.id, error: null, exists: false });
@@ -427,10 +548,10 @@ describe("the page", () => {
       .match(/-?[\d.]+/g)!
       .map(Number);
     const at = (type: string, clientX: number) =>
-      new PointerEvent(type, { clientX, clientY: 500, buttons: 1, bubbles: true });
+      new PointerEvent(type, { clientX, clientY: 500, buttons: 1, bubbles: true, composed: true });
     state.dispatchEvent(at("pointerdown", 500));
     state.dispatchEvent(at("pointermove", 560));
-    state.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape", bubbles: true }));
+    state.dispatchEvent(new KeyboardEvent("keydown", { key: "Escape", bubbles: true, composed: true }));
     const [x, y] = home.map((length) => Math.round(length * 10) / 10);
     expect(page.commands("pin").at(-1)).toMatchObject({ name: "moving", x, y });
   });
@@ -489,7 +610,7 @@ describe("the page", () => {
     page.deliver({ type: "reply", id: page.of("versions").at(-1)!.id, error: null, versions });
     await page.drawn();
     const list = page.find('[aria-label="Version"]') as HTMLSelectElement;
-    expect(document.activeElement).toBe(list);
+    expect(page.focused).toBe(list);
     const shown = () => [...page.find('form[aria-label="Versions"] pre').querySelectorAll("ins, span")];
     expect(shown().map(({ textContent }) => textContent)).toEqual(["+ (machine a)\n"]);
     list.selectedIndex = 1;
@@ -646,19 +767,19 @@ describe("the page", () => {
     page.find('[data-lrp-action="start-again"]').focus();
     page.deliver({ type: "frame", frame: 10, status: "running", reason: "" });
     await page.drawn();
-    expect(document.activeElement).toBe(page.find(".lrp-lab"));
+    expect(page.focused).toBe(page.find(".lrp-lab"));
     page.find('[data-lrp-action="stop"]').focus();
     expect(page.find(".lrp-lab").hasAttribute("tabindex")).toBe(false);
   });
 
   it("leaves the keyboard focus in the lab when the row in which a value is typed disappears", async () => {
     page.find('[data-lrp-variable="lightlim"] .lrp-value').click();
-    expect(document.activeElement?.tagName).toBe("INPUT");
+    expect(page.focused?.tagName).toBe("INPUT");
     const program = { ...recording.snapshot.frame.program, variables: [] };
     page.deliver({ type: "frame", frame: 9, program });
     await page.drawn();
     expect(page.host.querySelector('[data-lrp-variable="lightlim"]')).toBe(null);
-    expect(document.activeElement).toBe(page.find(".lrp-lab"));
+    expect(page.focused).toBe(page.find(".lrp-lab"));
   });
 
   it("leaves the keyboard focus in the lab when a robot's panel gets other fields", async () => {
@@ -680,7 +801,7 @@ describe("the page", () => {
     page.deliver({ type: "frame", frame: 10, panel: panel("address", "speed") });
     await page.drawn();
     page.find('[data-field="speed"]');
-    expect(document.activeElement).toBe(page.find(".lrp-lab"));
+    expect(page.focused).toBe(page.find(".lrp-lab"));
   });
 
   it("leaves the keyboard focus in the inspector, where it was, when a value changes", async () => {
@@ -699,7 +820,7 @@ describe("the page", () => {
     page.deliver({ type: "frame", frame: 9, moved }); // it asks again
     await page.drawn();
     await shows("a", "b", "c");
-    expect(document.activeElement).toBe(links()[1]);
+    expect(page.focused).toBe(links()[1]);
   });
 
   it("shows after the end of the kernel only what is still so, and says that commands go nowhere", async () => {
@@ -720,15 +841,17 @@ describe("the page", () => {
   });
 
   it("leaves nothing that listens to the document when it is closed", () => {
-    const heard = vi.spyOn(Element.prototype, "contains");
-    const wheel = () => document.body.dispatchEvent(new Event("wheel", { bubbles: true }));
+    const heard = vi.fn(() => 0);
+    const wheel = () =>
+      document.body.dispatchEvent(
+        Object.defineProperty(new Event("wheel", { bubbles: true }), "timeStamp", { get: heard }),
+      );
     wheel();
     expect(heard).toHaveBeenCalled();
     page.close();
     heard.mockClear();
     wheel();
     expect(heard).not.toHaveBeenCalled();
-    heard.mockRestore();
   });
 
   it("sends a last message when it is closed", () => {
@@ -739,13 +862,19 @@ describe("the page", () => {
 });
 
 describe("a text that no kernel has answered", () => {
-  const snapshot = { ...structuredClone(recording.snapshot), home: "/home/follower" };
-  const next = async (text = snapshot.text) => {
+  const snapshot = { ...structuredClone(recording.snapshot), home: "/home/follower", tab_only: false };
+  const leave = () => {
     page.close();
     page.host.remove();
+  };
+  const open = (fields = {}) => {
     page = new Page();
-    page.deliver({ ...structuredClone(snapshot), text });
-    await page.drawn();
+    page.deliver({ ...structuredClone(snapshot), ...fields });
+    return page.drawn();
+  };
+  const next = (text = snapshot.text) => {
+    leave();
+    return open({ text });
   };
   const isRecovered = (text: string) => {
     expect(page.commands("recover")).toMatchObject([{ text }]);
@@ -755,6 +884,7 @@ describe("a text that no kernel has answered", () => {
 
   beforeEach(async () => {
     localStorage.clear();
+    sessionStorage.clear();
     await next();
   });
 
@@ -769,7 +899,7 @@ describe("a text that no kernel has answered", () => {
   it("is also kept when the page is left", async () => {
     page.type("; x\n");
     window.dispatchEvent(new Event("pagehide"));
-    expect([...lostTexts("/home/follower").values()]).toEqual([`; x\n${snapshot.text}`]);
+    expect([...lostTexts(snapshot).values()]).toEqual([`; x\n${snapshot.text}`]);
   });
 
   it("is forgotten as soon as it is answered, or if the kernel has it", async () => {
@@ -781,7 +911,7 @@ describe("a text that no kernel has answered", () => {
     page.type("; y\n");
     await next(`; y\n${snapshot.text}`);
     expect(page.commands("recover")).toEqual([]);
-    expect(lostTexts("/home/follower").size).toBe(0);
+    expect(lostTexts(snapshot).size).toBe(0);
   });
 
   it("includes one that the kernel could not keep before it ended", async () => {
@@ -815,7 +945,7 @@ describe("a text that no kernel has answered", () => {
     other.host.remove();
     await next();
     const texts = [`; a\n${snapshot.text}`, `; b\n${snapshot.text}`];
-    expect(new Set(lostTexts("/home/follower").values())).toEqual(new Set(texts));
+    expect(new Set(lostTexts(snapshot).values())).toEqual(new Set(texts));
     for (let each = 0; each < 2; each++) {
       page.deliver({ type: "reply", id: page.commands("recover")[each]!.id, error: null });
       await page.drawn();
@@ -823,16 +953,31 @@ describe("a text that no kernel has answered", () => {
     expect(new Set(page.commands("recover").map((command) => "text" in command && command.text))).toEqual(
       new Set(texts),
     );
-    expect(lostTexts("/home/follower").size).toBe(0);
+    expect(lostTexts(snapshot).size).toBe(0);
+  });
+
+  it("ends with its tab where the kernel keeps no text, because the browser may be someone else's next", async () => {
+    leave();
+    await open({ tab_only: true });
+    page.type("; x\n");
+    page.deliver(answer({ seq: 1 }));
+    page.end();
+    leave();
+    expect(localStorage).toHaveLength(0);
+    const tab = { ...sessionStorage };
+    sessionStorage.clear();
+    await open({ tab_only: true });
+    expect(page.commands("recover")).toEqual([]);
+    leave();
+    Object.assign(sessionStorage, tab);
+    await open({ tab_only: true });
+    await isRecovered(`; x\n${snapshot.text}`);
   });
 
   it("of one program is not given to another", async () => {
     page.type("; x\n");
-    page.close();
-    page.host.remove();
-    page = new Page();
-    page.deliver({ ...structuredClone(snapshot), home: "/elsewhere/follower" });
-    await page.drawn();
+    leave();
+    await open({ home: "/elsewhere/follower" });
     expect(page.commands("recover")).toEqual([]);
   });
 });

@@ -27,6 +27,7 @@ const snapshot = (machines: string[], fields: Partial<FrameMessage> = {}): Snaps
   view: "v",
   name: "x",
   home: "/x",
+  tab_only: false,
   text: "",
   revision: 1,
   running: "",

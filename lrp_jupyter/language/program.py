@@ -150,12 +150,12 @@ class Transition:
         group = "{" + " ".join(self.sources) + "}"
         if self.wildcard:
             return "*-" + group if self.sources else "*"
-        return self.sources[0] if len(self.sources) == 1 else group
+        return str(self.sources[0]) if len(self.sources) == 1 else group
 
     @property
     def trigger_text(self) -> str:
         """The trigger in one word: as the language writes it, ``eps`` for nothing."""
-        return self.trigger.text or self.trigger.keyword
+        return str(self.trigger.text) or self.trigger.keyword
 
     @property
     def arrow_text(self) -> str:

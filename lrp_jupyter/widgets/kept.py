@@ -1,4 +1,4 @@
-"""The files of one program in ``.lrp``, beside the notebook: what survives the kernel.
+"""The files of one program: what survives the kernel.
 
 ============= ============================================================================================
 ``.lrp``      the last accepted text
@@ -8,7 +8,8 @@
 ``.versions`` the last texts that were replaced, with their times, as JSON
 ============= ============================================================================================
 
-These files are hidden, and whoever passes the folder on passes them on too. What a file contains therefore
+They are in ``.lrp`` beside the notebook, in this user's state folder, or nowhere: see `keeping.py`. Those in
+``.lrp`` are hidden, and whoever passes the folder on passes them on too. What a file contains therefore
 counts as the user's own only if its hash is noted in this user's state folder, which is elsewhere. All other
 texts are shown, and never run unasked. In a browser the files are in its own storage, which no folder brings.
 """
@@ -29,7 +30,7 @@ from pathlib import Path
 from lrp_jupyter.errors import FileError, LRPError
 from lrp_jupyter.files import append_line, read_file, shown, write_file
 
-__all__ = ["FOLDER", "Kept", "Version", "checked_name", "newest"]
+__all__ = ["FOLDER", "Kept", "Version", "checked_name", "newest", "state_folder"]
 
 FOLDER = ".lrp"
 """The folder of kept texts, beside the notebook."""
@@ -112,7 +113,7 @@ class Kept:
     Parameters
     ----------
     folder : path
-        ``.lrp``; it is created with the first file.
+        It is created with the first file.
     name : str
         The name of the program.
     """
@@ -127,6 +128,12 @@ class Kept:
     def file(self, ending: str) -> Path:
         """Return the path of a file."""
         return self.folder / f"{self.name}{ending}"
+
+    @property
+    def shown_file(self) -> str:
+        """The path of the text as a message shows it: from the notebook, if the file is beside it."""
+        file = self.file(".lrp")
+        return f"{FOLDER}/{file.name}" if self.folder.name == FOLDER else shown(file)
 
     def read(self, ending: str) -> str | None:
         """Return the text of a file; None if there is none that can be read."""
@@ -226,7 +233,7 @@ class Kept:
         return status.st_mtime_ns, status.st_size, status.st_ino
 
     def _mark(self, ending: str) -> Path | None:
-        state = _state_folder()
+        state = state_folder()
         return None if state is None else state / "kept" / _digest(self.home + ending)[:32]
 
 
@@ -234,7 +241,7 @@ def _digest(text: str) -> str:
     return hashlib.sha256(text.encode(errors="surrogatepass")).hexdigest()
 
 
-def _state_folder() -> Path | None:
+def state_folder() -> Path | None:
     """Return the folder for this user's state, which no notebook's folder contains."""
     try:
         if sys.platform == "win32":

@@ -8,13 +8,16 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
+import sys
+from base64 import b64encode
+from collections.abc import Callable, Sequence
 from pathlib import Path as FilePath
 from typing import Any, ClassVar
 from weakref import WeakValueDictionary
 
 import anywidget
 import traitlets
+from traitlets.utils.bunch import Bunch
 
 from lrp_jupyter import programs
 from lrp_jupyter.arguments import check_type
@@ -22,6 +25,7 @@ from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.files import write_file
 from lrp_jupyter.graph.still import draw
+from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program
@@ -30,6 +34,7 @@ from lrp_jupyter.live.variables import LiveVariables
 from lrp_jupyter.sim.svg import svg as world_svg
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.hosts import is_static
 from lrp_jupyter.widgets.kept import Version
 
 __all__ = [
@@ -63,6 +68,9 @@ class Part(anywidget.AnyWidget):
     _css = _STATIC / "lab.css"
     view = traitlets.Unicode("lab").tag(sync=True)
     part: ClassVar[str] = "lab"
+    reports = traitlets.Bool(False).tag(sync=True)
+    """Whether the page sets `reported` when the run has changed, at most four times a second."""
+    reported = traitlets.Float(0.0).tag(sync=True)
 
     def __init__(self, session: Session | Part | str) -> None:
         check_type("session", session, (Session, Part, str), "a Session, a Lab or the name of a program")
@@ -73,12 +81,18 @@ class Part(anywidget.AnyWidget):
         self._connect(registry.connection_of(session))
 
     def _connect(self, connection: PageConnection) -> None:
-        super().__init__(view=self.part)
+        super().__init__(view=self.part, reports=_runs_cells_again())
         self._connection = connection
+        self._noticed = connection.session.frame
         comm = self.comm
         if hasattr(comm, "_reply_subshell_for"):  # or answers of the page would wait for the running cell
             comm._reply_subshell_for = lambda data, default: default
         self.on_msg(self._receive)
+
+    def open(self) -> None:
+        """Open the connection to pages, unless the notebook is executed without one."""
+        if not is_static():
+            super().open()
 
     def __del__(self) -> None:
         """Do nothing: a widget that is garbage collected does not stop a robot."""
@@ -91,7 +105,37 @@ class Part(anywidget.AnyWidget):
         """The session that is shown; a change of bridge opens a new one."""
         return self._connection.session
 
+    @property
+    def frame(self) -> Frame:
+        """What runs now, frozen: `status`, `tick`, `time`, `active`, `variables` and more.
+
+        In marimo, cells that use a lab run again when its active states, variables, issues, status or
+        revision change; everywhere a function that observes ``"frame"`` is called then. Both happen at most
+        four times a second, and while a page shows the lab.
+        """
+        return self.session.frame
+
+    def observe(
+        self,
+        handler: Callable[..., Any],
+        names: Any = traitlets.All,
+        type: str = "change",  # noqa: A002 (its name in traitlets)
+    ) -> None:
+        """Call a function when a trait changes, or `frame`."""
+        super().observe(handler, names, type)
+        if names == "frame" or (isinstance(names, (list, tuple)) and "frame" in names):
+            self.reports = True
+
+    @traitlets.observe("reported")
+    def _notice(self, _change: object) -> None:
+        frame = self.frame
+        self.notify_change(Bunch(name="frame", type="change", owner=self, old=self._noticed, new=frame))
+        self._noticed = frame
+
     def _repr_mimebundle_(self, **options: Any) -> tuple[dict[str, Any], dict[str, Any]] | None:
+        if self.comm is None:
+            pictures = _pictures(self._connection)
+            return {**pictures, **_bitmap(pictures["image/svg+xml"])}, {}
         shown = super()._repr_mimebundle_(**options)
         if shown is None:
             return None
@@ -110,8 +154,16 @@ class Lab(Part):
     """A program, alive in a notebook cell: editor, graphs, robot, variables, issues, controls.
 
     It runs at once; on hardware it opens disarmed. A second lab of the same name shows, and patches, the
-    same running program. What is typed is kept in the folder ``.lrp``; if the kept text differs from the
-    given one, the given one runs and the lab asks which to keep.
+    same running program.
+
+    What is typed is kept in the folder ``.lrp`` beside the notebook; if the kept text differs from the given
+    one, the given one runs and the lab asks which to keep. The environment variable ``LRP_KEEP`` says where
+    texts are kept: ``notebook`` (there), ``user`` (in the user's state folder, where several people share the
+    folder) or ``nothing``. Nothing is kept by default under Voila, nor in a folder on a JupyterHub outside of
+    the user's home, in which texts are kept as with ``user``.
+
+    In a notebook that is executed by nbconvert, papermill or the like, the output is a picture and the
+    program's text; ``LRP_STATIC`` set to ``1`` or ``0`` decides otherwise.
 
     Parameters
     ----------
@@ -125,7 +177,7 @@ class Lab(Part):
     rate : float, optional
         Ticks per second.
     namespace : dict, optional
-        Names that blocks can read; default: the notebook's.
+        Names that blocks can read; default: those of a Jupyter notebook. Elsewhere pass ``globals()``.
     **options
         For the bridge: ``world="line"``.
 
@@ -133,6 +185,18 @@ class Lab(Part):
     ------
     BridgeError
         There is no such bridge, or its robot cannot be reached.
+
+    Notes
+    -----
+    In marimo, have two names: one for the lab, and one for what other cells depend on::
+
+        program = lrp_jupyter.Lab("follower", namespace=globals())
+        lab = mo.ui.anywidget(program)
+        lab
+
+    A cell that uses ``lab.frame.active`` runs again whenever the active states change; a cell that uses
+    ``program``, for example ``lrp_jupyter.StateGraph(program)``, does not. ``program.text`` is the text in
+    the editor; ``lab.text`` is what marimo draws. The folder ``hosts`` of the notebooks has an example.
     """
 
     def __init__(
@@ -281,6 +345,12 @@ class Tree(Part):
     part = "tree"
 
 
+def _runs_cells_again() -> bool:
+    """Return whether the notebook runs cells again when a value that they use has changed."""
+    marimo = sys.modules.get("marimo")
+    return marimo is not None and bool(marimo.running_in_notebook())
+
+
 def _notebook() -> dict[str, Any] | None:
     """Return the notebook's namespace; None outside of one."""
     from IPython.core.getipython import get_ipython
@@ -307,6 +377,15 @@ def _pictures(connection: PageConnection) -> dict[str, str]:
     active = [tuple(path.split("/")) for path in state["lit"]]
     graph = draw(list(state["layouts"].values()), active, [name for _, name in last.values()])
     return {"image/svg+xml": _stacked(graph, _world(connection)), "text/plain": connection.texts.text}
+
+
+def _bitmap(picture: str) -> dict[str, str]:
+    """Return a picture as PNG, for readers that show no SVG; nothing without the extra ``png``."""
+    try:
+        from resvg_py import svg_to_bytes
+    except ImportError:
+        return {}
+    return {"image/png": b64encode(svg_to_bytes(svg_string=picture, zoom=2)).decode()}
 
 
 def _world(connection: PageConnection) -> str:

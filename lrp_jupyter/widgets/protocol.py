@@ -522,13 +522,15 @@ class SnapshotMessage(TypedDict):
     """Everything, for a view that has just opened.
 
     `running` is the running text, `text` the editor's; `accepted`: it is a program. `home` distinguishes
-    programs of the same name. `half_typed`: as in an answer. Its frame is acknowledged like any other.
+    programs of the same name. `tab_only`: the kernel keeps no text, so what the page keeps ends with its tab.
+    `half_typed`: as in an answer. Its frame is acknowledged like any other.
     """
 
     type: Literal["snapshot"]
     view: str
     name: str
     home: str
+    tab_only: bool
     text: str
     revision: int
     running: str

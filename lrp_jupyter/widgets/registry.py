@@ -17,7 +17,8 @@ from lrp_jupyter.errors import UnknownElementError, did_you_mean
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.connection import PageConnection
-from lrp_jupyter.widgets.kept import FOLDER, Kept, checked_name
+from lrp_jupyter.widgets.keeping import kept_texts
+from lrp_jupyter.widgets.kept import checked_name
 from lrp_jupyter.widgets.texts import Conflict, Texts
 
 __all__ = ["connection_of", "find", "forget", "named", "names", "open_program", "running"]
@@ -106,6 +107,7 @@ def open_program(
     namespace: dict[str, Any] | None = None,
     rate: float | None = None,
     folder: str | os.PathLike[str] | None = None,
+    paused: str = "",
     **options: Any,
 ) -> PageConnection:
     """Open a program, or continue with the open one of that name; it runs at once.
@@ -122,7 +124,9 @@ def open_program(
     rate : float, optional
         Ticks per second.
     folder : path, optional
-        The directory in which texts are kept; default: the current one.
+        The directory of the notebook, on which depends where texts are kept; default: the current one.
+    paused : str, optional
+        Why a program that is opened does not run before its user wants it.
     **options
         For the bridge: ``world="line"``.
 
@@ -131,17 +135,19 @@ def open_program(
     BridgeError
         There is no such bridge, or its robot cannot be reached.
     LRPError
-        It is not a valid name for a program.
+        It is not a valid name for a program, or ``LRP_KEEP`` names no place to keep texts.
     """
     text = text if text and text.strip() else None
     connection = find(checked_name(name))
     if connection is None:
-        kept = Kept(FilePath(folder or os.getcwd()) / FOLDER, name)
-        texts = Texts(kept)
-        first, *later = _first_texts(texts, kept, text) or [""]
-        has_hung = kept.read(".hung") in (first, *later)
+        here = folder or os.getcwd()
+        kept = kept_texts(here, name)
+        texts = Texts(kept, os.path.realpath(FilePath(here) / name))
+        first, *later = _first_texts(texts, text) or [""]
+        if kept is not None and kept.read(".hung") in (first, *later):
+            paused = _HAS_HUNG
         session = _open_session(
-            name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options, has_hung
+            name, first, bridge or "sim", namespace, 10.0 if rate is None else rate, options, paused
         )
         connection = _add(PageConnection(session, texts, _reopen, options, free_name=_free_name))
         for each in (first, *later):
@@ -170,7 +176,7 @@ def _open_session(
     namespace: dict[str, Any] | None,
     rate: float,
     options: dict[str, Any],
-    paused: bool = False,
+    paused: str = "",
 ) -> Session:
     program, _ = scan(text, f"<lrp {name}>")
     robot = make_bridge(bridge, **options)
@@ -183,9 +189,9 @@ def _open_session(
         dead_man=DEAD_MAN if robot.hardware else None,
     )
     try:
-        session.start(paused)
+        session.start(bool(paused))
         if paused:
-            session.pause(_HAS_HUNG)
+            session.pause(paused)
     except BaseException:
         session.close()
         raise
@@ -196,13 +202,15 @@ def _reopen(old: Session, bridge: str, **options: Any) -> Session:
     return _open_session(old.name, old.program.text, bridge, old.namespace, old.rate, options)
 
 
-def _first_texts(texts: Texts, kept: Kept, cell: str | None) -> list[str]:
+def _first_texts(texts: Texts, cell: str | None) -> list[str]:
     """Return the texts to start with, of which a later one is newer, and ask about other kept texts.
 
     The text of a cell starts, because it is what the user sees. Without one, what this user has written
     starts; what came with the folder never does.
     """
-    own: list[tuple[str, str]] = []
+    kept, own = texts.kept, list[tuple[str, str]]()
+    if kept is None:
+        return [cell] if cell else []
     for ending in (".draft", ".lrp"):
         text = kept.read(ending)
         if text is None or not text.strip() or _are_alike(text, cell):

@@ -22,7 +22,7 @@ from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.language.unmeant import Cursor, Judgement
 from lrp_jupyter.live.session import Session
-from lrp_jupyter.widgets.kept import FOLDER, Kept, Version, newest
+from lrp_jupyter.widgets.kept import Kept, Version, newest
 from lrp_jupyter.widgets.places import edits_view
 from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, QuickFix
 
@@ -94,7 +94,7 @@ _QUESTIONS = {
         "Keep the cell's text",
     ),
     "view": (
-        "The kernel ended before all that was typed into `{name}` had reached it. Which text should be kept?",
+        "The kernel ended before all that was typed into `{name}` was kept. Which text should be kept?",
         "Use the typed text",
         "Keep the present text",
     ),
@@ -120,9 +120,11 @@ class Texts:
     ----------
     kept : Kept, optional
         The files in which the texts are kept; None: in memory only.
+    home : str
+        Without files: what distinguishes this program from one of the same name elsewhere; default: nothing.
     """
 
-    def __init__(self, kept: Kept | None = None) -> None:
+    def __init__(self, kept: Kept | None = None, home: str = "") -> None:
         self.hold = False
         self.conflicts: list[Conflict] = []
         self.cell: str | None = None if kept is None else kept.read(".cell")
@@ -137,6 +139,7 @@ class Texts:
         self.half_typed = False
         """Whether something waits, or is not marked, until the word at the cursor is meant or left."""
         self.kept = kept
+        self._home = home
         self._lock = RLock()
         self._saving = Lock()  # of the files, and of what follows
         self._stored: tuple[object, ...] = ()
@@ -363,7 +366,8 @@ class Texts:
             running = self._session.program
             waits = self.hold and self.noun is not None and self.text != running.text
             return {
-                "home": self._session.name if self.kept is None else self.kept.home,
+                "home": self.kept.home if self.kept is not None else self._home or self._session.name,
+                "tab_only": self.kept is None,
                 "text": self.text,
                 "revision": self.revision,
                 "running": running.text,
@@ -382,7 +386,7 @@ class Texts:
             if not self.conflicts:
                 return None
             conflict, name = self.conflicts[0], self._session.name
-            file = f"{FOLDER}/{name}.lrp"
+            file = "" if self.kept is None else self.kept.shown_file
             question, use, keep = _QUESTIONS[conflict.source]
             return {
                 "number": self._numbers,

@@ -100,11 +100,10 @@ def open_program(wanted: str, send: SendText) -> Opened:
     world = address.get("world") or (task.worlds[0] if task is not None else programs.heading(start).world)
     options: dict[str, Any] = {} if world in (None, "none") else {"world": world}
     given = None if address.get("again") or not text else text
-    connection = registry.open_program(name, given, namespace={}, **options)
+    reason = _HUNG if address.get("hung") else ""
+    connection = registry.open_program(name, given, namespace={}, paused=reason, **options)
     if not connection.texts.text.strip():  # nothing was kept
         connection.texts.write(start)
-    if address.get("hung"):
-        connection.session.pause(_HUNG)
     return Opened(connection, send)
 
 

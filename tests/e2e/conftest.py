@@ -22,8 +22,14 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if here in Path(item.fspath).parents:
             item.add_marker(pytest.mark.browser)
-            if lacking() and not os.environ.get("CI"):
-                item.add_marker(pytest.mark.skip(reason=f"there is no {lacking()}"))
+            missing = lacking(*needed_by(item))
+            if missing and not os.environ.get("CI"):
+                item.add_marker(pytest.mark.skip(reason=f"there is no {missing}"))
+
+
+def needed_by(item):
+    """Return the packages of other notebooks that a test names in its mark `host`."""
+    return [name for mark in item.iter_markers("host") for name in mark.args]
 
 
 @pytest.fixture(scope="package")

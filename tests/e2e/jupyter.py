@@ -1,4 +1,4 @@
-"""A JupyterLab of its own: private directories, a free port of this machine, ended when it is left."""
+"""A JupyterLab of its own, and other servers: private directories, a free port, ended when they are left."""
 
 import json
 import os
@@ -42,9 +42,10 @@ def chromium():
     return shutil.which("chromium")
 
 
-def lacking():
-    """Return what this machine lacks, or an empty text."""
-    missing = [name for name in ("jupyterlab", "notebook", "playwright") if find_spec(name) is None]
+def lacking(*others):
+    """Return what this machine lacks of what all these tests need, or of other packages; or an empty text."""
+    needed = ("jupyterlab", "notebook", "playwright", *others)
+    missing = [name for name in needed if find_spec(name) is None]
     return ", ".join(missing + ([] if chromium() else ["chromium"]))
 
 
@@ -69,26 +70,65 @@ class Server:
 
     def write(self, name, cells):
         """Write a notebook of code cells."""
-        cells = [
-            {
-                "cell_type": "code",
-                "id": f"cell-{index}",
-                "metadata": {},
-                "source": source,
-                "outputs": [],
-                "execution_count": None,
-            }
-            for index, source in enumerate(cells)
-        ]
-        kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
-        path = self.root / name
-        path.parent.mkdir(parents=True, exist_ok=True)
-        path.write_text(
-            json.dumps(
-                {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
-            )
-        )
-        return path
+        return write_notebook(self.root / name, cells)
+
+
+def write_notebook(path, cells):
+    """Write a notebook of code cells."""
+    cells = [
+        {
+            "cell_type": "code",
+            "id": f"cell-{index}",
+            "metadata": {},
+            "source": source,
+            "outputs": [],
+            "execution_count": None,
+        }
+        for index, source in enumerate(cells)
+    ]
+    kernel = {"name": "python3", "display_name": "Python 3", "language": "python"}
+    content = {"cells": cells, "metadata": {"kernelspec": kernel}, "nbformat": 4, "nbformat_minor": 5}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(content))
+    return path
+
+
+def private(home):
+    """Return an environment in which Jupyter writes only into a directory."""
+    env = {**os.environ, **{name: str(home / name.lower()) for name in DIRECTORIES}, "PYTHONWARNINGS": ""}
+    env.pop("JUPYTER_PATH", None)
+    for name in DIRECTORIES:
+        Path(env[name]).mkdir()
+    return env
+
+
+def free_port():
+    """Return a port of this machine that is free now."""
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        return free.getsockname()[1]
+
+
+@contextmanager
+def serving(module, *arguments, home, answers, **options):
+    """Run a module as a server in a process, which is yielded when it answers, until the context is left."""
+    with (home / "log").open("w") as log:
+        command = [sys.executable, "-m", module, *arguments]
+        process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, **options)
+        try:
+            end = time.monotonic() + 90
+            while not answers():
+                assert process.poll() is None, f"{module} ended: {(home / 'log').read_text()[-2000:]}"
+                assert time.monotonic() < end, f"{module} does not answer"
+                time.sleep(0.1)
+            yield process
+        finally:
+            process.terminate()  # it ends its kernels
+            try:
+                process.wait(20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
 
 
 @contextmanager
@@ -99,39 +139,20 @@ def jupyter(home, app=("jupyterlab", "--ServerApp.root_dir"), settings=QUIET):
     """
     root = home / "notebooks"
     root.mkdir(parents=True)
-    env = {**os.environ, **{name: str(home / name.lower()) for name in DIRECTORIES}, "PYTHONWARNINGS": ""}
-    env.pop("JUPYTER_PATH", None)
-    for name in DIRECTORIES:
-        Path(env[name]).mkdir()
+    env = private(home)
     (Path(env["JUPYTER_CONFIG_DIR"]) / "jupyter_server_config.py").write_text(CONFIG)
     for name, values in settings.items():
         file = Path(env["JUPYTERLAB_SETTINGS_DIR"]) / name
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(json.dumps(values))
-    with socket.socket() as free:
-        free.bind(("127.0.0.1", 0))
-        port = free.getsockname()[1]
+    port = free_port()
     command = [
-        *(sys.executable, "-m", *app[:-1], f"{app[-1]}={root}", "--no-browser"),
+        *(*app[:-1], f"{app[-1]}={root}", "--no-browser"),
         *("--ServerApp.ip=127.0.0.1", f"--ServerApp.port={port}", "--ServerApp.port_retries=0"),
         *("--IdentityProvider.token=", "--ServerApp.password=", "--ServerApp.disable_check_xsrf=True"),
         *("--ServerApp.answer_yes=True", "--ServerApp.allow_root=True"),
         *("--LabApp.expose_app_in_browser=True", "--JupyterNotebookApp.expose_app_in_browser=True"),
     ]
-    with (home / "log").open("w") as log:
-        process = subprocess.Popen(command, env=env, stdout=log, stderr=subprocess.STDOUT)
-        server = Server(f"http://127.0.0.1:{port}", root)
-        try:
-            end = time.monotonic() + 90
-            while not server.answers():
-                assert process.poll() is None, f"JupyterLab ended: {(home / 'log').read_text()[-2000:]}"
-                assert time.monotonic() < end, "JupyterLab does not answer"
-                time.sleep(0.1)
-            yield server
-        finally:
-            process.terminate()  # it ends its kernels
-            try:
-                process.wait(20)
-            except subprocess.TimeoutExpired:
-                process.kill()
-                process.wait()
+    server = Server(f"http://127.0.0.1:{port}", root)
+    with serving(*command, home=home, answers=server.answers, env=env):
+        yield server

@@ -182,6 +182,20 @@ def test_a_saved_notebook_shows_the_picture_where_its_kernel_has_ended(open_lab,
         notebook.restart_kernel()
 
 
+@pytest.mark.parametrize("app", ["lab/tree", "notebooks"])
+def test_a_lab_whose_kernel_was_restarted_says_that_no_program_runs(open_notebook, app):
+    notebook = open_notebook("%load_ext lrp_jupyter", f"%%lrp m\n{COUNTER}", app=app)
+    notebook.run_cell(0)
+    notebook.begin_cell(1)
+    lab = notebook.lab().ready()
+    notebook.restart_kernel()
+    lab.ready("dead")
+    lab.reads(".lrp-verdict", "no kernel")
+    notebook.run_cell(0)
+    notebook.run_cell(1)
+    lab.ready().goes_on()
+
+
 def test_a_page_that_is_loaded_again_shows_the_lab_while_its_kernel_runs(open_lab):
     lab = open_lab(COUNTER)
     lab.notebook.save()

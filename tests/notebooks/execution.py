@@ -74,7 +74,10 @@ def _plain(outputs: list[Any]) -> list[Any]:
     """Outputs without widgets and without what only this run had; neighbouring prints are one."""
     kept: list[Any] = []
     for output in outputs:
-        output.get("data", {}).pop(WIDGET, None)
+        data = output.get("data", {})
+        data.pop(WIDGET, None)
+        if "image/svg+xml" in data:
+            data.pop("image/png", None)  # the same picture
         if output.output_type == "stream":
             if kept and kept[-1].output_type == "stream" and kept[-1].name == output.name:
                 kept[-1].text += output.text

@@ -27,6 +27,22 @@ class Unpublished(PageConnection):
         pass
 
 
+PLAIN = (str, int, float, bool, type(None))
+
+
+def strange(value, place="message"):
+    """Yield where a message has what an encoder may not know, a subclass of `str` for one."""
+    if type(value) is dict:
+        for key, each in value.items():
+            yield from strange(key, f"a key of {place}")
+            yield from strange(each, f"{place}[{key!r}]")
+    elif type(value) in (list, tuple):
+        for index, each in enumerate(value):
+            yield from strange(each, f"{place}[{index}]")
+    elif type(value) not in PLAIN:
+        yield f"{place} is {type(value).__name__}"
+
+
 class Page:
     """A view in a page: sends hello, returns credit, keeps the messages that it receives."""
 
@@ -38,6 +54,7 @@ class Page:
     def __call__(self, message, buffers):
         if message["view"] != self.name:
             return
+        assert list(strange(message)) == []
         self.messages.append(message)
         self.buffers.append(buffers)
         frame = message["frame"] if message["type"] == "frame" else None

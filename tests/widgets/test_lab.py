@@ -45,6 +45,22 @@ def test_a_lab_runs_at_once_and_shows_what_its_session_does(make):
     assert "running" in repr(lab)
 
 
+def test_a_function_that_observes_the_frame_is_called_when_a_page_reports_a_change(make):
+    lab, seen = make(PROGRAM), []
+    lab.session.wait_for("x", 60)
+    lab.session.pause()
+    lab.session.wait_for(lambda frame: frame.status == "paused", 60)
+    assert not lab.reports
+    lab.observe(seen.append, "frame")
+    assert lab.reports
+    lab.set_state({"reported": 1.0})  # as the page's report arrives
+    assert seen[0].new is lab.frame is lab.session.frame
+    assert seen[0].new.status == "paused"
+    assert seen[0].new.is_active("x")
+    lab.set_state({"reported": 1.0})
+    assert len(seen) == 1
+
+
 def test_every_face_is_the_same_widget_with_another_view(make):
     lab = make(PROGRAM)
     parts = [face(lab.session) for face in (StateGraph, SimView, Editor, lrp_jupyter.Variables)]

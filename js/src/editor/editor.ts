@@ -21,6 +21,7 @@ import type { AnswerMessage, ElementKind, TextRange } from "../protocol";
 import type { Connection } from "../session/connection";
 import type { Lab } from "../session/store";
 import { isOn, keepOn } from "../ui/kept";
+import { whenAttached } from "../ui/root";
 import { completion } from "./complete";
 import { contextAt } from "./context";
 import { rememberCursor, rememberedCursor, reveal, select } from "./cursor";
@@ -70,6 +71,7 @@ export class Editor {
     private readonly connection: Connection,
   ) {
     this.view = new EditorView({ state: EditorState.create({ extensions: this.extensions() }) });
+    whenAttached(lab.root, lab.closed, (tree) => this.view.setRoot(tree));
     this.pen = new Pen(this.view, lab);
     const { store } = lab;
     store.watch(["findings", "issues", "revision"], () => {

@@ -10,6 +10,7 @@ import type { Lab } from "../session/store";
 import { focusLab, s, setAttribute } from "../ui/dom";
 import { trackDrag } from "../ui/drag";
 import { openMenu } from "../ui/menu";
+import { focusedAround } from "../ui/root";
 import { Acts, type Point } from "./acts";
 
 const NEAR = 7; // px from the border of a state that count as the border
@@ -114,8 +115,8 @@ export function attachPencil(lab: Lab, svg: SVGSVGElement, root: SVGGElement, pe
   });
   /** Where what had the focus is gone or renamed, the focus stays in the graph: keys would edit cells. */
   lab.store.watch(["layouts", "machine", "snapshot"], () => {
-    const now = document.activeElement;
-    if (!focused || focused.isConnected || (now !== document.body && now !== lab.root)) return;
+    const now = focusedAround(svg);
+    if (!focused || focused.isConnected || (now && now !== document.body && now !== lab.root)) return;
     const next = svg.querySelector<SVGGElement>('[tabindex="0"]');
     focused = null;
     if (next) next.focus({ preventScroll: true });

@@ -1,6 +1,7 @@
 /** Scrolling of a drawing that is larger than its panel: by the wheel, with bars that show which part is in view. */
 
 import { h } from "../ui/dom";
+import { comesFrom } from "../ui/root";
 import type { Box, Camera } from "./camera";
 
 const LINE = 16; // px, for mice that scroll by lines
@@ -37,8 +38,8 @@ export function scrollByWheel(
   let elsewhere = Number.NEGATIVE_INFINITY; // when the wheel last scrolled something else
   document.addEventListener(
     "wheel",
-    ({ target, timeStamp }) => {
-      if (!svg.contains(target as Node)) elsewhere = timeStamp;
+    (event) => {
+      if (!comesFrom(event, svg)) elsewhere = event.timeStamp;
     },
     { passive: true, capture: true, signal: closed },
   );

@@ -6,18 +6,34 @@
 interface Signal<T> {
   connect(slot: (sender: unknown, value: T) => void): boolean;
   disconnect(slot: (sender: unknown, value: T) => void): boolean;
+  emit(value: T): void;
+}
+
+const VIEW = "application/vnd.jupyter.widget-view+json";
+export const PICTURE = "image/svg+xml";
+
+export interface NotebookOutput {
+  data: Record<string, unknown>;
+  /** Whether this page shows more of it than text: its user has run the cell, or the notebook is trusted. */
+  trusted: boolean;
 }
 
 export interface NotebookCell {
   readonly contentChanged: Signal<void>;
   readonly sharedModel: { getSource(): string; setSource(source: string): void };
   /** Of a code cell: by MIME type. */
-  readonly outputs?: { length: number; get(index: number): { data: Record<string, unknown> } };
+  readonly outputs?: {
+    length: number;
+    get(index: number): NotebookOutput;
+    /** Reports the index of an output that must be drawn again. */
+    readonly stateChanged: Signal<number>;
+  };
 }
 
 export interface Notebook {
   readonly saveState: Signal<"started" | "completed" | "failed" | "completed manually">;
   readonly model: {
+    readonly contentChanged: Signal<void>;
     readonly cells: { length: number; get(index: number): NotebookCell | undefined };
     getMetadata(key: string): unknown;
     setMetadata(key: string, value: unknown): void;
@@ -27,7 +43,19 @@ export interface Notebook {
 
 /** The part of a widget's model from which its notebook is found. */
 export interface HostedModel {
-  widget_manager?: { context?: Notebook };
+  widget_manager?: WidgetManager;
+}
+
+export interface WidgetManager {
+  readonly context?: Notebook;
+  has_model?(id: string): boolean;
+  /** The model is live if the kernel has it: others were stored with the notebook. */
+  get_model?(id: string): Promise<{ comm_live?: boolean; get(name: string): unknown }>;
+}
+
+/** The identifier of the widget that an output shows. */
+export function widgetOf({ data }: NotebookOutput): string | undefined {
+  return (data?.[VIEW] as { model_id?: string } | undefined)?.model_id;
 }
 
 export interface CellPlace {

@@ -4,11 +4,9 @@
  * under the same name, which shows the picture; while the lab lives, it precedes it.
  */
 
-import type { Notebook } from "./notebook";
+import { type Notebook, PICTURE, widgetOf } from "./notebook";
 
-const VIEW = "application/vnd.jupyter.widget-view+json";
 const STATE = "application/vnd.jupyter.widget-state+json";
-const PICTURE = "image/svg+xml";
 const OURS = "lrp-still";
 
 type Widgets = Record<string, { state?: { _dom_classes?: string[] } }>;
@@ -34,10 +32,10 @@ function store({ model }: Notebook): void {
   for (let index = 0; index < model.cells.length; index++) {
     const { outputs } = model.cells.get(index) ?? {};
     for (let number = 0; number < (outputs?.length ?? 0); number++) {
-      const data = outputs?.get(number).data ?? {};
-      const [view, picture] = [data[VIEW] as { model_id?: string } | undefined, data[PICTURE]];
-      if (view?.model_id && typeof picture === "string" && picture.includes(OURS))
-        pictures.push([view.model_id, widgetOf(picture)]);
+      const output = outputs?.get(number);
+      const [widget, picture] = output ? [widgetOf(output), output.data[PICTURE]] : [];
+      if (widget && typeof picture === "string" && picture.includes(OURS))
+        pictures.push([widget, shows(picture)]);
     }
   }
   if (!pictures.length && others.length === Object.keys(widgets?.[STATE]?.state ?? {}).length) return;
@@ -46,7 +44,7 @@ function store({ model }: Notebook): void {
 }
 
 /** A widget of Jupyter's that shows a picture; as an image, whose styles concern nothing else. */
-function widgetOf(picture: string): object {
+function shows(picture: string): object {
   const image = document.createElement("img");
   image.src = `data:${PICTURE},${picture.replace(/[%#"]/g, encodeURIComponent)}`;
   image.style.maxWidth = "100%";

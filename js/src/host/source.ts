@@ -7,6 +7,7 @@ import type { Editor } from "../editor/editor";
 import type { Lab } from "../session/store";
 import { plain } from "../ui/difference";
 import type { MenuItem } from "../ui/menu";
+import { hasFocus } from "../ui/root";
 import { type CellPlace, cellAround, type HostedModel } from "./notebook";
 
 const FOLDED = "lrp-lab-folded";
@@ -43,7 +44,7 @@ export function cellSource(model: HostedModel, lab: Lab, editor: Editor): Source
     const fold = other === false;
     place.element.classList.toggle(OTHER, other === true);
     const isFolded = place.element.classList.contains(FOLDED);
-    if (fold === isFolded || (isFolded && root.contains(document.activeElement))) return; // nothing moves meanwhile
+    if (fold === isFolded || (isFolded && hasFocus(root))) return; // nothing moves meanwhile
     const { element } = place;
     const seen = fold && element.getBoundingClientRect().top >= topOf(scroller(element)) ? element : root;
     keepInPlace(seen, () => element.classList.toggle(FOLDED, fold));

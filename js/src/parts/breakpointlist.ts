@@ -5,6 +5,7 @@ import type { Act } from "../session/connection";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { freshId, h, prose, reconcile, setAttribute, setHidden, setText } from "../ui/dom";
+import { hasFocus } from "../ui/root";
 import { ELEMENT_OF } from "./breakpoints";
 
 type Entry = [string, BreakpointView];
@@ -96,7 +97,7 @@ function update(element: Element, [number, each]: Entry): void {
     [each.line ? `line ${each.line}` : "", hits, each.dormant ? "dormant" : ""].filter(Boolean).join(" · "),
   );
   const after = element.querySelector<HTMLInputElement>('input[type="number"]')!;
-  if (after !== document.activeElement) after.value = String(each.after);
+  if (!hasFocus(after)) after.value = String(each.after);
   if (problem!.textContent !== each.problem.replaceAll("`", ""))
     problem!.replaceChildren(...prose(each.problem));
   setHidden(problem as HTMLElement, !each.problem);

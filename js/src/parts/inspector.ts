@@ -4,6 +4,7 @@ import type { ElementKind, Facet, InspectView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { h, reconcile, returnFocus, setHidden, setText } from "../ui/dom";
+import { focusedAround } from "../ui/root";
 import { partInSight } from "../ui/sight";
 
 const INTERVAL = 500; // ms between two requests while the program runs
@@ -88,7 +89,7 @@ export function inspector(lab: Lab): Inspector {
   return {
     element,
     open(kind, path) {
-      if (element.hidden) before = document.activeElement;
+      if (element.hidden) before = focusedAround(lab.root);
       into = [];
       store.set("inspected", { kind, path });
       const { top, bottom } = partInSight(lab.root);

@@ -5,6 +5,7 @@ import { nameOf } from "../language/paths";
 import type { Lab } from "../session/store";
 import { button, panel } from "../ui/button";
 import { h, prose, reconcile, s, setAttribute, setText } from "../ui/dom";
+import { hasFocus } from "../ui/root";
 
 interface Group {
   machine: string;
@@ -161,7 +162,7 @@ class Row {
     const close = () => {
       if (!open) return;
       open = false; // removing the field blurs it, which closes it
-      const focused = document.activeElement === input;
+      const focused = hasFocus(input);
       error.remove();
       input.replaceWith(this.value);
       if (focused) this.value.focus();

@@ -4,6 +4,7 @@
  */
 
 import type { AnswerMessage, Command, FromKernel, FromPage, PartName, ReplyMessage } from "../protocol";
+import { viewOf, withNulls } from "./plain";
 import type { Link } from "./state";
 
 /** The part of anywidget's interface that is used here. */
@@ -12,6 +13,8 @@ export interface Model {
   on(event: string, callback: (...args: never[]) => void): void;
   off(event: string, callback: (...args: never[]) => void): void;
   get?(name: string): unknown;
+  set?(name: string, value: unknown): void;
+  save_changes?(): void;
 }
 
 export interface Clock {
@@ -173,8 +176,12 @@ export class Connection {
     }
   }
 
-  private readonly receive = (message: FromKernel, buffers: DataView[] = []): void => {
-    if (!message || message.view !== this.view) return;
+  private readonly receive = (
+    received: FromKernel,
+    buffers: (ArrayBuffer | ArrayBufferView)[] = [],
+  ): void => {
+    if (!received || received.view !== this.view) return;
+    const message = withNulls(received);
     this.lastMessage = this.clock.now();
     this.suspectedAt = Number.POSITIVE_INFINITY;
     if (message.type === "frame") this.credit(message.frame);
@@ -185,9 +192,12 @@ export class Connection {
       this.credit(message.frame.frame);
     }
     this.updateLink();
-    this.listener.message(message, buffers);
-    if (message.type === "answer" && message.seq) this.next();
-    if (message.type === "snapshot") this.restart(message.text);
+    try {
+      this.listener.message(message, buffers.map(viewOf));
+    } finally {
+      if (message.type === "answer" && message.seq) this.next(); // whatever failed, what was typed is sent
+      if (message.type === "snapshot") this.restart(message.text);
+    }
   };
 
   /** Every message makes the kernel report "busy" and "idle", which its host draws: acknowledge two at once. */

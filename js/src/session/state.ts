@@ -22,6 +22,7 @@ export interface LabState extends ViewState {
   link: Link;
   name: string;
   home: string;
+  tab_only: boolean;
   running: string;
   findings: FindingView[];
   accepted: boolean;
@@ -47,6 +48,7 @@ export function initialState(): LabState {
     link: "connecting",
     name: "",
     home: "",
+    tab_only: false,
     running: "",
     findings: [],
     accepted: true,

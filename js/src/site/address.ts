@@ -19,8 +19,12 @@ export async function readAddress(url: URL): Promise<Wanted> {
     const value = url.searchParams.get(key);
     if (value) wanted[key] = value;
   }
-  if (url.hash.startsWith(`#${TEXT}`)) wanted.text = await unpack(url.hash.slice(1 + TEXT.length));
-  return wanted;
+  if (!url.hash.startsWith(`#${TEXT}`)) return wanted;
+  try {
+    return { ...wanted, text: await unpack(url.hash.slice(1 + TEXT.length)) };
+  } catch {
+    throw new Error("The program in this link cannot be read: the link is damaged. Ask for it again.");
+  }
 }
 
 export async function addressOf({ text, ...named }: Wanted, page: URL): Promise<URL> {

@@ -137,7 +137,7 @@ class Page {
     verdict.replaceChildren("Checking …");
     const { passed, text } = await this.python.grade(this.wanted.challenge!);
     verdict.dataset.passed = String(passed);
-    verdict.replaceChildren(text);
+    verdict.replaceChildren(...prose(text));
   }
 
   private async share(): Promise<void> {

@@ -1,5 +1,7 @@
 /** Create and update elements without a framework. */
 
+import { focusedAround, hasFocus } from "./root";
+
 type Child = Node | string | null | undefined | false;
 type Handlers = { [K in keyof HTMLElementEventMap as `on${K}`]?: (event: HTMLElementEventMap[K]) => void };
 export type Attributes = Record<string, unknown> & Handlers;
@@ -55,7 +57,7 @@ export function setText(element: Element, text: string): void {
 
 /** Hide an element or show it; the keyboard focus in a hidden one moves to the lab, not out of it. */
 export function setHidden(element: HTMLElement, hidden: boolean): void {
-  const isLeft = hidden && element.contains(document.activeElement);
+  const isLeft = hidden && hasFocus(element);
   element.hidden = hidden;
   if (isLeft) focusLab(element);
 }
@@ -72,7 +74,8 @@ export function focusLab(element: Element): void {
 /** Return the keyboard's focus to where it was, or to the lab if that is gone: keys would act on the notebook. */
 export function returnFocus(before: Element | null, inLab: Element): void {
   if (before?.isConnected) (before as HTMLElement | SVGElement).focus?.({ preventScroll: true });
-  if (!document.activeElement || document.activeElement === document.body) focusLab(inLab);
+  const focused = focusedAround(inLab);
+  if (!focused || focused === document.body) focusLab(inLab);
 }
 
 /** An id that no other element of the page has: each lab is a module of its own. */
@@ -107,7 +110,7 @@ export function reconcile<T>(
     else parent.insertBefore(element, place);
   }
   for (const gone of old.values()) {
-    if (gone.contains(document.activeElement)) focusLab(gone);
+    if (hasFocus(gone)) focusLab(gone);
     gone.remove();
   }
 }

@@ -4,6 +4,7 @@
  */
 
 import type { Layout } from "./layout";
+import { focusedAround } from "./root";
 
 export interface Enlarging {
   isFilling(): boolean;
@@ -16,7 +17,7 @@ const CONTROL = "button, select, input, a, label";
 export function enlarging(host: HTMLElement, root: HTMLElement, layout: Layout | null): Enlarging {
   const isFilling = () => host.hasAttribute("popover");
   const fill = (on: boolean) => {
-    const focused = document.activeElement as HTMLElement | null;
+    const focused = focusedAround(root) as HTMLElement | null;
     if (on) {
       host.setAttribute("popover", "manual");
       host.showPopover();

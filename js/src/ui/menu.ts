@@ -2,6 +2,7 @@
 
 import { h } from "./dom";
 import { openPopup } from "./popup";
+import { focusedAround } from "./root";
 import { partInSight } from "./sight";
 
 const EDGE = 4; // px between a menu and the edge of what can be seen
@@ -51,7 +52,7 @@ export function openMenu(
   }
   const entries = [...menu.querySelectorAll<HTMLButtonElement>("button:not(:disabled)")];
   menu.addEventListener("keydown", (event) => {
-    const index = entries.indexOf(document.activeElement as HTMLButtonElement);
+    const index = entries.indexOf(focusedAround(menu) as HTMLButtonElement);
     const move: Record<string, number> = {
       ArrowDown: (index + 1) % entries.length,
       ArrowUp: (index + entries.length - 1) % entries.length,

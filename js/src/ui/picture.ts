@@ -2,6 +2,7 @@
 
 import type { Box } from "../graph/camera";
 import { h, s } from "./dom";
+import { parentOf } from "./root";
 
 const DENSITY = 2; // pixels of a PNG per px of the page
 const SVG = "http://www.w3.org/2000/svg";
@@ -56,7 +57,7 @@ function write(style: CSSStyleDeclaration, copy: SVGElement): void {
 
 /** The colour of the paper below an element. */
 function opaque(element: Element | null): string {
-  for (let at = element; at; at = at.parentElement) {
+  for (let at = element; at; at = parentOf(at)) {
     const colour = getComputedStyle(at).backgroundColor;
     if (colour && colour !== "transparent" && colour !== "rgba(0, 0, 0, 0)") return colour;
   }

@@ -1,6 +1,7 @@
 /** What lies over the lab until it is used or left: a menu, a small form. There is one at a time in each host. */
 
 import { focusLab, returnFocus } from "./dom";
+import { comesFrom, focusedAround, hasFocus } from "./root";
 
 const closers = new WeakMap<HTMLElement, () => void>(); // by host
 
@@ -11,20 +12,20 @@ export function openPopup(
   closed: () => void = () => {},
 ): (focus: boolean) => void {
   closers.get(host)?.();
-  const before = document.activeElement;
+  const before = focusedAround(host);
   let isOpen = true;
   const close = (focus: boolean) => {
     if (!isOpen) return;
     isOpen = false;
     document.removeEventListener("pointerdown", outside, true);
-    const isLeft = element.contains(document.activeElement);
+    const isLeft = hasFocus(element);
     element.remove();
     closed();
     if (focus) returnFocus(before, host);
     else if (isLeft) focusLab(host);
   };
   const outside = (event: Event) => {
-    if (!element.contains(event.target as Node)) close(false);
+    if (!comesFrom(event, element)) close(false);
   };
   closers.set(host, () => close(false));
   document.addEventListener("pointerdown", outside, true);

@@ -4,6 +4,7 @@
  */
 
 import { forget, keep, kept } from "./kept";
+import { parentOf } from "./root";
 
 const HEIGHT = "height";
 const LEAST = 480; // px
@@ -42,9 +43,9 @@ export function fitHeight(root: HTMLElement): { reset(): void; close(): void } {
 function scrollerOf(element: Element): Element | null {
   let found: Element | null = null;
   for (
-    let around = element.parentElement;
+    let around = parentOf(element);
     around && around !== document.body && !around.hasAttribute("popover");
-    around = around.parentElement
+    around = parentOf(around)
   ) {
     if (/auto|scroll/.test(getComputedStyle(around).overflowY)) found = around;
   }

@@ -3,9 +3,11 @@
  * preference may well be light.
  */
 
-export function watchTheme(root: HTMLElement): () => void {
+import { parentOf, whenAttached } from "./root";
+
+export function watchTheme(root: HTMLElement, closed: AbortSignal): void {
   const update = () => {
-    root.dataset.theme = isDark(root.parentElement ?? document.body) ? "dark" : "light";
+    root.dataset.theme = isDark(parentOf(root) ?? document.body) ? "dark" : "light";
   };
   const observer = new MutationObserver(update);
   const attributes = {
@@ -15,17 +17,14 @@ export function watchTheme(root: HTMLElement): () => void {
   observer.observe(document.body, attributes);
   observer.observe(document.documentElement, attributes);
   const preference = window.matchMedia("(prefers-color-scheme: dark)");
-  preference.addEventListener("change", update);
+  preference.addEventListener("change", update, { signal: closed });
+  closed.addEventListener("abort", () => observer.disconnect());
   update();
-  requestAnimationFrame(update); // a view may be rendered before it is attached
-  return () => {
-    observer.disconnect();
-    preference.removeEventListener("change", update);
-  };
+  whenAttached(root, closed, update);
 }
 
 function isDark(start: Element): boolean {
-  for (let element: Element | null = start; element; element = element.parentElement) {
+  for (let element: Element | null = start; element; element = parentOf(element)) {
     const lightness = lightnessOf(getComputedStyle(element).backgroundColor);
     if (lightness !== null) return lightness < 128;
   }

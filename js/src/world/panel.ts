@@ -4,6 +4,7 @@ import type { PanelButton, PanelQuestion, PanelView } from "../protocol";
 import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { focusLab, h, prose, setAttribute, setText } from "../ui/dom";
+import { hasFocus } from "../ui/root";
 import { type Inputs, inputs, values } from "./fields";
 import { type Table, tableOf } from "./table";
 
@@ -22,7 +23,7 @@ export function bridgePanel(lab: Lab): HTMLElement {
     const now = shapeOf(panel);
     if (!parts || now !== shape) {
       parts = build(panel, lab, body);
-      if (body.contains(document.activeElement)) focusLab(body);
+      if (hasFocus(body)) focusLab(body);
       body.replaceChildren(...parts.elements);
     }
     shape = now;

@@ -1,8 +1,8 @@
 /** A strip about what is selected in the world: its name, whether it can be pushed, and how to remove it. */
 
-import type { Lab } from "../session/store";
 import { button } from "../ui/button";
 import { h, setHidden, setText } from "../ui/dom";
+import { hasFocus } from "../ui/root";
 import { PUSH, type WorldEdits } from "./edits";
 import type { Stage } from "./stage";
 import type { Shape, Thing } from "./things";
@@ -12,7 +12,7 @@ export interface Properties {
   refresh(): void;
 }
 
-export function properties(lab: Lab, stage: Stage, edits: () => WorldEdits): Properties {
+export function properties(stage: Stage, edits: () => WorldEdits): Properties {
   const kind = h("span", { class: "lrp-thing-kind", "aria-live": "polite" });
   const name = h("input", {
     class: "lrp-input",
@@ -85,7 +85,7 @@ export function properties(lab: Lab, stage: Stage, edits: () => WorldEdits): Pro
       setHidden(start, selected.kind !== "robot");
       setHidden(remove, selected.kind === "robot" || selected.kind === "start");
       const named = selected.kind === "zone" ? selected.name : (it?.name ?? "");
-      if (lab.root.ownerDocument.activeElement !== name) name.value = named;
+      if (!hasFocus(name)) name.value = named;
       push.checked = (it?.push ?? null) !== null;
       round.checked = Boolean(it?.circle);
     },

@@ -56,7 +56,7 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     canvas.setAttribute(name, value);
   }
 
-  const strip = properties(lab, stage, () => edits);
+  const strip = properties(stage, () => edits);
   const edits = new WorldEdits(stage, lab, looking, strip.refresh);
   const preview = new Preview(lab, isOn("world-preview", true));
   let tool: Tool = "move";
@@ -357,10 +357,16 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
   };
 }
 
+/** The colours of the world. A canvas knows no `light-dark()`, so an element that has them says what they are. */
 function palette(root: HTMLElement): Palette {
-  const style = getComputedStyle(root);
-  const color = (name: string) => style.getPropertyValue(`--lrp-world-${name}`).trim() || "gray";
-  return {
+  const probe = h("span", { hidden: true });
+  root.append(probe);
+  const style = getComputedStyle(probe);
+  const color = (name: string) => {
+    probe.style.color = `var(--lrp-world-${name}, gray)`;
+    return style.color || "gray"; // none before the view is in a page
+  };
+  const colours = {
     accent: color("accent"),
     ink: color("ink"),
     paper: color("paper"),
@@ -382,4 +388,6 @@ function palette(root: HTMLElement): Palette {
     dim: root.dataset.theme === "dark",
     font: style.fontFamily || "sans-serif",
   };
+  probe.remove();
+  return colours;
 }

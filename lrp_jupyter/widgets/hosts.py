@@ -1,0 +1,58 @@
+"""Who started this kernel, and what they can show: from its environment and the running cell.
+
+JupyterLab, Notebook and VS Code run a kernel for one person. Voila starts one for every visitor of a
+notebook; JupyterHub runs a server, and with it kernels, for every user that has logged in. nbconvert,
+papermill and others execute a notebook without a page.
+"""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from lrp_jupyter.errors import LRPError
+from lrp_jupyter.files import shown
+
+__all__ = ["is_hub", "is_static", "is_voila"]
+
+
+def is_voila() -> bool:
+    """Return whether Voila started this kernel: for a visitor, or in advance (then it names no server)."""
+    return os.environ.get("SERVER_SOFTWARE", "").startswith("voila/") or "VOILA_PREHEAT" in os.environ
+
+
+def is_hub() -> bool:
+    """Return whether this kernel belongs to a server that JupyterHub has started for one of its users."""
+    return "JUPYTERHUB_USER" in os.environ
+
+
+def is_static() -> bool:
+    """Return whether the outputs of the running cell are only stored, and so pictures instead of widgets.
+
+    ``LRP_STATIC=1`` says so, and ``LRP_STATIC=0`` the opposite. Otherwise it is detected: a client that does
+    not answer ``input()`` has no page. Such a client is nbclient, with which nbconvert, papermill, nbmake,
+    jupytext and Quarto execute notebooks. Voila uses it as well, but has pages.
+
+    Raises
+    ------
+    LRPError
+        ``LRP_STATIC`` has another value.
+    """
+    wanted = os.environ.get("LRP_STATIC", "")
+    if wanted not in ("", "0", "1"):
+        raise LRPError(
+            f"`LRP_STATIC` says whether a lab is stored as a picture, and `{shown(wanted)}` does not answer "
+            "that. Set it to `1` or `0`."
+        )
+    return wanted == "1" if wanted else _is_unattended() and not is_voila()
+
+
+def _is_unattended() -> bool:
+    """Return whether the cell that runs was sent by a client that answers no ``input()``."""
+    from IPython.core.getipython import get_ipython
+
+    kernel: Any = getattr(get_ipython(), "kernel", None)
+    message = kernel.get_parent() if hasattr(kernel, "get_parent") else None
+    if not isinstance(message, dict) or message.get("header", {}).get("msg_type") != "execute_request":
+        return False
+    return message["content"].get("allow_stdin") is False

@@ -1,0 +1,124 @@
+"""The plain page of a static site: one lab without a notebook, a server or a network."""
+
+import pytest
+
+from e2e.pages import LabPage
+
+COUNT = """\
+(var n := [0])
+(machine m
+  (state count (running [n = n + 1])))
+(spawn m count)
+"""
+
+
+class PlainPage(LabPage):
+    """The page of a visitor."""
+
+    def __init__(self, page, site):
+        super().__init__(page)
+        self.site = site
+
+    def show(self, address="", status="running"):
+        self.page.goto(f"{self.site.url}/{address}")
+        return self.ready(status)
+
+    def again(self, status="running"):
+        self.page.reload()
+        return self.ready(status)
+
+    def says(self, words):
+        """Wait until the line below the title says this."""
+        self.page.locator("#status", has_text=words).wait_for()
+
+
+@pytest.fixture
+def plain(visitor, site):
+    """The page of a new visitor; without the simulator, of a program that needs no robot."""
+    return PlainPage(visitor, site)
+
+
+@pytest.fixture
+def counting(plain):
+    """The page, in which a program counts that was typed there."""
+    plain.show("?program=stopwatch")
+    plain.page.locator(".cm-content").press("Control+a")
+    plain.page.keyboard.insert_text(COUNT)
+    plain.state("m/count")
+    return plain
+
+
+def test_a_link_is_enough_for_a_robot_that_drives(plain, simulator):
+    lab = plain.show()
+    lab.goes_on()
+    lab.state("follower/moving")
+    picture = lab.find(".lrp-canvas").evaluate("canvas => canvas.toDataURL()")
+    lab.until("(canvas, picture) => canvas.toDataURL() !== picture", ".lrp-canvas", picture)
+
+
+def test_the_second_visit_needs_no_server(plain, site):
+    plain.show("?program=stopwatch").goes_on()
+    with site.gone():
+        plain.again().goes_on()
+
+
+def test_what_was_typed_is_there_when_the_page_is_loaded_again(counting):
+    counting.type_after("[n = n + 1])", "\n  (state rest")
+    counting.state("m/rest")
+    counting.stored()
+    counting.again()
+    counting.state("m/rest")
+    assert counting.find('[role="alertdialog"]:not([hidden])').count() == 0
+
+
+def test_a_shared_link_opens_the_same_program_in_another_browser(counting, another_visitor, site):
+    counting.page.locator("#share").click()
+    counting.says("The address of this page is the link.")
+    link = counting.page.url
+    assert "#text=" in link
+    other = PlainPage(another_visitor, site).show(link.removeprefix(f"{site.url}/"))
+    other.state("m/count")
+    assert other.text == COUNT
+
+
+def test_a_block_that_does_not_return_pauses_the_program(counting):
+    counting.select("[n = n + 1]")
+    counting.page.keyboard.insert_text("[while True: pass]")
+    counting.ready("paused")
+    counting.reads(":scope", "did not return within")
+
+
+def test_python_that_does_not_answer_is_started_again_with_the_text(counting):
+    counting.select("[n = n + 1]")
+    counting.page.keyboard.insert_text("[sum(range(10**15))]")
+    counting.page.locator("#restart").click()
+    counting.ready("paused")
+    counting.reads(":scope", "did not answer and was started again")
+    assert "sum(range(10**15))" in counting.page.content()
+
+
+def test_a_challenge_is_checked_beside_its_robot(plain, simulator):
+    lab = plain.show("?challenge=first move")
+    lab.page.locator("#check").click()
+    lab.page.locator("#verdict", has_text="not yet").wait_for()
+    lab.select("(state start)")
+    lab.page.keyboard.insert_text("(state start (running [robot.move(linear=0.2)]))")
+    lab.goes_on()
+    lab.page.locator("#check").click()
+    lab.page.locator("#verdict[data-passed=true]").wait_for()
+
+
+def test_the_program_opens_in_a_notebook(counting):
+    counting.page.locator("#notebook").click()
+    counting.page.locator(".jp-Notebook .cm-content", has_text="%%lrp stopwatch").wait_for()
+    assert counting.page.locator(".jp-Notebook .cm-content", has_text="(machine m").count() == 1
+
+
+def test_a_program_that_does_not_exist_is_told_with_a_suggestion(plain):
+    plain.page.goto(f"{plain.site.url}/?program=folower")
+    plain.says("There is no bundled program folower. Did you mean follower?")
+
+
+def test_a_damaged_link_is_told(plain):
+    plain.page.goto(f"{plain.site.url}/#text=%%%")
+    plain.says("the link is damaged")
