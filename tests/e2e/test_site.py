@@ -1,8 +1,12 @@
 """The notebooks of a static site: Python, the simulator and the lab in a browser without a network."""
 
+import shutil
+
 import pytest
 
 from e2e.pages import APP, NotebookPage
+from lrp_jupyter.cli.lab import shipped_notebooks
+from lrp_jupyter.site.build import build_site
 
 PANELS = ("editor", "tree", "graph", "world", "variables", "issues", "timeline")
 COUNT = """\
@@ -96,7 +100,7 @@ def test_the_first_notebook_drives_a_robot_in_the_browser(notebook, simulator):
 def test_a_typed_state_appears_in_the_graph_of_the_running_program_which_can_be_paused_and_stopped(lab):
     lab = lab(COUNT)
     lab.goes_on()
-    lab.type_after("[n = n + 1]))", "\n  (state rest")
+    lab.type_after("[n = n + 1]))", "\n  (state rest)")
     lab.state("m/rest")
     lab.goes_on()
     lab.pause()
@@ -106,7 +110,7 @@ def test_a_typed_state_appears_in_the_graph_of_the_running_program_which_can_be_
 
 def test_a_typed_text_is_there_again_after_the_page_was_loaded_again(lab):
     lab = lab(COUNT)
-    lab.type_after("[n = n + 1]))", "\n  (state rest")
+    lab.type_after("[n = n + 1]))", "\n  (state rest)")
     lab.state("m/rest")
     lab.notebook.save()
     lab.page.reload()
@@ -149,6 +153,19 @@ def test_a_challenge_is_graded_in_the_browser(notebook, simulator):
         f"from lrp_jupyter import grade\nprint(grade({BUMPER!r}, 'bump and stay').passed)",
     )
     assert passed == "True\n"
+
+
+def test_a_site_is_replaced_by_the_next_one_even_without_the_package_index(site, tmp_path, monkeypatch):
+    monkeypatch.setenv("PIP_NO_INDEX", "1")
+    monkeypatch.setenv("PIP_FIND_LINKS", str(site.folder / "python"))
+    folder = tmp_path / "site"
+    folder.mkdir()
+    for name in (".lrp-site", "old.txt"):
+        shutil.copy(site.folder / ".lrp-site", folder / name)
+    build_site(folder, shipped_notebooks(), offline=True, pyodide=site.folder / "python")
+    assert not (folder / "old.txt").exists()
+    wheels = {each.name for each in (site.folder / "python").iterdir()}
+    assert {each.name for each in (folder / "python").iterdir()} == wheels
 
 
 BUMPER = """
