@@ -19,7 +19,7 @@ import { together } from "./parts/together";
 import { treeView } from "./parts/tree";
 import { variablesView } from "./parts/variables";
 import { versionsForm } from "./parts/versions";
-import type { AnswerMessage, FromKernel, PartName, ReplyMessage } from "./protocol";
+import type { FromKernel, PartName, ReplyMessage } from "./protocol";
 import { Connection, type Model } from "./session/connection";
 import { forgetLost, keepLost, lostTexts } from "./session/lost";
 import { apply } from "./session/state";
@@ -108,7 +108,9 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
       store.set("link", link);
       rescue();
     }, closing.signal),
-    sending: () => editor?.markSent(),
+    get typist() {
+      return editor;
+    },
     unanswered: () => rescue(true),
   });
   const elsewhere = together(store, (message) => {
@@ -120,12 +122,17 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     if (message.type === "reply") return;
     const changed = apply(store.state, message);
     if (message.type === "snapshot") {
-      editor?.begin(message.text, message.running, message.half_typed);
+      const left = editor?.begin(message) ?? null;
+      forget();
+      if (left !== null) keepLost(message.home, connection.view, left);
       void recover(message.home, message.text);
       if (part === "lab" && !opened) requestAnimationFrame(() => bringIntoSight(root));
       opened = true;
     }
-    if (message.type === "answer") answered(message);
+    if (message.type === "answer") {
+      editor?.wasAnswered(message);
+      forget();
+    }
     world?.message(message, buffers);
     store.touch(changed);
   }
@@ -147,15 +154,11 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     rescued = true;
   }
 
-  function answered(answer: AnswerMessage): void {
-    const { seq, text } = answer;
-    if (rescued && connection.isAnswered) {
-      forgetLost(store.state.home, connection.view);
-      rescued = false;
-    }
-    if (seq === 0 && connection.inFlight) return; // a text from elsewhere; the one typed here is newer and is sent next
-    if (text !== null) editor?.replaceText(text);
-    editor?.wasAnswered(answer);
+  /** Forget the text of this view, as soon as the kernel has it. */
+  function forget(): void {
+    if (!rescued || !connection.isAnswered) return;
+    forgetLost(store.state.home, connection.view);
+    rescued = false;
   }
 
   const looking = new Looking(lab);

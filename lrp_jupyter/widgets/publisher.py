@@ -73,6 +73,8 @@ class View:
         self.sent: ViewState | None = None
         self.world = WorldCursor() if part in ("lab", "world") else None
         self.framed = float("-inf")  # when the last frame was sent
+        self.revision: int | None = None
+        """The revision of the text that it has been sent."""
         self.fault = ""
         """The traceback of a message that could not be sent."""
         self._send = send
@@ -230,14 +232,34 @@ class Publisher:
 
     # -- the views -----------------------------------------------------------------------------------
 
-    def welcome(self, name: str, part: str, send: Send) -> None:
-        """Send a snapshot to a view that opened, and then what changes."""
+    def welcome(self, name: str, part: str, send: Send, revision: int | None = None, seq: int = 0) -> None:
+        """Send a snapshot to a view that opened, or came back, and then what changes.
+
+        Parameters
+        ----------
+        name, part : str
+        send : callable
+        revision : int, optional
+            The revision of the text that it knows.
+        seq : int
+            The number of the last text that it has sent.
+        """
         with self._lock:
             view = View(name, part, send, self._clock())
+            view.revision = revision
             if not self._ended:
                 self._views[name] = view
+                if part in ("lab", "editor"):
+                    self._texts.enter(name, seq)
             self._snapshot(view)
         self.wake()
+
+    def begin_again(self, name: str) -> None:
+        """Send a view the whole text, because it knows none that can be continued."""
+        with self._lock:
+            if name in self._views:
+                self._views[name].revision = None
+                self._snapshot(self._views[name])
 
     def knows(self, name: str) -> bool:
         """Return whether a view has said hello and has not been forgotten since."""
@@ -331,13 +353,14 @@ class Publisher:
 
     def _answer(self, written: Written) -> None:
         for view in self._views.values():
-            mine = bool(written.view) and view.name == written.view
+            view.revision = max(view.revision or 0, written.revision)
             view.send(
                 {
                     "type": "answer",
-                    "seq": written.seq if mine else 0,
+                    "number": written.number,
+                    "seq": written.seq if view.name == written.view else 0,
                     "revision": written.revision,
-                    "text": None if mine or not written.is_news else written.text,
+                    "updates": written.updates,
                     "findings": written.findings,
                     "accepted": written.accepted,
                     "applied": written.applied,
@@ -415,6 +438,8 @@ class Publisher:
         """Send everything; the view then knows the present view state."""
         view.sent = state = self.view_state()
         view.framed = self._clock()
+        texts = self._texts.everything(view.name, view.revision)
+        view.revision = texts["revision"]
         world = (
             None
             if view.world is None
@@ -424,7 +449,7 @@ class Publisher:
             {
                 "type": "snapshot",
                 "name": self.session.name,
-                **self._texts.everything(),
+                **texts,
                 "choices": {
                     "bridges": list(find_bridges()),
                     "worlds": [*BUNDLED, *saved_worlds()],

@@ -429,7 +429,7 @@ def test_a_fault_of_the_lab_is_reported_in_the_lab(bench, monkeypatch):
     lab = bench(BLINK)
     page = lab.page()
     monkeypatch.delattr(lab.connection, "texts")
-    page.send("text", seq=1, base=0, text="")
+    page.sends("")
     monkeypatch.undo()
     assert "AttributeError" in lab.connection.fault
     lab.publish()
