@@ -19,7 +19,7 @@ import { together } from "./parts/together";
 import { treeView } from "./parts/tree";
 import { variablesView } from "./parts/variables";
 import { versionsForm } from "./parts/versions";
-import type { AnswerMessage, FromKernel, PartName, ReplyMessage } from "./protocol";
+import type { FromKernel, PartName, ReplyMessage } from "./protocol";
 import { Connection, type Model } from "./session/connection";
 import { forgetLost, keepLost, lostTexts } from "./session/lost";
 import { reportChanges } from "./session/reports";
@@ -109,7 +109,9 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
       store.set("link", link);
       rescue();
     }, closing.signal),
-    sending: () => editor?.markSent(),
+    get typist() {
+      return editor;
+    },
     unanswered: () => rescue(true),
   });
   const elsewhere = together(store, (message) => {
@@ -121,12 +123,17 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     if (message.type === "reply") return;
     store.touch(apply(store.state, message));
     if (message.type === "snapshot") {
-      editor?.begin(message.text, message.running, message.half_typed);
+      const left = editor?.begin(message) ?? null;
+      forget();
+      if (left !== null) keepLost(store.state, connection.view, left);
       void recover(message.text);
       if (part === "lab" && !opened) requestAnimationFrame(() => bringIntoSight(root));
       opened = true;
     }
-    if (message.type === "answer") answered(message);
+    if (message.type === "answer") {
+      editor?.wasAnswered(message);
+      forget();
+    }
     world?.message(message, buffers);
   }
 
@@ -149,15 +156,11 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     rescued = true;
   }
 
-  function answered(answer: AnswerMessage): void {
-    const { seq, text } = answer;
-    if (rescued && connection.isAnswered) {
-      forgetLost(store.state, connection.view);
-      rescued = false;
-    }
-    if (seq === 0 && connection.inFlight) return; // a text from elsewhere; the one typed here is newer and is sent next
-    if (text !== null) editor?.replaceText(text);
-    editor?.wasAnswered(answer);
+  /** Forget the text of this view, as soon as the kernel has it. */
+  function forget(): void {
+    if (!rescued || !connection.isAnswered) return;
+    forgetLost(store.state, connection.view);
+    rescued = false;
   }
 
   const looking = new Looking(lab);

@@ -12,6 +12,9 @@ export interface HelloMessage {
   view: string;
   type: "hello";
   part: PartName;
+  document?: string;
+  revision?: number;
+  seq?: number;
 }
 
 /** A view closes; best effort, so a view without credit for long counts as gone too. */
@@ -20,15 +23,30 @@ export interface ByeMessage {
   type: "bye";
 }
 
-/** The whole text of the editor. `base` is the last revision that the view knew. */
+export type Sections = (number | (number | string)[])[];
+
+export type ElementKind = "machine" | "state" | "transition" | "event" | "variable" | "robot";
+
+/** What was typed: changes, one after the other, to the text of the revision `base`. */
 export interface TextMessage {
   view: string;
   type: "text";
   seq: number;
   base: number;
-  text: string;
-  cursor?: [number, number] | null;
+  updates: Sections[];
+  selection?: [number, number] | null;
   meant?: boolean;
+  rename?: [ElementKind, string, string] | null;
+}
+
+/** The cursor moved, the editor was left, or the word at the cursor is meant by now. Not answered. */
+export interface CursorMessage {
+  view: string;
+  type: "cursor";
+  seq: number;
+  revision: number;
+  selection: [number, number] | null;
+  meant: boolean;
 }
 
 /** The frame with this number has arrived, and all frames before it. */
@@ -72,8 +90,6 @@ export interface FormatRequest {
   type: "format";
   text: string;
 }
-
-export type ElementKind = "machine" | "state" | "transition" | "event" | "variable" | "robot";
 
 /** Ask why a transition did not fire, why a state is active, or why the robot does what it does. */
 export interface WhyRequest {
@@ -289,17 +305,6 @@ export interface VersionCommand {
   id: number;
   do: "version";
   key: string;
-}
-
-/** Rename an element and everything that refers to it; all views get the new text. */
-export interface RenameCommand {
-  view: string;
-  type: "command";
-  id: number;
-  do: "rename";
-  kind: ElementKind;
-  path: string;
-  name: string;
 }
 
 /** Go to a state as if a transition led there. */
@@ -1003,6 +1008,12 @@ export interface LookingView {
   edited: boolean;
 }
 
+/** Where the selection in an editor is, in the text of this revision; None without one. */
+export interface HandView {
+  revision: number;
+  selection: [number, number] | null;
+}
+
 /** Everything that a view may show of a session, apart from its texts and its world. */
 export interface ViewState {
   status: Status;
@@ -1034,6 +1045,7 @@ export interface ViewState {
   conflict: ConflictView | null;
   looking: LookingView | null;
   unkept: string;
+  hands: Record<string, HandView>;
 }
 
 /** What changed in the view state since the last frame sent to this view. */
@@ -1042,6 +1054,12 @@ export interface FrameMessage extends Changes<ViewState> {
   view: string;
   frame: number;
   ink?: InkView;
+}
+
+/** Changes to the text that a view made, or the kernel if `view` is empty. */
+export interface UpdateView {
+  view: string;
+  changes: Sections;
 }
 
 /** Replace a range by a text. */
@@ -1075,13 +1093,14 @@ export interface Difference {
   moved: string[];
 }
 
-/** The answer to a text that the session has read. */
+/** The answer to a text that the session has read; all views get all of them, numbered from 1. */
 export interface AnswerMessage {
   type: "answer";
   view: string;
+  number: number;
   seq: number;
   revision: number;
-  text: string | null;
+  updates: UpdateView[];
   findings: FindingView[];
   accepted: boolean;
   applied: boolean;
@@ -1144,15 +1163,19 @@ export interface WorldView {
   redo?: boolean;
 }
 
-/** Everything, for a view that has just opened. */
+/** Everything, for a view that has just opened, or lost its connection. */
 export interface SnapshotMessage {
   type: "snapshot";
   view: string;
   name: string;
   home: string;
   tab_only: boolean;
+  document: string;
+  number: number;
+  seq: number;
   text: string;
   revision: number;
+  updates: UpdateView[] | null;
   running: string;
   findings: FindingView[];
   accepted: boolean;
@@ -1330,6 +1353,7 @@ export type FromPage =
   | HelloMessage
   | ByeMessage
   | TextMessage
+  | CursorMessage
   | CreditMessage
   | CompleteRequest
   | HoverRequest
@@ -1367,7 +1391,6 @@ export type Command =
   | KeepCommand
   | RecoverCommand
   | VersionCommand
-  | RenameCommand
   | TransitionCommand
   | TeleportCommand
   | FireCommand
@@ -1435,4 +1458,5 @@ export const EMPTY_VIEW_STATE: ViewState = {
   conflict: null,
   looking: null,
   unkept: "",
+  hands: {},
 };

@@ -1,6 +1,6 @@
 import { beforeEach, describe, expect, it } from "vitest";
-import type { AnswerMessage, FromKernel, FromPage, SnapshotMessage } from "../src/protocol";
-import { type Clock, Connection } from "../src/session/connection";
+import type { AnswerMessage, FromKernel, FromPage, Sections, SnapshotMessage } from "../src/protocol";
+import { type Clock, Connection, type Typed } from "../src/session/connection";
 import { initialState, type Link } from "../src/session/state";
 
 class Wire {
@@ -14,6 +14,8 @@ class Wire {
   commChanged = () => {};
   private ticks: (() => void)[] = [];
   connection: Connection;
+  typed: Sections[] = [];
+  moved = false;
 
   constructor() {
     const clock: Clock = {
@@ -42,6 +44,15 @@ class Wire {
         if (this.fails) throw new Error("A panel failed");
       },
       link: (link: Link) => void this.links.push(link),
+      typist: {
+        revision: 7,
+        isAhead: false,
+        next: (): Typed | null => {
+          const updates = this.typed.splice(0);
+          if (updates.length) return { type: "text", base: 7, updates };
+          return this.moved ? { type: "cursor", revision: 7, selection: null, meant: true } : null;
+        },
+      },
     };
     this.connection = new Connection(model, "lab", listener, clock, "me");
   }
@@ -57,15 +68,23 @@ class Wire {
     }
   }
 
-  texts(): string[] {
-    return this.sent.flatMap((message) => (message.type === "text" ? [message.text] : []));
+  texts(): Sections[][] {
+    return this.sent.flatMap((message) => (message.type === "text" ? [message.updates] : []));
+  }
+
+  /** Type a letter. */
+  type(letter: string): void {
+    this.typed.push([[0, letter]]);
+    this.connection.text();
   }
 }
 
-const answer = (seq: number, revision = seq): Partial<AnswerMessage> => ({ type: "answer", seq, revision });
-const snapshot = (text: string): Partial<SnapshotMessage> => ({
+const answer = (number: number, seq = number): Partial<AnswerMessage> => ({ type: "answer", number, seq });
+const snapshot = (seq = 0, number = 0): Partial<SnapshotMessage> => ({
   type: "snapshot",
-  text,
+  document: "d",
+  seq,
+  number,
   revision: 1,
   frame: { type: "frame", view: "me", frame: 1 },
 });
@@ -76,54 +95,87 @@ beforeEach(() => {
 });
 
 describe("text", () => {
-  it("is sent one at a time, and of those that wait the newest", () => {
-    for (const text of ["a", "ab", "abc", "abcd"]) wire.connection.text(text);
-    expect(wire.texts()).toEqual(["a"]);
-    wire.hear(answer(1));
-    expect(wire.texts()).toEqual(["a", "abcd"]);
-    wire.hear(answer(2));
-    expect(wire.texts()).toEqual(["a", "abcd"]);
-  });
+  const a = [[0, "a"]];
 
   it("is sent although a panel fails at the message that makes way for it", () => {
-    wire.connection.text("a");
-    wire.connection.text("ab");
+    wire.type("a");
+    wire.type("b");
     wire.fails = true;
     expect(() => wire.hear(answer(1))).toThrow("A panel failed");
-    expect(wire.texts()).toEqual(["a", "ab"]);
-    expect(() => wire.hear(snapshot(""))).toThrow("A panel failed");
-    expect(wire.texts()).toEqual(["a", "ab", "ab"]);
+    expect(wire.texts()).toEqual([[a], [[[0, "b"]]]]);
+    wire.type("c");
+    expect(() => wire.hear(snapshot(2))).toThrow("A panel failed");
+    expect(wire.texts()).toHaveLength(3);
   });
 
-  it("is sent again when its last word is meant", () => {
-    const sent = () =>
-      wire.sent.flatMap((message) => (message.type === "text" ? [[message.text, message.meant]] : []));
-    wire.connection.text("a", [1, 2], false);
-    wire.connection.text("a", [1, 2], true);
+  it("is sent one at a time, and then what was typed meanwhile", () => {
+    for (const letter of "abc") wire.type(letter);
+    expect(wire.texts()).toEqual([[a]]);
     wire.hear(answer(1));
-    expect(sent()).toEqual([
-      ["a", false],
-      ["a", true],
-    ]);
+    expect(wire.texts()).toEqual([[a], [[[0, "b"]], [[0, "c"]]]]);
+    wire.hear(answer(2));
+    expect(wire.texts()).toHaveLength(2);
   });
 
   it("is not freed by the answer to another view's text", () => {
-    wire.connection.text("a");
-    wire.connection.text("ab");
-    wire.hear(answer(0, 7));
-    expect(wire.texts()).toEqual(["a"]);
+    wire.type("a");
+    wire.type("b");
+    wire.hear(answer(1, 0));
+    expect(wire.texts()).toHaveLength(1);
+    wire.hear(answer(2, 1));
+    expect(wire.texts()).toHaveLength(2);
   });
 
-  it("names the revision that it is based on", () => {
-    wire.hear(answer(0, 7));
-    wire.connection.text("a");
+  it("is followed by the cursor, with the number of the text before it", () => {
+    wire.moved = true;
+    wire.type("a");
     expect(wire.sent.at(-1)).toMatchObject({ type: "text", base: 7, seq: 1 });
+    wire.hear(answer(1));
+    expect(wire.sent.at(-1)).toMatchObject({ type: "cursor", revision: 7, seq: 1 });
   });
 
-  it("is sent again when a new kernel side does not know it", () => {
-    wire.connection.text("mine");
-    wire.hear(snapshot("theirs"));
-    expect(wire.texts()).toEqual(["mine", "mine"]);
+  it("is free again after a snapshot that contains it, and only then", () => {
+    wire.type("a");
+    wire.hear(snapshot(0));
+    wire.type("b");
+    expect(wire.texts()).toHaveLength(1);
+    wire.hear(snapshot(1));
+    expect(wire.texts()).toHaveLength(2);
+  });
+});
+
+describe("answers", () => {
+  it("that come too early wait for their turn, and known ones are ignored", () => {
+    for (const number of [2, 3, 1, 2, 1, 5]) wire.hear(answer(number, 0));
+    expect(wire.got).toEqual(["answer", "answer", "answer"]);
+    wire.hear(answer(4, 0));
+    expect(wire.got).toHaveLength(5);
+  });
+
+  it("that are missing for long are asked for, and those before the snapshot are ignored", () => {
+    wire.hear(snapshot());
+    wire.hear(answer(2, 0));
+    const hellos = () => wire.sent.filter(({ type }) => type === "hello");
+    for (let second = 0; second < 4; second++) {
+      wire.wait(1000);
+      wire.hear({ type: "frame", frame: 2 });
+    }
+    expect(hellos().at(-1)).toMatchObject({ document: "d", revision: 7, seq: 0 });
+    expect(hellos()).toHaveLength(2);
+    wire.hear(snapshot(0, 2));
+    wire.hear(answer(1, 0));
+    wire.hear(answer(3, 0));
+    expect(wire.got.filter((type) => type === "answer")).toHaveLength(1);
+  });
+
+  it("to a text that is lost are asked for", () => {
+    wire.hear(snapshot());
+    wire.type("a");
+    for (let second = 0; second < 4; second++) {
+      wire.wait(1000);
+      wire.hear({ type: "frame", frame: 2 });
+    }
+    expect(wire.sent.filter(({ type }) => type === "hello").at(-1)).toMatchObject({ seq: 1 });
   });
 });
 
@@ -152,13 +204,13 @@ describe("frames", () => {
 describe("the link", () => {
   it("is live once a message has arrived", () => {
     wire.time = 10;
-    wire.hear(snapshot(""));
+    wire.hear(snapshot());
     expect(wire.links).toEqual(["live"]);
   });
 
   it("is busy while a command is not answered, and live again after it", async () => {
     wire.time = 10;
-    wire.hear(snapshot(""));
+    wire.hear(snapshot());
     const reply = wire.connection.command({ do: "pause" });
     wire.wait(400);
     expect(wire.links).toEqual(["live", "busy"]);
@@ -169,7 +221,7 @@ describe("the link", () => {
 
   it("is lost after three silent seconds, asks again, and comes back", () => {
     wire.time = 10;
-    wire.hear(snapshot(""));
+    wire.hear(snapshot());
     wire.wait(3100);
     expect(wire.links.at(-1)).toBe("lost");
     expect(wire.sent.filter((message) => message.type === "hello")).toHaveLength(2);
@@ -179,7 +231,7 @@ describe("the link", () => {
 
   it("is dead when the comm is reported to close and no message follows", () => {
     wire.time = 10;
-    wire.hear(snapshot(""));
+    wire.hear(snapshot());
     wire.commChanged();
     wire.wait(1600);
     expect(wire.links.at(-1)).toBe("dead");
@@ -188,7 +240,7 @@ describe("the link", () => {
   it("stays live when the comm is reported to open", () => {
     wire.commChanged();
     wire.wait(200);
-    wire.hear(snapshot(""));
+    wire.hear(snapshot());
     wire.wait(1600);
     expect(wire.links).toEqual(["live"]);
   });

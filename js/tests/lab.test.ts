@@ -1,10 +1,22 @@
 // @vitest-environment happy-dom
 
+import { undo } from "@codemirror/commands";
+import { ChangeSet, Text } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import { handsIn } from "../src/editor/hands";
+import { difference } from "../src/editor/texts";
 import { WORD_AFTER } from "../src/editor/typing";
 import { openLab } from "../src/lab";
-import type { AnswerMessage, Command, FromPage, PartName } from "../src/protocol";
+import type {
+  AnswerMessage,
+  Command,
+  FromPage,
+  PartName,
+  Sections,
+  SnapshotMessage,
+  UpdateView,
+} from "../src/protocol";
 import { lostTexts } from "../src/session/lost";
 import { Stage } from "../src/world/stage";
 import recording from "./page/recording.json";
@@ -25,6 +37,8 @@ class Page {
   readonly host = document.createElement("div");
   sent: FromPage[] = [];
   private ended = false;
+  /** The kernel's text, of which revision, how many answers there were, and which texts are in it. */
+  kernel = { text: Text.empty, revision: 0, number: 0, seq: 0 };
   private hear: (message: unknown, buffers: ArrayBufferView[]) => void = () => {};
   readonly close: () => void;
   /** The traits of its widget, and how often the page has saved them. */
@@ -69,8 +83,12 @@ class Page {
     this.find('[data-lrp-action="stop"]').click();
   }
 
+  get view(): string {
+    return this.sent[0]!.view;
+  }
+
   deliver(message: object, bytes: Uint8Array[] = []): void {
-    const whole = { view: this.sent[0]!.view, ...message };
+    const whole = { view: this.view, ...message };
     if (ELSEWHERE) this.hear(withoutNull(whole), bytes);
     else {
       const views = bytes.map(({ buffer, byteOffset, length }) => new DataView(buffer, byteOffset, length));
@@ -78,8 +96,60 @@ class Page {
     }
   }
 
+  /** Deliver a snapshot of a text. */
+  open(fields: Partial<SnapshotMessage> = {}): void {
+    const snapshot = { ...structuredClone(recording.snapshot), ...fields };
+    const { revision, number, seq } = snapshot;
+    this.kernel = { text: lines(snapshot.text), revision, number, seq };
+    this.deliver(snapshot);
+  }
+
+  /** The changes of the texts that the kernel has not handled, which it then has. */
+  merge(): UpdateView[] {
+    return this.of("text")
+      .filter(({ seq }) => seq > this.kernel.seq)
+      .flatMap(({ seq, updates }) => updates.map((changes) => this.update(changes, this.view, seq)));
+  }
+
+  /** Make the next revision. */
+  update(changes: Sections, view = "", seq = this.kernel.seq): UpdateView {
+    const { kernel } = this;
+    kernel.text = ChangeSet.fromJSON(changes).apply(kernel.text);
+    kernel.revision++;
+    kernel.seq = seq;
+    return { view, changes };
+  }
+
+  /** The next answer, with these updates. */
+  answer(updates: UpdateView[], fields: Partial<AnswerMessage> = {}): Partial<AnswerMessage> {
+    const { revision, seq } = this.kernel;
+    const number = ++this.kernel.number;
+    return { ...ANSWER, number, seq: fields.seq ?? seq, revision, updates, ...fields };
+  }
+
+  /** The kernel answers what was typed. */
+  confirm(fields: Partial<AnswerMessage> = {}): void {
+    this.deliver(this.answer(this.merge(), fields));
+  }
+
+  /** Another view, or a cell, has changed the text. */
+  elsewhere(text: string, view = ""): UpdateView[] {
+    const change = difference(this.kernel.text, lines(text));
+    return change ? [this.update(ChangeSet.of(change, this.kernel.text.length).toJSON(), view)] : [];
+  }
+
+  /** The fields of a snapshot after an interruption: what others changed, and the last text that counts. */
+  snapshot(updates: UpdateView[], seq: number): Partial<SnapshotMessage> {
+    const { text, revision, number } = this.kernel;
+    return { text: text.toString(), revision, number, seq, updates };
+  }
+
+  hears(text: string, fields: Partial<AnswerMessage> = {}): void {
+    this.deliver(this.answer(this.elsewhere(text), { seq: 0, ...fields }));
+  }
+
   async begin(): Promise<this> {
-    this.deliver(structuredClone(recording.snapshot));
+    this.open();
     await this.drawn();
     return this;
   }
@@ -111,11 +181,10 @@ class Page {
   }
 }
 
-const answer = (fields: Partial<AnswerMessage>): Partial<AnswerMessage> => ({
+const lines = (text: string) => Text.of(text.split("\n"));
+
+const ANSWER: Partial<AnswerMessage> = {
   type: "answer",
-  seq: 1,
-  revision: 2,
-  text: null,
   findings: [],
   accepted: true,
   applied: true,
@@ -123,8 +192,7 @@ const answer = (fields: Partial<AnswerMessage>): Partial<AnswerMessage> => ({
   half_typed: false,
   running: null,
   pending: null,
-  ...fields,
-});
+};
 
 let page: Page;
 beforeEach(async () => {
@@ -136,35 +204,154 @@ afterEach(() => {
 });
 
 describe("the editor", () => {
-  it("shows the session's text and sends what is typed, whole", () => {
-    expect(page.editor.state.doc.toString()).toBe(recording.snapshot.text);
+  it("shows the session's text and sends what is typed", () => {
+    const { text, revision } = recording.snapshot;
+    expect(page.editor.state.doc.toString()).toBe(text);
     page.type("; x\n");
-    expect(page.of("text").map(({ text }) => text)).toEqual([`; x\n${recording.snapshot.text}`]);
+    expect(page.of("text")).toMatchObject([
+      { seq: 1, base: revision, updates: [[[0, "; x", ""], text.length]] },
+    ]);
   });
 
   it("never sends back a text that came from elsewhere", async () => {
-    page.deliver(answer({ seq: 0, text: "(machine other)" }));
+    page.hears("(machine other)");
     expect(page.editor.state.doc.toString()).toBe("(machine other)");
     expect(page.of("text")).toEqual([]);
   });
 
   it("keeps what is typed while another's text comes in", () => {
     page.type("; mine\n");
-    page.deliver(answer({ seq: 0, text: "(machine other)" }));
-    expect(page.editor.state.doc.toString()).toContain("; mine");
+    page.hears("(machine other)");
+    page.type("m", 3);
+    expect(page.editor.state.doc.toString()).toBe("; mmine\n(machine other)");
+  });
+
+  it("undoes only what was typed in it", () => {
+    page.type("; mine\n");
+    page.confirm();
+    page.hears("; mine\n(machine other)");
+    undo(page.editor);
+    expect(page.editor.state.doc.toString()).toBe("(machine other)");
+    page.confirm();
+    expect(page.kernel.text.toString()).toBe("(machine other)");
+  });
+
+  it("sends what is typed meanwhile in one text when the first one is answered", () => {
+    for (const letter of "abc") page.type(letter);
+    expect(page.of("text")).toHaveLength(1);
+    page.confirm();
+    expect(page.of("text").map(({ updates }) => updates.length)).toEqual([1, 2]);
+    page.confirm();
+    expect(page.of("text")).toHaveLength(2);
+    expect(page.kernel.text.toString()).toBe(page.editor.state.doc.toString());
+  });
+
+  it("takes answers in their order, and each once", () => {
+    page.hears("1");
+    const [first, second] = ["12", "123"].map((text) => page.answer(page.elsewhere(text), { seq: 0 }));
+    page.deliver(second!);
+    expect(page.editor.state.doc.toString()).toBe("1");
+    page.deliver(first!);
+    expect(page.editor.state.doc.toString()).toBe("123");
+    for (const answer of [first, second]) page.deliver(answer!);
+    expect(page.editor.state.doc.toString()).toBe("123");
+  });
+
+  it("merges what it typed while it had no connection", () => {
+    page.hears("(machine m)");
+    page.type(";a\n");
+    page.type("b", 2);
+    const known = page.kernel.revision;
+    const updates = [...page.elsewhere("(machine m (state a))", "other")];
+    page.deliver({ ...structuredClone(recording.snapshot), ...page.snapshot(updates, 1) });
+    expect(page.editor.state.doc.toString()).toBe(";ab\n(machine m (state a))");
+    expect(page.of("text").at(-1)).toMatchObject({ seq: 2, base: known + 1 });
+    expect(page.of("text").at(-1)?.updates).toHaveLength(2);
+    page.kernel.seq = 1; // the first one never arrived
+    page.confirm();
+    expect(page.kernel.text.toString()).toBe(page.editor.state.doc.toString());
+  });
+
+  it("waits for a text that is on its way still", () => {
+    page.type("a");
+    page.deliver({ ...structuredClone(recording.snapshot), ...page.snapshot([], 0) });
+    page.type("b");
+    expect(page.of("text")).toHaveLength(1);
+    page.confirm();
+    expect(page.of("text")).toHaveLength(2);
+  });
+
+  it("gives what cannot be merged to the kernel, which asks", async () => {
+    page.type("; mine\n");
+    const text = `; mine\n${recording.snapshot.text}`;
+    page.open({
+      text: "(machine other)",
+      revision: 900,
+      seq: 1,
+      document: "another",
+      home: "/home",
+      tab_only: false,
+    });
+    expect(page.editor.state.doc.toString()).toBe("(machine other)");
+    expect(page.commands("recover")).toMatchObject([{ text }]);
+    page.deliver({ type: "reply", id: page.commands("recover")[0]!.id, error: null });
+    await page.drawn();
+    expect(lostTexts({ home: "/home", tab_only: false }).size).toBe(0);
+  });
+
+  it("shows where other hands are, in the text that both know, and moves them with it", async () => {
+    page.hears("(machine m)");
+    const other = async (at: number | null, revision = page.kernel.revision) => {
+      const hand = (place: number | null) => ({
+        revision,
+        selection: place === null ? null : [place, place],
+      });
+      page.deliver({ type: "frame", frame: 9, hands: { [page.view]: hand(null), other: hand(at) } });
+      await page.drawn();
+      return handsIn(page.editor.state).map(({ head }) => head);
+    };
+    expect(await other(4)).toEqual([4]);
+    page.type("; x\n");
+    expect(await other(10)).toEqual([14]);
+    expect(await other(5, page.kernel.revision + 1)).toEqual([14]); // of a text that did not come yet
+    page.deliver(page.answer([...page.merge(), ...page.elsewhere("; x\n(machine mm)", "other")]));
+    expect(handsIn(page.editor.state).map(({ head }) => head)).toEqual([15]);
+    expect(await other(5)).toEqual([5]);
+    expect(await other(null)).toEqual([]);
+  });
+
+  it("sends where its cursor is only if another view has an editor, too", async () => {
+    const last = () => page.of("cursor").at(-1);
+    const move = async (anchor: number) => {
+      page.editor.dispatch({ selection: { anchor } });
+      await vi.waitUntil(() => last()?.selection?.[0] === anchor, { timeout: 500 }).catch(() => {});
+    };
+    await move(3);
+    expect(last()).toBe(undefined);
+    const hand = { revision: 1, selection: null };
+    page.deliver({ type: "frame", frame: 9, hands: { [page.view]: hand, other: hand } });
+    await move(4);
+    expect(last()).toMatchObject({ selection: [4, 4], revision: 1, seq: 0 });
+    page.type("x", 0);
+    await move(20);
+    expect(last()).toMatchObject({ selection: [4, 4] }); // the text that is on its way comes first
+    page.confirm();
+    expect(last()).toMatchObject({ selection: [20, 20], revision: 2, seq: 1 });
   });
 
   it("underlines a finding at its present place, not where it was found", async () => {
     page.type("a");
     page.type("\n\n", 0);
     const range = { line: 1, column: 1, end_line: 1, end_column: 2 };
-    page.deliver(
-      answer({
-        findings: [
-          { id: "1", code: "LRP101", severity: "error", message: "`a`", range, fix: null, creates: null },
-        ],
-      }),
-    );
+    page.kernel.number += 1;
+    const [first] = page.of("text");
+    page.deliver({
+      ...ANSWER,
+      ...{ number: 1, seq: 1, revision: 2, updates: [{ view: page.view, changes: first!.updates[0]! }] },
+      findings: [
+        { id: "1", code: "LRP101", severity: "error", message: "`a`", range, fix: null, creates: null },
+      ],
+    });
     await page.drawn();
     expect(page.find(".cm-lintRange-error").textContent).toBe("a");
     expect(page.editor.state.doc.lineAt(2).number).toBe(3);
@@ -175,11 +362,11 @@ describe("the editor", () => {
     const end = page.editor.state.doc.length;
     page.editor.dispatch({ selection: { anchor: end } });
     page.editor.dispatch({ ...page.editor.state.replaceSelection("(sta"), userEvent: "input.type" });
-    page.deliver(answer({ seq: 1, half_typed: true }));
-    page.deliver(answer({ seq: 0, text: "(machine m)", half_typed: true }));
+    page.confirm({ half_typed: true });
+    page.hears("(machine m)", { half_typed: true });
     vi.advanceTimersByTime(WORD_AFTER);
     vi.useRealTimers();
-    expect(page.of("text").at(-1)).toMatchObject({ text: "(machine m)", cursor: [1, 12], meant: true });
+    expect(page.of("cursor").at(-1)).toMatchObject({ selection: [11, 11], meant: true });
   });
 
   it("underlines a finding of a snapshot that comes while a text is on its way", async () => {
@@ -194,18 +381,9 @@ describe("the editor", () => {
       fix: null,
       creates: null,
     };
-    page.deliver({ ...structuredClone(recording.snapshot), findings: [finding] });
+    page.deliver({ ...structuredClone(recording.snapshot), updates: [], findings: [finding] });
     await page.drawn();
     expect(page.find(".cm-lintRange-error").textContent).toBe(recording.snapshot.text.slice(0, 2));
-  });
-
-  it("keeps the line ends of a text", async () => {
-    page.close();
-    page.host.remove();
-    page = new Page();
-    page.deliver({ ...structuredClone(recording.snapshot), text: "(machine m)\r\n(spawn m a)\r\n" });
-    page.type(";", 0);
-    expect(page.of("text").at(-1)?.text).toBe(";(machine m)\r\n(spawn m a)\r\n");
   });
 });
 
@@ -292,15 +470,6 @@ describe("a page of any notebook", () => {
     await page.drawn();
     expect(page.find(".lrp-lab").dataset.lrpStatus).toBe("dead");
   });
-});
-
-it("a text with other line ends keeps them", () => {
-  page.deliver(answer({ seq: 0, text: "(machine m)\r\n(spawn m a)\r\n" }));
-  expect(page.editor.state.doc.lines).toBe(3);
-  page.deliver(answer({ seq: 0, text: "a\nb\nc\nd" }));
-  expect(page.editor.state.doc.lines).toBe(4);
-  page.type("x");
-  expect(page.of("text").at(-1)?.text).toBe("xa\nb\nc\nd");
 });
 
 describe("the page", () => {
@@ -691,10 +860,10 @@ describe("the page", () => {
 
   it("says 'runs' of an edit that restarted the program", async () => {
     page.type("; x\n");
-    page.deliver(answer({ reason: "`m` is active and was removed." }));
+    page.confirm({ reason: "`m` is active and was removed." });
     await page.drawn();
     expect(page.find(".lrp-verdict").textContent).toBe("runs");
-    page.deliver(answer({ applied: false, reason: "The machine is missing." }));
+    page.confirm({ applied: false, reason: "The machine is missing." });
     await page.drawn();
     expect(page.find(".lrp-verdict").textContent).toBe("The machine is missing.");
   });
@@ -869,7 +1038,7 @@ describe("a text that no kernel has answered", () => {
   };
   const open = (fields = {}) => {
     page = new Page();
-    page.deliver({ ...structuredClone(snapshot), ...fields });
+    page.open({ home: snapshot.home, tab_only: false, ...fields });
     return page.drawn();
   };
   const next = (text = snapshot.text) => {
@@ -905,7 +1074,7 @@ describe("a text that no kernel has answered", () => {
   it("is forgotten as soon as it is answered, or if the kernel has it", async () => {
     page.type("; x\n");
     window.dispatchEvent(new Event("pagehide"));
-    page.deliver(answer({ seq: 1 }));
+    page.confirm();
     await next();
     expect(page.commands("recover")).toEqual([]);
     page.type("; y\n");
@@ -914,9 +1083,18 @@ describe("a text that no kernel has answered", () => {
     expect(lostTexts(snapshot).size).toBe(0);
   });
 
+  it("is forgotten when a snapshot shows that it has arrived", () => {
+    page.type("; x\n");
+    window.dispatchEvent(new Event("pagehide"));
+    expect(lostTexts(snapshot).size).toBe(1);
+    const updates = page.merge();
+    page.deliver({ ...structuredClone(snapshot), ...page.snapshot(updates, 1) });
+    expect(lostTexts(snapshot).size).toBe(0);
+  });
+
   it("includes one that the kernel could not keep before it ended", async () => {
     page.type("; x\n");
-    page.deliver(answer({ seq: 1 }));
+    page.confirm();
     page.deliver({ type: "frame", frame: 9, unkept: "No space left on device." });
     page.end();
     await next();
@@ -925,7 +1103,7 @@ describe("a text that no kernel has answered", () => {
 
   it("includes what is typed after the kernel has ended, and nothing that it knew", async () => {
     page.type("; x\n");
-    page.deliver(answer({ seq: 1 }));
+    page.confirm();
     page.end();
     await next();
     expect(page.commands("recover")).toEqual([]);
@@ -960,7 +1138,7 @@ describe("a text that no kernel has answered", () => {
     leave();
     await open({ tab_only: true });
     page.type("; x\n");
-    page.deliver(answer({ seq: 1 }));
+    page.confirm();
     page.end();
     leave();
     expect(localStorage).toHaveLength(0);

@@ -3,13 +3,13 @@ import { redo, undo } from "@codemirror/commands";
 import { EditorState } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
 import { beforeEach, describe, expect, it } from "vitest";
-import { Pen, renameOf, renames } from "../src/editor/pen";
+import { Pen, renameOf, renames, sharedEffects } from "../src/editor/pen";
 import { steps } from "../src/editor/steps";
 import { lrp } from "../src/language/lrp";
 import type { ReplyMessage, TextEdit } from "../src/protocol";
 import type { Lab } from "../src/session/store";
 
-const TEXT = "(machine m\r\n  (state a)\r\n  (event go [1])\r\n  (on go a -> a))\r\n";
+const TEXT = "(machine m\n  (state a)\n  (event go [1])\n  (on go a -> a))\n";
 
 let asked: { text: string; act: string }[];
 let answer: TextEdit[] | string;
@@ -32,12 +32,12 @@ beforeEach(() => {
     state: EditorState.create({
       doc: TEXT,
       extensions: [
-        EditorState.lineSeparator.of("\r\n"),
         steps,
         renames,
         lrp(),
         EditorView.updateListener.of((update) => {
-          if (update.docChanged) sent.push(renameOf(update) ?? view.state.sliceDoc());
+          const [transaction] = update.transactions;
+          if (update.docChanged) sent.push(renameOf(sharedEffects(transaction!)) ?? view.state.sliceDoc());
         }),
       ],
     }),
@@ -52,15 +52,15 @@ beforeEach(() => {
 });
 
 describe("what is drawn", () => {
-  it("is one step of the history, whatever the line ends", async () => {
+  it("is one step of the history", async () => {
     answer = [
-      { range: at(2, 12), text: "\r\n  (state b)" },
-      { range: at(4, 17), text: "\r\n  (eps a -> b)" },
+      { range: at(2, 12), text: "\n  (state b)" },
+      { range: at(4, 17), text: "\n  (eps a -> b)" },
     ];
     expect(await pen.draw({ act: "transition", kind: "state", path: "m/a", to: "b" })).toBeNull();
     expect(asked[0]).toMatchObject({ text: TEXT, act: "transition" });
     expect(view.state.sliceDoc()).toBe(
-      "(machine m\r\n  (state a)\r\n  (state b)\r\n  (event go [1])\r\n  (on go a -> a)\r\n  (eps a -> b))\r\n",
+      "(machine m\n  (state a)\n  (state b)\n  (event go [1])\n  (on go a -> a)\n  (eps a -> b))\n",
     );
     undo(view);
     expect(view.state.sliceDoc()).toBe(TEXT);
@@ -68,12 +68,12 @@ describe("what is drawn", () => {
 
   it("is asked for again when the text changed meanwhile", async () => {
     meanwhile = () => {
-      if (asked.length === 1) view.dispatch({ changes: { from: 0, insert: "; é\r\n" } });
+      if (asked.length === 1) view.dispatch({ changes: { from: 0, insert: "; é\n" } });
     };
     answer = [{ range: at(1, 1), text: ";" }];
     expect(await pen.draw({ act: "state", kind: "machine", path: "m" })).toBeNull();
-    expect(asked.map(({ text }) => text)).toEqual([TEXT, `; é\r\n${TEXT}`]);
-    expect(view.state.sliceDoc()).toBe(`;; é\r\n${TEXT}`);
+    expect(asked.map(({ text }) => text)).toEqual([TEXT, `; é\n${TEXT}`]);
+    expect(view.state.sliceDoc()).toBe(`;; é\n${TEXT}`);
   });
 
   it("is refused with the kernel's sentence, and changes nothing", async () => {

@@ -1,6 +1,6 @@
 import { Text } from "@codemirror/state";
 import { expect, it } from "vitest";
-import { lineSeparator, offsetAt, placeOf, spanOf } from "../src/editor/places";
+import { offsetAt, placeOf, spanOf } from "../src/editor/places";
 
 const doc = Text.of(["a𝄞b", "", "𝄞𝄞"]);
 
@@ -26,11 +26,4 @@ it("converts there and back at every character", () => {
       expect(placeOf(doc, offsetAt(doc, line, column))).toEqual({ line, column });
     }
   }
-});
-
-it("keeps a line end that all lines share", () => {
-  expect(lineSeparator("a\r\nb\r\n")).toBe("\r\n");
-  expect(lineSeparator("a\rb")).toBe("\r");
-  expect(lineSeparator("a\nb")).toBeUndefined();
-  expect(lineSeparator("a\r\nb\n")).toBeUndefined();
 });

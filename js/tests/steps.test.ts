@@ -1,10 +1,9 @@
 // @vitest-environment happy-dom
 import { redo, undo } from "@codemirror/commands";
-import { EditorState } from "@codemirror/state";
+import { EditorState, Transaction } from "@codemirror/state";
 import { EditorView } from "@codemirror/view";
 import { beforeEach, describe, expect, it } from "vitest";
 import { steps } from "../src/editor/steps";
-import { adopt } from "../src/editor/texts";
 
 let view: EditorView;
 
@@ -30,7 +29,6 @@ describe("a step of undo", () => {
   });
 
   it.each([
-    ["from the kernel", () => adopt(view, "a")],
     ["from the cell", () => view.dispatch({ changes: { from: 1, to: 3 } })],
     ["from a menu", () => view.dispatch({ changes: { from: 1, to: 3 }, userEvent: "input.format" })],
   ])("is a change %s, however soon it comes", (_, change) => {
@@ -47,5 +45,15 @@ describe("a step of undo", () => {
     expect(text()).toBe("");
     redo(view);
     expect(text()).toBe("abc");
+  });
+
+  it("is not what another view or the kernel has changed, nor does that divide what is typed", () => {
+    type("ab");
+    const remote = [Transaction.remote.of(true), Transaction.addToHistory.of(false)];
+    view.dispatch({ changes: { from: 0, insert: "x" }, annotations: remote });
+    type("c");
+    expect(text()).toBe("xabc");
+    undo(view);
+    expect(text()).toBe("x");
   });
 });

@@ -19,6 +19,7 @@ describe("applying a text from elsewhere", () => {
     ["aaa", "aa"],
     ["a\nb\nc", "a\nc"],
     ["abab", "ababab"],
+    ["𝄞", "𝄟"],
   ])("makes %j into %j", (old, next) => {
     expect(patched(old, next)).toBe(next);
   });
@@ -29,6 +30,11 @@ describe("applying a text from elsewhere", () => {
       to: 18,
     });
     expect(difference(text("same"), text("same"))).toBeNull();
+  });
+
+  it("never splits a character", () => {
+    expect(difference(text("a𝄞b"), text("a𝄟b"))).toMatchObject({ from: 1, to: 3 });
+    expect(difference(text("a𝄞b"), text("a𝔞b"))).toMatchObject({ from: 1, to: 3 });
   });
 });
 

@@ -1,9 +1,9 @@
 """The word at the cursor: what of a text is not meant yet, because it is being typed.
 
 A half-typed name is seldom what the program should be: `loo` on the way to `lookleft`, `0.` on the way to
-`0.25`. With a cursor, a text is therefore two programs: the text itself, and the text *without the change at
-the cursor*, in which only that change is as it was in the running program. The second one runs instead of
-the first while
+`0.25`. With a cursor (or several, where two editors show it), a text is therefore two programs: the text
+itself, and the text *without the change at the cursor*, in which only that change is as it was in the running
+program. The second one runs instead of the first while
 
 - a number is being typed,
 - the word at the cursor brings an error into the text, or
@@ -21,7 +21,7 @@ from __future__ import annotations
 import re
 from bisect import bisect_left
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 from itertools import chain
@@ -113,11 +113,11 @@ def judge(
     text: str,
     program: Program | None,
     findings: tuple[Finding, ...],
-    cursor: Cursor,
+    cursors: Iterable[Cursor],
     running: Program,
     check: Check,
 ) -> Judgement:
-    """Return what a text means while the cursor is in it.
+    """Return what a text means while cursors are in it.
 
     Parameters
     ----------
@@ -126,27 +126,66 @@ def judge(
         The program that it describes.
     findings : tuple of Finding
         The findings about it.
-    cursor : Cursor
+    cursors : iterable of Cursor
+        Of several editors: what is half typed at any of them waits.
     running : Program
         The program that runs now.
     check : callable
         Returns the findings about a program.
     """
+    left, waits, span, hides = findings, None, Span(0, 0), False
+    for cursor in sorted(cursors, reverse=True):  # what is undone at one then moves none that is left
+        there, place = _judge_at(text, program, findings, cursor, running, check)
+        hides |= there.hides
+        left = tuple(each for each in left if each in there.findings)
+        if waits is None:
+            waits, span = there.unmeant, place
+        elif there.unmeant is not None:
+            waits = _together(waits, span, there.unmeant, place, running)
+            span = Span(min(place.start, span.start), max(place.end, span.end))
+    return Judgement(program, left, waits, hides)
+
+
+def _together(later: Unmeant, span: Span, earlier: Unmeant, place: Span, running: Program) -> Unmeant:
+    """Return what is not meant at two places of a text."""
+    if span.start <= place.start and place.end <= span.end:
+        instead = later.instead
+    elif place.start <= span.start and span.end <= place.end:
+        instead = earlier.instead
+    else:
+        instead = without_change(later.instead, running, place)
+    return Unmeant(
+        instead,
+        earlier.reason or later.reason,
+        earlier.always or later.always,
+        earlier.element or later.element,
+    )
+
+
+def _judge_at(
+    text: str,
+    program: Program | None,
+    findings: tuple[Finding, ...],
+    cursor: Cursor,
+    running: Program,
+    check: Check,
+) -> tuple[Judgement, Span]:
+    """Return what a text means while a cursor is in it, and the range of what is not meant."""
     if program is None:
         left = findings if cursor.meant else _away_from(text, _unfinished(text, cursor.offset), findings)
-        return Judgement(None, left, hides=len(left) < len(findings))
+        return Judgement(None, left, hides=len(left) < len(findings)), Span(0, 0)
     word = None if cursor.meant else _word_at(text, cursor.offset)
     if word is not None:
         left, unmeant = _without_word(program, word, findings, running, check)
         if unmeant is not None:
-            return Judgement(program, left, unmeant, len(left) < len(findings))
+            return Judgement(program, left, unmeant, len(left) < len(findings)), word
     state = _state_at(program, cursor.offset)
     if state is not None and _has_errors(findings):
         instead = without_change(program, running, state.span)
         errors = _new_errors(findings, instead, check)
         if errors:
-            return Judgement(program, findings, Unmeant(instead, _reason(errors[0])))
-    return Judgement(program, findings)
+            return Judgement(program, findings, Unmeant(instead, _reason(errors[0]))), state.span
+    return Judgement(program, findings), Span(0, 0)
 
 
 def _without_word(

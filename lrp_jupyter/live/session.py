@@ -81,6 +81,7 @@ from lrp_jupyter.language.expressions import Evaluation
 from lrp_jupyter.language.names import as_path
 from lrp_jupyter.language.parser import parse, scan
 from lrp_jupyter.language.program import Element, Finding, Path, Program, path_text
+from lrp_jupyter.language.rename import rename as renamed_text
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.language.unmeant import Cursor, Judgement, judge
 from lrp_jupyter.live import commands as do
@@ -565,14 +566,14 @@ class Session:
             self.findings = (*self.findings, late)
         return self.findings
 
-    def offer(self, text: str, cursor: Cursor | None = None) -> tuple[Judgement, Future[Any]]:
+    def offer(self, text: str, *cursors: Cursor) -> tuple[Judgement, Future[Any]]:
         """Continue with another text as :meth:`edit` does, without waiting until it is applied.
 
         Parameters
         ----------
         text : str
-        cursor : Cursor, optional
-            Where the text is being edited: what is only half typed there waits. By default nothing waits.
+        *cursors : Cursor
+            Where the text is being edited: what is only half typed there waits.
 
         Returns
         -------
@@ -583,7 +584,7 @@ class Session:
         """
         check_type("text", text, str, "the text of a program")
         self._driver.check_open()
-        judgement = self.judge(text, cursor)
+        judgement = self.judge(text, *cursors)
         program, self.findings, unmeant, _ = judgement
         self._text = text
         if program is None:
@@ -595,14 +596,35 @@ class Session:
             link(unmeant.instead)
         return judgement, self._driver.ask(do.ReplaceProgram(program, unmeant))
 
-    def judge(self, text: str, cursor: Cursor | None = None) -> Judgement:
+    def offer_rename(self, kind: str, path: Path, new_name: str) -> tuple[Judgement, Future[Any]]:
+        """Rename as :meth:`rename` does, without waiting until it is applied.
+
+        Returns
+        -------
+        Judgement
+            Of the new text.
+        Future
+            Its result is the new text.
+
+        Raises
+        ------
+        UnknownElementError
+            There is no such element.
+        ValueError
+            The name cannot be used.
+        """
+        self._driver.check_open()
+        judgement = self.judge(renamed_text(self.program, kind, path, new_name))
+        assert judgement.program is not None
+        self._text, self.findings = judgement.program.text, judgement.findings
+        return judgement, self._driver.ask(do.Rename(kind, path, new_name))
+
+    def judge(self, text: str, *cursors: Cursor) -> Judgement:
         """Return what a text means, for the robot and the namespace of this session; nothing changes."""
         program, findings = scan(text, f"<lrp {self.name}>")
         if program is not None:
             findings = self.check(program)
-        if cursor is None:
-            return Judgement(program, findings)
-        return judge(text, program, findings, cursor, self.program, self._check_again)
+        return judge(text, program, findings, cursors, self.program, self._check_again)
 
     def _check_again(self, program: Program) -> tuple[Finding, ...]:
         """Return the findings about a program, which probably is the one checked before."""

@@ -20,7 +20,7 @@ from lrp_jupyter.language.program import path_text
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.widgets.messages import Between, OpenProgram, PageCommand
 from lrp_jupyter.widgets.places import path_of
-from lrp_jupyter.widgets.protocol import ElementKind, OnActiveEdit
+from lrp_jupyter.widgets.protocol import OnActiveEdit
 
 Applied = Future[Any] | None
 Ticks = Annotated[int, Between(1, 10_000)]
@@ -192,11 +192,7 @@ class HoldCommand(PageCommand, do="hold"):
     on: bool
 
     def apply(self, opened: OpenProgram) -> Applied:
-        texts = opened.texts
-        if texts.hold and not self.on:
-            texts.hold = False
-            texts.apply()
-        texts.hold = self.on
+        opened.texts.hold_edits(self.on)
         opened.wake()
         return None
 
@@ -281,19 +277,6 @@ def _return_to(opened: OpenProgram, key: str) -> None:
     if found is None:
         raise UnknownElementError("This version is no longer kept. Open the list of versions again.")
     opened.texts.write(found.text)
-
-
-@dataclass(frozen=True)
-class RenameCommand(InterruptingCommand, do="rename"):
-    """Rename an element and everything that refers to it; all views get the new text."""
-
-    kind: ElementKind
-    path: str
-    name: str
-
-    def apply(self, opened: OpenProgram) -> Applied:
-        path = path_of(self.kind, self.path)
-        return opened.work(partial(opened.texts.rename, self.kind, path, self.name))
 
 
 # -- forcing -----------------------------------------------------------------------------------------

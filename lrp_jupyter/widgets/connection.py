@@ -22,7 +22,6 @@ from time import monotonic
 from typing import Any
 
 from lrp_jupyter.errors import BridgeError, SessionClosedError
-from lrp_jupyter.language.unmeant import Cursor
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets import breakpoint_commands as breakpoint_commands
@@ -32,11 +31,13 @@ from lrp_jupyter.widgets import inspection as inspection
 from lrp_jupyter.widgets import requests as requests
 from lrp_jupyter.widgets import timeline as timeline
 from lrp_jupyter.widgets import world_commands as world_commands
+from lrp_jupyter.widgets.changes import TextChanges
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.messages import (
     ByeMessage,
     CreditMessage,
+    CursorMessage,
     HelloMessage,
     MessageError,
     PageCommand,
@@ -44,10 +45,10 @@ from lrp_jupyter.widgets.messages import (
     TextMessage,
     decode,
 )
-from lrp_jupyter.widgets.places import offset_of
+from lrp_jupyter.widgets.places import path_of
 from lrp_jupyter.widgets.protocol import ViewState
 from lrp_jupyter.widgets.publisher import PendingReply, Publisher, Send
-from lrp_jupyter.widgets.texts import Texts
+from lrp_jupyter.widgets.texts import Rename, Texts
 
 __all__ = ["PageConnection"]
 
@@ -107,7 +108,8 @@ class PageConnection:
         try:
             message = decode(content)
             if isinstance(message, HelloMessage):
-                self._publisher.welcome(message.view, message.part, send)
+                known = message.revision if message.document == self.texts.document.name else None
+                self._publisher.welcome(message.view, message.part, send, known, message.seq)
                 self.start()
             elif isinstance(message, PageCommand):  # also of a view that was forgotten: stop means stop
                 if message.is_present:
@@ -125,11 +127,29 @@ class PageConnection:
                 self._publisher.credit(message.view, message.frame)
                 self.session.seen()
             elif isinstance(message, TextMessage):
-                self.texts.write(message.text, message.view, message.seq, _cursor(message))
+                self._type(message)
+            elif isinstance(message, CursorMessage):
+                self.texts.move_cursor(
+                    message.view, message.seq, message.revision, message.selection, message.meant
+                )
         except MessageError as error:
             self._refuse(content, error)
         except Exception:
             self.report(traceback.format_exc())
+
+    def _type(self, message: TextMessage) -> None:
+        """Merge what was typed; a view that does not know the text gets it, and keeps what it has."""
+        rename: Rename | None = None
+        if message.rename is not None:
+            kind, path, name = message.rename
+            rename = kind, path_of(kind, path), name
+        try:
+            updates = [TextChanges.from_json(each) for each in message.updates]
+            self.texts.type(
+                message.view, message.seq, message.base, updates, message.selection, message.meant, rename
+            )
+        except ValueError:
+            self._publisher.begin_again(message.view)
 
     def _refuse(self, content: object, error: MessageError) -> None:
         """Reply to a message that cannot be decoded; one that expects no reply is a fault of the page."""
@@ -263,8 +283,3 @@ def _done(job: Callable[[], Any]) -> Future[Any]:
     except Exception as error:
         answer.set_exception(error)
     return answer
-
-
-def _cursor(message: TextMessage) -> Cursor | None:
-    """Return where a text is being edited, if it is."""
-    return message.cursor and Cursor(offset_of(message.text, *message.cursor), message.meant)

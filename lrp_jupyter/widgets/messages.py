@@ -19,15 +19,17 @@ from typing import Annotated, Any, ClassVar, Literal, Protocol, get_args, get_or
 
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.changes import Sections
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking
-from lrp_jupyter.widgets.protocol import PartName, ViewState
+from lrp_jupyter.widgets.protocol import ElementKind, PartName, ViewState
 from lrp_jupyter.widgets.texts import Texts
 
 __all__ = [
     "Between",
     "ByeMessage",
     "CreditMessage",
+    "CursorMessage",
     "HelloMessage",
     "MessageError",
     "OpenProgram",
@@ -88,9 +90,16 @@ class PageMessage:
 
 @dataclass(frozen=True)
 class HelloMessage(PageMessage, type="hello"):
-    """A view opens, shows this part, and needs a snapshot. Sent again after a lost connection."""
+    """A view opens, shows this part, and needs a snapshot. Sent again after a lost connection.
+
+    Then the view knows a `revision` of a `document`, and has sent texts up to the number `seq`: the kernel
+    ignores those that it has not got by now, and the view sends what they contained again.
+    """
 
     part: PartName
+    document: str = ""
+    revision: int = 0
+    seq: int = 0
 
 
 @dataclass(frozen=True)
@@ -100,17 +109,32 @@ class ByeMessage(PageMessage, type="bye"):
 
 @dataclass(frozen=True)
 class TextMessage(PageMessage, type="text"):
-    """The whole text of the editor. `base` is the last revision that the view knew.
+    """What was typed: changes, one after the other, to the text of the revision `base`.
 
-    `cursor` is the line and column of the cursor while the text is edited. Unless it is `meant`, the word
-    there is still being typed; the view sends the text again when it is meant, or left.
+    `seq` is its number; a view sends the next one when this one is answered. `selection` is where its anchor
+    and head are then, in UTF-16 units. Unless it is `meant`, the word at the head is still being typed.
+    `rename`: the changes are the rename of an element of this kind and path.
     """
 
     seq: int
     base: int
-    text: str
-    cursor: tuple[int, int] | None = None
+    updates: list[Sections]
+    selection: tuple[int, int] | None = None
     meant: bool = True
+    rename: tuple[ElementKind, str, str] | None = None
+
+
+@dataclass(frozen=True)
+class CursorMessage(PageMessage, type="cursor"):
+    """The cursor moved, the editor was left, or the word at the cursor is meant by now. Not answered.
+
+    `seq` is the number of the last text of the view, and `revision` what `selection` refers to.
+    """
+
+    seq: int
+    revision: int
+    selection: tuple[int, int] | None
+    meant: bool
 
 
 @dataclass(frozen=True)
@@ -229,6 +253,9 @@ def _checked(hint: Any, value: object, where: str) -> Any:
         raise MessageError(f"{where} must be {words}, not {_shown(value)}.")
     if origin is UnionType and NoneType in arguments:
         return None if value is None else _checked(arguments[0], value, where)
+    if origin is UnionType:
+        first, second = arguments
+        return _checked(second if isinstance(value, get_origin(second) or second) else first, value, where)
     if hint in (int, float):
         return _number(hint, _COUNT if hint is int else _NUMBER, value, where)
     if origin is list and isinstance(value, list) and len(value) <= _LONGEST:

@@ -11,16 +11,30 @@ kernel keeps for each view what it has sent and how much credit is left, and for
 **Flow.** A view sends `HelloMessage` and gets one `SnapshotMessage`. From then on it gets `FrameMessage`,
 at most 30 a second, each holding what changed in the `ViewState` since the last one *sent to this view*
 (and a `WorldMessage`, if it shows a world that changed). Every frame carries a number, which the page sends
-back as `CreditMessage` for it and all before it; the kernel sends only while fewer than three are in
-flight. The page acknowledges two at a time, because the kernel reports itself busy and idle for each message
-that it gets, and the host draws that; a frame that comes alone is acknowledged at once. While nothing
-changes, an empty frame once a second is the heartbeat. Everything that must not be lost in a frame left out
-is cumulative: counts of entries, firings, issues, restarts; what moved is listed by revision.
+back as `CreditMessage` for it and all before it; the kernel sends only while few are in flight: three, and
+more over a slow link (`Window` in `publisher`). The page acknowledges two at a time, because the kernel
+reports itself busy and idle for each message that it gets, and the host draws that; a frame that comes
+alone is acknowledged at once. While nothing changes, an empty frame once a second is the heartbeat.
+Everything that must not be lost in a frame left out is cumulative: counts of entries, firings, issues,
+restarts; what moved is listed by revision.
 
-**Text.** A view sends the whole text with a number of its own, ``seq``; one is in flight at a time, the
-newest wins. The kernel gives each text a revision and answers to *all* views of the session: with ``seq``
-and without the text to the sender, with ``seq`` 0 and the text to the others. It never sends a view the
-text which that view typed. The program that results and its layouts come with the next frame.
+**Text.** The kernel has the text; an editor may be ahead of it. A view sends `TextMessage`: its changes to
+the text of a revision, with a number of its own, ``seq``; one is in flight at a time, and what is typed
+meanwhile is sent in the next one. The kernel maps the changes over what others did since that revision, so
+that nothing has to be sent twice however slow the link is; each becomes an update with the next revision
+(`Document`). What comes from elsewhere, such as a cell that is run again, is an update of the kernel. When
+the session has read the text, `AnswerMessage` goes to *all* views, with the updates since the answer
+before. A view applies them in the order of the answers' numbers, each once: its own confirm what it has
+typed, others' are mapped over what is not confirmed yet. Changes are those of CodeMirror, mapped one by one
+on both sides, so all come to one text.
+
+The text of editors has line feeds between its lines, whatever the program has, and its places are UTF-16
+units (`changes`). Where the cursor is comes with a text, or alone as `CursorMessage`: what is half typed at
+any cursor is not meant yet, and other views show the cursor (``hands`` of `ViewState`).
+
+After a lost connection, ``hello`` names the revision that the view knows, and the snapshot has the updates
+since; texts that are on their way then never count, and the view sends what they contained again. If the
+kernel does not know the revision any more, the page gives its text back by ``recover``: a conflict.
 
 **Commands and requests** with an ``id`` other than 0 get exactly one `ReplyMessage`, as soon as the session
 has applied or refused them; ``error`` is one sentence. The reply to a change of the world comes after the
@@ -46,6 +60,7 @@ from lrp_jupyter.interpreter.breakpoint import BreakpointKind
 from lrp_jupyter.interpreter.frame import Status
 from lrp_jupyter.language.triggers import TransitionKind
 from lrp_jupyter.sim.world import Point, Pose
+from lrp_jupyter.widgets.changes import Sections
 
 PartName = Literal["lab", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
 OnActiveEdit = Literal["restart", "keep"]
@@ -413,6 +428,20 @@ class VersionView(TypedDict):
     text: str
 
 
+class UpdateView(TypedDict):
+    """Changes to the text that a view made, or the kernel if `view` is empty."""
+
+    view: str
+    changes: Sections
+
+
+class HandView(TypedDict):
+    """Where the selection in an editor is, in the text of this revision; None without one."""
+
+    revision: int
+    selection: tuple[int, int] | None
+
+
 class ChoicesView(TypedDict):
     """Names of the bridges, of worlds (bundled ones and files), of the bundled programs."""
 
@@ -445,6 +474,7 @@ class ViewState(TypedDict):
     ``moved``     revision of the run -> elements that have another path since; the last ones
     ``looking``   the earlier moment that everything here shows, or None for now
     ``unkept``    why the text is not kept in its file; empty if it is
+    ``hands``     view -> where the selection in its editor is; empty where only one has an editor
     ============= =======================================================================================
     """
 
@@ -477,6 +507,7 @@ class ViewState(TypedDict):
     conflict: ConflictView | None
     looking: LookingView | None
     unkept: str
+    hands: dict[str, HandView]
 
 
 class FrameMessage(ViewState, total=False):
@@ -495,20 +526,21 @@ class FrameMessage(ViewState, total=False):
 
 
 class AnswerMessage(TypedDict):
-    """The answer to a text that the session has read.
+    """The answer to a text that the session has read; all views get all of them, numbered from 1.
 
-    `seq` is the receiver's own, or 0 where another view, a rename, a load or a cell brought the text, which
-    then comes along. `accepted`: it is a program; `applied`: it runs now; `reason` is why not, or why it
-    restarted. `half_typed`: something waits, or is not marked, until the word at the cursor is meant or left.
-    `running` is the running text where that is neither this text nor an earlier one. `pending` is what a
-    held text would change.
+    `updates` lead to the text's `revision` from that of the answer before. `seq` is that of the receiver's
+    own text, or 0. `accepted`: it is a program; `applied`: it runs now; `reason` is why not, or why it
+    restarted. `half_typed`: something waits, or is not marked, until a word at a cursor is meant or left.
+    `running` is the running text where that is neither this text nor an earlier one. `pending` is what a held
+    text would change.
     """
 
     type: Literal["answer"]
     view: str
+    number: int
     seq: int
     revision: int
-    text: str | None
+    updates: list[UpdateView]
     findings: list[FindingView]
     accepted: bool
     applied: bool
@@ -519,11 +551,13 @@ class AnswerMessage(TypedDict):
 
 
 class SnapshotMessage(TypedDict):
-    """Everything, for a view that has just opened.
+    """Everything, for a view that has just opened, or lost its connection.
 
-    `running` is the running text, `text` the editor's; `accepted`: it is a program. `home` distinguishes
-    programs of the same name. `tab_only`: the kernel keeps no text, so what the page keeps ends with its tab.
-    `half_typed`: as in an answer. Its frame is acknowledged like any other.
+    `running` is the running text, `text` the editor's; `accepted`: it is a program. `updates` lead to it from
+    the revision that the view knows; None if they are not known. Answers up to `number` are contained in it,
+    and texts of the view up to `seq`, apart from those that never arrived. `home` distinguishes programs of
+    the same name, `document` texts of other kernels. `tab_only`: the kernel keeps no text, so what the page
+    keeps ends with its tab. `half_typed`: as in an answer. Its frame is acknowledged like any other.
     """
 
     type: Literal["snapshot"]
@@ -531,8 +565,12 @@ class SnapshotMessage(TypedDict):
     name: str
     home: str
     tab_only: bool
+    document: str
+    number: int
+    seq: int
     text: str
     revision: int
+    updates: list[UpdateView] | None
     running: str
     findings: list[FindingView]
     accepted: bool

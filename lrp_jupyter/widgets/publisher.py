@@ -47,12 +47,54 @@ _URGENT, _CALM = 0.015, 0.08  # s between two frames, at least: ten ticks a seco
 _ROUND, _REST = 0.01, 0.1  # s until the next round if something urgent is owed, and if nothing wakes it
 _REFRESH, _REFRESH_HARDWARE = 0.2, 1.0  # s between two readings of what no program reads
 
-WINDOW = 3
-"""Frames that may be in flight to a view."""
 _PER_SECOND, _BURST = 30.0, 3.0  # frames
+_FEWEST, _MOST = 3, 24  # frames that may be in flight to a view
+_RECENT = 10.0  # s that a round trip is remembered
+_SLOWER = 1.4, 0.01  # a frame that takes longer than this, as a factor and s, has waited in a queue
+_SLOWEST = 1.0  # s that a link takes
 _GONE_AFTER = 15.0  # s without a credit while the window is full
 
 Send = Callable[[Any, "list[bytes] | None"], None]
+
+
+class Window:
+    """How many frames may be in flight to a view: more over a slow link, and few to a slow page.
+
+    From both, credit comes late. The least time until then, while few frames are in flight, is that of the
+    link. With more frames it stays the same over a slow link, while a slow page takes longer, because it has
+    them in its queue. So the window grows frame by frame for as long as frames take no longer than that.
+    """
+
+    def __init__(self) -> None:
+        self.size = _FEWEST
+        self._sent: dict[int, tuple[float, int]] = {}  # by number: when, and which of those in flight it was
+        self._trips: deque[tuple[float, float]] = deque()  # when, and how long, with few in flight
+
+    @property
+    def is_open(self) -> bool:
+        """Whether another frame may be sent."""
+        return len(self._sent) < self.size
+
+    def send(self, number: int, now: float) -> None:
+        """Count a frame as sent."""
+        self._sent[number] = now, len(self._sent) + 1
+
+    def credit(self, number: int, now: float) -> None:
+        """Count a frame as arrived, and all before it: they come in order."""
+        found = self._sent.get(number)
+        self._sent = {other: each for other, each in self._sent.items() if other > number}
+        if found is None:
+            return
+        when, place = found
+        trip = now - when
+        if place <= _FEWEST:
+            self._trips.append((now, trip))
+            while now - self._trips[0][0] > _RECENT:
+                self._trips.popleft()
+        least = min((each for _, each in self._trips), default=0.0)
+        factor, more = _SLOWER
+        step = 1 if trip <= min(least * factor + more, _SLOWEST) else -1
+        self.size = max(_FEWEST, min(self.size + step, _FEWEST + int(least * _PER_SECOND), _MOST))
 
 
 class View:
@@ -75,22 +117,24 @@ class View:
         self.sent: ViewState | None = None
         self.world = WorldCursor() if part in ("lab", "world") else None
         self.framed = float("-inf")  # when the last frame was sent
+        self.revision: int | None = None
+        """The revision of the text that it has been sent."""
         self.fault = ""
         """The traceback of a message that could not be sent."""
         self._send = send
         self._number = 0
-        self._on_their_way: set[int] = set()
+        self._window = Window()
         self._heard = now
         self._tokens = (_BURST, now)
 
     @property
     def has_credit(self) -> bool:
         """Whether frames may be sent."""
-        return len(self._on_their_way) < WINDOW
+        return self._window.is_open
 
     def credit(self, number: int, now: float) -> None:
-        """Return the credit for a frame, and for all before it: they come in order."""
-        self._on_their_way = {other for other in self._on_their_way if other > number}
+        """Return the credit for a frame, and for all before it."""
+        self._window.credit(number, now)
         self._heard = now
 
     def is_gone(self, now: float) -> bool:
@@ -103,10 +147,10 @@ class View:
         self._tokens = min(_BURST, tokens + (now - since) * _PER_SECOND), now
         return self.has_credit and self._tokens[0] >= 1.0
 
-    def number(self) -> int:
+    def number(self, now: float) -> int:
         """Return the number of the next frame, and count it as sent."""
         self._number += 1
-        self._on_their_way.add(self._number)
+        self._window.send(self._number, now)
         tokens, since = self._tokens
         self._tokens = tokens - 1.0, since
         return self._number
@@ -232,14 +276,34 @@ class Publisher:
 
     # -- the views -----------------------------------------------------------------------------------
 
-    def welcome(self, name: str, part: str, send: Send) -> None:
-        """Send a snapshot to a view that opened, and then what changes."""
+    def welcome(self, name: str, part: str, send: Send, revision: int | None = None, seq: int = 0) -> None:
+        """Send a snapshot to a view that opened, or came back, and then what changes.
+
+        Parameters
+        ----------
+        name, part : str
+        send : callable
+        revision : int, optional
+            The revision of the text that it knows.
+        seq : int
+            The number of the last text that it has sent.
+        """
         with self._lock:
             view = View(name, part, send, self._clock())
+            view.revision = revision
             if not self._ended:
                 self._views[name] = view
+                if part in ("lab", "editor"):
+                    self._texts.enter(name, seq)
             self._snapshot(view)
         self.wake()
+
+    def begin_again(self, name: str) -> None:
+        """Send a view the whole text, because it knows none that can be continued."""
+        with self._lock:
+            if name in self._views:
+                self._views[name].revision = None
+                self._snapshot(self._views[name])
 
     def knows(self, name: str) -> bool:
         """Return whether a view has said hello and has not been forgotten since."""
@@ -345,13 +409,14 @@ class Publisher:
 
     def _answer(self, written: Written) -> None:
         for view in self._views.values():
-            mine = bool(written.view) and view.name == written.view
+            view.revision = max(view.revision or 0, written.revision)
             view.send(
                 {
                     "type": "answer",
-                    "seq": written.seq if mine else 0,
+                    "number": written.number,
+                    "seq": written.seq if view.name == written.view else 0,
                     "revision": written.revision,
-                    "text": None if mine or not written.is_news else written.text,
+                    "updates": written.updates,
                     "findings": written.findings,
                     "accepted": written.accepted,
                     "applied": written.applied,
@@ -423,12 +488,14 @@ class Publisher:
                 ink, buffers = world.advance(bridge, picture)
                 changes |= ink
             view.sent, view.framed = state, now
-            view.send({"type": "frame", "frame": view.number(), **changes}, buffers)
+            view.send({"type": "frame", "frame": view.number(now), **changes}, buffers)
 
     def _snapshot(self, view: View) -> None:
         """Send everything; the view then knows the present view state."""
         view.sent = state = self.view_state()
         view.framed = self._clock()
+        texts = self._texts.everything(view.name, view.revision)
+        view.revision = texts["revision"]
         world = (
             None
             if view.world is None
@@ -438,14 +505,14 @@ class Publisher:
             {
                 "type": "snapshot",
                 "name": self.session.name,
-                **self._texts.everything(),
+                **texts,
                 "choices": {
                     "bridges": list(find_bridges()),
                     "worlds": [*BUNDLED, *saved_worlds()],
                     "programs": list(programs.names()),
                 },
                 "world": world,
-                "frame": {"type": "frame", "view": view.name, "frame": view.number(), **state},
+                "frame": {"type": "frame", "view": view.name, "frame": view.number(view.framed), **state},
             }
         )
 
@@ -468,5 +535,5 @@ class Publisher:
             for view in self._views.values():
                 changes = difference(view.sent or {}, state)
                 if changes:
-                    view.send({"type": "frame", "frame": view.number(), **changes})
+                    view.send({"type": "frame", "frame": view.number(self._clock()), **changes})
             self._views.clear()

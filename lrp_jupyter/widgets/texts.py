@@ -1,32 +1,48 @@
 """The texts of a session: the typed, the running, the held and the saved one.
 
-The kernel never types into an editor: it assigns each text a revision and answers with the result. Every text
-is kept in a file at once, so that no work is lost. A text from elsewhere that may be newer, or not the
-user's, is a conflict: until the user has chosen, it neither runs nor is overwritten.
+Views send changes, which are merged in a :class:`~lrp_jupyter.widgets.document.Document`; a text from
+elsewhere is such a change, too. Each text is judged, offered to the session, and answered with the result.
+Every text is kept in a file at once, so that no work is lost. A text from elsewhere that may be newer, or not
+the user's, is a conflict: until the user has chosen, it neither runs nor is overwritten.
 """
 
 from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import CancelledError, Future
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from threading import Lock, RLock
 from time import monotonic, time
 from typing import Any
 
-from lrp_jupyter.errors import FileError, Fix, SessionClosedError
+from lrp_jupyter.errors import FileError, Fix, LRPError, SessionClosedError
 from lrp_jupyter.files import read_file, write_file
 from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.program import Finding, Path, Program
+from lrp_jupyter.language.rename import rename as renamed
 from lrp_jupyter.language.unmeant import Cursor, Judgement
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.changes import TextChanges
+from lrp_jupyter.widgets.document import Document, Update
 from lrp_jupyter.widgets.kept import Kept, Version, newest
 from lrp_jupyter.widgets.places import edits_view
-from lrp_jupyter.widgets.protocol import ConflictView, Difference, FindingView, QuickFix
+from lrp_jupyter.widgets.protocol import (
+    ConflictView,
+    Difference,
+    FindingView,
+    HandView,
+    QuickFix,
+    UpdateView,
+)
 
-__all__ = ["Conflict", "Texts", "Written", "finding_id"]
+__all__ = ["Conflict", "Rename", "Texts", "Written", "finding_id"]
+
+Selection = tuple[int, int]
+"""The anchor and the head of a selection, in UTF-16 units."""
+Rename = tuple[str, Path, str]
+"""The kind and the path of an element, and its new name."""
 
 _KNOWN = 50  # texts whose revision is known
 _LATE = 0.25  # s after which a text is answered even if it is not applied yet
@@ -49,8 +65,10 @@ class Written:
     findings: list[FindingView]
     answer: Future[Any]
     deadline: float
-    is_news: bool = True
-    """Whether views that did not type it need the text."""
+    number: int = 0
+    """Of the answer; every view gets all of them."""
+    updates: list[UpdateView] = field(default_factory=list)
+    """Those after the revision of the answer before."""
     applied: bool = False
     reason: str = ""
     half_typed: bool = False
@@ -62,6 +80,25 @@ class Written:
     def accepted(self) -> bool:
         """Whether it is a valid program."""
         return self.noun is not None
+
+
+@dataclass(eq=False)
+class _Hand:
+    """A view with an editor: the number of its last message, and where the user's cursor is in it."""
+
+    seq: int
+    selection: Selection | None = None
+    meant: bool = True
+
+    def move(self, changes: Iterable[TextChanges], are_own: bool = False) -> None:
+        """Keep the selection at its place while the text changes."""
+        for each in changes:
+            self.selection = self.selection and _moved(self.selection, each, are_own)
+
+
+def _moved(selection: Selection, changes: TextChanges, after: bool) -> Selection:
+    anchor, head = selection
+    return changes.map_place(anchor, after), changes.map_place(head, after)
 
 
 @dataclass(frozen=True)
@@ -132,8 +169,7 @@ class Texts:
         self.problem = ""
         """Why the texts cannot be kept at the moment; empty if they are."""
         self.waiting: deque[Written] = deque()
-        self.text = ""
-        self.revision = 0
+        self.document = Document()
         self.findings: tuple[Finding, ...] = ()
         self.noun: Program | None = None
         self.half_typed = False
@@ -149,7 +185,8 @@ class Texts:
         self._wake: Callable[[], None] = lambda: None
         self._answered = Program()  # the running program, as known to the views
         self._reason = ""  # of the last answer
-        self._writer = ""  # the view in which the text was typed
+        self._hands: dict[str, _Hand] = {}  # by view
+        self._number = 0  # of the last answer
         self._revisions: dict[tuple[int, int], int] = {}
         self._accepted: str | None = None
         self._typed = float("-inf")
@@ -161,7 +198,7 @@ class Texts:
     def attach(
         self, session: Session, wake: Callable[[], None], clock: Callable[[], float] = monotonic
     ) -> None:
-        """Attach to a session and use its text.
+        """Attach to a session and use its text. Views get a snapshot of it.
 
         Parameters
         ----------
@@ -172,82 +209,174 @@ class Texts:
             Returns the wall time in seconds.
         """
         with self._lock:
+            is_first = not hasattr(self, "_session")
             self._session = session
             self._wake = wake
             self._clock = clock
             self.waiting.clear()
-            self._number(session.text)
+            if is_first:
+                self.document = Document(session.text)
+            self._continue_with(session.text)
+            self.document.told = self.revision
             self._answered = session.program
-            self._judge(session.text)
+            self._judge()
             if self.noun is not None and self.text:
                 self._accepted = self.text
 
     # -- in ----------------------------------------------------------------------------------------
 
-    def write(self, text: str, view: str = "", seq: int = 0, cursor: Cursor | None = None) -> Written:
-        """Make a text the editor's, and offer it to the session unless edits are held.
+    def write(self, text: str) -> None:
+        """Continue with a text from elsewhere: from a cell, a bundled program, a file or a version.
+
+        What is typed into a view meanwhile is merged with it.
+        """
+        with self._lock:
+            self._leave(text, is_typed=False)
+            self._continue_with(text)
+            self._offer()
+
+    def type(
+        self,
+        view: str,
+        seq: int,
+        base: int,
+        updates: Sequence[TextChanges],
+        selection: Selection | None = None,
+        meant: bool = True,
+        rename: Rename | None = None,
+    ) -> None:
+        """Merge what was typed into a view, and offer the text to the session unless edits are held.
 
         Parameters
         ----------
-        text : str
         view : str
-            The view in which it was typed; empty if it came from a cell, a bundled program or a file.
         seq : int
-            The number assigned by the view.
-        cursor : Cursor, optional
-            Where it is being edited.
+            The number assigned by the view. A text that came before is ignored.
+        base : int
+            The revision to which the changes apply.
+        updates : sequence of TextChanges
+            One after the other.
+        selection : tuple, optional
+            Where the user's cursor is then.
+        meant : bool
+            Whether the word there is meant: it is not while it is being typed.
+        rename : tuple, optional
+            The changes are this rename, so what is renamed stays what it is.
+
+        Raises
+        ------
+        ValueError
+            They are not changes of a text that is still known.
         """
         with self._lock:
-            self._writer = view
-            self._leave(text, bool(view))
-            answer: Future[Any] = Future()
-            try:
-                if not self.hold:
-                    judgement, answer = self._session.offer(text, cursor)
-                    self._use(judgement)
-                else:
-                    self._judge(text, cursor)
-                    answer.set_result(None)
-            except SessionClosedError as error:  # the text is kept anyway
-                self._judge(text)
-                answer.set_exception(error)
-            self._number(text)
-            written = self._written(view, seq, answer, self._clock() + _LATE)
-        answer.add_done_callback(lambda _: self._wake())
-        return written
+            hand = self._hands.get(view)
+            if hand is None or seq <= hand.seq:
+                return
+            hand.seq = seq
+            self._adopt()
+            running = self._session.program.text
+            before = self.text
+            merged, others = self.document.merge(view, base, updates)
+            self._leave(self.text, is_typed=True, before=before)
+            for name, each in self._hands.items():
+                each.move(merged, name == view)
+            hand.selection, hand.meant = selection, meant
+            hand.move(others)
+            is_rename = rename is not None and before == running and not self.hold
+            self._offer(view, seq, rename=rename if is_rename else None)
+
+    def move_cursor(
+        self, view: str, seq: int, revision: int, selection: Selection | None, meant: bool
+    ) -> None:
+        """Move the cursor of a view, or leave its text, or mean what was typed there.
+
+        Parameters
+        ----------
+        view : str
+        seq : int
+            The number of the view's last text: one that is followed by another is ignored.
+        revision : int
+            The revision to which the selection refers.
+        selection : tuple or None
+        meant : bool
+        """
+        with self._lock:
+            hand = self._hands.get(view)
+            if hand is None or seq != hand.seq or not self.document.knows(revision):
+                return
+            hand.selection, hand.meant = selection, meant
+            hand.move(update.changes for update in self.document.since(revision))
+            if self.half_typed:
+                self._offer()
+        self._wake()
+
+    def enter(self, view: str, seq: int) -> None:
+        """Add a view with an editor. Of its texts, those with numbers up to `seq` count no more."""
+        with self._lock:
+            self._hands[view] = _Hand(max(seq, self._hands.get(view, _Hand(0)).seq))
 
     def leave(self, view: str) -> None:
-        """Apply what waits in a text that was typed in a view, because the view closes."""
+        """Remove a view, and apply what waits for its cursor."""
         with self._lock:
-            if self.half_typed and view == self._writer and not self.hold:
-                self.write(self.text)
+            if self._hands.pop(view, None) is not None and self.half_typed:
+                self._offer()
+
+    def hold_edits(self, on: bool) -> None:
+        """Hold texts back from now on, or not, and apply the held one."""
+        with self._lock:
+            if self.hold and not on:
+                self.apply()
+            self.hold = on
 
     def apply(self) -> None:
         """Apply the held text."""
         with self._lock:
             held, self.hold = self.hold, False
             try:
-                written = self.write(self.text)
+                self._offer(cursors=())
             finally:
                 self.hold = held
-            written.is_news = False
 
-    def rename(self, kind: str, path: Path, name: str) -> None:
-        """Rename an element and its references. Waits.
+    def _offer(
+        self,
+        view: str = "",
+        seq: int = 0,
+        cursors: Iterable[Cursor] | None = None,
+        rename: Rename | None = None,
+    ) -> None:
+        """Offer the text to the session, unless it is held, and answer when that has decided."""
+        answer: Future[Any] = Future()
+        cursors = self._cursors() if cursors is None else cursors
+        try:
+            if not self.hold:
+                judgement, answer = self._renamed(rename) or self._session.offer(self.text, *cursors)
+                self._use(judgement)
+            else:
+                self._judge(*cursors)
+                answer.set_result(None)
+        except SessionClosedError as error:  # the text is kept anyway
+            self._judge()
+            answer.set_exception(error)
+        self._know()
+        self._written(view, seq, answer, self._clock() + _LATE)
+        answer.add_done_callback(lambda _: self._wake())
 
-        Raises
-        ------
-        UnknownElementError
-            There is no such element.
-        ValueError
-            The name cannot be used, or the text is not the running program.
-        """
-        with self._lock:
-            if self.text != self._session.program.text:
-                raise ValueError(
-                    "The text is not the running program, so nothing can be renamed now. Apply it first."
-                )
-        self._session.rename(kind, path, name)
+    def _renamed(self, rename: Rename | None) -> tuple[Judgement, Future[Any]] | None:
+        """Have the session rename an element, if that leads to the present text."""
+        if rename is not None:
+            try:
+                if renamed(self._session.program, *rename) == self.text:
+                    return self._session.offer_rename(*rename)
+            except (LRPError, ValueError):
+                pass  # it is an edit like any other
+        return None
+
+    def _cursors(self) -> list[Cursor]:
+        """Return where the text is being edited."""
+        places = [
+            (hand.selection[1], hand.meant) for hand in self._hands.values() if hand.selection is not None
+        ]
+        return [Cursor(self.document.offset(place), meant) for place, meant in places]
 
     def _written(self, view: str, seq: int, answer: Future[Any], deadline: float) -> Written:
         findings = [_finding_view(finding, self.text) for finding in self.findings]
@@ -258,36 +387,64 @@ class Texts:
         self.waiting.append(written)
         return written
 
-    def _number(self, text: str) -> None:
-        self.revision += 1
-        self.text = text
-        self._revisions.pop(_fingerprint(text), None)
-        self._revisions[_fingerprint(text)] = self.revision
+    def _continue_with(self, text: str) -> None:
+        """Make a text from elsewhere the document's."""
+        changes = self.document.replace(text)
+        for hand in self._hands.values():
+            hand.move(changes)
+        self._know()
+
+    def _know(self) -> None:
+        """Remember the revision of the text."""
+        self._revisions.pop(_fingerprint(self.text), None)
+        self._revisions[_fingerprint(self.text)] = self.revision
         if len(self._revisions) > _KNOWN:
             del self._revisions[next(iter(self._revisions))]
 
-    def _leave(self, text: str, is_typed: bool) -> None:
-        """Make the present text a version, unless the new one is a step of typing."""
-        now, before = self._clock(), self._typed
+    def _leave(self, text: str, is_typed: bool, before: str | None = None) -> None:
+        """Make the text `before`, or the present one, a version, unless the new one is a step of typing."""
+        before = self.text if before is None else before
+        now, since = self._clock(), self._typed
         self._typed = now
-        was_cut = len(text) < len(self.text) / 2
-        if text != self.text and (not is_typed or was_cut or now - before >= _PAUSE):
-            self.add_version(self.text)
+        was_cut = len(text) < len(before) / 2
+        if text != before and (not is_typed or was_cut or now - since >= _PAUSE):
+            self.add_version(before)
 
     def add_version(self, text: str) -> None:
         """Add an earlier text to the versions."""
         with self._lock:
             self._versions = newest([Version(text, time()), *self._versions])
 
-    def _judge(self, text: str, cursor: Cursor | None = None) -> None:
-        """Check a text that is not offered to the session."""
-        self._use(self._session.judge(text, cursor))
+    def _judge(self, *cursors: Cursor) -> None:
+        """Check the text without offering it to the session."""
+        self._use(self._session.judge(self.text, *cursors))
 
     def _use(self, judgement: Judgement) -> None:
         self.noun, self.findings = judgement.program, judgement.findings
         self.half_typed = judgement.half_typed
 
     # -- out: the publisher's thread ---------------------------------------------------------------
+
+    @property
+    def text(self) -> str:
+        """The text in the editors."""
+        return self.document.text
+
+    @property
+    def revision(self) -> int:
+        """The number of its last update."""
+        return self.document.revision
+
+    def hands(self) -> dict[str, HandView]:
+        """Return where the users' cursors are, if several views have an editor."""
+        with self._lock:
+            if len(self._hands) < 2:
+                return {}
+            revision = self.revision
+            return {
+                view: {"revision": revision, "selection": hand.selection}
+                for view, hand in self._hands.items()
+            }
 
     @property
     def running_revision(self) -> int:
@@ -305,8 +462,13 @@ class Texts:
             if is_new and not ready and not self.waiting:
                 ready.append(self._news(program))
             for written in ready:
+                told = self.document.told
+                since = self.document.since(told)[: max(0, written.revision - told)]
+                written.updates = [_update_view(update) for update in since]
+                self.document.told = max(told, written.revision)
+                self._number = written.number = self._number + 1
                 if program is not self._answered and program.text != written.text:
-                    written.running = program.text
+                    written.running = _plain(program.text)
                     self._revisions.setdefault(_fingerprint(program.text), written.revision)
                 if self.hold and written.noun is not None and written.text != program.text:
                     written.pending = _difference_view(program, written.noun)
@@ -335,42 +497,64 @@ class Texts:
         if patch is None:
             written.applied = written.noun is not None and written.text == self._session.program.text
             return True
-        written.applied, written.reason = patch.applied, patch.reason or ""
+        if isinstance(patch, str):  # a rename
+            written.applied = True
+        else:
+            written.applied, written.reason = patch.applied, patch.reason or ""
         written.done = now if written.done is None else written.done
-        shown = self._session.program is written.noun or len(self.waiting) > 1
-        return not patch.applied or shown or now - written.done > _SHOWING
+        shown = self._session.program.text == written.text or len(self.waiting) > 1
+        return not written.applied or shown or now - written.done > _SHOWING
 
     def _came_from_elsewhere(self) -> bool:
         """Return whether the session's text came from no view: another cell's edit, a rename, a rewind."""
         is_other = not self.hold and self._session.text != self.text
         return is_other and self._session.status != "closed"  # which accepts no text any more
 
-    def _news(self, program: Program) -> Written:
+    def _adopt(self) -> bool:
+        """Continue with the session's text, if that came from no view; return whether it did."""
         is_news = self._came_from_elsewhere()
         if is_news:
-            self._leave(self._session.text, False)
-            self._number(self._session.text)
-            self._judge(self.text)
+            self._leave(self._session.text, is_typed=False)
+            self._continue_with(self._session.text)
+        return is_news
+
+    def _news(self, program: Program) -> Written:
+        if self._adopt():
+            self._judge()
         nothing: Future[Any] = Future()
         nothing.set_result(None)
         written = self._written("", 0, nothing, 0.0)
         self.waiting.remove(written)
-        written.is_news, written.applied = is_news, self.text == program.text
+        written.applied = self.text == program.text
         if self.half_typed:
             written.reason = self._reason
         return written
 
-    def everything(self) -> dict[str, Any]:
-        """Return the fields of a `SnapshotMessage` that are about texts."""
+    def everything(self, view: str, revision: int | None) -> dict[str, Any]:
+        """Return the fields of a `SnapshotMessage` that are about texts.
+
+        Parameters
+        ----------
+        view : str
+        revision : int or None
+            The one that the view knows.
+        """
         with self._lock:
+            updates = None
+            if revision is not None and self.document.knows(revision):
+                updates = [_update_view(update) for update in self.document.since(revision)]
             running = self._session.program
             waits = self.hold and self.noun is not None and self.text != running.text
             return {
                 "home": self.kept.home if self.kept is not None else self._home or self._session.name,
                 "tab_only": self.kept is None,
-                "text": self.text,
+                "document": self.document.name,
+                "number": self._number,
+                "seq": self._hands[view].seq if view in self._hands else 0,
+                "text": _plain(self.text),
                 "revision": self.revision,
-                "running": running.text,
+                "updates": updates,
+                "running": _plain(running.text),
                 "findings": [_finding_view(finding, self.text) for finding in self.findings],
                 "accepted": self.noun is not None,
                 "half_typed": self.half_typed,
@@ -417,6 +601,7 @@ class Texts:
         No file and no page keeps it any longer, so it is a version at once.
         """
         with self._lock:
+            text = self.document.with_line_ends(text)
             if text.strip() and text != self.text:
                 self.add_version(text)
                 for kept in [each for each in self.conflicts if each.source == "lab" and each.text != text]:
@@ -563,6 +748,15 @@ class Texts:
 def _fingerprint(text: str) -> tuple[int, int]:
     """Return what identifies a text, instead of the text itself, which may be long."""
     return hash(text), len(text)
+
+
+def _plain(text: str) -> str:
+    """Return a text with the line ends of a page."""
+    return text.replace("\r\n", "\n").replace("\r", "\n") if "\r" in text else text
+
+
+def _update_view(update: Update) -> UpdateView:
+    return {"view": update.view, "changes": update.changes.json()}
 
 
 def finding_id(finding: Finding) -> str:

@@ -50,7 +50,7 @@ PRINTED = 500
 """Lines of output that a view is sent at most."""
 RESTARTS = 20
 """The last restarts, which a view lists."""
-_CALM = {"tick", "time", "rate", "speed", "members", "variables", "printed"}
+_CALM = {"tick", "time", "rate", "speed", "members", "variables", "printed", "hands"}
 _DEEPEST = 2  # levels of fields of a reading that are listed
 _MILD: Mapping[str, Severity] = {"no data yet": "hint", "defined twice": "warning"}
 _UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown variable"}
@@ -152,6 +152,7 @@ class ViewStates:
             "conflict": texts.conflict,
             "looking": looking,
             "unkept": texts.problem,
+            "hands": texts.hands(),
         }
 
     def _last_restarts(self, frame: Frame) -> dict[str, RestartView]:

@@ -21,13 +21,14 @@ BASE = """\
 
 
 def judged(marked, running=BASE, meant=False):
-    """Return the judgement of a text in which `|` is the cursor."""
-    offset = marked.index("|")
-    text = marked.replace("|", "")
+    """Return the judgement of a text in which each `|` is a cursor."""
+    *before, last = marked.split("|")
+    text = "".join([*before, last])
+    offsets = [len("".join(before[: n + 1])) for n in range(len(before))]
     program, findings = scan(text)
     if program is not None:
         findings = check(program)
-    return judge(text, program, findings, Cursor(offset, meant), scan(running)[0], check)
+    return judge(text, program, findings, [Cursor(each, meant) for each in offsets], scan(running)[0], check)
 
 
 def codes(found):
@@ -169,3 +170,42 @@ def test_changes_far_apart_are_separated():
 )
 def test_a_number_that_changes_nothing_does_not_wait(marked, running):
     assert judged(marked, running).unmeant is None
+
+
+# -- two hands -------------------------------------------------------------------------------------
+
+
+def test_two_half_typed_words_both_wait_and_everything_else_is_applied():
+    text = (
+        edited("0.2", "0.|").replace("-> right", "-> righ|").replace("(state left", "(state mid) (state left")
+    )
+    found = judged(text)
+    assert found.unmeant.always
+    assert found.unmeant.instead.text == BASE.replace("(state left", "(state mid) (state left")
+    assert not [code for code in codes(found) if code.startswith("LRP3")]
+    assert found.half_typed
+
+
+def test_a_word_of_one_hand_waits_while_the_cursor_of_the_other_is_elsewhere():
+    for text in (edited("-> right", "-> righ|") + "|", "|" + edited("-> right", "-> righ|")):
+        found = judged(text)
+        assert found.unmeant.instead == scan(BASE)[0]
+        assert found.unmeant.reason == "waits: `m` has no state `righ`"
+
+
+def test_two_hands_in_one_word_wait_for_each_other():
+    assert judged(edited("-> right", "-> ri|gh|")).unmeant.instead == scan(BASE)[0]
+
+
+def test_a_word_inside_a_state_that_waits_waits_with_it():
+    running = BASE.replace("(running [forward])", "(running [forward]) (onexit [forward])")
+    marked = running.replace("(onexit [forward])", "(onexit [forwa]|)").replace(
+        "(running [forward]", "(running [0.|]"
+    )
+    found = judged(marked, running)
+    assert found.unmeant.instead.text == running
+
+
+def test_forms_that_two_hands_are_typing_have_no_mark():
+    both = edited("(spawn m left)", "(spawn m left) (mach|").replace("(event far", "(eve|\n  (event far")
+    assert len(judged(both).findings) < len(judged(both, meant=True).findings)

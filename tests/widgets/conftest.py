@@ -4,9 +4,12 @@ from itertools import count
 
 import pytest
 
+from lrp_jupyter.language.rename import rename
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.changes import TextChanges, difference, from_units, to_units
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.kept import Kept
+from lrp_jupyter.widgets.places import path_of
 from lrp_jupyter.widgets.texts import Texts
 
 
@@ -49,6 +52,7 @@ class Page:
     def __init__(self, lab, name, part, pays):
         self.lab, self.name, self.pays = lab, name, pays
         self.messages, self.buffers, self.ids = [], [], count(1)
+        self.units, self.revision, self.seq = "", 0, 0  # of its editor
         self.send("hello", part=part)
 
     def __call__(self, message, buffers):
@@ -57,6 +61,12 @@ class Page:
         assert list(strange(message)) == []
         self.messages.append(message)
         self.buffers.append(buffers)
+        if message["type"] == "snapshot":
+            self.units, self.revision = to_units(message["text"]), message["revision"]
+        if message["type"] == "answer":
+            for update in message["updates"][self.revision - message["revision"] :]:
+                self.units = TextChanges.from_json(update["changes"]).apply(self.units)
+                self.revision += 1
         frame = message["frame"] if message["type"] == "frame" else None
         frame = message["frame"]["frame"] if message["type"] == "snapshot" else frame
         if frame is not None and self.pays:
@@ -75,12 +85,38 @@ class Page:
         self.lab.finish()
         return next(m for m in self.messages if m["type"] == "reply" and m["id"] == number)
 
-    def type(self, text, seq=1, **cursor):
+    @property
+    def text(self):
+        """The text in its editor."""
+        return from_units(self.units)
+
+    def sends(self, text, at=None, **fields):
+        """Type a text, with the cursor at an offset."""
+        self.seq += 1
+        changes = difference(self.units, to_units(text))
+        updates = [] if changes.is_empty else [changes.json()]
+        selection = None if at is None else [at, at]
+        self.send("text", seq=self.seq, base=self.revision, updates=updates, selection=selection, **fields)
+
+    def type(self, text, **fields):
         """Type a text; return its answer."""
         before = len(self.messages)
-        self.send("text", seq=seq, base=0, text=text, **cursor)
+        self.sends(text, **fields)
         self.lab.publish()
         return next(m for m in self.messages[before:] if m["type"] == "answer")
+
+    def rename(self, kind, path, name):
+        """Rename an element as the editor does; return the answer."""
+        text = rename(self.lab.session.program, kind, path_of(kind, path), name)
+        return self.type(text, rename=[kind, path, name])
+
+    def moves(self, at, meant=True):
+        """Move the cursor to an offset, or leave the editor; return the answer, if there is one."""
+        before = len(self.messages)
+        selection = None if at is None else [at, at]
+        self.send("cursor", seq=self.seq, revision=self.revision, selection=selection, meant=meant)
+        self.lab.publish()
+        return next((m for m in self.messages[before:] if m["type"] == "answer"), None)
 
     def all(self, kind):
         return [message for message in self.messages if message["type"] == kind]

@@ -95,7 +95,7 @@ def test_a_condition_pauses_and_says_what_is_wrong_with_it(lab, page):
 def test_breakpoints_follow_edits_renames_and_resets(lab, page):
     page.do("add_breakpoint", kind="entered", path="m/b")
     lab.session.run(0.1)
-    assert page.do("rename", kind="state", path="m/b", name="far") is None
+    assert page.rename("state", "m/b", "far")["applied"]
     lab.session.run(0.1)
     each = known(lab, page)["1"]
     assert (each["path"], each["name"], each["dormant"]) == ("m/far", "far", False)
@@ -103,13 +103,11 @@ def test_breakpoints_follow_edits_renames_and_resets(lab, page):
     page.type("\n\n" + text)
     lab.session.run(0.1)
     assert known(lab, page)["1"]["line"] == 7
-    page.type(
-        PROGRAM.replace("  (state b)\n", "").replace("b there", "a there").replace("b -> a", "a -> a"), 2
-    )
+    page.type(PROGRAM.replace("  (state b)\n", "").replace("b there", "a there").replace("b -> a", "a -> a"))
     lab.session.run(0.1)
     each = known(lab, page)["1"]
     assert (each["dormant"], each["line"]) == (True, 0)
-    page.type(text, 3)
+    page.type(text)
     lab.session.run(0.1)
     assert not known(lab, page)["1"]["dormant"]
     page.do("reset")

@@ -281,7 +281,7 @@ def test_a_command_without_an_id_gets_no_reply(lab, page):
     [
         ("rate", {}, "`rate` needs `value`."),
         ("step", {"value": 1e9}, "`value` of `step` must be a whole number"),
-        ("rename", {"kind": "state", "path": [], "name": "x"}, "`path` of `rename` must be a string"),
+        ("transition", {"path": []}, "`path` of `transition` must be a string"),
         ("reset_pose", {"index": -1}, "`index` of `reset_pose` must be"),
         ("pin", {"path": "m", "name": "b", "x": math.nan, "y": 0}, "`x` of `pin` must be a number"),
     ],

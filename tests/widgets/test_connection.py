@@ -2,7 +2,9 @@
 
 import json
 import struct
+from collections import deque
 from contextvars import ContextVar
+from itertools import cycle, repeat
 from threading import Event, current_thread, main_thread
 
 import pytest
@@ -206,6 +208,60 @@ def test_credit_for_a_later_frame_pays_for_all_before_it(bench):
     lab.session.step()
     lab.publish()
     assert page.last("frame")["frame"] == 5
+
+
+class Tab:
+    """A page behind a link, in virtual time: acknowledges two frames at a time, and is busy with each."""
+
+    def __init__(self, lab, there, back, busy=0.0):
+        self.lab, self.there, self.back, self.busy = lab, there, back, busy
+        self.page = lab.page(pays=False)
+        self.coming, self.credits = deque(), deque()
+        self.seen, self.free = 0, 0.0
+
+    def run(self, seconds):
+        """Let a program tick all the time; return how late each frame was read after it had arrived."""
+        late = []
+        for _ in range(seconds * 64):
+            self.lab.session.step()
+            self.lab.publish(after=1 / 64)
+            now = self.lab.wall.now
+            frames = self.page.frames()
+            for frame in frames[self.seen :]:
+                self.coming.append((now + next(self.there), frame["frame"]))
+            self.seen = len(frames)
+            while self.coming and now >= max(self.coming[0][0], self.free):
+                arrived, number = self.coming.popleft()
+                late.append(now - arrived)
+                self.free = now + self.busy
+                if number % 2 == 0:
+                    self.credits.append((now + self.busy + next(self.back), number))
+            while self.credits and now >= self.credits[0][0]:
+                self.page.send("credit", frame=self.credits.popleft()[1])
+        return late
+
+
+def test_frames_come_as_often_over_a_slow_link_as_over_a_fast_one(bench):
+    counts = []
+    for delay in (0.0, 0.075, 0.2):
+        tab = Tab(bench(CALM), repeat(delay), repeat(delay))
+        tab.run(5)
+        counts.append(len(tab.run(6)))
+    assert min(counts) >= max(counts) - 1 >= 6 * 10
+
+
+def test_frames_come_often_over_a_link_whose_delay_varies(bench):
+    tab = Tab(bench(CALM), cycle([0.15, 0.16, 0.2]), cycle([0.16, 0.2, 0.15, 0.16]))
+    tab.run(5)
+    assert len(tab.run(6)) >= 6 * 9
+
+
+@pytest.mark.parametrize("busy", [0.15, 0.3, 1.0])
+@pytest.mark.parametrize("delay", [0.0, 0.2])
+def test_a_slow_page_shows_no_old_frames_however_long_it_is_slow(bench, busy, delay):
+    tab = Tab(bench(CALM), repeat(delay), repeat(delay), busy)
+    tab.run(5)
+    assert max(tab.run(25)) <= 5 * busy
 
 
 def test_a_view_without_credit_gets_no_world_either(bench):
@@ -429,7 +485,7 @@ def test_a_fault_of_the_lab_is_reported_in_the_lab(bench, monkeypatch):
     lab = bench(BLINK)
     page = lab.page()
     monkeypatch.delattr(lab.connection, "texts")
-    page.send("text", seq=1, base=0, text="")
+    page.sends("")
     monkeypatch.undo()
     assert "AttributeError" in lab.connection.fault
     lab.publish()

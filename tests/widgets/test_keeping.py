@@ -46,7 +46,7 @@ def kernel(tmp_path):
 
 def type_into(connection, text):
     """Type a text and wait until it is kept, if it is kept."""
-    connection.texts.write(text, "page")
+    connection.texts.write(text)
     connection.texts.save(at_once=True)
 
 
@@ -90,7 +90,7 @@ def test_nothing_is_kept_for_visitors(kernel, tmp_path, home, use, host):
     use(host)
     connection = kernel(A)
     type_into(connection, B)
-    snapshot = connection.texts.everything()
+    snapshot = connection.texts.everything("", None)
     assert snapshot["tab_only"]
     assert snapshot["home"] == str(tmp_path.resolve() / "shared" / "mine")
     assert [version.text for version in connection.texts.versions] == [A]

@@ -187,7 +187,7 @@ def test_a_file_that_was_changed_outside_is_not_overwritten_by_the_next_key(benc
     lab.publish(2)  # seen without a key, too
     lab.publish()
     page.do("take", number=page.latest("conflict")["number"])
-    assert page.last("answer")["text"] == C
+    assert page.text == C
     assert lab.session.program.text == C
 
 
@@ -284,7 +284,7 @@ def test_typing_makes_a_version_after_a_pause_and_before_a_deletion(bench):
     lab = bench("")
     page = lab.page()
     for end in range(1, len(A) + 1):
-        page.send("text", seq=end, base=0, text=A[:end])
+        page.sends(A[:end])
         lab.publish(0.1)
     assert versions(lab) == []
     lab.publish(10)
@@ -301,7 +301,7 @@ def test_a_version_is_listed_and_returned_to(bench):
     (version,) = page.ask("versions")["versions"]
     assert version["text"] == A
     assert page.do("version", key=version["key"]) is None
-    assert page.last("answer")["text"] == A
+    assert page.text == A
     assert [each["text"][:1] for each in page.ask("versions")["versions"]] == [";", "("]
     assert "no longer kept" in page.do("version", key="x")
 
@@ -320,7 +320,7 @@ def test_revisions_of_a_long_text_cost_no_memory(bench):
     try:
         before = tracemalloc.get_traced_memory()[0]
         for number in range(60):
-            lab.connection.texts.write(f"{long}{number}", "page", number + 1)
+            lab.connection.texts.write(f"{long}{number}")
             lab.publish()
         gc.collect()
         grown = tracemalloc.get_traced_memory()[0] - before

@@ -6,6 +6,8 @@ from queue import Empty
 import pytest
 from jupyter_client.manager import KernelManager
 
+from lrp_jupyter.widgets.changes import difference
+
 pytestmark = pytest.mark.slow  # each starts processes of its own
 
 PROGRAM = "(var n := [0]) (machine m (state a (running [n = n + 1]))) (spawn m a)"
@@ -66,6 +68,11 @@ class Kernel:
         message["header"]["subshell_id"] = self.subshell
         self.client.shell_channel.send(message)
 
+    def type(self, text):
+        """Replace the program by another text."""
+        changes = difference(PROGRAM + "\n", text + "\n").json()
+        self.send({"type": "text", "view": "v", "seq": 1, "base": 1, "updates": [changes]})
+
     def busy(self):
         """Run a cell until it is ended; messages sent meanwhile go to a subshell, as in JupyterLab."""
         message = self.client.session.msg("create_subshell_request", {})
@@ -124,7 +131,7 @@ def test_pause_acts_and_is_answered_while_a_cell_runs(lab):
 def test_a_text_is_answered_while_a_cell_runs(lab):
     lab.busy()
     text = PROGRAM.replace("n + 1", "n + 2")
-    lab.send({"type": "text", "view": "v", "seq": 1, "base": 1, "text": text})
+    lab.type(text)
     lab.until(lambda: "answer" in lab.kinds)
     assert lab.kinds["answer"]["applied"]
     assert lab.cell not in lab.idle
@@ -132,7 +139,7 @@ def test_a_text_is_answered_while_a_cell_runs(lab):
 
 def test_what_blocks_print_goes_to_the_lab_and_not_to_a_cell(lab):
     text = PROGRAM.replace("n = n + 1", "print('from a block')")
-    lab.send({"type": "text", "view": "v", "seq": 1, "base": 1, "text": text})
+    lab.type(text)
     lab.until(lambda: "from a block" in lab.fields.get("printed", {}).values())
     lab.run("print('from a cell')")
     lab.until(lambda: "from a cell\n" in lab.streams)

@@ -11,22 +11,26 @@ BROKEN = "(machine m (state a) (spawn m a)"
 def test_a_text_is_answered_with_its_number_and_runs(bench):
     lab = bench(A)
     page = lab.page()
-    answer = page.type(B, seq=7)
+    page.seq = 6
+    answer = page.type(B)
     assert answer["seq"] == 7
-    assert answer["text"] is None
+    assert page.text == B
     assert (answer["accepted"], answer["applied"], answer["reason"]) == (True, True, "")
     assert [state["path"] for state in page.latest("program")["machines"][0]["states"]] == ["m/a", "m/b"]
     assert page.last("frame")["layouts"].keys() == {"m"}
     assert lab.session.program.text == B
 
 
-def test_other_views_get_the_text_and_number_nought(bench):
+def test_other_views_get_the_changes_and_number_nought(bench):
     lab = bench(A)
     writer, reader = lab.page("writer"), lab.page("reader")
     answer = writer.type(B)
     heard = reader.last("answer")
-    assert (heard["seq"], heard["text"], heard["revision"]) == (0, B, answer["revision"])
-    assert not [message for message in writer.all("answer") if message["text"] is not None]
+    assert (heard["seq"], heard["revision"]) == (0, answer["revision"])
+    assert (
+        heard["updates"] == answer["updates"] == [{"view": "writer", "changes": [20, [0, " (state b)"], 13]}]
+    )
+    assert reader.text == B
 
 
 def test_a_text_that_is_not_a_program_is_answered_with_its_errors_and_changes_nothing(bench):
@@ -58,7 +62,7 @@ def test_a_block_that_hangs_holds_up_no_answer(bench):
     lab.session.submit(hanging := Hang())
     hanging.reached.wait(60)
     try:
-        page.send("text", seq=1, base=0, text=B)
+        page.sends(B)
         lab.publish()
         answer = page.last("answer")
         assert (answer["accepted"], answer["applied"]) == (True, False)
@@ -97,7 +101,7 @@ def test_an_edit_by_another_cell_reaches_the_views(bench):
     lab.session.edit(B)
     lab.publish()
     answer = page.last("answer")
-    assert (answer["seq"], answer["text"], answer["applied"]) == (0, B, True)
+    assert (answer["seq"], page.text, answer["applied"]) == (0, B, True)
     assert len(page.latest("program")["machines"][0]["states"]) == 2
 
 
@@ -105,11 +109,10 @@ def test_a_rename_reaches_all_views_and_what_is_drawn_keeps_its_place(bench):
     lab = bench(C)
     page = lab.page()
     before = page.messages[0]["frame"]["layouts"]["m"]["places"]["c"]
-    assert page.do("rename", kind="state", path="m/c", name="far") is None
-    answer = page.last("answer")
-    assert answer["text"] == C.replace(" c)", " far)")
+    other = lab.page("other")
+    assert page.rename("state", "m/c", "far")["applied"]
+    assert other.text == page.text == lab.session.program.text == C.replace(" c)", " far)")
     assert page.latest("layouts")["m"]["places"]["far"] == before
-    assert "taken" in page.do("rename", kind="state", path="m/far", name="a")
 
 
 NESTED = """(machine m
@@ -142,7 +145,7 @@ def test_an_edited_delay_leaves_the_transition_what_it_was(bench):
 def test_a_page_learns_which_paths_a_rename_has_changed(bench):
     lab = bench(NESTED)
     page = lab.page()
-    assert page.do("rename", kind="state", path="m/a", name="z") is None
+    assert page.rename("state", "m/a", "z")["applied"]
     assert {
         ("machine", "m/a/inner", "m/z/inner"),
         ("state", "m/a", "m/z"),
@@ -160,7 +163,7 @@ def test_stepping_back_over_a_rename_restores_paths_and_places(bench):
     page = lab.page()
     lab.session.run(seconds=0.2)
     page.do("pin", path="m", name="a", x=321, y=123)
-    page.do("rename", kind="state", path="m/a", name="z")
+    page.rename("state", "m/a", "z")
     page.do("step")
     page.do("pin", path="m", name="z", x=12, y=34)
     page.do("step_back")
@@ -202,15 +205,16 @@ def test_a_renamed_state_keeps_its_place_though_one_is_reserved_for_its_new_name
     page = lab.page()
     places = page.latest("layouts")["m"]["places"]
     page.type(NESTED)
-    assert page.do("rename", kind="state", path="m/b", name="far") is None
+    assert page.rename("state", "m/b", "far")["applied"]
     assert page.merged("layouts")["m"]["places"]["far"] == places["b"] != places["far"]
 
 
-def test_nothing_is_renamed_while_the_text_is_not_what_runs(bench):
+def test_changes_that_are_not_the_rename_that_they_are_said_to_be_are_an_edit(bench):
     lab = bench(A)
     page = lab.page()
-    page.type(BROKEN)
-    assert "not the running program" in page.do("rename", kind="state", path="m/a", name="x")
+    assert page.type(B, rename=["state", "m/a", "q"])["applied"]
+    assert lab.session.program.text == B
+    assert page.type(B + ";", rename=["state", "m/zz", "q"])["applied"]
 
 
 def test_going_back_over_an_edit_brings_the_old_text_back(bench):
@@ -221,7 +225,7 @@ def test_going_back_over_an_edit_brings_the_old_text_back(bench):
     page.type(B)
     lab.session.step()
     assert page.do("step_back", value=2) is None
-    assert page.last("answer")["text"] == A
+    assert page.text == A
     assert "only 1 can be undone" in page.do("step_back", value=9)
 
 
@@ -237,7 +241,7 @@ def test_held_texts_wait_and_the_difference_is_shown(bench):
     assert lab.page("second").messages[0]["pending"] == answer["pending"]
     assert page.do("apply") is None
     assert page.last("answer")["pending"] is None
-    assert page.last("answer")["text"] is None
+    assert page.text == B
     assert lab.session.program.text == B
 
 
@@ -247,7 +251,7 @@ def test_held_texts_can_be_reverted(bench):
     page.do("hold", on=True)
     page.type(B)
     page.do("revert")
-    assert page.last("answer")["text"] == A
+    assert page.text == A
     assert page.last("answer")["pending"] is None
 
 
@@ -273,9 +277,13 @@ def test_every_accepted_text_is_saved_at_once_and_no_other(bench, tmp_path):
 
 
 def test_line_ends_are_saved_as_they_are(bench, tmp_path):
-    lab = bench(A, tmp_path, name="mine")
-    lab.page().type(A.replace(" ", "\r\n"))
-    assert b"\r\n" in (tmp_path / "mine.lrp").read_bytes()
+    text = B.replace(" ", "\r\n")
+    lab = bench(text, tmp_path, name="mine")
+    page = lab.page()
+    assert "\r" not in page.text
+    page.type(page.text + "; \U0001f916\n")
+    page.type(page.text + "; more")
+    assert (tmp_path / "mine.lrp").read_bytes() == (text + "; \U0001f916\r\n; more").encode()
 
 
 def test_saving_under_another_name_writes_the_text_in_the_editor(bench, tmp_path):
@@ -315,7 +323,7 @@ def test_a_bundled_program_becomes_the_text(bench):
     lab = bench(A)
     page = lab.page()
     assert page.do("load", name="follower") is None
-    assert "(machine follower" in page.last("answer")["text"]
+    assert "(machine follower" in page.text
     assert "no bundled program" in page.do("load", name="nothing")
 
 
@@ -335,12 +343,12 @@ def test_a_word_that_is_not_meant_waits_and_is_marked_when_it_is_sent_again(benc
     lab = bench(C)
     page = lab.page()
     text = C.replace("a -> c", "a -> cc")
-    answer = page.type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    answer = page.type(text, at=text.index("cc") + 2, meant=False)
     assert (answer["accepted"], answer["applied"], answer["half_typed"]) == (True, False, True)
     assert answer["reason"] == "waits: `m` has no state `cc`"
     assert [finding["code"] for finding in answer["findings"]] == []
     assert lab.session.program.text == C
-    answer = page.type(text, seq=2, cursor=[1, text.index("cc") + 3], meant=True)
+    answer = page.moves(text.index("cc") + 2)
     assert (answer["applied"], answer["reason"], answer["half_typed"]) == (True, "", False)
     assert "LRP303" in [finding["code"] for finding in answer["findings"]]
 
@@ -349,12 +357,12 @@ def test_the_running_text_is_sent_while_only_a_part_of_a_text_runs(bench):
     lab = bench(C)
     page = lab.page()
     text = C.replace("(state a)", "(state a) (state b)").replace("a -> c", "a -> cc")
-    page.type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    page.type(text, at=text.index("cc") + 2, meant=False)
     lab.publish()
     assert page.last("answer")["running"] == C.replace("(state a)", "(state a) (state b)")
     assert page.last("answer")["reason"] == "waits: `m` has no state `cc`"
     assert page.latest("revision") == page.last("answer")["revision"]
-    page.type(text, seq=2)
+    page.moves(None)
     assert page.last("answer")["running"] is None
 
 
@@ -363,9 +371,9 @@ def test_a_held_text_is_not_marked_where_it_is_half_typed(bench):
     page = lab.page()
     assert page.do("hold", on=True) is None
     text = C.replace("a -> c", "a -> cc")
-    answer = page.type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    answer = page.type(text, at=text.index("cc") + 2, meant=False)
     assert (answer["findings"], answer["half_typed"]) == ([], True)
-    answer = page.type(text, seq=2, cursor=[1, 1], meant=True)
+    answer = page.moves(0)
     assert [finding["code"] for finding in answer["findings"]][-1] == "LRP303"
 
 
@@ -373,7 +381,7 @@ def test_what_waits_is_applied_when_the_view_closes(bench):
     lab = bench(C)
     page, other = lab.page(), lab.page("other")
     text = C.replace("a -> c", "a -> cc")
-    page.type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    page.type(text, at=text.index("cc") + 2, meant=False)
     other.send("bye")
     assert lab.session.program.text == C
     page.send("bye")
@@ -385,7 +393,7 @@ def test_what_waits_is_applied_when_the_view_can_no_longer_be_reached(bench):
     lab.page("other")
     page = lab.page(pays=False)
     text = C.replace("a -> c", "a -> cc")
-    page.type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    page.type(text, at=text.index("cc") + 2, meant=False)
     for _ in range(40):
         lab.session.step()
         lab.wall.now += 1.0
@@ -396,5 +404,5 @@ def test_what_waits_is_applied_when_the_view_can_no_longer_be_reached(bench):
 def test_a_view_that_opens_learns_that_something_waits(bench):
     lab = bench(C)
     text = C.replace("a -> c", "a -> cc")
-    lab.page().type(text, cursor=[1, text.index("cc") + 3], meant=False)
+    lab.page().type(text, at=text.index("cc") + 2, meant=False)
     assert lab.page("other").last("snapshot")["half_typed"]

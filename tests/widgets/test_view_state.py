@@ -140,7 +140,7 @@ def test_a_long_layout_delays_no_command(bench, monkeypatch, act):
         return layout(*arguments, **options)
 
     monkeypatch.setattr(layouts, "layout", slow)
-    page.send("text", seq=1, base=0, text=COUNT.replace("(state a", "(state b) (state a"))
+    page.sends(COUNT.replace("(state a", "(state b) (state a"))
     lab.session.call(lambda: None)
     publisher = Thread(target=lab.publish)
     publisher.start()

@@ -1,10 +1,23 @@
-/** The editor: CodeMirror for LRP. It sends what is typed; the kernel's echo never changes the document. */
+/**
+ * The editor: CodeMirror for LRP. What is typed here is ahead of the kernel's text until the kernel confirms it, and
+ * is merged with what comes from elsewhere meanwhile: `@codemirror/collab` does that.
+ */
 
 import { closeBrackets } from "@codemirror/autocomplete";
+import { collab, getSyncedVersion, receiveUpdates, sendableUpdates } from "@codemirror/collab";
 import { bracketMatching, foldGutter, forceParsing, indentOnInput, indentUnit } from "@codemirror/language";
 import { lintGutter } from "@codemirror/lint";
 import { search } from "@codemirror/search";
-import { Compartment, EditorState, type Extension, Prec, Text } from "@codemirror/state";
+import {
+  type ChangeDesc,
+  ChangeSet,
+  Compartment,
+  EditorState,
+  type Extension,
+  Prec,
+  Text,
+  Transaction,
+} from "@codemirror/state";
 import {
   EditorView,
   highlightActiveLine,
@@ -13,12 +26,11 @@ import {
   lineNumbers,
   placeholder,
   tooltips,
-  type ViewUpdate,
 } from "@codemirror/view";
 import { showTyped } from "../graph/shown";
 import { lrp, outlineOf } from "../language/lrp";
-import type { AnswerMessage, ElementKind, TextRange } from "../protocol";
-import type { Connection } from "../session/connection";
+import type { AnswerMessage, ElementKind, SnapshotMessage, TextRange, UpdateView } from "../protocol";
+import type { Connection, Typed, Typist } from "../session/connection";
 import type { Lab } from "../session/store";
 import { isOn, keepOn } from "../ui/kept";
 import { whenAttached } from "../ui/root";
@@ -29,20 +41,22 @@ import { showDiagnostics } from "./diagnostics";
 import { openFixes } from "./fixes";
 import { format } from "./format";
 import { breakpointGutter } from "./gutter";
+import { otherHands, placeHands, typedBy } from "./hands";
 import { hangingIndent } from "./hanging";
 import { hover } from "./hover";
 import { keys } from "./keys";
 import { live, liveChanged, marksOf } from "./live";
 import { goToDefinition, navigation, rename } from "./navigate";
-import { Pen, renameOf, renames } from "./pen";
-import { lineSeparator, placeOf } from "./places";
+import { Pen, renameOf, renames, sharedEffects } from "./pen";
 import { rainbow } from "./rainbow";
 import { scrubbing } from "./scrub";
 import { steps } from "./steps";
-import { adopt, adopted, difference, Tracked } from "./texts";
+import { difference, Tracked } from "./texts";
 import { Typing } from "./typing";
 
 const PARSE_FOR = 200; // ms: long enough to highlight a new text at once
+const CURSOR_AFTER = 100; // ms: a cursor that moves on and on is sent so often
+const MOST_UPDATES = 500; // of a message
 const VALUES_AFTER = 200; // ms: values that change faster cannot be read, and each change lays out the page
 
 /** Where cards may be: not cut off by the panel, nor below the window. */
@@ -51,15 +65,23 @@ function visiblePart(root: HTMLElement): { left: number; top: number; right: num
   return { left, top: Math.max(0, top), right, bottom: Math.min(bottom, window.innerHeight) };
 }
 
-export class Editor {
+export class Editor implements Typist {
   readonly view: EditorView;
   readonly pen: Pen;
-  /** The text in flight, the last one answered, and the running one. */
-  private readonly onItsWay = new Tracked();
+  /** The kernel's text, of the revision that is known here. */
+  private confirmed = Text.empty;
+  /** The last text answered, and the running one. */
   private readonly answered = new Tracked();
   private readonly running = new Tracked();
-  private readonly typing = new Typing((hasCursor, meant) => this.send(hasCursor, meant));
-  private began = false;
+  private readonly typing = new Typing(
+    (hasCursor, meant) => this.send(hasCursor, meant),
+    () => this.isOneOfSeveral,
+  );
+  /** The document of the kernel that this text is; empty before the first one. */
+  private document = "";
+  /** What is to be sent of the cursor, if anything: whether it is in the text, and whether its word is meant. */
+  private cursor = { isDue: false, isHere: false, meant: true };
+  private moving = 0;
   private values = isOn("values", true);
   private readonly brackets = new Compartment();
   private colours = isOn("brackets", true);
@@ -75,13 +97,14 @@ export class Editor {
     this.pen = new Pen(this.view, lab);
     const { store } = lab;
     store.watch(["findings", "issues", "revision"], () => {
-      if (this.began) showDiagnostics(this.view, store.state, this.answered, this.running);
+      if (this.document) showDiagnostics(this.view, store.state, this.answered, this.running);
     });
     store.watch(["breakpoints"], () => this.redraw());
+    store.watch(["hands"], () => this.showHands());
     store.watch(["lit", "fired", "variables", "events", "program"], () => this.update());
   }
 
-  private extensions(): Extension {
+  private extensions(startVersion = 0): Extension {
     const { lab } = this;
     const nothing = () => true; // these would run the notebook's cell
     return [
@@ -89,6 +112,8 @@ export class Editor {
       breakpointGutter(lab),
       lintGutter(),
       foldGutter(),
+      collab({ startVersion, clientID: this.connection.view, sharedEffects }),
+      otherHands,
       steps,
       renames,
       indentUnit.of("  "),
@@ -134,17 +159,11 @@ export class Editor {
           if (update.selectionSet) this.typing.moved(update);
           return;
         }
-        for (const text of [this.onItsWay, this.answered, this.running]) text.add(update.changes);
-        if (!update.transactions.some((transaction) => transaction.annotation(adopted)))
-          void this.sendChange(update);
+        for (const text of [this.answered, this.running]) text.add(update.changes);
+        if (!update.transactions.some((transaction) => transaction.annotation(Transaction.remote)))
+          this.typing.changed(update);
       }),
     ];
-  }
-
-  private async sendChange(update: ViewUpdate): Promise<void> {
-    const rename = renameOf(update);
-    if (rename && !(await this.lab.act({ do: "rename", ...rename }, true))) return;
-    this.typing.changed(update);
   }
 
   private openLink(event: MouseEvent, view: EditorView): boolean {
@@ -160,70 +179,142 @@ export class Editor {
     return true;
   }
 
-  private send(hasCursor: boolean, meant: boolean): void {
-    const { doc, selection } = this.view.state;
-    const place = hasCursor ? placeOf(doc, selection.main.head) : null;
-    this.connection.text(this.text, place && [place.line, place.column], meant);
+  private send(isHere: boolean, meant: boolean): void {
+    this.cursor = { isDue: true, isHere, meant };
+    if (this.isAhead || this.typing.waits) this.connection.text();
+    else this.moving ||= window.setTimeout(() => this.sendCursor(), CURSOR_AFTER);
+  }
+
+  private sendCursor(): void {
+    this.moving = 0;
+    this.connection.text();
   }
 
   get text(): string {
     return this.view.state.sliceDoc();
   }
 
-  /** The text of a session that this view did not know; `running` is the program's. */
-  begin(text: string, running: string, halfTyped: boolean): void {
-    if (!this.began) this.open(text, rememberedCursor(this.lab.store.state.name));
-    else if (this.text !== text && !this.connection.inFlight) this.put(text);
-    this.began = true;
+  get revision(): number {
+    return getSyncedVersion(this.view.state);
+  }
+
+  get isAhead(): boolean {
+    return this.document !== "" && sendableUpdates(this.view.state).length > 0;
+  }
+
+  /** The changes that the kernel has not confirmed, as one. */
+  private get ahead(): ChangeDesc | null {
+    const updates = this.document ? sendableUpdates(this.view.state) : [];
+    return updates.reduce<ChangeDesc | null>(
+      (all, { changes }) => (all ? all.composeDesc(changes) : changes),
+      null,
+    );
+  }
+
+  next(): Typed | null {
+    if (!this.document) return null;
+    const { state } = this.view;
+    const { main } = state.selection;
+    const { isDue, isHere, meant } = this.cursor;
+    const all = sendableUpdates(state);
+    const first = all.findIndex(({ effects }) => renameOf(effects)); // which is sent on its own
+    const updates = all.slice(0, first === 0 ? 1 : first < 0 ? MOST_UPDATES : Math.min(first, MOST_UPDATES));
+    const isAll = updates.length === all.length;
+    if (isAll) this.cursor.isDue = false;
+    const selection: [number, number] | null = isAll && isHere ? [main.anchor, main.head] : null;
+    if (!all.length) return isDue ? { type: "cursor", revision: this.revision, selection, meant } : null;
+    const rename = first === 0 ? renameOf(all[0]!.effects) : null;
+    return {
+      type: "text",
+      base: this.revision,
+      updates: updates.map(({ changes }) => changes.toJSON()),
+      selection,
+      meant: meant || !isAll,
+      rename: rename && [rename.kind, rename.path, rename.name],
+    };
+  }
+
+  /**
+   * A text of the kernel, with the changes that lead to it from the one known here. Returns the text of this editor
+   * if it has changes that cannot be merged with that, else null.
+   */
+  begin({ document, text, revision, updates, running, half_typed }: SnapshotMessage): string | null {
+    let left: string | null = null;
+    if (document === this.document && updates) this.receive(updates, revision);
+    else {
+      if (this.isAhead) left = this.text;
+      this.open(text, revision);
+    }
+    this.document = document;
     forceParsing(this.view, this.view.state.doc.length, PARSE_FOR);
-    this.answered.differs(this.view.state.toText(text), this.view.state.doc);
-    this.onItsWay.copy(this.answered);
+    this.answered.begin(this.confirmed, this.ahead);
     this.running.differs(this.view.state.toText(running), this.view.state.doc);
-    this.typing.answered(halfTyped);
+    this.typing.answered(half_typed);
     if (!this.view.hasFocus) this.typing.left(); // it was typed before the page was loaded again
+    return left;
   }
 
-  private put(text: string): void {
-    const separator = lineSeparator(text);
-    const same = !/[\r\n]/.test(text) || (separator ?? "\n") === this.view.state.lineBreak;
-    if (same) adopt(this.view, text);
-    else this.open(text, this.view.state.selection.main.head); // an editor's line ends are for its life
-  }
-
-  private open(text: string, cursor: number): void {
-    const separator = lineSeparator(text);
-    const extensions: Extension[] = [this.extensions()];
-    if (separator) extensions.push(EditorState.lineSeparator.of(separator));
-    this.view.setState(EditorState.create({ doc: text, extensions }));
-    const head = Math.min(cursor, this.view.state.doc.length);
+  private open(text: string, revision: number): void {
+    const cursor = this.document
+      ? this.view.state.selection.main.head
+      : rememberedCursor(this.lab.store.state.name);
+    this.view.setState(EditorState.create({ doc: text, extensions: this.extensions(revision) }));
+    this.confirmed = this.view.state.doc;
+    const head = Math.min(cursor, this.confirmed.length);
     this.view.dispatch({ selection: { anchor: head } });
     reveal(this.view, head);
   }
 
-  /** Apply a text from elsewhere (another view, a rename, a cell). What is typed here is newer and kept. */
-  replaceText(text: string): void {
-    if (!this.connection.inFlight) {
-      this.put(text);
-      this.onItsWay.begin(this.view.state.doc);
+  /**
+   * Handle updates that lead to a revision: others' are merged with what is ahead here, own ones confirm it. They
+   * are mapped one by one, as the kernel does it.
+   */
+  private receive(updates: UpdateView[], revision: number): void {
+    const known = this.revision - (revision - updates.length);
+    for (const { view, changes } of updates.slice(Math.max(0, known))) {
+      const update = {
+        changes: ChangeSet.fromJSON(changes),
+        clientID: view,
+        effects: [typedBy.of(view)],
+      };
+      this.view.dispatch(receiveUpdates(this.view.state, [update]));
+      this.confirmed = update.changes.apply(this.confirmed);
     }
+    this.showHands();
   }
 
-  /** Handle an answer to the text in flight or to one that replaced it; it is running if `applied`. */
-  wasAnswered({ applied, running, half_typed, seq }: AnswerMessage): void {
-    this.answered.copy(this.onItsWay);
-    if (applied) this.running.copy(this.onItsWay);
+  /** Handle the answer to a text; it is running if `applied`. */
+  wasAnswered({ updates, revision, applied, running, half_typed }: AnswerMessage): void {
+    this.receive(updates, revision);
+    this.answered.begin(this.confirmed, this.ahead);
+    if (applied) this.running.begin(this.confirmed, this.ahead);
     else if (running !== null) this.running.differs(this.view.state.toText(running), this.view.state.doc);
-    if (seq && this.connection.isAnswered) this.typing.answered(half_typed);
+    if (this.connection.isAnswered) this.typing.answered(half_typed);
+  }
+
+  /** Whether another view has an editor, too, and shows the cursor of this one. */
+  private get isOneOfSeveral(): boolean {
+    return Object.keys(this.lab.store.state.hands).length > 1;
+  }
+
+  private wasOneOfSeveral = false;
+
+  /** Show the cursors of other views, as soon as the text that they refer to is known. */
+  private showHands(): void {
+    const { hands } = this.lab.store.state;
+    if (this.isOneOfSeveral !== this.wasOneOfSeveral) {
+      this.wasOneOfSeveral = this.isOneOfSeveral;
+      if (this.view.hasFocus) this.send(true, this.cursor.meant);
+    }
+    const others = Object.entries(hands).filter(([view]) => view !== this.connection.view);
+    if (!this.document || others.some(([, hand]) => hand.revision !== this.revision)) return;
+    placeHands(this.view, others, this.ahead);
   }
 
   close(): void {
+    clearTimeout(this.moving);
     this.typing.stop();
     this.view.destroy();
-  }
-
-  /** Record the text that is being sent; called before each sending. */
-  markSent(): void {
-    this.onItsWay.begin(this.view.state.doc);
   }
 
   get showsValues(): boolean {

@@ -5,8 +5,8 @@
  */
 
 import { invertedEffects } from "@codemirror/commands";
-import { type Extension, StateEffect } from "@codemirror/state";
-import type { EditorView, ViewUpdate } from "@codemirror/view";
+import { type Extension, StateEffect, type Transaction } from "@codemirror/state";
+import type { EditorView } from "@codemirror/view";
 import { outlineOf } from "../language/lrp";
 import type { DrawRequest, ElementKind } from "../protocol";
 import type { Lab } from "../session/store";
@@ -43,11 +43,14 @@ export const renames: Extension = invertedEffects.of(({ effects }) =>
   effects.filter((effect) => effect.is(renaming)).map((effect) => renaming.of(inverse(effect.value))),
 );
 
-/** The rename that an update consists of, by drawing, undo or redo; else null. */
-export function renameOf(update: ViewUpdate): Rename | null {
-  const changes = update.transactions.filter((transaction) => transaction.docChanged);
-  const found = changes.flatMap(({ effects }) => effects.filter((effect) => effect.is(renaming)));
-  return changes.length === 1 && found.length === 1 ? found[0]!.value : null;
+/** What is sent along with changes: that they are a rename, by drawing, undo or redo. */
+export const sharedEffects = ({ effects }: Transaction): StateEffect<Rename>[] =>
+  effects.filter((effect) => effect.is(renaming));
+
+/** The rename that changes with these effects are; else null. */
+export function renameOf(effects: readonly StateEffect<unknown>[] | undefined): Rename | null {
+  const found = effects?.find((effect) => effect.is(renaming));
+  return found?.is(renaming) ? found.value : null;
 }
 
 export class Pen {

@@ -34,10 +34,3 @@ export function placeOf(doc: Text, offset: number): { line: number; column: numb
   const line = doc.lineAt(offset);
   return { line: line.number, column: [...line.text.slice(0, offset - line.from)].length + 1 };
 }
-
-/** The one line end of a text, if all of its lines end so; the editor then keeps it. */
-export function lineSeparator(text: string): string | undefined {
-  const ends = new Set(text.match(/\r\n|\r|\n/g));
-  const [only] = ends;
-  return ends.size === 1 && only !== "\n" ? only : undefined;
-}

@@ -1,6 +1,7 @@
 /**
  * The steps of undo. What is typed in one go is one step, as usual. A change that comes from elsewhere (the
- * kernel, the cell, a menu, the graph) is a step of its own, however soon after a letter it comes.
+ * cell, a menu, the graph) is a step of its own, however soon after a letter it comes. What the kernel or another
+ * view has changed is no step: it stays when the user undoes what was typed here.
  */
 
 import { history, isolateHistory } from "@codemirror/commands";
@@ -11,7 +12,9 @@ const ELSEWHERE = /^$|^input\.(draw|fix|format)$/;
 export const steps: Extension = [
   history(),
   EditorState.transactionExtender.of((transaction) =>
-    transaction.docChanged && ELSEWHERE.test(transaction.annotation(Transaction.userEvent) ?? "")
+    transaction.docChanged &&
+    !transaction.annotation(Transaction.remote) &&
+    ELSEWHERE.test(transaction.annotation(Transaction.userEvent) ?? "")
       ? { annotations: isolateHistory.of("full") }
       : null,
   ),

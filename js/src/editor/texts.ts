@@ -4,15 +4,7 @@
  * from elsewhere, of which only what differs is replaced, so that the cursor stays.
  */
 
-import {
-  Annotation,
-  type ChangeDesc,
-  ChangeSet,
-  type ChangeSpec,
-  type Text,
-  Text as Texts,
-} from "@codemirror/state";
-import type { EditorView } from "@codemirror/view";
+import { type ChangeDesc, ChangeSet, type ChangeSpec, type Text, Text as Texts } from "@codemirror/state";
 import type { TextRange } from "../protocol";
 import { type Span, spanOf } from "./places";
 
@@ -21,10 +13,10 @@ export class Tracked {
 
   constructor(private doc: Text = Texts.empty) {}
 
-  /** Refer to the text as it is now. */
-  begin(doc: Text): void {
+  /** Refer to a text that has changed since. */
+  begin(doc: Text, changes: ChangeDesc | null = null): void {
     this.doc = doc;
-    this.changes = null;
+    this.changes = changes;
   }
 
   /** Refer to a text that differs from the present one. */
@@ -32,12 +24,6 @@ export class Tracked {
     this.begin(doc);
     const change = difference(doc, now);
     if (change) this.add(ChangeSet.of(change, doc.length).desc);
-  }
-
-  /** Refer to what another one refers to. */
-  copy(other: Tracked): void {
-    this.doc = other.doc;
-    this.changes = other.changes;
   }
 
   /** The editor's text changed. */
@@ -55,14 +41,6 @@ export class Tracked {
   }
 }
 
-/** Marks a change that the user did not type here, and that must not be sent back. */
-export const adopted = Annotation.define<boolean>();
-
-export function adopt(view: EditorView, text: string): void {
-  const changes = difference(view.state.doc, view.state.toText(text));
-  if (changes) view.dispatch({ changes, annotations: adopted.of(true) });
-}
-
 /** One replacement that makes `next` of `doc`; null if they are equal. */
 export function difference(doc: Text, next: Text): ChangeSpec | null {
   if (doc.eq(next)) return null;
@@ -71,8 +49,10 @@ export function difference(doc: Text, next: Text): ChangeSpec | null {
   const most = Math.min(old.length, now.length);
   let start = 0;
   while (start < most && old.charCodeAt(start) === now.charCodeAt(start)) start++;
+  if (start && old.codePointAt(start - 1)! > 0xffff) start--; // half a character
   let end = 0;
   while (end < most - start && old.charCodeAt(old.length - 1 - end) === now.charCodeAt(now.length - 1 - end))
     end++;
+  if (end && old.length - end && old.codePointAt(old.length - end - 1)! > 0xffff) end--;
   return { from: start, to: old.length - end, insert: next.slice(start, now.length - end) };
 }

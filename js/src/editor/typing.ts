@@ -13,7 +13,7 @@ export const NUMBER_AFTER = 400;
 const WORD = /[\p{L}\p{N}_.]*$/u;
 const REST = /^[\p{L}\p{N}_]*/u;
 
-/** Sends the text, with the place of the cursor if that is in the text. */
+/** Sends what was typed, with the place of the cursor if that is in the text. */
 type Send = (hasCursor: boolean, meant: boolean) => void;
 
 export class Typing {
@@ -21,9 +21,13 @@ export class Typing {
   private to = 0;
   private timer = 0;
   /** Whether something of the last text waits for the word to be meant, or for the cursor to leave. */
-  private waits = false;
+  waits = false;
 
-  constructor(private readonly send: Send) {}
+  constructor(
+    private readonly send: Send,
+    /** Whether others see the cursor, wherever it is. */
+    private readonly isSeen: () => boolean = () => false,
+  ) {}
 
   /** Handle a change of the text that was made here. */
   changed({ state, transactions }: ViewUpdate): void {
@@ -63,7 +67,7 @@ export class Typing {
 
   private over(hasCursor: boolean): void {
     this.stop();
-    if (this.waits) this.send(hasCursor, true);
+    if (this.waits || this.isSeen()) this.send(hasCursor, true);
   }
 }
 

@@ -1,9 +1,8 @@
 /** Which machine the graph shows: one that is chosen, or the one in which the user types. */
 
-import type { Extension } from "@codemirror/state";
+import { type Extension, Transaction } from "@codemirror/state";
 import { ViewPlugin, type ViewUpdate } from "@codemirror/view";
 import { DRAWN } from "../editor/pen";
-import { adopted } from "../editor/texts";
 import { outlineOf } from "../language/lrp";
 import type { Lab, Store } from "../session/store";
 import { isDrawnIn } from "./inside";
@@ -27,7 +26,7 @@ export function showTyped({ store }: Lab): Extension {
   return ViewPlugin.define(() => ({
     update({ docChanged, transactions, state }: ViewUpdate) {
       if (!docChanged) return;
-      if (transactions.some((each) => each.annotation(adopted) || each.isUserEvent(DRAWN))) return;
+      if (transactions.some((each) => each.annotation(Transaction.remote) || each.isUserEvent(DRAWN))) return;
       typed = outlineOf(state).around(state.selection.main.head, "machine")?.path ?? "";
       show();
     },

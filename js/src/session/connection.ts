@@ -1,9 +1,20 @@
 /**
- * The connection to the kernel: text (one in flight, the newest wins), commands and requests with their
- * replies, credit for frames, and whether the kernel answers. No DOM, no clock of its own.
+ * The connection to the kernel: what was typed (one text in flight; answers in their order, each once), commands
+ * and requests with their replies, credit for frames, and whether the kernel answers. No DOM, no clock of its
+ * own.
  */
 
-import type { AnswerMessage, Command, FromKernel, FromPage, PartName, ReplyMessage } from "../protocol";
+import type {
+  AnswerMessage,
+  Command,
+  CursorMessage,
+  FromKernel,
+  FromPage,
+  PartName,
+  ReplyMessage,
+  SnapshotMessage,
+  TextMessage,
+} from "../protocol";
 import { viewOf, withNulls } from "./plain";
 import type { Link } from "./state";
 
@@ -50,19 +61,24 @@ export type Question = Without<
   "view" | "id"
 >;
 
-/** A text, where it is being edited, and whether the word there is meant. */
-interface Typed {
-  text: string;
-  cursor: [number, number] | null;
-  meant: boolean;
+/** What the kernel has to know of an editor: changes, or where the cursor is. */
+export type Typed = Without<TextMessage | CursorMessage, "view" | "seq">;
+
+export interface Typist {
+  /** The revision that it knows. */
+  readonly revision: number;
+  /** Whether it has changes that the kernel has not confirmed. */
+  readonly isAhead: boolean;
+  /** What it has to send next; null if there is nothing. */
+  next(): Typed | null;
 }
 
 export interface Listener {
   /** A message for this view; its buffers hold poses. */
   message(message: FromKernel, buffers: DataView[]): void;
   link(link: Link): void;
-  /** The newest text is about to be sent. */
-  sending?(): void;
+  /** The editor of this view, if it has one. */
+  readonly typist?: Typist | null;
   /** A text was typed while the kernel does not answer. */
   unanswered?(): void;
 }
@@ -73,9 +89,11 @@ export class Connection {
   inFlight = 0;
   private seq = 0;
   private nextId = 1;
-  private base = 0;
-  private waitingText: Typed | null = null;
-  private sentText: Typed | null = null;
+  /** The document of the kernel, the number of the last answer, and those that came before their turn. */
+  private document = "";
+  private answers = 0;
+  private readonly early = new Map<number, AnswerMessage>();
+  private earlySince = 0;
   private link: Link = "connecting";
   /** When the comm was reported to open or close: if no message follows, the kernel is gone. */
   private suspectedAt = Number.POSITIVE_INFINITY;
@@ -105,31 +123,27 @@ export class Connection {
   /** Request a snapshot. */
   hello(): void {
     this.lastHello = this.clock.now();
-    this.post({ type: "hello", view: this.view, part: this.part });
+    const { document, seq } = this;
+    const revision = this.listener.typist?.revision ?? 0;
+    this.post({ type: "hello", view: this.view, part: this.part, document, revision, seq });
   }
 
   /** Whether the kernel has answered the newest text. */
   get isAnswered(): boolean {
-    return this.inFlight === 0 && this.waitingText === null;
+    return this.inFlight === 0 && !this.listener.typist?.isAhead;
   }
 
-  /**
-   * Send the whole text, and where it is being edited: line and column, and whether the word there is meant.
-   * Returns whether it was sent at once.
-   */
-  text(text: string, cursor: [number, number] | null = null, meant = true): boolean {
-    if (this.link !== "live") this.listener.unanswered?.();
-    const typed = { text, cursor, meant };
-    if (this.inFlight) {
-      this.waitingText = typed;
-      return false;
+  /** Send what was typed: now, or when the text in flight is answered. */
+  text(): void {
+    const { typist } = this.listener;
+    if (this.link !== "live" && typist?.isAhead) this.listener.unanswered?.();
+    const typed = this.inFlight ? null : typist?.next();
+    if (!typed) return;
+    if (typed.type === "text") {
+      this.inFlight = ++this.seq;
+      this.textSince = this.clock.now();
     }
-    this.inFlight = ++this.seq;
-    this.sentText = typed;
-    this.textSince = this.clock.now();
-    this.listener.sending?.();
-    this.post({ type: "text", view: this.view, seq: this.seq, base: this.base, ...typed });
-    return true;
+    this.post({ view: this.view, seq: this.seq, ...typed });
   }
 
   /** Send a command and wait for the reply; its `error` is a sentence or null. */
@@ -184,19 +198,22 @@ export class Connection {
     const message = withNulls(received);
     this.lastMessage = this.clock.now();
     this.suspectedAt = Number.POSITIVE_INFINITY;
+    if (message.type === "answer" && !this.isNext(message)) return;
     if (message.type === "frame") this.credit(message.frame);
     if (message.type === "reply") this.resolve(message);
-    if (message.type === "answer") this.answered(message);
     if (message.type === "snapshot") {
-      this.base = message.revision;
+      this.begin(message);
       this.credit(message.frame.frame);
     }
     this.updateLink();
     try {
       this.listener.message(message, buffers.map(viewOf));
     } finally {
-      if (message.type === "answer" && message.seq) this.next(); // whatever failed, what was typed is sent
-      if (message.type === "snapshot") this.restart(message.text);
+      if (message.type === "answer" || message.type === "snapshot") {
+        this.text(); // whatever failed, what was typed is sent
+        const next = this.early.get(this.answers + 1);
+        if (next) this.receive(next);
+      }
     }
   };
 
@@ -218,28 +235,30 @@ export class Connection {
     this.waiting.delete(reply.id);
   }
 
-  private answered(answer: AnswerMessage): void {
-    this.base = answer.revision;
+  /** Whether an answer is the next one, which is then counted. One that came early waits for its turn. */
+  private isNext(answer: AnswerMessage): boolean {
+    if (answer.number > this.answers + 1) {
+      if (!this.early.size) this.earlySince = this.clock.now();
+      this.early.set(answer.number, answer);
+    }
+    if (answer.number !== this.answers + 1) return false;
+    this.count(answer.number);
     if (answer.seq === this.inFlight) this.inFlight = 0;
+    return true;
   }
 
-  private next(): void {
-    const next = this.waitingText;
-    this.waitingText = null;
-    const last = this.sentText;
-    if (next && (next.text !== last?.text || next.meant || !last.meant)) this.again(next);
+  /** Answers up to this number are known. */
+  private count(number: number): void {
+    this.answers = number;
+    for (const each of this.early.keys()) if (each <= number) this.early.delete(each);
+    this.earlySince = this.clock.now();
   }
 
-  /** Handle a snapshot: texts sent before it are no longer answered, so the newest is sent again. */
-  private restart(text: string): void {
-    const mine = this.waitingText ?? (this.inFlight ? this.sentText : null);
-    this.inFlight = 0;
-    this.waitingText = null;
-    if (mine !== null && mine.text !== text) this.again(mine);
-  }
-
-  private again({ text, cursor, meant }: Typed): void {
-    this.text(text, cursor, meant);
+  /** Handle a snapshot: it contains the texts that it says, or they have not arrived and never count. */
+  private begin({ document, number, seq }: SnapshotMessage): void {
+    this.count(document === this.document ? Math.max(number, this.answers) : number);
+    this.document = document;
+    if (this.inFlight <= seq) this.inFlight = 0;
   }
 
   private updateLink(): void {
@@ -255,6 +274,8 @@ export class Connection {
       return;
     }
     if (this.link === "connecting" && this.lastMessage <= this.lastHello) return;
+    const missing = this.early.size ? this.earlySince : this.inFlight ? this.textSince : now;
+    if (now - Math.max(missing, this.lastHello) >= LOST_AFTER) this.hello(); // a message was lost
     let since = this.inFlight ? this.textSince : now;
     for (const { since: asked } of this.waiting.values()) since = Math.min(since, asked);
     this.become(now - since >= BUSY_AFTER ? "busy" : "live");

@@ -71,7 +71,8 @@ export function apply(state: LabState, message: FromKernel): Set<Topic> {
   if (message.type === "frame") {
     changes = { ...merged(state, message), ...carriedOver(state, message.moved) };
   } else if (message.type === "snapshot") {
-    const { type, view, text, revision, half_typed, frame, ...fields } = message;
+    const { type, view, document, number, seq, text, revision, updates, half_typed, frame, ...fields } =
+      message;
     const waits = message.accepted && !message.pending && text !== message.running;
     const { link, machine, chosen, inspected, cameras, follow } = state;
     changes = {

@@ -12,8 +12,10 @@ const listeners = new Set();
 window.sent = [];
 let view = "";
 let revision = 1;
+let text = "";
 let number = 1;
 let credit = 3;
+let answers = 0;
 let playing = options.get("case") !== "paused";
 let at = 0;
 const state = {
@@ -71,9 +73,23 @@ const cases = {
   hold: { settings: state.settings },
 };
 
+/** The text after changes, in CodeMirror's JSON form. */
+function changed(before, changes) {
+  let at = 0;
+  return changes
+    .map((section) => {
+      const [length, ...lines] = Array.isArray(section) ? section : [section];
+      at += length;
+      return Array.isArray(section) ? lines.join("\n") : before.slice(at - length, at);
+    })
+    .join("");
+}
+
 function answer(message) {
-  const lines = message.text.split("\n");
-  const open = (message.text.match(/\(/g) ?? []).length !== (message.text.match(/\)/g) ?? []).length;
+  text = message.updates.reduce(changed, text);
+  revision += message.updates.length;
+  const lines = text.split("\n");
+  const open = (text.match(/\(/g) ?? []).length !== (text.match(/\)/g) ?? []).length;
   const typo = lines.findIndex((line) => line.includes("lightlin "));
   const findings = [];
   if (open)
@@ -99,9 +115,10 @@ function answer(message) {
   }
   deliver({
     type: "answer",
+    number: ++answers,
     seq: message.seq,
-    revision: ++revision,
-    text: null,
+    revision,
+    updates: message.updates.map((changes) => ({ view, changes })),
     findings,
     accepted: !open,
     applied: !open,
@@ -204,6 +221,7 @@ const model = {
       if (options.get("case") === "empty") Object.assign(snapshot, { text: "", running: "" });
       if (options.get("case") === "empty")
         Object.assign(snapshot.frame, { program: { variables: [], events: [], machines: [] }, layouts: {} });
+      text = snapshot.text;
       setTimeout(() => {
         deliver(snapshot);
         const more = cases[options.get("case")];
