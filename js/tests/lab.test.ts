@@ -18,18 +18,12 @@ import type {
   UpdateView,
 } from "../src/protocol";
 import { lostTexts } from "../src/session/lost";
+import { type Packed, packed, unpacked } from "../src/session/plain";
 import { Stage } from "../src/world/stage";
 import recording from "./page/recording.json";
 
 /** Whether these tests run as in Colab and marimo (see `vitest.config.ts`), else as in Jupyter. */
 const ELSEWHERE = process.env.LRP_HOST === "elsewhere";
-
-/** A message as such a notebook passes it on: undefined is what it makes of Python's `None`. */
-function withoutNull(value: unknown): unknown {
-  if (typeof value !== "object" || value === null) return value ?? undefined;
-  if (Array.isArray(value)) return value.map(withoutNull);
-  return Object.fromEntries(Object.entries(value).map(([key, each]) => [key, withoutNull(each)]));
-}
 
 /** A whole lab in a page without a browser, and the kernel's end of its wire. */
 class Page {
@@ -51,7 +45,7 @@ class Page {
     const model = {
       send: (message: unknown) => {
         if (this.ended) throw new Error("The comm is closed");
-        this.sent.push(message as FromPage);
+        this.sent.push(unpacked(message as Packed));
       },
       on: (event: string, callback: (...args: never[]) => void) => {
         if (event === "msg:custom") this.hear = callback as never;
@@ -88,12 +82,8 @@ class Page {
   }
 
   deliver(message: object, bytes: Uint8Array[] = []): void {
-    const whole = { view: this.view, ...message };
-    if (ELSEWHERE) this.hear(withoutNull(whole), bytes);
-    else {
-      const views = bytes.map(({ buffer, byteOffset, length }) => new DataView(buffer, byteOffset, length));
-      this.hear(whole, views);
-    }
+    const views = bytes.map(({ buffer, byteOffset, length }) => new DataView(buffer, byteOffset, length));
+    this.hear(packed({ view: this.view, ...message }), ELSEWHERE ? bytes : views);
   }
 
   /** Deliver a snapshot of a text. */

@@ -6,6 +6,7 @@ import { afterEach, expect, it } from "vitest";
 import { Editor } from "../src/editor/editor";
 import type { AnswerMessage, FromKernel, FromPage, SnapshotMessage, UpdateView } from "../src/protocol";
 import { type Clock, Connection } from "../src/session/connection";
+import { type Packed, packed, unpacked } from "../src/session/plain";
 import { type Lab, Store } from "../src/session/store";
 
 const BEGIN = "(machine m\n  (state a))\n; 𝄞\n";
@@ -96,13 +97,13 @@ class Window {
   typed = "";
   readonly editor: Editor;
   readonly connection: Connection;
-  private hear: (message: FromKernel) => void = () => {};
+  private hear: (message: Packed) => void = () => {};
 
   constructor(readonly name: Name) {
     const root = document.createElement("div");
     const lab = { store: new Store(), root, closed: new AbortController().signal } as unknown as Lab;
     const model = {
-      send: (message: unknown) => void this.going.push(message as FromPage),
+      send: (message: unknown) => void this.going.push(unpacked(message as Packed)),
       on: (event: string, callback: (...args: never[]) => void) => {
         if (event === "msg:custom") this.hear = callback as never;
       },
@@ -149,7 +150,7 @@ class Window {
     const at = index % this.coming.length;
     const message = structuredClone(this.coming[at]!);
     if (!again) this.coming.splice(at, 1);
-    this.hear(message);
+    this.hear(packed(message));
   }
 }
 

@@ -1,8 +1,10 @@
 """The messages from the kernel to a page, their parts, and how the two sides cooperate.
 
 This module and the page's messages (`messages`, `commands`, `requests`, `inspection`) are the protocol;
-``js/src/protocol.ts`` is generated from them (``npm run protocol``). All messages are JSON objects sent as
-custom messages of the widget, distinguished by ``type``. Fields that may be missing are `NotRequired`.
+``js/src/protocol.ts`` is generated from them (``npm run protocol``). All messages are JSON objects,
+distinguished by ``type``. They are sent as texts, in custom messages ``{"json": "…"}`` of the widget, because
+notebooks differ in what they make of ``None``, null and subclasses of `str`. Fields that may be missing are
+`NotRequired`.
 
 **Views.** Every view of a lab in a page has a random name of its own, the ``view`` of every message. A
 comm's messages reach all views of its widget, so each keeps those with its own name. The

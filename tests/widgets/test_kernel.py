@@ -1,5 +1,6 @@
 """A real kernel without a browser: sending from a thread, and hearing while a cell runs."""
 
+import json
 import time
 from queue import Empty
 
@@ -52,7 +53,7 @@ class Kernel:
         elif kind == "stream":
             self.streams.append(content["text"])
         elif kind == "comm_msg" and content["comm_id"] == self.comm and content["data"].get("content"):
-            self.receive(content["data"]["content"])
+            self.receive(json.loads(content["data"]["content"]["json"]))
 
     def receive(self, message):
         self.messages.append(message)
@@ -63,7 +64,10 @@ class Kernel:
             self.send({"type": "credit", "view": "v", "frame": frame["frame"]})
 
     def send(self, content):
-        content = {"comm_id": self.comm, "data": {"method": "custom", "content": content}}
+        content = {
+            "comm_id": self.comm,
+            "data": {"method": "custom", "content": {"json": json.dumps(content)}},
+        }
         message = self.client.session.msg("comm_msg", content)
         message["header"]["subshell_id"] = self.subshell
         self.client.shell_channel.send(message)

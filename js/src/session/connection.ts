@@ -15,7 +15,7 @@ import type {
   SnapshotMessage,
   TextMessage,
 } from "../protocol";
-import { viewOf, withNulls } from "./plain";
+import { type Packed, packed, unpacked, viewOf } from "./plain";
 import type { Link } from "./state";
 
 /** The part of anywidget's interface that is used here. */
@@ -184,18 +184,18 @@ export class Connection {
 
   private post(message: FromPage): void {
     try {
-      this.model.send(message);
+      this.model.send(packed(message));
     } catch {
       this.become("dead"); // the comm is closed: the kernel was restarted or shut down
     }
   }
 
-  private readonly receive = (
-    received: FromKernel,
-    buffers: (ArrayBuffer | ArrayBufferView)[] = [],
-  ): void => {
-    if (!received || received.view !== this.view) return;
-    const message = withNulls(received);
+  private readonly receive = (received: Packed, buffers: (ArrayBuffer | ArrayBufferView)[] = []): void => {
+    const message = unpacked<FromKernel>(received);
+    if (message.view === this.view) this.handle(message, buffers.map(viewOf));
+  };
+
+  private handle(message: FromKernel, buffers: DataView[]): void {
     this.lastMessage = this.clock.now();
     this.suspectedAt = Number.POSITIVE_INFINITY;
     if (message.type === "answer" && !this.isNext(message)) return;
@@ -207,15 +207,15 @@ export class Connection {
     }
     this.updateLink();
     try {
-      this.listener.message(message, buffers.map(viewOf));
+      this.listener.message(message, buffers);
     } finally {
       if (message.type === "answer" || message.type === "snapshot") {
         this.text(); // whatever failed, what was typed is sent
         const next = this.early.get(this.answers + 1);
-        if (next) this.receive(next);
+        if (next) this.handle(next, []);
       }
     }
-  };
+  }
 
   /** Every message makes the kernel report "busy" and "idle", which its host draws: acknowledge two at once. */
   private credit(frame: number): void {

@@ -1,14 +1,18 @@
-/** Messages as the kernel sent them: notebooks differ in what becomes of Python's `None` and of bytes. */
+/**
+ * Messages as the other side wrote them. Notebooks differ in what becomes of Python's `None` (null, undefined, or
+ * nothing at all), of JavaScript's null and of bytes, so a message travels as a text in JSON.
+ */
 
-/** A message with null for `None`, where some notebooks have undefined. */
-export function withNulls<T>(value: T): T {
-  if (typeof value !== "object" || value === null) return value;
-  const entries = value as Record<string, unknown>;
-  for (const key of Object.keys(entries)) {
-    if (entries[key] === undefined) entries[key] = null;
-    else withNulls(entries[key]);
-  }
-  return value;
+export interface Packed {
+  json: string;
+}
+
+export function packed(message: unknown): Packed {
+  return { json: JSON.stringify(message) };
+}
+
+export function unpacked<T>({ json }: Packed): T {
+  return JSON.parse(json);
 }
 
 /** Bytes as a `DataView`, where some notebooks have an array of them, perhaps within a larger buffer. */

@@ -1,6 +1,7 @@
 /** Python in a worker, as the page sees it: a model for the lab, and what the page itself asks of it. */
 
 import type { Model } from "../session/connection";
+import type { Packed } from "../session/plain";
 import type { Wanted } from "./address";
 import type { FromWorker, Shared, Site, ToWorker } from "./messages";
 
@@ -19,7 +20,7 @@ export interface Watching {
   silent(on: boolean): void;
 }
 
-type Receive = (message: unknown, buffers: DataView[]) => void;
+type Receive = (message: Packed, buffers: Uint8Array[]) => void;
 
 export class Python {
   private readonly worker: Worker;
@@ -66,7 +67,7 @@ export class Python {
   model(): Model & { get(name: string): unknown } {
     const own = new Map<unknown, Receive>();
     return {
-      send: (content) => this.post({ do: "message", message: JSON.stringify(content) }),
+      send: (content) => this.post({ do: "message", message: (content as Packed).json }),
       on: (event, callback) => {
         if (event !== "msg:custom") return;
         own.set(callback, callback as Receive);
@@ -101,11 +102,7 @@ export class Python {
     this.watching.silent(false);
     if (message.is === "step") this.watching.step(message.step);
     if (message.is === "message") {
-      const buffers = message.buffers.map(
-        (each) => new DataView(each.buffer, each.byteOffset, each.byteLength),
-      );
-      const content = JSON.parse(message.message);
-      for (const receive of this.receivers) receive(content, buffers);
+      for (const receive of this.receivers) receive({ json: message.message }, message.buffers);
     }
     const index = this.waiting.findIndex(({ is }) => is === message.is || message.is === "failed");
     if (index < 0) return;

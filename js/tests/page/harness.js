@@ -23,7 +23,7 @@ const state = {
 };
 
 const deliver = (message, buffers = []) => {
-  for (const listener of listeners) listener({ view, ...message }, buffers);
+  for (const listener of listeners) listener({ json: JSON.stringify({ view, ...message }) }, buffers);
 };
 const bytes = (text) => new DataView(Uint8Array.from(atob(text), (char) => char.charCodeAt(0)).buffer);
 const frame = (fields = {}) => deliver({ type: "frame", frame: ++number, ...fields });
@@ -207,7 +207,8 @@ const model = {
   get: (name) => ({ view: options.get("view") ?? "lab" })[name],
   on: (event, callback) => event === "msg:custom" && listeners.add(callback),
   off: (_, callback) => listeners.delete(callback),
-  send(message) {
+  send({ json }) {
+    const message = JSON.parse(json);
     window.sent.push(message);
     view ||= message.view;
     if (options.get("case") === "lost") {
