@@ -104,19 +104,22 @@ def test_a_typed_state_appears_in_the_graph_of_the_running_program_which_can_be_
     lab.state("m/rest")
     lab.goes_on()
     lab.pause()
+    lab.do("run")
+    lab.ready()
     lab.do("stop")
-    lab.ready("stopped")
+    lab.ready("paused")
 
 
-def test_a_typed_text_is_there_again_after_the_page_was_loaded_again(lab):
+def test_a_typed_text_is_kept_and_offered_after_the_page_was_loaded_again(lab):
     lab = lab(COUNT)
     lab.type_after("[n = n + 1]))", "\n  (state rest)")
     lab.state("m/rest")
     lab.notebook.save()
     lab.page.reload()
     lab = run(lab.notebook.ready())
+    lab.reads('[role="alertdialog"]', "Which text should be kept?")
+    lab.do("take")
     lab.state("m/rest")
-    assert lab.find('[role="alertdialog"]:not([hidden])').count() == 0
 
 
 def test_a_block_that_does_not_return_pauses_the_program_and_leaves_the_page_alive(lab):
