@@ -87,7 +87,7 @@ def alone(playwright):
     browser.close()
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def visitors(alone, site):
     """Open pages of new visitors, who ask for nothing but the site."""
     contexts, asked = [], []
@@ -105,9 +105,9 @@ def visitors(alone, site):
     assert f"{site.url}/python/pyodide.asm.wasm" in asked
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def visitor(visitors):
-    """The page of a new visitor."""
+    """The page of one visitor, whose browser knows the site after the first test."""
     return visitors()
 
 

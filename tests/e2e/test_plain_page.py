@@ -1,5 +1,8 @@
 """The plain page of a static site: one lab without a notebook, a server or a network."""
 
+import zlib
+from base64 import urlsafe_b64encode
+
 import pytest
 
 from e2e.pages import LabPage
@@ -51,18 +54,21 @@ class PlainPage(LabPage):
 
 @pytest.fixture
 def plain(visitor, site):
-    """The page of a new visitor; without the simulator, of a program that needs no robot."""
+    """The page of a visitor, online."""
+    visitor.context.set_offline(False)
     return PlainPage(visitor, site)
 
 
 @pytest.fixture
-def counting(plain):
-    """The page, in which a program counts that was typed there."""
-    plain.show("?program=stopwatch")
-    plain.page.locator(".cm-content").press("Control+a")
-    plain.page.keyboard.insert_text(COUNT)
-    plain.state("m/count")
-    return plain
+def counting(plain, request):
+    """The page, in which a program of its own counts."""
+    return plain.show(link(request.node.name))
+
+
+def link(name, text=COUNT):
+    """The address of a shared program, as the page makes it."""
+    packed = zlib.compress(text.encode(), wbits=-15)
+    return f"?program={name}#text={urlsafe_b64encode(packed).decode().rstrip('=')}"
 
 
 def test_a_link_is_enough_for_a_robot_that_drives(plain, simulator):
@@ -91,9 +97,8 @@ def test_what_was_typed_is_there_when_the_page_is_loaded_again(counting):
 def test_a_shared_link_opens_the_same_program_in_another_browser(counting, visitors, site):
     counting.page.locator("#share").click()
     counting.says("The link is copied")
-    link = counting.page.url
-    assert "#text=" in link
-    other = PlainPage(visitors(), site).show(link.removeprefix(f"{site.url}/"))
+    shared = counting.page.url
+    other = PlainPage(visitors(), site).show(shared.removeprefix(f"{site.url}/"))
     other.state("m/count")
     assert other.text == COUNT
 
@@ -125,9 +130,9 @@ def test_a_challenge_is_checked_beside_its_robot(plain, simulator):
     lab.page.locator("#verdict[data-passed=true]").wait_for()
 
 
-def test_the_program_opens_in_a_notebook(counting):
+def test_the_program_opens_in_a_notebook(counting, request):
     counting.page.locator("#notebook").click()
-    counting.page.locator(".jp-Notebook .cm-content", has_text="%%lrp stopwatch").wait_for()
+    counting.page.locator(".jp-Notebook .cm-content", has_text=f"%%lrp {request.node.name}").wait_for()
     assert counting.page.locator(".jp-Notebook .cm-content", has_text="(machine m").count() == 1
 
 

@@ -13,7 +13,6 @@ import { Python } from "./python";
 
 const HUNG = "lrp-hung"; // in this tab's storage: Python was ended because it did not answer
 const VERSION = new URL(import.meta.url).search; // of the site: `?v=…`
-const CONTROL = 5000; // ms that the service worker may take
 
 const base = new URL("./", location.href);
 const file = (name: string) => new URL(name + VERSION, base);
@@ -31,14 +30,17 @@ function say(sentence: string, kind: "busy" | "error" | "done" = "busy"): void {
 async function keepFiles(): Promise<void> {
   const workers = navigator.serviceWorker;
   if (!workers) return;
-  const isOurs = () => workers.controller?.scriptURL.endsWith(VERSION);
-  const controlled = new Promise<void>((resolve) => {
-    workers.addEventListener("controllerchange", () => isOurs() && resolve());
-    setTimeout(resolve, CONTROL);
-  });
   try {
-    await workers.register(file("cache.js"));
-    if (!isOurs()) await controlled;
+    const { installing, waiting } = await workers.register(file("cache.js"));
+    const coming = installing ?? waiting; // else it is there, unless the page was loaded without it on purpose
+    if (!coming) return;
+    await new Promise<void>((resolve) => {
+      const look = () => {
+        if (workers.controller === coming || coming.state === "redundant") resolve();
+      };
+      workers.addEventListener("controllerchange", look);
+      coming.addEventListener("statechange", look);
+    });
   } catch {
     // a private window, or a page without https
   }
