@@ -147,11 +147,11 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
     }
   }
 
-  /** Keep the text if the kernel has not answered it, or has ended and could not keep it. */
+  /** Keep the text if the kernel has not answered it, is silent since, or has ended and could not keep it. */
   function rescue(isNew = false): void {
     const { link, tab_only, unkept } = store.state;
-    const ended = link === "dead" && (tab_only || unkept);
-    if (!editor || !(isNew || !connection.isAnswered || ended)) return;
+    const isLost = link === "lost" || (link === "dead" && (tab_only || unkept));
+    if (!editor || !(isNew || !connection.isAnswered || isLost)) return;
     keepLost(store.state, connection.view, editor.text);
     rescued = true;
   }

@@ -17,6 +17,7 @@ import type {
   SnapshotMessage,
   UpdateView,
 } from "../src/protocol";
+import { LOST_AFTER } from "../src/session/connection";
 import { lostTexts } from "../src/session/lost";
 import { type Packed, packed, unpacked } from "../src/session/plain";
 import { Stage } from "../src/world/stage";
@@ -1087,6 +1088,18 @@ describe("a text that no kernel has answered", () => {
     page.confirm();
     page.deliver({ type: "frame", frame: 9, unkept: "No space left on device." });
     page.end();
+    await next();
+    await isRecovered(`; x\n${snapshot.text}`);
+  });
+
+  it("includes one that the kernel has answered, if it is silent since: it may not have kept it", async () => {
+    vi.useFakeTimers({ toFake: ["setInterval", "clearInterval", "performance"] });
+    leave();
+    await open();
+    page.type("; x\n");
+    page.confirm();
+    await vi.advanceTimersByTimeAsync(LOST_AFTER + 200);
+    vi.useRealTimers();
     await next();
     await isRecovered(`; x\n${snapshot.text}`);
   });
