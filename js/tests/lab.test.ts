@@ -1095,7 +1095,9 @@ describe("a text that no kernel has answered", () => {
   it("includes one that the kernel has answered, if it is silent since: it may not have kept it", async () => {
     vi.useFakeTimers({ toFake: ["setInterval", "clearInterval", "performance"] });
     leave();
-    await open();
+    page = new Page();
+    await vi.advanceTimersByTimeAsync(1);
+    page.open({ home: snapshot.home, tab_only: false });
     page.type("; x\n");
     page.confirm();
     await vi.advanceTimersByTimeAsync(LOST_AFTER + 200);
