@@ -53,15 +53,16 @@ def notebook(visitor, site):
 
 
 @pytest.fixture
-def lab(visitor, site):
+def lab(visitor, site, request):
     """Write a notebook into the browser's storage, and run its lab."""
 
     def lab(program):
         visitor.goto(f"{site.url}/jupyter/lab/index.html")
         visitor.wait_for_function("window.jupyterapp?.shell?.currentWidget")
-        cells = ["%load_ext lrp_jupyter", f"%%lrp count --bridge none\n{program}"]
-        visitor.evaluate(WRITE, ["mine.ipynb", cells])
-        return run(SiteNotebook(visitor, site, "mine.ipynb").show())
+        name = f"{request.node.name}.ipynb"  # of its own: the browser keeps the texts of a name
+        cells = ["%load_ext lrp_jupyter", f"%%lrp {request.node.name} --bridge none\n{program}"]
+        visitor.evaluate(WRITE, [name, cells])
+        return run(SiteNotebook(visitor, site, name).show())
 
     return lab
 
