@@ -138,7 +138,7 @@ class Window {
     this.typed += letter;
   }
 
-  /** Delete a letter that nobody counts. */
+  /** Delete a letter that is not among those counted. */
   erase(place: number): void {
     const text = this.doc.toString();
     const from = [...text.slice(0, place)].join("").length;
