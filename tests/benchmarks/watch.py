@@ -24,7 +24,7 @@ def load():
     gc.collect()
     pages = int(Path("/proc/self/statm").read_text().split()[1])
     waiting = len(connection.texts.waiting) + len(connection._publisher._replies) + len(session._loop.inbox)
-    on_their_way = [len(view._on_their_way) for view in connection._publisher._views.values()]
+    on_their_way = [len(view._window._sent) for view in connection._publisher._views.values()]
     return (
         rate,
         threading.active_count(),

@@ -20,7 +20,8 @@ class Wire:
         self.count += 1
         self.size += len(payload)
         self.largest = max(self.largest, len(payload))
-        message = content.get("data", {}).get("content") or {}
+        packed = content.get("data", {}).get("content") or {}
+        message = json.loads(packed["json"]) if "json" in packed else {}
         frame = message.get("frame") if message.get("type") == "snapshot" else message
         if isinstance(frame, dict) and frame.get("type") == "frame":
             self.fired.update(frame.get("fired", {}))
