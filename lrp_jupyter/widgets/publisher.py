@@ -159,21 +159,9 @@ class View:
         """Send a message to this view; a failure does not affect other views."""
         message = {**message, "view": self.name}
         try:
-            try:
-                self._send(message, buffers)
-            except UnicodeEncodeError:  # a text with half a character
-                self._send(_encodable(message), buffers)
+            self._send(message, buffers)
         except Exception:
             self.fault = traceback.format_exc()
-
-
-def _encodable(value: Any) -> Any:
-    """Return a message with a mark in place of each half of a character, which JSON cannot hold."""
-    if isinstance(value, str):
-        return value.encode("utf-16", "surrogatepass").decode("utf-16", "replace")
-    if isinstance(value, dict):
-        return {_encodable(key): _encodable(each) for key, each in value.items()}
-    return [_encodable(each) for each in value] if isinstance(value, (list, tuple)) else value
 
 
 @dataclass(eq=False)

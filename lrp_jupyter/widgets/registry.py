@@ -108,6 +108,7 @@ def open_program(
     rate: float | None = None,
     folder: str | os.PathLike[str] | None = None,
     paused: str = "",
+    given_in: str = "cell",
     **options: Any,
 ) -> PageConnection:
     """Open a program, or continue with the open one of that name; it runs at once.
@@ -127,6 +128,8 @@ def open_program(
         The directory of the notebook, on which depends where texts are kept; default: the current one.
     paused : str, optional
         Why a program that is opened does not run before its user wants it.
+    given_in : str
+        Where this text is, in a word: a cell, or a link.
     **options
         For the bridge: ``world="line"``.
 
@@ -142,7 +145,7 @@ def open_program(
     if connection is None:
         here = folder or os.getcwd()
         kept = kept_texts(here, name)
-        texts = Texts(kept, os.path.realpath(FilePath(here) / name))
+        texts = Texts(kept, os.path.realpath(FilePath(here) / name), given_in)
         first, *later = _first_texts(texts, text) or [""]
         if kept is not None and kept.read(".hung") in (first, *later):
             paused = _HAS_HUNG

@@ -121,14 +121,15 @@ class Conflict:
 
 _QUESTIONS = {
     "cell": (
-        "The cell and the lab have both changed `{name}`. Which text should be kept?",
-        "Use the cell's text",
+        "The {given_in} and the lab have both changed `{name}`. Which text should be kept?",
+        "Use the {given_in}'s text",
         "Keep the lab's text",
     ),
     "lab": (
-        "The lab's last text of `{name}` differs from the cell's, which runs now. Which text should be kept?",
+        "The lab's last text of `{name}` differs from the {given_in}'s, which runs now. "
+        "Which text should be kept?",
         "Use the lab's text",
-        "Keep the cell's text",
+        "Keep the {given_in}'s text",
     ),
     "view": (
         "The kernel ended before all that was typed into `{name}` was kept. Which text should be kept?",
@@ -159,9 +160,11 @@ class Texts:
         The files in which the texts are kept; None: in memory only.
     home : str
         Without files: what distinguishes this program from one of the same name elsewhere; default: nothing.
+    given_in : str
+        Where the text is that the program is opened with, in a word: a cell, or a link.
     """
 
-    def __init__(self, kept: Kept | None = None, home: str = "") -> None:
+    def __init__(self, kept: Kept | None = None, home: str = "", given_in: str = "cell") -> None:
         self.hold = False
         self.conflicts: list[Conflict] = []
         self.cell: str | None = None if kept is None else kept.read(".cell")
@@ -176,6 +179,7 @@ class Texts:
         """Whether something waits, or is not marked, until the word at the cursor is meant or left."""
         self.kept = kept
         self._home = home
+        self._given_in = given_in
         self._lock = RLock()
         self._saving = Lock()  # of the files, and of what follows
         self._stored: tuple[object, ...] = ()
@@ -571,11 +575,14 @@ class Texts:
                 return None
             conflict, name = self.conflicts[0], self._session.name
             file = "" if self.kept is None else self.kept.shown_file
-            question, use, keep = _QUESTIONS[conflict.source]
+            sentence, use, keep = (
+                text.format(name=name, file=file, given_in=self._given_in)
+                for text in _QUESTIONS[conflict.source]
+            )
             return {
                 "number": self._numbers,
                 "text": conflict.text,
-                "sentence": question.format(name=name, file=file),
+                "sentence": sentence,
                 "use": use,
                 "keep": keep,
             }

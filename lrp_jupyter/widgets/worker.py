@@ -101,7 +101,7 @@ def open_program(wanted: str, send: SendText) -> Opened:
     options: dict[str, Any] = {} if world in (None, "none") else {"world": world}
     given = None if address.get("again") or not text else text
     reason = _HUNG if address.get("hung") else ""
-    connection = registry.open_program(name, given, namespace={}, paused=reason, **options)
+    connection = registry.open_program(name, given, namespace={}, paused=reason, given_in="link", **options)
     if not connection.texts.text.strip():  # nothing was kept
         connection.texts.write(start)
     return Opened(connection, send)

@@ -2,7 +2,6 @@
 
 import errno
 import gc
-import json
 import os
 import random
 import tracemalloc
@@ -388,18 +387,6 @@ def test_half_a_character_is_told_once(bench, tmp_path):
     lab.publish()
     assert page.latest("unkept") == ""
     assert (tmp_path / "mine.lrp").read_text() == B
-
-
-def test_a_view_gets_a_text_with_half_a_character_with_a_mark_in_its_place(bench):
-    lab = bench(A)
-    came = []
-
-    def send(message, _):
-        came.append(json.loads(json.dumps(message, ensure_ascii=False).encode()))  # as a kernel does
-
-    lab.connection.texts.write(A + " ; \ud800 \U0001f600")
-    lab.connection.receive(send, {"type": "hello", "view": "v", "part": "lab"})
-    assert came[0]["text"] == A + " ; \ufffd \U0001f600"
 
 
 def test_a_file_in_place_of_the_folder_and_a_folder_in_place_of_the_file_are_named(cell, tmp_path):

@@ -141,6 +141,16 @@ def test_a_text_is_answered_while_a_cell_runs(lab):
     assert lab.cell not in lab.idle
 
 
+def test_half_a_character_comes_back_as_it_was_sent(lab):
+    text = PROGRAM + " ; \ud800"
+    lab.type(text)
+    lab.until(lambda: "answer" in lab.kinds)
+    del lab.kinds["snapshot"]
+    lab.send({"type": "hello", "view": "v", "part": "lab"})
+    lab.until(lambda: "snapshot" in lab.kinds)
+    assert lab.kinds["snapshot"]["text"] == text + "\n"
+
+
 def test_what_blocks_print_goes_to_the_lab_and_not_to_a_cell(lab):
     text = PROGRAM.replace("n = n + 1", "print('from a block')")
     lab.type(text)

@@ -64,7 +64,9 @@ def test_a_link_that_is_opened_shows_its_text_and_asks_about_the_kept_one(openin
     registry.find("mine").texts.write(TEXT.replace("shared", "typed"))
     first.close()
     assert shared(opening(program="mine", text=TEXT))["text"] == TEXT
-    assert registry.find("mine").texts.conflict["text"] == TEXT.replace("shared", "typed")
+    conflict = registry.find("mine").texts.conflict
+    assert conflict["text"] == TEXT.replace("shared", "typed")
+    assert conflict["keep"] == "Keep the link's text"
 
 
 def test_a_program_that_hung_python_waits_for_its_user(opening):
