@@ -185,9 +185,8 @@ class Driver:
         self.name = name
         self._motor: LoopThread | LoopTask | None = None
         self._monitor: Monitor | SelfMonitor | None = None
-        self._spare: Monitor | SelfMonitor | None = (
-            None  # that of the last run, if the driver had none: it ends by itself
-        )
+        # that of the last run, if the driver had none: it ends by itself
+        self._spare: Monitor | SelfMonitor | None = None
         self._turning = threading.RLock()
         self._caller: int | None = None  # the thread that drives the loop itself, for a while
 

@@ -16,10 +16,11 @@ from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.errors import UnknownElementError, did_you_mean
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.conflicts import Conflict
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.keeping import kept_texts
 from lrp_jupyter.widgets.kept import checked_name
-from lrp_jupyter.widgets.texts import Conflict, Texts
+from lrp_jupyter.widgets.texts import Texts
 
 __all__ = ["connection_of", "find", "forget", "named", "names", "open_program", "running"]
 
@@ -235,7 +236,7 @@ def _first_texts(texts: Texts, cell: str | None) -> list[str]:
 
 def _reconcile(texts: Texts, text: str) -> None:
     """Reconcile the texts of the cell and the lab: the changed one wins; if both changed, ask."""
-    for earlier in [each for each in texts.conflicts if each.source == "cell"]:
+    for earlier in texts.conflicts.of("cell"):
         texts.withdraw(earlier)
     if not (_are_alike(text, texts.text) or _are_alike(text, texts.cell)):
         if texts.text.strip() and not _are_alike(texts.text, texts.cell):

@@ -12,32 +12,31 @@ import os
 from collections import deque
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import CancelledError, Future
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from threading import Lock, RLock
 from time import monotonic, time
 from typing import Any
 
-from lrp_jupyter.errors import FileError, Fix, LRPError, SessionClosedError
+from lrp_jupyter.errors import FileError, LRPError, SessionClosedError
 from lrp_jupyter.files import read_file, write_file
-from lrp_jupyter.language.diff import diff
 from lrp_jupyter.language.program import Finding, Path, Program
 from lrp_jupyter.language.rename import rename as renamed
 from lrp_jupyter.language.unmeant import Cursor, Judgement
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.changes import TextChanges
+from lrp_jupyter.widgets.conflicts import Conflict, Conflicts
 from lrp_jupyter.widgets.document import Document, Update
+from lrp_jupyter.widgets.finding_views import difference_view, finding_view
 from lrp_jupyter.widgets.kept import Kept, Version, newest
-from lrp_jupyter.widgets.places import edits_view
 from lrp_jupyter.widgets.protocol import (
     ConflictView,
     Difference,
     FindingView,
     HandView,
-    QuickFix,
     UpdateView,
 )
 
-__all__ = ["Conflict", "Rename", "Texts", "Written", "finding_id"]
+__all__ = ["Rename", "Texts", "Written"]
 
 Selection = tuple[int, int]
 """The anchor and the head of a selection, in UTF-16 units."""
@@ -101,56 +100,6 @@ def _moved(selection: Selection, changes: TextChanges, after: bool) -> Selection
     return changes.map_place(anchor, after), changes.map_place(head, after)
 
 
-@dataclass(frozen=True)
-class Conflict:
-    """A text that the user may want instead of the present one.
-
-    Parameters
-    ----------
-    source : str
-        Where it comes from; a key of `_QUESTIONS`.
-    text : str
-    endings : tuple of str
-        The kept files that are not overwritten until the user has chosen.
-    """
-
-    source: str
-    text: str
-    endings: tuple[str, ...] = ()
-
-
-_QUESTIONS = {
-    "cell": (
-        "The {given_in} and the lab have both changed `{name}`. Which text should be kept?",
-        "Use the {given_in}'s text",
-        "Keep the lab's text",
-    ),
-    "lab": (
-        "The lab's last text of `{name}` differs from the {given_in}'s, which runs now. "
-        "Which text should be kept?",
-        "Use the lab's text",
-        "Keep the {given_in}'s text",
-    ),
-    "view": (
-        "The kernel ended before all that was typed into `{name}` was kept. Which text should be kept?",
-        "Use the typed text",
-        "Keep the present text",
-    ),
-    "stranger": (
-        "The folder contains a text of `{name}` that you have not written here. It does not run. "
-        "Read it before you use it.",
-        "Use the folder's text",
-        "Keep the present text",
-    ),
-    "file": (
-        "`{file}` was changed outside this lab. Which text should be kept?",
-        "Use the file's text",
-        "Keep the lab's text",
-    ),
-}
-"""By source of a conflict: the question and the labels of its two answers."""
-
-
 class Texts:
     """See the head of this module.
 
@@ -166,7 +115,7 @@ class Texts:
 
     def __init__(self, kept: Kept | None = None, home: str = "", given_in: str = "cell") -> None:
         self.hold = False
-        self.conflicts: list[Conflict] = []
+        self.conflicts = Conflicts(given_in)
         self.cell: str | None = None if kept is None else kept.read(".cell")
         """The text of the cell, as it was known last."""
         self.problem = ""
@@ -179,7 +128,6 @@ class Texts:
         """Whether something waits, or is not marked, until the word at the cursor is meant or left."""
         self.kept = kept
         self._home = home
-        self._given_in = given_in
         self._lock = RLock()
         self._saving = Lock()  # of the files, and of what follows
         self._stored: tuple[object, ...] = ()
@@ -194,7 +142,6 @@ class Texts:
         self._revisions: dict[tuple[int, int], int] = {}
         self._accepted: str | None = None
         self._typed = float("-inf")
-        self._numbers = 0  # of conflicts
         self._hung: str | None = None if kept is None else kept.read(".hung")
         self._well = 0.0  # since when the text that hung has run well
         self._saved_as: dict[str, tuple[int, int]] = {}  # what this lab wrote to files of the user's choice
@@ -383,7 +330,7 @@ class Texts:
         return [Cursor(self.document.offset(place), meant) for place, meant in places]
 
     def _written(self, view: str, seq: int, answer: Future[Any], deadline: float) -> Written:
-        findings = [_finding_view(finding, self.text) for finding in self.findings]
+        findings = [finding_view(finding, self.text) for finding in self.findings]
         written = Written(view, seq, self.revision, self.text, self.noun, findings, answer, deadline)
         written.half_typed = self.half_typed
         if self.noun is not None:
@@ -475,7 +422,7 @@ class Texts:
                     written.running = _plain(program.text)
                     self._revisions.setdefault(_fingerprint(program.text), written.revision)
                 if self.hold and written.noun is not None and written.text != program.text:
-                    written.pending = _difference_view(program, written.noun)
+                    written.pending = difference_view(program, written.noun)
                 self._answered, self._reason = program, written.reason
             return ready
 
@@ -559,33 +506,20 @@ class Texts:
                 "revision": self.revision,
                 "updates": updates,
                 "running": _plain(running.text),
-                "findings": [_finding_view(finding, self.text) for finding in self.findings],
+                "findings": [finding_view(finding, self.text) for finding in self.findings],
                 "accepted": self.noun is not None,
                 "half_typed": self.half_typed,
-                "pending": _difference_view(running, self.noun) if waits and self.noun is not None else None,
+                "pending": difference_view(running, self.noun) if waits and self.noun is not None else None,
             }
 
     # -- conflicts ---------------------------------------------------------------------------------
 
     @property
     def conflict(self) -> ConflictView | None:
-        """The conflict that the user is asked to end now."""
+        """What the user is asked now."""
         with self._lock:
-            if not self.conflicts:
-                return None
-            conflict, name = self.conflicts[0], self._session.name
             file = "" if self.kept is None else self.kept.shown_file
-            sentence, use, keep = (
-                text.format(name=name, file=file, given_in=self._given_in)
-                for text in _QUESTIONS[conflict.source]
-            )
-            return {
-                "number": self._numbers,
-                "text": conflict.text,
-                "sentence": sentence,
-                "use": use,
-                "keep": keep,
-            }
+            return self.conflicts.question(self._session.name, file)
 
     def ask(self, conflict: Conflict) -> None:
         """Ask about a text, unless it is the present one or asked about already.
@@ -595,11 +529,10 @@ class Texts:
         with self._lock:
             if conflict.text in (self.text, *(other.text for other in self.conflicts)):
                 return
-            for other in [each for each in self.conflicts if each.source == conflict.source]:
+            for other in self.conflicts.of(conflict.source):
                 if other.endings == conflict.endings:
                     self.withdraw(other)
-            self.conflicts.append(conflict)
-            self._numbers += len(self.conflicts) == 1
+            self.conflicts.add(conflict)
             self._wake()
 
     def recover(self, text: str) -> None:
@@ -611,24 +544,24 @@ class Texts:
             text = self.document.with_line_ends(text)
             if text.strip() and text != self.text:
                 self.add_version(text)
-                for kept in [each for each in self.conflicts if each.source == "lab" and each.text != text]:
-                    self.ask(Conflict("view", text, kept.endings))
-                    self.withdraw(kept)
+                for kept in self.conflicts.of("lab"):
+                    if kept.text != text:
+                        self.ask(Conflict("view", text, kept.endings))
+                        self.withdraw(kept)
                 self.ask(Conflict("view", text))
 
     def withdraw(self, conflict: Conflict) -> None:
         """End a conflict with the present text; the other one becomes a version."""
         with self._lock:
-            self._numbers += self.conflicts[0] is conflict
             self.conflicts.remove(conflict)
             self.add_version(conflict.text)
 
     def end_conflict(self, number: int | None, use: bool) -> None:
         """End the conflict of this number (None: the present one), with its text or with the present one."""
         with self._lock:
-            if not self.conflicts or number not in (None, self._numbers):
+            conflict = self.conflicts.first
+            if conflict is None or number not in (None, self.conflicts.number):
                 return
-            conflict = self.conflicts[0]
             if conflict.source == "cell":
                 self.cell = conflict.text
             self.withdraw(conflict)
@@ -660,8 +593,7 @@ class Texts:
         self.save(at_once=True)
         with self._saving, self._lock:
             for conflict in self.conflicts:  # it was about the other name
-                self.add_version(conflict.text)
-            self.conflicts = []
+                self.withdraw(conflict)
             self.cell = self._accepted = None
             if self.kept is None:
                 return
@@ -713,7 +645,7 @@ class Texts:
     def _save(self, kept: Kept) -> None:
         with self._lock:
             accepted, typed, cell, versions = self._accepted, self.text, self.cell, self._versions
-            asked = {ending for conflict in self.conflicts for ending in conflict.endings}
+            asked = self.conflicts.endings
         now, wanted = self._clock(), (accepted, typed, cell, versions, asked)
         if wanted == self._stored and now - self._looked < _LOOK:
             return
@@ -742,14 +674,11 @@ class Texts:
     def _release(self, kept: Kept, ending: str) -> None:
         """Make a file free that conflicts hold: their texts are versions from now on."""
         with self._lock:
-            holding = [each for each in self.conflicts if ending in each.endings]
+            holding = self.conflicts.holding(ending)
         if holding:
             kept.add_versions(Version(each.text, time()) for each in holding)
         with self._lock:
-            for index, conflict in enumerate(self.conflicts):
-                if conflict in holding:
-                    rest = tuple(each for each in conflict.endings if each != ending)
-                    self.conflicts[index] = replace(conflict, endings=rest)
+            self.conflicts.release(ending)
 
 
 def _fingerprint(text: str) -> tuple[int, int]:
@@ -764,42 +693,3 @@ def _plain(text: str) -> str:
 
 def _update_view(update: Update) -> UpdateView:
     return {"view": update.view, "changes": update.changes.json()}
-
-
-def finding_id(finding: Finding) -> str:
-    """Return the identity of a finding among those of its text."""
-    return f"{finding.code} {finding.line}:{finding.column} {finding.message}"
-
-
-def _finding_view(finding: Finding, text: str) -> FindingView:
-    """Return a finding of the checks about a text."""
-    return {
-        "id": finding_id(finding),
-        "code": finding.code,
-        "severity": finding.severity,
-        "message": finding.message,
-        "range": {
-            "line": finding.line,
-            "column": finding.column,
-            "end_line": finding.end_line,
-            "end_column": finding.end_column,
-        },
-        "fix": _fix_view(finding.fix, text),
-        "creates": _fix_view(finding.creates, text),
-    }
-
-
-def _fix_view(fix: Fix | None, text: str) -> QuickFix | None:
-    """Return a fix of a text."""
-    return None if fix is None else {"title": fix.title, "edits": edits_view(text, fix.edits)}
-
-
-def _difference_view(old: Program, new: Program) -> Difference:
-    """Return the changes that an edit would make."""
-    changes = diff(old, new)
-    return {
-        "added": [str(element) for element in changes.added],
-        "removed": [str(element) for element in changes.removed],
-        "changed": [str(element) for element in changes.changed],
-        "moved": [str(element) for element in changes.moved],
-    }

@@ -22,6 +22,7 @@ from lrp_jupyter.interpreter.rendering import render
 from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element, Finding, Machine, Program, Span, path_text
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.widgets.finding_views import finding_id
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import MomentShown
 from lrp_jupyter.widgets.places import id_of, offset_of, range_of
@@ -42,7 +43,7 @@ from lrp_jupyter.widgets.protocol import (
     ValueView,
     ViewState,
 )
-from lrp_jupyter.widgets.texts import Texts, finding_id
+from lrp_jupyter.widgets.texts import Texts
 
 __all__ = ["ViewStates", "difference", "is_urgent", "listed_members"]
 

@@ -130,6 +130,18 @@ def test_a_challenge_is_checked_beside_its_robot(plain, simulator):
     lab.page.locator("#verdict[data-passed=true]").wait_for()
 
 
+def test_a_check_that_does_not_return_leaves_a_way_out(plain, simulator):
+    lab = plain.show("?challenge=there and back")
+    lab.pause()
+    lab.select("(state start)")
+    lab.page.keyboard.insert_text("(state start (running [sum(range(10**15))]))")
+    lab.stores("sum(range(10**15))")
+    lab.page.locator("#check").click()
+    lab.page.locator("#restart").click()
+    lab.ready("paused")
+    assert "sum(range(10**15))" in lab.text
+
+
 def test_the_program_opens_in_a_notebook(counting, request):
     counting.page.locator("#notebook").click()
     counting.page.locator(".jp-Notebook .cm-content", has_text=f"%%lrp {request.node.name}").wait_for()

@@ -75,7 +75,7 @@ def test_what_was_kept_under_the_name_of_an_opened_program_is_among_the_versions
     connection = cell(A)
     connection.load("square", B)
     connection.texts.save(at_once=True)
-    assert connection.texts.conflicts == []
+    assert not connection.texts.conflicts
     assert {version.text for version in connection.texts.versions} == {A, C}
 
 

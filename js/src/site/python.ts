@@ -111,9 +111,8 @@ export class Python {
     else resolve(message);
   }
 
-  /** Ask for a sign of life, unless Python is doing what the page waits for. */
+  /** Ask for a sign of life. */
   private watch(): void {
-    if (this.waiting.length) this.heard = performance.now();
     if (performance.now() - this.heard > SILENT_AFTER) this.watching.silent(true);
     this.post({ do: "ping" });
   }
