@@ -24,7 +24,7 @@ class SiteNotebook(NotebookPage):
         self.page, self.site, self.name = page, site, name
 
     def show(self):
-        self.page.goto(f"{self.site.url}/jupyter/lab/index.html?path={self.name}")
+        self.command("docmanager:open", path=self.name)
         return self.ready()
 
     def run_all(self):
@@ -47,22 +47,36 @@ class SiteNotebook(NotebookPage):
 
 
 @pytest.fixture
-def notebook(visitor, site):
-    """Open a notebook of the site."""
-    return lambda name: SiteNotebook(visitor, site, name).show()
+def jupyter(visitor, site):
+    """JupyterLite, with nothing open and no kernel."""
+    if not visitor.url.startswith(f"{site.url}/jupyter/lab"):
+        visitor.goto(f"{site.url}/jupyter/lab/index.html")
+        visitor.wait_for_function("window.jupyterapp?.shell?.currentWidget")
+    yield visitor
+    visitor.evaluate(CLOSE)
+
+
+CLOSE = """async () => {
+  for (const widget of [...jupyterapp.shell.widgets("main")]) widget.dispose();
+  await jupyterapp.serviceManager.sessions.shutdownAll();
+}"""
 
 
 @pytest.fixture
-def lab(visitor, site, request):
+def notebook(jupyter, site):
+    """Open a notebook of the site."""
+    return lambda name: SiteNotebook(jupyter, site, name).show()
+
+
+@pytest.fixture
+def lab(jupyter, site, request):
     """Write a notebook into the browser's storage, and run its lab."""
 
     def lab(program):
-        visitor.goto(f"{site.url}/jupyter/lab/index.html")
-        visitor.wait_for_function("window.jupyterapp?.shell?.currentWidget")
         name = f"{request.node.name}.ipynb"  # of its own: the browser keeps the texts of a name
         cells = ["%load_ext lrp_jupyter", f"%%lrp {request.node.name} --bridge none\n{program}"]
-        visitor.evaluate(WRITE, [name, cells])
-        return run(SiteNotebook(visitor, site, name).show())
+        jupyter.evaluate(WRITE, [name, cells])
+        return run(SiteNotebook(jupyter, site, name).show())
 
     return lab
 
