@@ -134,12 +134,12 @@ def test_a_check_that_does_not_return_leaves_a_way_out(plain, simulator):
     lab = plain.show("?challenge=there and back")
     lab.pause()
     lab.select("(state start)")
-    lab.page.keyboard.insert_text("(state start (running [sum(range(10**15))]))")
-    lab.stores("sum(range(10**15))")
+    lab.page.keyboard.insert_text("(state start (running [sum(range(10**16))]))")
+    lab.stores("sum(range(10**16))")
     lab.page.locator("#check").click()
     lab.page.locator("#restart").click()
     lab.ready("paused")
-    assert "sum(range(10**15))" in lab.text
+    assert "sum(range(10**16))" in lab.text
 
 
 def test_the_program_opens_in_a_notebook(counting, request):
