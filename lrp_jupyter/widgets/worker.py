@@ -107,10 +107,7 @@ def open_program(wanted: str, send: SendText) -> Opened:
     return Opened(connection, send)
 
 
-_HUNG = (
-    "Python did not answer and was started again. Your text is as it was: correct what did not return, "
-    "then run it."
-)
+_HUNG = "Python did not answer and was started again. Correct what did not return, then run the program."
 _BEGINNING = """\
 ; {task}
 (machine solution

@@ -73,7 +73,7 @@ def test_a_program_that_hung_python_waits_for_its_user(opening):
     opening(program="mine", text=TEXT, hung=True)
     session = registry.find("mine").session
     assert (session.status, session.frame.tick) == ("paused", 0)
-    assert "correct what did not return" in session.frame.reason
+    assert "Correct what did not return" in session.frame.reason
 
 
 def test_a_challenge_begins_with_its_task_in_its_world(opening):
