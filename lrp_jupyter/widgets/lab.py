@@ -102,7 +102,7 @@ class Part(anywidget.AnyWidget):
         self._connection.receive(self._publish, _unpacked(content))
 
     def _publish(self, message: Any, buffers: list[bytes] | None) -> None:
-        self.send({"json": json.dumps(message)}, buffers)
+        self.send({"json": json.dumps(message, separators=(",", ":"))}, buffers)
 
     @property
     def session(self) -> Session:
