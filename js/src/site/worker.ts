@@ -28,19 +28,21 @@ async function start(site: Site, base: string): Promise<void> {
   await python.loadPackage([...site.packages, at(site.wheel)], { messageCallback: () => {} });
   python.FS.mkdirTree(FOLDER);
   python.FS.mount(python.FS.filesystems.IDBFS, {}, FOLDER);
-  await synchronize(true);
+  const isLoaded = await synchronize(true);
   python.FS.chdir(FOLDER);
-  setInterval(() => void synchronize(false), STORED_EVERY);
+  if (isLoaded) setInterval(() => void synchronize(false), STORED_EVERY); // else it would remove what is stored
   post({ is: "step", step: "Starting the robot" });
   python.pyimport("lrp_jupyter.widgets.worker");
   post({ is: "ready" });
 }
 
-let storing: Promise<void> = Promise.resolve();
+let storing: Promise<boolean> = Promise.resolve(true);
 
-/** Load the folder from the browser's storage, or store it there. */
-function synchronize(load: boolean): Promise<void> {
-  storing = storing.then(() => new Promise((done) => python.FS.syncfs(load, () => done())));
+/** Load the folder from the browser's storage, or store it there; whether that worked. */
+function synchronize(load: boolean): Promise<boolean> {
+  storing = storing.then(
+    () => new Promise((done) => python.FS.syncfs(load, (error: unknown) => done(!error))),
+  );
   return storing;
 }
 
