@@ -6,7 +6,6 @@ Page and kernel communicate by custom messages; traits hold only what a page nee
 
 from __future__ import annotations
 
-import json
 import os
 import re
 import sys
@@ -37,6 +36,7 @@ from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.hosts import is_static
 from lrp_jupyter.widgets.kept import Version
+from lrp_jupyter.widgets.plain import packed, unpacked
 
 __all__ = [
     "Controls",
@@ -99,10 +99,10 @@ class Part(anywidget.AnyWidget):
         """Do nothing: a widget that is garbage collected does not stop a robot."""
 
     def _receive(self, _widget: object, content: Any, _buffers: object) -> None:
-        self._connection.receive(self._publish, _unpacked(content))
+        self._connection.receive(self._publish, unpacked(content))
 
     def _publish(self, message: Any, buffers: list[bytes] | None) -> None:
-        self.send({"json": json.dumps(message, separators=(",", ":"))}, buffers)
+        self.send({"json": packed(message)}, buffers)
 
     @property
     def session(self) -> Session:
@@ -353,14 +353,6 @@ def _runs_cells_again() -> bool:
     """Return whether the notebook runs cells again when a value that they use has changed."""
     marimo = sys.modules.get("marimo")
     return marimo is not None and bool(marimo.running_in_notebook())
-
-
-def _unpacked(content: Any) -> Any:
-    """Return the message of a page, which is a text in JSON: notebooks differ in what becomes of null."""
-    try:
-        return json.loads(content["json"])
-    except (LookupError, TypeError, ValueError, RecursionError):
-        return content  # which is refused
 
 
 def _notebook() -> dict[str, Any] | None:

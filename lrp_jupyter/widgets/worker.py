@@ -18,6 +18,7 @@ from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.sim.worlds import BUNDLED
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.plain import packed
 
 __all__ = ["Opened", "open_program"]
 
@@ -43,7 +44,7 @@ class Opened:
         self._connection.receive(self._pass, json.loads(message))
 
     def _pass(self, message: Any, buffers: list[bytes] | None) -> None:
-        self._send(json.dumps(message), buffers or [])
+        self._send(packed(message), buffers or [])
 
     def grade(self, name: str) -> str:
         """Grade the text as a solution of a challenge; return whether it passed, and the verdict, as JSON."""
