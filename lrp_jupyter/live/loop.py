@@ -269,7 +269,7 @@ class Loop:
         self._driven_by = threading.get_ident()
         try:
             if self.inbox.queued:
-                self.apply_queued()
+                self.apply_queued(hurried=True)
             if self.status != "running":
                 return math.inf
             self._catch_up()
@@ -282,7 +282,7 @@ class Loop:
                 self.publish()
                 return math.inf
             if perf_counter() - self._published >= 1 / _FRAMES:
-                self.publish()
+                self.publish(hurried=True)
             return self._next_turn()
         except Interrupted:  # too late: the block had returned
             return self.now
@@ -539,8 +539,8 @@ class Loop:
 
     # -- frames ----------------------------------------------------------------------------------
 
-    def publish(self) -> None:
-        """Publish a frame of the present state."""
+    def publish(self, hurried: bool = False) -> None:
+        """Publish a frame of the present state; `hurried` as for :meth:`make_frame`."""
         self._published = perf_counter()
         if self.fault:  # the run may be in any condition: nothing of it is read any more
             status, reason = self.status, self.reason
@@ -548,17 +548,21 @@ class Loop:
                 self.frame, status=status, reason=reason, achieved_rate=0.0, achieved_speed=0.0
             )
         else:
-            self.frame = self.make_frame()
+            self.frame = self.make_frame(hurried)
             self.interpreter.weigh()
         with self._calling("a listener"):
             self.changed()
 
-    def make_frame(self) -> Frame:
-        """Make a frame of this moment, between two ticks."""
+    def make_frame(self, hurried: bool = False) -> Frame:
+        """Make a frame of this moment, between two ticks.
+
+        One that others follow by themselves is made in a hurry: it may show an earlier text of a value whose
+        rendering takes long.
+        """
         interpreter = self.interpreter
         values = interpreter.variables.pairs()
         over = self.status in ("stopped", "closed")  # nothing may run any more that might not return
-        variables = self._texts.of(values, now=self.status != "running", foreign=not over)
+        variables = self._texts.of(values, now=not (hurried and self.status == "running"), foreign=not over)
         visits, firings = interpreter.visits, interpreter.firings
         rate, speed = self._achieved if self.status == "running" else (0.0, 0.0)
         return Frame(
@@ -620,7 +624,7 @@ class Loop:
 
     # -- commands --------------------------------------------------------------------------------
 
-    def apply_queued(self) -> None:
+    def apply_queued(self, hurried: bool = False) -> None:
         """Apply the commands that are queued now, each as a whole; then publish, then answer.
 
         An error that is not the caller's own mistake (:attr:`Command.misuse`) breaks the session.
@@ -638,7 +642,7 @@ class Loop:
                         raise answers[-1][2]
         finally:
             if answers:
-                self.publish()
+                self.publish(hurried)
             for answer, result, refusal in answers:  # a waiting caller finds the new frame
                 if refusal is None:
                     answer.set_result(result)

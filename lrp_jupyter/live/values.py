@@ -3,7 +3,8 @@
 A value is rendered where and when it is current, between two ticks, because foreign code must not run on two
 threads at a time. Scalars are rendered for every frame. Any other value whose rendering took long is
 rendered again later, so that rendering costs the loop about a twentieth of its time however many frames there
-are; until then a frame shows its earlier text. While the program is paused nothing is left out.
+are; until then a frame shows its earlier text. Nothing is left out while the program is paused, nor in the
+frames that a caller makes who runs it: they are the same on every machine, however busy it is.
 """
 
 from __future__ import annotations

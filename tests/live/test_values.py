@@ -3,10 +3,13 @@
 import queue
 import threading
 from contextlib import nullcontext
+from time import sleep
 
 import pytest
 
 from lrp_jupyter.live import values
+from lrp_jupyter.live.clock import VirtualClock
+from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.values import ValueTexts
 
 LONG = 20
@@ -115,6 +118,22 @@ def test_rendering_takes_a_small_share_of_the_time(monkeypatch, text):
     assert Costly.count == count + 3, "at a pause nothing is left out"
     texts.of(scene, now=True, foreign=False)
     assert Costly.count == count + 3
+
+
+def test_a_caller_who_runs_the_program_sees_its_present_values_however_long_their_texts_take():
+    class Slow(list):
+        def __repr__(self):
+            sleep(0.01)
+            return f"Slow({len(self)})"
+
+    program = "(var v := [make()]) (machine m (state a (running [v.append(0)]))) (spawn m a)"
+    with Session(program, "none", clock=VirtualClock(), namespace={"make": Slow}) as running:
+        running.resume()  # a pause would render all
+        for _ in range(5):
+            running.run(0.1)
+            assert running.status == "running"
+            assert running.frame.variables["v",] == f"Slow({len(running.frame.values['v',])})"
+        assert running.run(1, until=lambda frame: frame.variables["v",] == "Slow(8)")
 
 
 def test_a_repr_of_c_that_was_interrupted_is_not_called_again(session):
