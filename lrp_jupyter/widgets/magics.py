@@ -165,8 +165,7 @@ class LRPMagics(Magics):
             )
         text = programs.load(name)
         world = programs.heading(text).world
-        options: dict[str, Any] = {"world": world} if world in BUNDLED else {}
-        return lab_of(registry.open_program(name, text, namespace=self._names, **options))
+        return lab_of(registry.open_program(name, text, namespace=self._names, **registry.robot_for(world)))
 
     def examples(self, rest: list[str]) -> None:
         """List the bundled programs and worlds."""

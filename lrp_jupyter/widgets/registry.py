@@ -16,13 +16,14 @@ from lrp_jupyter.bridges.discovery import make_bridge
 from lrp_jupyter.errors import UnknownElementError, did_you_mean
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
+from lrp_jupyter.sim.world import World
 from lrp_jupyter.widgets.conflicts import Conflict
 from lrp_jupyter.widgets.connection import PageConnection
 from lrp_jupyter.widgets.keeping import kept_texts
 from lrp_jupyter.widgets.kept import checked_name
 from lrp_jupyter.widgets.texts import Texts
 
-__all__ = ["connection_of", "find", "forget", "named", "names", "open_program", "running"]
+__all__ = ["connection_of", "find", "forget", "named", "names", "open_program", "robot_for", "running"]
 
 DEAD_MAN = 5.0
 """Wall seconds without a view after which the program of a real robot pauses."""
@@ -171,6 +172,19 @@ def open_program(
     connection.texts.save()  # no page may ever open
     connection.wake()
     return connection
+
+
+def robot_for(world: World | str | None) -> dict[str, Any]:
+    """Return the arguments of :func:`open_program` for a world that a program names.
+
+    Parameters
+    ----------
+    world : World, str or None
+        A world, or its name; ``"none"``: the program needs no robot; None: it names nothing.
+    """
+    if world == "none":
+        return {"bridge": "none"}
+    return {} if world is None else {"bridge": "sim", "world": world}
 
 
 def _open_session(

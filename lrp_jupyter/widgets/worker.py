@@ -66,6 +66,10 @@ class Opened:
             }
         )
 
+    def save(self) -> None:
+        """Keep the text in its file now."""
+        self._connection.texts.save(at_once=True)
+
     def close(self) -> None:
         """Stop the program."""
         registry.forget(self._connection)
@@ -99,10 +103,11 @@ def open_program(wanted: str, send: SendText) -> Opened:
     else:
         start = programs.load(name)
     world = address.get("world") or (task.worlds[0] if task is not None else programs.heading(start).world)
-    options: dict[str, Any] = {} if world in (None, "none") else {"world": world}
     given = None if address.get("again") or not text else text
     reason = _HUNG if address.get("hung") else ""
-    connection = registry.open_program(name, given, namespace={}, paused=reason, given_in="link", **options)
+    connection = registry.open_program(
+        name, given, namespace={}, paused=reason, given_in="link", **registry.robot_for(world)
+    )
     if not connection.texts.text.strip():  # nothing was kept
         connection.texts.write(start)
     return Opened(connection, send)

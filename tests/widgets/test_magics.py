@@ -134,6 +134,12 @@ def test_a_block_that_does_not_return_is_interrupted_by_its_word(shell, run):
     assert session.wait_for(lambda frame: frame.issues, 60).issues[0].code == "LRP611"
 
 
+@pytest.mark.parametrize(("name", "bridge"), [("stopwatch", "none"), ("follower", "sim")])
+def test_a_bundled_program_has_a_robot_if_it_needs_one(run, name, bridge):
+    run(f"new {name}")
+    assert registry.find(name).session.bridge.name == bridge
+
+
 def test_the_text_is_written_into_a_new_cell(shell, run):
     cell(shell, "mine", A)
     run("save")

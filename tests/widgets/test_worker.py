@@ -45,6 +45,15 @@ def test_the_address_names_a_program_and_a_world(opening):
     }
 
 
+@pytest.mark.parametrize(
+    "address", [{"program": "stopwatch"}, {"program": "mine", "text": TEXT, "world": "none"}]
+)
+def test_a_program_that_needs_no_robot_has_none(opening, address):
+    opened = opening(**address)
+    assert shared(opened)["world"] == "none"
+    assert registry.find(address["program"]).session.bridge.name == "none"
+
+
 def test_the_text_of_a_link_runs(opening):
     opened = opening(program="mine", text=TEXT, world="empty")
     assert shared(opened) == {"program": "mine", "text": TEXT, "world": "empty"}

@@ -32,6 +32,7 @@ export type ToWorker =
 export type FromWorker =
   | { is: "step"; step: string }
   | { is: "ready" }
+  | { is: "unkept" }
   | { is: "opened" }
   | { is: "message"; message: string; buffers: Uint8Array[] }
   | ({ is: "text" } & Shared)

@@ -19,7 +19,8 @@ export async function writeNotebook(program: string, text: string, world: string
   const files = localforage.createInstance({ name: STORAGE, storeName: "files", version: 1 });
   let path = `${program}.ipynb`;
   for (let number = 2; (await files.getItem(path)) !== null; number++) path = `${program} ${number}.ipynb`;
-  const options = world ? ` --world "${world}"` : "";
+  const robot = world === "none" ? " --bridge none" : ` --world "${world}"`;
+  const options = world && robot;
   const content = {
     cells: [code("load", "%load_ext lrp_jupyter"), code("program", `%%lrp ${program}${options}\n${text}`)],
     metadata: {

@@ -12,6 +12,8 @@ import { writeNotebook } from "./notebook";
 import { Python } from "./python";
 
 const HUNG = "lrp-hung"; // in this tab's storage: Python was ended because it did not answer
+const UNKEPT =
+  "This browser does not keep what you type here: its storage cannot be used. Share makes a link that contains it.";
 const VERSION = new URL(import.meta.url).search; // of the site: `?v=…`
 
 const base = new URL("./", location.href);
@@ -48,10 +50,14 @@ async function keepFiles(): Promise<void> {
 
 class Page {
   private wanted: Wanted = {};
+  private isKept = true;
   private close: () => void = () => {};
   private readonly python = new Python(file("worker.js"), {
     step: (step) => say(`${step} …`),
     silent: (on) => this.offerRestart(on),
+    unkept: () => {
+      this.isKept = false;
+    },
   });
 
   constructor(
@@ -92,7 +98,7 @@ class Page {
     const model = this.python.model();
     this.close = this.render({ model, el: host });
     this.showTask();
-    say("");
+    say(this.isKept ? "" : UNKEPT, "error");
   }
 
   private fillPicker(): void {

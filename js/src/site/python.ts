@@ -18,6 +18,8 @@ export interface Watching {
   step(step: string): void;
   /** Python does not answer, or answers again. */
   silent(on: boolean): void;
+  /** The browser does not store what is typed. */
+  unkept(): void;
 }
 
 type Receive = (message: Packed, buffers: Uint8Array[]) => void;
@@ -101,6 +103,7 @@ export class Python {
     this.heard = performance.now();
     this.watching.silent(false);
     if (message.is === "step") this.watching.step(message.step);
+    if (message.is === "unkept") this.watching.unkept();
     if (message.is === "message") {
       for (const receive of this.receivers) receive({ json: message.message }, message.buffers);
     }

@@ -5,6 +5,7 @@ import type { FromWorker, Site, ToWorker } from "./messages";
 
 interface Opened {
   receive(message: string): void;
+  save(): void;
   grade(challenge: string): string;
   shared(): string;
   close(): void;
@@ -28,22 +29,37 @@ async function start(site: Site, base: string): Promise<void> {
   await python.loadPackage([...site.packages, at(site.wheel)], { messageCallback: () => {} });
   python.FS.mkdirTree(FOLDER);
   python.FS.mount(python.FS.filesystems.IDBFS, {}, FOLDER);
-  const isLoaded = await synchronize(true);
+  isLoaded = await synchronize(true);
   python.FS.chdir(FOLDER);
-  if (isLoaded) setInterval(() => void synchronize(false), STORED_EVERY); // else it would remove what is stored
+  void storeAgain();
   post({ is: "step", step: "Starting the robot" });
   python.pyimport("lrp_jupyter.widgets.worker");
   post({ is: "ready" });
 }
 
-let storing: Promise<boolean> = Promise.resolve(true);
+let isLoaded = false; // else the folder is empty, and storing it would remove what is stored
+let synchronized: Promise<boolean> = Promise.resolve(true);
 
 /** Load the folder from the browser's storage, or store it there; whether that worked. */
 function synchronize(load: boolean): Promise<boolean> {
-  storing = storing.then(
-    () => new Promise((done) => python.FS.syncfs(load, (error: unknown) => done(!error))),
-  );
-  return storing;
+  const next = () =>
+    new Promise<boolean>((done) => {
+      python.FS.syncfs(load, (error: unknown) => {
+        if (error) post({ is: "unkept" });
+        done(!error);
+      });
+    });
+  synchronized = synchronized.then(next);
+  return synchronized;
+}
+
+async function store(): Promise<void> {
+  if (isLoaded) await synchronize(false);
+}
+
+async function storeAgain(): Promise<void> {
+  await store();
+  setTimeout(storeAgain, STORED_EVERY);
 }
 
 function send(message: string, buffers: { toJs(): Uint8Array[]; destroy(): void }): void {
@@ -61,8 +77,11 @@ async function handle(message: ToWorker): Promise<void> {
     post({ is: "opened" });
   }
   if (message.do === "message") opened?.receive(message.message);
-  if (message.do === "grade" && opened)
+  if (message.do === "grade" && opened) {
+    opened.save(); // the check may not return
+    await store();
     post({ is: "graded", ...JSON.parse(opened.grade(message.challenge)) });
+  }
   if (message.do === "text" && opened) post({ is: "text", ...JSON.parse(opened.shared()) });
   if (message.do === "ping") post({ is: "pong" });
 }
