@@ -167,6 +167,7 @@ def test_the_program_opens_in_a_notebook(counting, request):
 def test_a_program_without_a_robot_has_none_in_a_notebook_either(plain):
     lab = plain.show("?program=stopwatch")
     assert not lab.find(".lrp-canvas").is_visible()
+    lab.sees('[data-empty="The program runs without a robot."]')
     lab.page.locator("#notebook").click()
     lab.page.locator(".jp-Notebook .cm-content", has_text="%%lrp stopwatch --bridge none").wait_for()
 

@@ -266,8 +266,8 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     event.stopPropagation();
   });
 
-  store.watch(["world", "panel", "snapshot"], () => {
-    const { world } = store.state;
+  store.watch(["world", "panel", "bridge", "snapshot"], () => {
+    const { world, bridge } = store.state;
     edits.check();
     strip.refresh();
     undo.disabled = !world?.undo;
@@ -276,6 +276,7 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     if (!world) toolbar.hidden = true;
     element.toggleAttribute("data-worldless", !world);
     setText(heading, world ? "World" : "Robot");
+    setAttribute(element, "data-empty", bridge.name === "none" ? "The program runs without a robot." : null);
   });
   store.watch(["whatIf"], () => {
     stage.whatIf = store.state.whatIf;
