@@ -239,7 +239,7 @@ def test_a_fault_that_cannot_even_be_published_breaks_the_session_visibly(sessio
     ticks_on(counting)
     motor = counting._driver._motor
 
-    def fail(*_):
+    def fail(*_, **__):
         raise RuntimeError
 
     with monkeypatch.context() as fault:
