@@ -96,7 +96,7 @@ def marimo(page, home, mode, theme="light", notebook=MARIMO):
     port = free_port()
     env = {**os.environ, "XDG_CONFIG_HOME": str(home), "MARIMO_SKIP_UPDATE_CHECK": "1", "PYTHONWARNINGS": ""}
     arguments = (mode, "--headless", "--no-token", "--host=127.0.0.1", f"--port={port}", "notebook.py")
-    with serving("marimo", *arguments, home=home, answers=lambda: listens(port), cwd=home, env=env):
+    with serving("marimo", *arguments, home=home, answers=lambda: listens(port), env=env):
         page.goto(f"http://127.0.0.1:{port}")
         yield Host(page, page.reload)
 

@@ -111,10 +111,13 @@ def free_port():
 
 @contextmanager
 def serving(module, *arguments, home, answers, **options):
-    """Run a module as a server in a process, which is yielded when it answers, until the context is left."""
+    """Run a module as a server in a process, which is yielded when it answers, until the context is left.
+
+    It runs in the folder `home`, because some extensions of Jupyter write into the current one.
+    """
     with (home / "log").open("w") as log:
         command = [sys.executable, "-m", module, *arguments]
-        process = subprocess.Popen(command, stdout=log, stderr=subprocess.STDOUT, **options)
+        process = subprocess.Popen(command, cwd=home, stdout=log, stderr=subprocess.STDOUT, **options)
         try:
             end = time.monotonic() + 90
             while not answers():
