@@ -16,19 +16,19 @@ COUNT = """\
 
 
 STORED = """words => new Promise(resolve => {
-  const opening = indexedDB.open("/lab");
+  const opening = indexedDB.open("lrp-texts");
   opening.onsuccess = () => {
-    const reading = opening.result.transaction("FILE_DATA").objectStore("FILE_DATA").getAll();
+    const reading = opening.result.transaction("files").objectStore("files").getAll();
     reading.onsuccess = () => {
       opening.result.close();
-      const texts = reading.result.map(({ contents }) => new TextDecoder().decode(contents));
+      const texts = reading.result.map(content => new TextDecoder().decode(content));
       resolve(texts.some(text => text.includes(words)));
     };
   };
 })"""
 
 NEWER = """() => new Promise(resolve => {
-  indexedDB.open("/lab", 99).onsuccess = ({ target }) => { target.result.close(); resolve(); };
+  indexedDB.open("lrp-texts", 99).onsuccess = ({ target }) => { target.result.close(); resolve(); };
 })"""
 
 
@@ -102,6 +102,17 @@ def test_what_was_typed_is_there_when_the_page_is_loaded_again(counting):
     assert counting.find('[role="alertdialog"]:not([hidden])').count() == 0
 
 
+def test_two_tabs_keep_what_is_typed_in_each(plain, visitors, site):
+    lab = plain.show(link("first"))
+    tab = PlainPage(plain.page.context.new_page(), site).show(link("second"))
+    tab.type_after("[n = n + 1]))", "\n  (state here)")
+    tab.stores("(state here)")
+    tab.page.close()
+    lab.type_after("[n = n + 1]))", "\n  (state there)")
+    lab.stores("(state there)")
+    lab.stores("(state here)")
+
+
 def test_a_browser_that_does_not_store_what_is_typed_says_so(visitors, site):
     page = visitors()
     page.goto(f"{site.url}/site.json")
@@ -109,6 +120,15 @@ def test_a_browser_that_does_not_store_what_is_typed_says_so(visitors, site):
     other = PlainPage(page, site).show("?program=stopwatch")
     other.says("This browser does not keep what you type here")
     other.goes_on()
+
+
+def test_a_browser_that_stores_no_more_says_so_when_one_types(visitors, site):
+    lab = PlainPage(visitors(), site).show(link("typed"))
+    lab.stores("(state count")
+    lab.page.evaluate(NEWER)
+    lab.type_after("[n = n + 1]))", "\n  (state rest)")
+    lab.says("This browser does not keep what you type here")
+    lab.state("m/rest")
 
 
 def test_a_shared_link_opens_the_same_program_in_another_browser(counting, visitors, site):

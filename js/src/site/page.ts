@@ -55,9 +55,7 @@ class Page {
   private readonly python = new Python(file("worker.js"), {
     step: (step) => say(`${step} …`),
     silent: (on) => this.offerRestart(on),
-    unkept: () => {
-      this.isKept = false;
-    },
+    unkept: () => this.warn(),
   });
 
   constructor(
@@ -99,6 +97,12 @@ class Page {
     this.close = this.render({ model, el: host });
     this.showTask();
     say(this.isKept ? "" : UNKEPT, "error");
+  }
+
+  /** Say once that nothing is kept. */
+  private warn(): void {
+    if (this.isKept) say(UNKEPT, "error");
+    this.isKept = false;
   }
 
   private fillPicker(): void {

@@ -1,6 +1,7 @@
 /** The worker in which Python runs. The folder of kept texts is stored by the browser. */
 
 import type { loadPyodide, PyodideInterface } from "pyodide";
+import { Folder } from "./folder";
 import type { FromWorker, Site, ToWorker } from "./messages";
 
 interface Opened {
@@ -27,9 +28,13 @@ async function start(site: Site, base: string): Promise<void> {
   python = await module.loadPyodide({ indexURL: at(site.python), lockFileURL: at(site.lock) });
   post({ is: "step", step: "Loading the simulator" });
   await python.loadPackage([...site.packages, at(site.wheel)], { messageCallback: () => {} });
-  python.FS.mkdirTree(FOLDER);
-  python.FS.mount(python.FS.filesystems.IDBFS, {}, FOLDER);
-  isLoaded = await synchronize(true);
+  const texts = new Folder(python.FS, FOLDER);
+  try {
+    await texts.load();
+    folder = texts;
+  } catch {
+    post({ is: "unkept" });
+  }
   python.FS.chdir(FOLDER);
   void storeAgain();
   post({ is: "step", step: "Starting the robot" });
@@ -37,24 +42,11 @@ async function start(site: Site, base: string): Promise<void> {
   post({ is: "ready" });
 }
 
-let isLoaded = false; // else the folder is empty, and storing it would remove what is stored
-let synchronized: Promise<boolean> = Promise.resolve(true);
+let folder: Folder | null = null; // once it is loaded: a folder that is not must not replace what is stored
 
-/** Load the folder from the browser's storage, or store it there; whether that worked. */
-function synchronize(load: boolean): Promise<boolean> {
-  const next = () =>
-    new Promise<boolean>((done) => {
-      python.FS.syncfs(load, (error: unknown) => {
-        if (error) post({ is: "unkept" });
-        done(!error);
-      });
-    });
-  synchronized = synchronized.then(next);
-  return synchronized;
-}
-
+/** Have the browser store the folder. */
 async function store(): Promise<void> {
-  if (isLoaded) await synchronize(false);
+  await folder?.store().catch(() => post({ is: "unkept" }));
 }
 
 async function storeAgain(): Promise<void> {
