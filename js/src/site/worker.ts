@@ -17,6 +17,7 @@ const STORED_EVERY = 250; // ms
 
 let python: PyodideInterface;
 let opened: Opened | null = null;
+let folder: Folder | null = null; // once it is loaded: a folder that is not must not replace what is stored
 
 const post = (message: FromWorker, transfer: Transferable[] = []) =>
   (postMessage as (message: unknown, transfer: Transferable[]) => void)(message, transfer);
@@ -41,8 +42,6 @@ async function start(site: Site, base: string): Promise<void> {
   python.pyimport("lrp_jupyter.widgets.worker");
   post({ is: "ready" });
 }
-
-let folder: Folder | null = null; // once it is loaded: a folder that is not must not replace what is stored
 
 /** Have the browser store the folder. */
 async function store(): Promise<void> {
