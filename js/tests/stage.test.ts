@@ -65,7 +65,7 @@ describe("a drag in the world", () => {
     point("pointermove", 2.5, 1);
     expect(captured).toEqual(new Set([1]));
     press("Escape");
-    expect([...captured, stage.busy, stage.preview]).toEqual([false, null]);
+    expect([...captured, stage.busy, stage.draftOf({ kind: "solid", index: 0 })]).toEqual([false, null]);
     point("pointerup", 2.5, 1);
     expect(acts.filter((act) => act.do === "put_solid")).toEqual([]);
   });
@@ -135,10 +135,29 @@ describe("a thing that was just placed", () => {
     vi.useRealTimers();
   });
 
+  it("keeps what was done to it when another one is placed and both are moved, however slow the link is", async () => {
+    const replies: (() => void)[] = [];
+    reply = () => new Promise((resolve) => replies.push(() => resolve(null)));
+    edits.add("box", { x: 1, y: 1, angle: 0, box: [0.2, 0.2] });
+    const other = { ...view, solids: [...view.solids!, { box: [1, 1, 0.2, 0.2], angle: 0, push: 0.3 }] };
+    stage.show(other as WorldView);
+    edits.nudge("ArrowRight", false);
+    edits.nudge("ArrowUp", true);
+    edits.add("zone", { x: 2, y: 1, angle: 0, radius: 0.2 });
+    edits.nudge("ArrowRight", false);
+    edits.select({ kind: "solid", index: 1 });
+    edits.nudge("ArrowUp", false);
+    edits.flush();
+    const put = acts.filter((act) => act.do === "put_solid");
+    expect(put.at(-1)).toMatchObject({ index: 1, box: [1.02, 1.02, 0.2, 0.22] });
+    for (const answer of replies) answer();
+    await vi.waitFor(() => expect(where()).toBe(1)); // as the kernel has described it last
+  });
+
   it("is where the kernel describes it as soon as it has replied", async () => {
     edits.add("wall", { x: 1, y: 1, angle: 0, box: [0.4, 0.1] });
     stage.show(wall(1.2)); // another hand has moved it
-    await vi.waitFor(() => expect(stage.preview).toBe(null));
+    await vi.waitFor(() => expect(stage.draftOf({ kind: "solid", index: 1 })).toBe(null));
     expect(where()).toBe(1.2);
   });
 
@@ -161,7 +180,7 @@ it("the robot is moved by every key, also by those that come before a frame show
   replies.at(-1)!();
   await vi.waitFor(() => expect(stage.isHeld).toBe(false));
   stage.move({ ...stage.latest!, time: 2 }, 2, "");
-  expect(stage.preview).toBe(null); // it may drive from there
+  expect(stage.draftOf({ kind: "robot", index: 0 })).toBe(null); // it may drive from there
 });
 
 describe("the trail", () => {
@@ -226,7 +245,8 @@ describe("while an earlier moment is looked at", () => {
     edits.startHere();
     edits.add("wall", { x: 1, y: 1, angle: 0, box: [1, 0.1] });
     expect(new Set(acts.map((act) => act.do))).toEqual(new Set(["look"]));
-    expect([stage.busy, stage.preview, edits.selected]).toEqual([false, null, null]);
+    expect([stage.busy, edits.selected]).toEqual([false, null]);
+    expect(stage.draftOf({ kind: "solid", index: 1 })).toBe(null);
   });
 
   it("a click selects, and the view can be moved", () => {

@@ -16,6 +16,8 @@ const IN_FRAMES: Act["do"][] = ["drag_robot", "stroke", "erase"]; // seen with a
 export class WorldEdits {
   /** Of the newest solid, until the kernel describes it. */
   private push: number | null = null;
+  /** What was moved by key since the last edit. */
+  private nudged: Thing | null = null;
   private pending: ReturnType<typeof setTimeout> | undefined;
 
   constructor(
@@ -86,15 +88,14 @@ export class WorldEdits {
   /** Select a thing that the kernel does not know yet. */
   private hold(thing: Thing, shape: Shape): void {
     this.flush();
-    this.stage.preview = { thing, shape };
+    this.stage.setDraft(thing, shape);
     this.select(thing);
   }
 
   /** Move a thing while it is dragged; zones and starts move when they are dropped. */
   drag(thing: Thing, shape: Shape): void {
     if (this.showNow()) return;
-    this.stage.preview = { thing, shape };
-    this.stage.wake();
+    this.stage.setDraft(thing, shape);
     if (thing.kind === "robot" || thing.kind === "solid") {
       const act = thing.kind === "robot" ? "drag_robot" : "drag_solid";
       this.lab.send({ do: act, index: thing.index, pose: poseOf(shape) });
@@ -104,8 +105,7 @@ export class WorldEdits {
   /** Edit the place and size of a thing. */
   put(thing: Thing, shape: Shape): void {
     if (this.showNow()) return;
-    this.stage.preview = { thing, shape };
-    this.stage.wake();
+    this.stage.setDraft(thing, shape);
     const pose = poseOf(shape);
     if (thing.kind === "robot") this.act({ do: "drag_robot", index: thing.index, pose });
     else if (thing.kind === "start") this.act({ do: "set_start", index: thing.index, pose });
@@ -151,6 +151,7 @@ export class WorldEdits {
     }
     this.stage.busy = true;
     this.drag(thing, next);
+    this.nudged = thing;
     clearTimeout(this.pending);
     this.pending = setTimeout(() => this.flush(), QUIET);
     return true;
@@ -158,12 +159,13 @@ export class WorldEdits {
 
   /** Make one edit of the moves by key since the last one. */
   flush(): void {
-    if (this.pending === undefined) return;
+    const thing = this.nudged;
+    if (!thing) return;
     clearTimeout(this.pending);
-    this.pending = undefined;
+    this.nudged = null;
     this.stage.busy = false;
-    const { preview } = this.stage;
-    if (preview?.thing) this.put(preview.thing, preview.shape);
+    const shape = this.stage.draftOf(thing);
+    if (shape) this.put(thing, shape);
   }
 
   /** Draw a line, or erase with the floor's own grey. */
@@ -197,7 +199,7 @@ export class WorldEdits {
     stage.awaited += 1;
     const error = await this.lab.act(act);
     stage.awaited -= 1;
-    if (error || !IN_FRAMES.includes(act.do)) stage.clearDraft();
+    if (error || !IN_FRAMES.includes(act.do)) stage.clearDrafts();
     return error;
   }
 }

@@ -16,7 +16,7 @@ import {
 } from "./overlay";
 import { type Palette, paintFloor, paintMovers, paintStart, paintStroke } from "./paint";
 import { between, firstPoses, type Snapshot } from "./poses";
-import { type Shape, same, shapeOf, type Thing } from "./things";
+import { type Shape, shapeOf, type Thing } from "./things";
 import { FADES, Trail } from "./trail";
 import { Viewport } from "./viewport";
 
@@ -34,8 +34,8 @@ export class Stage {
   /** The stroke that is being drawn and not yet part of the world. */
   sketch: FullStroke | null = null;
   selected: Thing | null = null;
-  /** The shape that the selected thing, or a new one (null), will have. */
-  preview: { thing: Thing | null; shape: Shape } | null = null;
+  /** Of a new thing that is being drawn. */
+  outline: Shape | null = null;
   /** Whether the user is about to change something: nothing that comes from the kernel ends that. */
   busy = false;
   /** The number of edits that the kernel has not answered yet. */
@@ -50,6 +50,8 @@ export class Stage {
   styleOf: (state: string) => { color: string; dash: number[] } = () => ({ color: "gray", dash: [] });
   /** Called when another part of the world may be shown, or the robot no longer followed. */
   viewed = () => {};
+  /** The shapes that things will have, by thing, until the kernel has answered all edits. */
+  private readonly drafts = new Map<string, Shape>();
   private ink: FullStroke[] = [];
   private readonly floor = document.createElement("canvas");
   private floorStale = true;
@@ -73,11 +75,12 @@ export class Stage {
     const other = !this.world || !world || String(this.world.size) !== String(world.size);
     if (other || this.world?.name !== world?.name) {
       this.trail.clear();
+      this.drafts.clear();
       this.selected = null;
     }
     this.world = world;
     this.ink = [];
-    this.clearDraft();
+    this.clearDrafts();
     if (world) this.before = this.after = firstPoses(world, this.after); // its solids are where they are now
     if (other) this.arrange();
     this.repaint();
@@ -87,10 +90,22 @@ export class Stage {
     return this.busy || this.awaited > 0;
   }
 
+  /** Show a thing in the shape that it will have, or (null) as it is. */
+  setDraft(thing: Thing, shape: Shape | null): void {
+    if (shape) this.drafts.set(keyOf(thing), shape);
+    else this.drafts.delete(keyOf(thing));
+    this.wake();
+  }
+
+  draftOf(thing: Thing): Shape | null {
+    return this.drafts.get(keyOf(thing)) ?? null;
+  }
+
   /** Forget what was drawn or placed, unless more is coming: by now it is part of the world. */
-  clearDraft(): void {
+  clearDrafts(): void {
     if (this.isHeld) return;
-    this.sketch = this.preview = null;
+    this.sketch = this.outline = null;
+    this.drafts.clear();
     this.wake();
   }
 
@@ -115,7 +130,7 @@ export class Stage {
     this.after = next;
     this.arrived = now;
     if (next.robots[0] && !this.isPast) this.trail.add(next.time, next.robots[0].pose, state);
-    this.clearDraft(); // the kernel replies before it shows in a frame what it has done
+    this.clearDrafts(); // the kernel replies before it shows in a frame what it has done
     this.wake();
   }
 
@@ -125,8 +140,7 @@ export class Stage {
 
   /** The shape of a thing as it is shown. */
   shape(thing: Thing): Shape | null {
-    if (this.preview?.thing && same(this.preview.thing, thing)) return this.preview.shape;
-    return this.world && this.after && shapeOf(this.world, this.after, thing);
+    return this.draftOf(thing) ?? (this.world && this.after && shapeOf(this.world, this.after, thing));
   }
 
   private current(now: number): Snapshot | null {
@@ -243,7 +257,7 @@ export class Stage {
   }
 
   private paintOver(c: CanvasRenderingContext2D, world: FullWorld, current: Snapshot): void {
-    const { viewport, palette, selected, preview } = this;
+    const { viewport, palette, selected, outline } = this;
     const pixels = viewport.scale;
     viewport.transform(c, this.ratio);
     if (this.showsTrail) {
@@ -263,7 +277,7 @@ export class Stage {
     if (this.whatIf) paintParting(c, this.whatIf, palette, pixels);
     const shape = selected && this.shape(selected);
     if (selected && shape) paintSelection(c, selected, shape, palette, pixels);
-    if (preview && !preview.thing) paintOutline(c, preview.shape, palette, pixels, true);
+    if (outline) paintOutline(c, outline, palette, pixels, true);
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
     paintBar(c, this.canvas.height / this.ratio, palette, pixels);
   }
@@ -296,3 +310,5 @@ export class Stage {
     faint(0, trail.after(settled), OLDER);
   }
 }
+
+const keyOf = (thing: Thing) => JSON.stringify(thing);

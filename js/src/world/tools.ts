@@ -146,8 +146,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
         const really = turn && grip === "move" && thing.kind !== "zone" ? "turn" : grip;
         next = dragged(shape, really, from, to);
         if (due && grip !== "size") edits.drag(thing, next);
-        else stage.preview = { thing, shape: next };
-        stage.wake();
+        else stage.setDraft(thing, next);
       },
       end(moved) {
         if (moved) edits.put(thing, next);
@@ -155,7 +154,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
       },
       cancel() {
         if (next !== shape) edits.drag(thing, shape);
-        stage.preview = null;
+        stage.setDraft(thing, null);
       },
     };
   }
@@ -165,14 +164,15 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
     return {
       move(at, _, steps) {
         [end, straight] = [stage.inside(...at), steps];
-        stage.preview = { thing: null, shape: drawn(kind, begin, end, straight) };
+        stage.outline = drawn(kind, begin, end, straight);
         stage.wake();
       },
       end() {
+        stage.outline = null;
         edits.add(kind, drawn(kind, begin, end, straight));
       },
       cancel() {
-        stage.preview = null;
+        stage.outline = null;
         stage.wake();
       },
     };
