@@ -66,6 +66,16 @@ describe("what is drawn", () => {
     expect(view.state.sliceDoc()).toBe(TEXT);
   });
 
+  it("comes after what must be known before it, unless it is refused", async () => {
+    const first = () => sent.push("first");
+    answer = "No.";
+    await pen.draw({ act: "state", kind: "machine", path: "m" }, first);
+    expect(sent).toEqual([]);
+    answer = [{ range: at(1, 1), text: ";" }];
+    await pen.draw({ act: "state", kind: "machine", path: "m" }, first);
+    expect(sent).toEqual(["first", `;${TEXT}`]);
+  });
+
   it("is asked for again when the text changed meanwhile", async () => {
     meanwhile = () => {
       if (asked.length === 1) view.dispatch({ changes: { from: 0, insert: "; é\n" } });

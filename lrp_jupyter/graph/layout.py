@@ -8,7 +8,8 @@ The result is passed to the next call as `previous`, so that states keep their p
 - a state keeps its exact position, whatever else is edited; only `moved` moves it;
 - a new state is placed at the free position nearest to its neighbours;
 - the missing end of a dangling transition already has the position of the state to come;
-- the position of a removed state stays reserved for :data:`RESERVED` seconds (time is a parameter here);
+- the position of a removed state, and of one to come, stays reserved for :data:`RESERVED` seconds (time is a
+  parameter here);
 - a state whose name is being typed keeps its position: the only one that differs, in the same order; so does
   the missing end of an arrow.
 
@@ -83,9 +84,10 @@ def layout(
     path : tuple of str, optional
         The machine's path, by default its name alone.
     moved : mapping of str to (x, y), optional
-        States moved by hand and where to, in px; they stay moved in later layouts.
+        States moved by hand and where to, in px; they stay moved in later layouts. The place of one that is
+        not in the machine is reserved for it.
     now : float
-        Time in seconds, on any clock; for the places of removed states.
+        Time in seconds, on any clock; for the places that are reserved.
     panel : (float, float), optional
         Width and height of the panel that shows it, in px: new places are chosen so that it fits.
     inside : mapping of str to Layout, optional

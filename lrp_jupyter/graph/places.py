@@ -51,7 +51,7 @@ def keep_positions(
     panel: Size | None = None,
     insides: Mapping[str, Point] | None = None,
 ) -> dict[str, Position]:
-    """Compute a position for every node: its old one, the one it was dragged to, or a free one.
+    """Compute a position for every node: its old one, the one it was moved to, or a free one.
 
     Parameters
     ----------
@@ -82,8 +82,9 @@ def keep_positions(
             before["x"] = round(before["x"] + x - before["inside"][0], 1)
             before["y"] = round(before["y"] + y - before["inside"][1], 1)
     for name, (x, y) in moved.items():
-        if name in sizes:
-            positions[name] = Position(x=round(float(x), 1), y=round(float(y), 1))
+        positions[name] = Position(x=round(float(x), 1), y=round(float(y), 1))
+        if name not in sizes:
+            positions[name]["gone"] = now
     taken = Cells(CELL)
     for name, position in positions.items():
         taken.add(Rect(position["x"], position["y"], *sizes.get(name, USUAL)))

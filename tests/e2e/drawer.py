@@ -26,7 +26,8 @@ class Drawer:
             " const {x, y, width, height} = root.querySelector(selector).getBoundingClientRect();"
             " const now = JSON.stringify({x, y, width, height});"
             " if (now === last) return {x, y, width, height};"
-            " last = now; await new Promise(done => setTimeout(done, 120)); } }",
+            " last = now; await new Promise(done => setTimeout(done, 120));"
+            " for (let i = 0; i < 3; i++) await new Promise(requestAnimationFrame); } }",
             [self.lab.root.element_handle(), selector],
         )
 
@@ -56,6 +57,7 @@ class Drawer:
         """A double click on free space makes a state."""
         self.mouse.dblclick(*self.at(x, y))
         self.fill(name)
+        self.lab.sees(f'[data-lrp-state$="/{name}"]')
 
     def transition(self, source, target, trigger, check=False):
         """Drag from the border of a state to another one, or to itself."""

@@ -456,6 +456,22 @@ def test_a_state_stays_where_it_was_dragged():
     assert positions(later)["b"] == (400.0, -50.0)
 
 
+def test_a_state_to_come_has_the_place_that_was_reserved_for_it():
+    text = THREE.format(more="{more}")
+    before = lay(text.format(more=""))
+    reserved = lay(text.format(more=""), before, moved={"d": (400, -50)}, now=10.0)
+    assert positions(reserved) == positions(before)
+    after = lay(text.format(more="(state d)"), reserved, now=11.0)
+    assert positions(after) == {**positions(before), "d": (400.0, -50.0)}
+    too_late = lay(text.format(more=""), reserved, now=10.0 + RESERVED)
+    assert "d" not in too_late["places"]
+
+
+def test_the_first_state_of_a_machine_has_the_place_that_was_reserved_for_it():
+    reserved = lay("(machine m)", moved={"a": (40, 30)})
+    assert positions(lay("(machine m (state a))", reserved)) == {"a": (40.0, 30.0)}
+
+
 def test_a_first_layout_leaves_a_place_for_what_was_moved():
     text = THREE.format(more="(on e a -> b) (on e b -> c)")
     fresh = lay(text, moved={"c": positions(lay(text))["a"]})

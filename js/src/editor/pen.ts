@@ -59,8 +59,8 @@ export class Pen {
     private readonly lab: Lab,
   ) {}
 
-  /** Apply an act to the text; resolves to the sentence that refuses it, or null. */
-  async draw(act: Act): Promise<string | null> {
+  /** Apply an act to the text, after `first`; resolves to the sentence that refuses it, or null. */
+  async draw(act: Act, first = () => {}): Promise<string | null> {
     const { view } = this;
     for (let tries = 0; tries < MOST_TRIES; tries++) {
       const { doc } = view.state;
@@ -70,6 +70,7 @@ export class Pen {
       const changes = (reply.edits ?? []).map(({ range, text }) => ({ ...spanOf(doc, range), insert: text }));
       if (!changes.length) return null;
       const { kind, path } = act;
+      first();
       view.dispatch({
         changes,
         userEvent: DRAWN,

@@ -47,7 +47,7 @@ export class Acts {
     for (let number = 1; ; number++) if (!taken.has(`s${number}`)) return `s${number}`;
   }
 
-  /** Put what is drawn where it was asked for. */
+  /** Put a state where it was asked for. This is said before the state is drawn, which would else be seen to jump. */
   private pin(path: string, name: string, place: readonly [number, number] | null): void {
     if (!place || !path) return;
     this.lab.send({ do: "pin", path, name, x: Math.round(place[0]), y: Math.round(place[1]) });
@@ -58,11 +58,10 @@ export class Acts {
     openField(this.host, at, {
       title: "New state",
       entries: [{ label: "State", value: this.freeName(machine) }],
-      submit: async ([name = ""]) => {
-        const refusal = await this.pen.draw({ act: "state", kind: "machine", path: machine, to: name });
-        if (!refusal) this.pin(machine, name, place);
-        return refusal;
-      },
+      submit: ([name = ""]) =>
+        this.pen.draw({ act: "state", kind: "machine", path: machine, to: name }, () =>
+          this.pin(machine, name, place),
+        ),
     });
   }
 
@@ -90,14 +89,14 @@ export class Acts {
       entries,
       ...(closed ? { closed } : {}),
       ...(nameOf(source) === "*" ? {} : { check: "from any state" }),
-      submit: async (values, every) => {
+      submit: (values, every) => {
         const form = values.at(-1)!;
         const to = destination || values[0]!;
         const fresh = !this.statesOf(machine).includes(to);
         const path = every ? `${machine}/*` : source;
-        const refusal = await this.pen.draw({ act: "transition", kind: "state", path, to, form });
-        if (!refusal && fresh) this.pin(machine, to, place);
-        return refusal;
+        return this.pen.draw({ act: "transition", kind: "state", path, to, form }, () => {
+          if (fresh) this.pin(machine, to, place);
+        });
       },
     });
   }
