@@ -120,11 +120,11 @@ def test_everything_can_be_edited_by_keyboard(open_world):
     lab = open_world()
     lab.pause()  # or the wall, which is put in the same place, would push the box away
     canvas = lab.sees(".lrp-canvas")
-    for tool in ("wall", "box", "zone"):
+    for tool, kind in ("wall", "Wall"), ("box", "Box"), ("zone", "Zone"):
         lab.sees(f'[data-lrp-action="tool-{tool}"]').focus()
         press(lab, "Space", "Enter")  # the focus is in the world now
         press(lab, "ArrowRight", "ArrowRight", "Shift+ArrowUp", "[")
-        is_edited(lab)
+        lab.until("(strip, kind) => !strip.hidden && strip.textContent.startsWith(kind)", ".lrp-thing", kind)
     press(lab, "Escape")
     lab.until("button => button.ariaPressed === 'true'", '[data-lrp-action="tool-move"]')
     canvas.focus()
