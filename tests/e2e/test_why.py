@@ -38,7 +38,7 @@ def test_a_state_is_asked_by_its_menu_and_the_robot_by_that_of_the_lab(open_lab)
     lab.page.keyboard.press("Escape")
     lab.do("menu")
     lab.choose("why-robot")
-    assert "The last command was robot.move(" in card(lab).inner_text()
+    assert "The last command was robot." in card(lab).inner_text()
     assert "(line " in lab.find(".lrp-why-sentence").inner_text()
 
 
