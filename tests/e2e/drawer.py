@@ -72,6 +72,16 @@ class Drawer:
         if values:
             self.fill(*values)
 
+    def machine(self, x, y, name):
+        """Draw a machine, which is shown from then on, with the menu of the free space."""
+        self.choose_free(x, y, "draw-machine", name)
+        self.lab.sees(f'[data-lrp-machine="{name}"]')
+
+    def machine_inside(self, state, name):
+        """Draw a machine in a state, which is shown from then on."""
+        self.choose(state, "draw-inside", name)
+        self.lab.sees(f'[data-lrp-machine="{state}/{name}"]')
+
     def show(self, machine):
         """Show another machine."""
         self.lab.sees(f'[data-lrp-machine="{machine}"]').click()

@@ -48,7 +48,7 @@ def test_the_stopwatch_is_drawn_from_nothing(drawer):
     drawer.choose_free(*free, "draw-form", 'onpause [print("paused at", shown)]')
     drawer.choose_free(*free, "draw-form", 'onresume [print("running on")]')
 
-    drawer.choose_free(*free, "draw-machine", "finger")
+    drawer.machine(*free, "finger")
     script = '[(1000, "start"), (5000, "lap"), (2000, "lap"), (4300, "stop"), (3000, "reset")]'
     drawer.state("waiting", 0.25, 0.4)
     drawer.state("pressing", 0.7, 0.4)
@@ -58,7 +58,7 @@ def test_the_stopwatch_is_drawn_from_nothing(drawer):
     drawer.transition("finger/waiting", "finger/pressing", "ontime [script[0][0]]")
     drawer.transition("finger/pressing", "finger/waiting", "")
 
-    drawer.choose_free(*free, "draw-machine", "watch")
+    drawer.machine(*free, "watch")
     drawer.state("zero", 0.2, 0.35)
     drawer.state("running", 0.7, 0.35)
     drawer.state("stopped", 0.5, 0.75)
@@ -73,11 +73,11 @@ def test_the_stopwatch_is_drawn_from_nothing(drawer):
     drawer.transition("watch/running", "watch/stopped", "stop")
     drawer.transition("watch/stopped", "watch/zero", "clear", check=True)
 
-    drawer.choose("watch/running", "draw-inside", "counter")
+    drawer.machine_inside("watch/running", "counter")
     drawer.state("counting", 0.5, 0.5)
     drawer.choose("watch/running/counter/counting", "draw-running", "tenths += 1")
     drawer.show("watch")
-    drawer.choose("watch/running", "draw-inside", "display")
+    drawer.machine_inside("watch/running", "display")
     drawer.state("live", 0.25, 0.5)
     drawer.state("frozen", 0.7, 0.5)
     inner = "watch/running/display"

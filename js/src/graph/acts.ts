@@ -24,9 +24,10 @@ export class Acts {
     private readonly host: HTMLElement,
   ) {}
 
+  /** The machine drawn on, also one that was drawn a moment ago, of which the kernel has not told yet. */
   get machine(): string {
     const { program, machine } = this.lab.store.state;
-    return program.machines.length ? machine : "";
+    return program.machines.length || this.pen.source("machine", machine) ? machine : "";
   }
 
   /** Apply an act, and show the sentence that refuses it. */
