@@ -70,6 +70,15 @@ describe("a drag in the world", () => {
     expect(acts.filter((act) => act.do === "put_solid")).toEqual([]);
   });
 
+  it("that ends with Escape leaves an edit that the kernel has not answered as it is shown", () => {
+    reply = () => new Promise(() => {});
+    edits.put({ kind: "solid", index: 0 }, { x: 2.2, y: 1, angle: 0, box: [0.4, 0.4] });
+    point("pointerdown", 2.2, 1);
+    point("pointermove", 2.5, 1);
+    press("Escape");
+    expect(stage.shape({ kind: "solid", index: 0 })?.x).toBe(2.2);
+  });
+
   it("that ends with Escape before the pointer has moved leaves the robot alone, which may drive", () => {
     point("pointerdown", 0.5, 1);
     press("Escape");

@@ -16,7 +16,7 @@ import {
 } from "./overlay";
 import { type Palette, paintFloor, paintMovers, paintStart, paintStroke } from "./paint";
 import { between, firstPoses, type Snapshot } from "./poses";
-import { type Shape, shapeOf, type Thing } from "./things";
+import { keyOf, type Shape, shapeOf, type Thing } from "./things";
 import { FADES, Trail } from "./trail";
 import { Viewport } from "./viewport";
 
@@ -310,5 +310,3 @@ export class Stage {
     faint(0, trail.after(settled), OLDER);
   }
 }
-
-const keyOf = (thing: Thing) => JSON.stringify(thing);

@@ -25,8 +25,11 @@ export type Grip = "move" | "turn" | "size";
 export const SMALLEST = 0.03; // metres
 const TURN_GRIP = 22; // px from the rim to the handle that turns
 
+/** A text for each thing, by which it is found in a map. */
+export const keyOf = (thing: Thing | null) => JSON.stringify(thing);
+
 export function same(one: Thing | null, other: Thing | null): boolean {
-  return JSON.stringify(one) === JSON.stringify(other);
+  return keyOf(one) === keyOf(other);
 }
 
 /** The present shape of a thing; null if it is not there. */

@@ -140,6 +140,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
 
   function dragging(thing: Thing, shape: Shape, grip: Grip, from: Point): Press {
     let next = shape;
+    const before = stage.draftOf(thing);
     return {
       move(at, due, turn) {
         const to = stage.inside(...at);
@@ -154,7 +155,7 @@ export function useTools(stage: Stage, edits: WorldEdits, box: ToolBox): void {
       },
       cancel() {
         if (next !== shape) edits.drag(thing, shape);
-        stage.setDraft(thing, null);
+        stage.setDraft(thing, before);
       },
     };
   }
