@@ -60,7 +60,7 @@ def test_a_session_that_becomes_faster_still_remembers_ten_minutes():
             assert reach(session)[1] > 599.9
 
 
-def test_a_session_that_was_slow_takes_checkpoints_as_often_when_it_is_fast():
+def test_a_session_that_was_slow_takes_checkpoints_as_often_when_it_is_fast(always_rested):
     with started(rate=0.01) as session:
         session.run(150)
         session.rate = 100
@@ -92,7 +92,7 @@ def test_the_world_of_a_slow_session_is_remembered_too():
         assert session.frame.time < 3_000
 
 
-def test_what_is_remembered_is_dropped_when_no_tick_needs_it():
+def test_what_is_remembered_is_dropped_when_no_tick_needs_it(always_rested):
     with started(DRIVER, "sim", world="empty") as session:
         loop = session._loop
         session.run(1)
