@@ -6,6 +6,7 @@ printed with the line that repeats it.
 """
 
 import os
+import sys
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -14,6 +15,15 @@ always = settings(deadline=None, database=None, suppress_health_check=[HealthChe
 settings.register_profile("same", always, max_examples=40, derandomize=True)
 settings.register_profile("long", always, max_examples=250, print_blob=True)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
+
+
+@pytest.fixture(autouse=True, scope="session")
+def _no_workers_left():
+    """End the processes in which programs were graded."""
+    yield
+    workers = sys.modules.get("lrp_jupyter.grading.workers")
+    if workers is not None:
+        workers.close_workers()
 
 
 @pytest.fixture(autouse=True, scope="session")

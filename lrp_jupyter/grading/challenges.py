@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.grading.criteria import (
     Criterion,
-    _angle,
     drives,
+    edited,
     ends_in,
     ends_still,
     never_restarts,
@@ -58,16 +58,22 @@ class Challenge:
     worlds : tuple of str or World
         The program has to pass in every one.
     criteria : tuple of Criterion
+        In the order in which they can be met: partial credit is given up to the first one that is not.
     seconds : float
-        Length of a run, in its own time.
+        Longest duration of a run, in its own time. It ends earlier when every criterion is met, or one is
+        broken.
     hints : tuple of Hint
-        The first one that finds its mistake is shown.
+        For typical mistakes, the most specific first.
     rate : float
         Ticks per second.
     noise : dict or None
         Imperfections of the robot: ``{"motor": 0.1, "light": 10}``.
-    until : callable or None
-        Returns whether to end a run early, because more time cannot improve the result.
+    seeds : int
+        Number of runs in each world, each with other noise.
+    points : float
+        For a program that passes.
+    starter : str
+        The text to begin with; by default a program whose robot stands still.
     """
 
     name: str
@@ -78,7 +84,14 @@ class Challenge:
     hints: tuple[Hint, ...] = ()
     rate: float = 10
     noise: dict[str, float] | None = None
-    until: Callable[[RunRecord], bool] | None = None
+    seeds: int = 1
+    points: float = 10
+    starter: str = ""
+
+    @property
+    def runs(self) -> tuple[tuple[str | World, int], ...]:
+        """The world and the seed of each run."""
+        return tuple((world, seed) for world in self.worlds for seed in range(self.seeds))
 
     def __str__(self) -> str:
         return f"{self.name}: {self.task}"
@@ -192,7 +205,7 @@ def _drove_over(run: RunRecord) -> str | None:
 
 
 def _never_turned(run: RunRecord) -> str | None:
-    if not run.samples or abs(_angle(run.samples[-1].heading - run.samples[0].heading)) > 0.3:
+    if sum(run.turned) > 20:
         return None
     return "The robot only drove straight on. `robot.move(angular=1)` for pi / 2 s is a quarter turn."
 
@@ -252,31 +265,15 @@ def _too_close(run: RunRecord) -> str | None:
 
 
 def _restarted(run: RunRecord) -> str | None:
-    reason = next((event.data for event in run.events if event.kind == "restarted"), None)
-    if reason is None:
+    if not run.restarts:
         return None
     return (
-        f"The program restarted: {reason} Change a state only while it is not active; changes of"
+        f"The program restarted: {run.restart_reason} Change a state only while it is not active; changes of"
         " variables, events and transitions never restart the program."
     )
 
 
-def _back_again(run: RunRecord) -> bool:
-    """Return whether the robot was there and back, and has stood still since."""
-    near = next(run.touches("near wall"), None)
-    return near is not None and run.seconds - run.still_since >= 2.5
-
-
 _AROUND = visits("right", "left", "start")
-
-
-def _once_around(run: RunRecord) -> bool:
-    """Return whether the robot has just arrived at the start again, after going around."""
-    start = run.world.zones["start"]
-    at_home = [start.contains(sample.x, sample.y) for sample in run.samples[-2:]]
-    return at_home == [False, True] and _AROUND(run).passed
-
-
 _THERE_AND_BACK = (touches("far wall", "near wall"), ends_still(2), no_faults())
 _BACK_HINTS: tuple[Hint, ...] = (_ended_at_the_first_bump, _did_not_turn_back, _lost_the_line)
 
@@ -327,7 +324,6 @@ BUNDLED = tuple(
             150,
             (_never_saw_the_line, _lost_the_line),
             noise={"motor": 0.02, "light": 5},
-            until=_once_around,
         ),
         Challenge(
             "find the line",
@@ -346,7 +342,6 @@ BUNDLED = tuple(
             300,
             _BACK_HINTS,
             noise={"motor": 0.02, "light": 5},
-            until=_back_again,
         ),
         Challenge(
             "debug the printed listing",
@@ -355,7 +350,6 @@ BUNDLED = tuple(
             _THERE_AND_BACK,
             300,
             _BACK_HINTS,
-            until=_back_again,
         ),
         Challenge(
             "edge guard",
@@ -392,7 +386,7 @@ BUNDLED = tuple(
             "edit it live",
             "Change the running program, at least once: it drives on and never restarts.",
             ("oval",),
-            (drives(0.5), never_restarts(), no_faults()),
+            (drives(0.5), edited(), never_restarts(), no_faults()),
             30,
             (_restarted,),
         ),

@@ -1,24 +1,26 @@
-"""The record of a graded run: a sample for each tick, the events, the faults."""
+"""The record of a graded run: a sample for each tick, the faults, and what was counted on the way."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from bisect import bisect_right
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from lrp_jupyter.bridges.safety import Notice
 from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.interpreter.events import TraceEvent
-from lrp_jupyter.interpreter.frame import matches
+from lrp_jupyter.errors import Finding
+from lrp_jupyter.interpreter.frame import is_active
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
-from lrp_jupyter.language.program import Path
+from lrp_jupyter.language.program import Path, Program
 from lrp_jupyter.sim.world import World
 
-__all__ = ["RunRecord", "Sample"]
+__all__ = ["RunRecord", "Sample", "angle_between"]
 
 _STILL = 0.002  # m; a robot at rest may drift this far in one period
+_T = TypeVar("_T")
 
 
 class Sample(NamedTuple):
@@ -27,11 +29,13 @@ class Sample(NamedTuple):
     Parameters
     ----------
     time : float
-        Seconds.
+        Seconds since the run began.
     x, y, heading : float
         Metres, metres, radians.
     lights : tuple of int
         0 black … 255 white.
+    distances : tuple of float
+        Metres; ``inf`` where nothing is in reach.
     bumper : bool
     touched : frozenset of str
         Names of the solids touched since the tick before; `edge` is the edge of the world.
@@ -46,6 +50,7 @@ class Sample(NamedTuple):
     y: float
     heading: float
     lights: tuple[int, ...]
+    distances: tuple[float, ...]
     bumper: bool
     touched: frozenset[str]
     solids: tuple[tuple[float, float, float], ...]
@@ -61,46 +66,105 @@ class Sample(NamedTuple):
         return before.distance(self) > _STILL or abs(before.heading - self.heading) > 0.02
 
 
+def angle_between(first: Sample, second: Sample) -> float:
+    """Return the angle turned from one sample to the next, in radians; positive to the left."""
+    return (second.heading - first.heading + math.pi) % (2 * math.pi) - math.pi
+
+
 @dataclass
 class RunRecord:
-    """One run of a program in a world, the input of the criteria.
+    """One run of a program in a world: what criteria and hints are functions of.
 
     Attributes
     ----------
-    still_since : float
-        The time since which the robot has stood still without trying to move.
+    world : World
+    samples : list of Sample
+    programs : list of Program
+        The programs that ran, one after the other: edits while it ran add to them.
+    issues : tuple of Issue
+        The open ones.
+    notices : tuple of Notice
+        What the robot's safety has done, such as stopping a robot that got no commands.
+    commands : int
+        Number of commands that the robot got.
+    restarts : int
+    restart_reason : str
+    findings : tuple of Finding
+        What the checks find in the last text; known when the run has ended without passing.
     """
 
     world: World
     samples: list[Sample] = field(default_factory=list)
-    events: list[TraceEvent] = field(default_factory=list)
+    programs: list[Program] = field(default_factory=list)
     issues: tuple[Issue, ...] = ()
     notices: tuple[Notice, ...] = ()
     commands: int = 0
-    still_since: float = 0.0
-    _touches: dict[str, list[Sample]] = field(default_factory=dict)  # by the name of the solid
+    restarts: int = 0
+    restart_reason: str = ""
+    findings: tuple[Finding, ...] = ()
+    _folds: dict[Any, tuple[int, Any]] = field(default_factory=dict)  # up to which sample, and the result
 
     def sample(self, bridge: SimBridge, interpreter: Interpreter) -> None:
-        """Record the tick that has just ended; must be called on the loop's thread."""
+        """Record the tick that has just ended; on the loop's thread."""
         robot = bridge.simulation.robot
         x, y, heading = robot.pose
-        sample = Sample(
-            interpreter.now,
-            x,
-            y,
-            heading,
-            robot.readings.lights,
-            bool(robot.readings.bumper),
-            bridge.touched,
-            tuple(thing.pose for thing in bridge.simulation.solids),
-            interpreter.active,
-            robot.command,
+        self.samples.append(
+            Sample(
+                bridge.simulation.time_since_start,
+                x,
+                y,
+                heading,
+                robot.readings.lights,
+                robot.readings.distances,
+                bool(robot.readings.bumper),
+                bridge.touched,
+                tuple(thing.pose for thing in bridge.simulation.solids),
+                interpreter.active,
+                robot.command,
+            )
         )
-        if not self.samples or any(sample.command) or sample.moved(self.samples[-1]):
-            self.still_since = sample.time
-        self.samples.append(sample)
-        for solid in sample.touched:
-            self._touches.setdefault(solid, []).append(sample)
+        if not self.programs or self.programs[-1] is not interpreter.program:
+            self.programs.append(interpreter.program)
+        self.issues = tuple(issue for issue in interpreter.issues if not issue.resolved)
+        self.notices, self.commands = bridge.safety.notices, bridge.safety.command_count
+
+    def cut(self, time: float) -> None:
+        """Forget the samples from a time on: the run has gone back."""
+        del self.samples[bisect_right(self.samples, time - 1e-9, key=lambda sample: sample.time) :]
+        self._folds.clear()
+
+    def fold(self, step: Callable[[_T, Sample, Sample], _T], start: _T, key: object = None) -> _T:
+        """Combine all pairs of consecutive samples, from left to right; the first one is paired with itself.
+
+        What was combined is remembered, so that asking at every tick costs one step each time.
+
+        Parameters
+        ----------
+        step : callable
+            Takes the result so far, a sample, and the sample before it. Must not change the result in
+            place, unless `start` is made anew for every call.
+        start : object
+        key : object
+            Under which the result is remembered; by default the function `step` itself.
+        """
+        key = step if key is None else key
+        done: int
+        result: _T
+        done, result = self._folds.get(key, (0, start))
+        samples = self.samples
+        for index in range(done, len(samples)):
+            result = step(result, samples[index], samples[max(0, index - 1)])
+        self._folds[key] = len(samples), result
+        return result
+
+    def first(self, condition: Callable[[Sample], object], key: object) -> Sample | None:
+        """Return the first sample of which a condition holds; each is asked once."""
+        nothing: Sample | None = None
+        return self.fold(lambda found, now, _: found or (now if condition(now) else None), nothing, key)
+
+    def entered(self, state: str | Path) -> Sample | None:
+        """Return the first sample in which a state, given by name or path, was active."""
+        return self.first(lambda now: is_active(state, now.active), ("entered", state))
 
     @property
     def seconds(self) -> float:
@@ -110,7 +174,17 @@ class RunRecord:
     @property
     def driven(self) -> float:
         """Length of the path driven, in metres."""
-        return sum(a.distance(b) for a, b in zip(self.samples, self.samples[1:], strict=False))
+        return self.fold(_driven, 0.0)
+
+    @property
+    def turned(self) -> tuple[float, float]:
+        """The angles turned to the left and to the right, in degrees, each 0 or more."""
+        return self.fold(_turned, (0.0, 0.0))
+
+    @property
+    def still_since(self) -> float:
+        """The time since which the robot has stood still without trying to move."""
+        return self.fold(_still, 0.0)
 
     def inside(self, zone: str) -> Iterator[Sample]:
         """Yield the samples at which the middle of the robot was in a zone."""
@@ -119,12 +193,17 @@ class RunRecord:
 
     def touches(self, solid: str) -> Iterator[Sample]:
         """Yield the samples at which a solid was touched."""
-        return iter(self._touches.get(solid, ()))
+        return (sample for sample in self.samples if solid in sample.touched)
 
-    def entries(self, state: str | Path) -> list[TraceEvent]:
-        """Return the events in which a state was entered."""
-        return [event for event in self.events if event.kind == "entered" and matches(state, event.path)]
 
-    def count(self, kind: str) -> int:
-        """Return the number of events of a kind."""
-        return sum(event.kind == kind for event in self.events)
+def _driven(so_far: float, now: Sample, before: Sample) -> float:
+    return so_far + now.distance(before)
+
+
+def _turned(so_far: tuple[float, float], now: Sample, before: Sample) -> tuple[float, float]:
+    degrees = math.degrees(angle_between(before, now))
+    return so_far[0] + max(0.0, degrees), so_far[1] + max(0.0, -degrees)
+
+
+def _still(since: float, now: Sample, before: Sample) -> float:
+    return now.time if now is before or any(now.command) or now.moved(before) else since

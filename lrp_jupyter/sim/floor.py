@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 from lrp_jupyter.sim.world import ArcStroke, CircleStroke, FloorSpec, PathStroke, Point, Stroke
 
-__all__ = ["SPOT", "LiveFloor", "Mark", "Paint"]
+__all__ = ["SPOT", "LiveFloor", "Mark", "Paint", "distance_to"]
 
 SPOT = 0.002  # m: radius of the spot over which a light sensor averages
 _CELL = 0.05  # m
@@ -138,6 +139,16 @@ class LiveFloor:
                     if not paint.ink or paint.grey < grey:
                         grey += (paint.grey - grey) * share
         return grey
+
+
+def distance_to(floor: FloorSpec, x: float, y: float) -> float:
+    """Return the distance from a point to the middle of the nearest stroke, in metres, or ``inf``."""
+    return min((piece.distance(x, y) for piece in _all_pieces(floor)), default=math.inf)
+
+
+@lru_cache(maxsize=8)
+def _all_pieces(floor: FloorSpec) -> list[_Piece]:
+    return [piece for stroke in floor.strokes for piece in _pieces(stroke)]
 
 
 def _enter(cells: _Cells, paint: Paint, piece: _Piece) -> None:

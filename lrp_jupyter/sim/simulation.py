@@ -130,6 +130,11 @@ class Simulation:
         return self._clock.steps / STEPS_PER_SECOND
 
     @property
+    def time_since_start(self) -> float:
+        """Seconds of the world since its last reset."""
+        return (self.steps - self._base) * STEP
+
+    @property
     def robot(self) -> SimRobot:
         """The robot that programs drive: the first."""
         return self.robots[0]

@@ -1,0 +1,249 @@
+"""One run of a program for a challenge: what is to be run, and what came of it."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from time import perf_counter
+from typing import Any, Literal, NamedTuple
+
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError
+from lrp_jupyter.grading.challenges import Challenge
+from lrp_jupyter.grading.criteria import Verdict
+from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.grading.referee import Referee
+from lrp_jupyter.language.parser import parse
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.sim.world import World
+
+__all__ = ["Attempt", "Job", "attempt", "failed"]
+
+Ended = Literal["", "text", "time", "memory", "crash"]
+
+
+@dataclass(frozen=True)
+class Job:
+    """One run that is to be made.
+
+    Parameters
+    ----------
+    texts : tuple of str
+        Applied one after the other to the running program, at equal intervals.
+    task : Challenge
+    world : str or World
+        One of the challenge's.
+    seed : int
+        Of the robot's noise, and of Python's random numbers.
+    limit : float
+        Wall seconds that it may take.
+    namespace : mapping of str to object
+        Names that blocks can read.
+    """
+
+    texts: tuple[str, ...]
+    task: Challenge
+    world: str | World
+    seed: int
+    limit: float
+    namespace: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def world_name(self) -> str:
+        """The name of the world."""
+        return self.world if isinstance(self.world, str) else self.world.name or "world"
+
+
+class Attempt(NamedTuple):
+    """One run that was made.
+
+    Parameters
+    ----------
+    world : str
+    seed : int
+    seconds : float
+        Its length, in its own time.
+    verdicts : tuple of Verdict
+    hints : tuple of str
+        For the mistakes that were found, the most important first.
+    share : float
+        Of the points, 0 to 1.
+    ended : {"", "text", "time", "memory", "crash"}
+        Why there was no complete run: the text is not a valid program, it took too long to compute, it
+        needed too much memory, or its process ended.
+    path : tuple of (x, y)
+        Where the robot was, in metres.
+    """
+
+    world: str
+    seed: int
+    seconds: float
+    verdicts: tuple[Verdict, ...]
+    hints: tuple[str, ...] = ()
+    share: float = 0.0
+    ended: Ended = ""
+    path: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def passed(self) -> bool:
+        """Whether every criterion is met."""
+        return not self.ended and all(verdict.passed for verdict in self.verdicts)
+
+    @property
+    def hint(self) -> str:
+        """The first hint; empty if there is none."""
+        return self.hints[0] if self.hints else ""
+
+    @property
+    def failure(self) -> Verdict | None:
+        """The criterion that was broken, else the first one that was not met; None if it passed."""
+        missing = [verdict for verdict in self.verdicts if not verdict.passed]
+        broken = (verdict for verdict in missing if verdict.decided is not None)
+        return next(broken, missing[0] if missing else None)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain data, as :meth:`from_dict` reads it."""
+        return {**self._asdict(), "verdicts": [verdict._asdict() for verdict in self.verdicts]}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Attempt:
+        """Return the attempt that plain data describes."""
+        return cls(
+            **{
+                **data,
+                "verdicts": tuple(Verdict(**verdict) for verdict in data["verdicts"]),
+                "hints": tuple(data["hints"]),
+                "path": tuple((x, y) for x, y in data["path"]),
+            }
+        )
+
+
+def failed(job: Job, ended: Ended, sentence: str, reason: str, hint: str = "") -> Attempt:
+    """Return an attempt of which nothing is known but why it ended."""
+    verdict = Verdict(sentence, False, reason, state="failed")
+    return Attempt(job.world_name, job.seed, 0.0, (verdict,), (hint,) if hint else (), ended=ended)
+
+
+def attempt(job: Job) -> Attempt:
+    """Run a program in virtual time, and judge it.
+
+    Raises
+    ------
+    LRPError
+        The interpreter itself failed.
+    """
+    before = random.getstate()
+    random.seed(job.seed)
+    try:
+        referee = _run(job)
+    except SessionTimeoutError as error:
+        return failed(job, "time", f"is computed within {job.limit:g} s", str(error))
+    except LRPSyntaxError as error:
+        hint = "Correct the text first; the editor marks the error."
+        return failed(job, "text", "is a valid program", str(error.findings[0]), hint)
+    except MemoryError:
+        return failed(job, "memory", "needs little memory", "It needed more than it may have.")
+    finally:
+        random.setstate(before)
+    run, verdicts = referee.run, referee.verdicts(True)
+    hints: Sequence[str] = ()
+    if not all(verdict.passed for verdict in verdicts):
+        hints = tuple(dict.fromkeys(_hints(job, run)))
+    return Attempt(
+        job.world_name, job.seed, run.seconds, verdicts, tuple(hints), referee.share, path=_path(run)
+    )
+
+
+def _run(job: Job) -> Referee:
+    """Run the program.
+
+    Raises
+    ------
+    SessionTimeoutError
+        It took longer than the limit.
+    """
+    end = perf_counter() + job.limit
+    task = job.task
+    bridge = SimBridge(job.world, job.seed, task.noise)
+    referee = Referee(task, bridge.world)
+    programs = [parse(text, "<lrp grade>") for text in job.texts]
+    namespace = dict(job.namespace)
+    with Session(
+        programs[0], bridge, rate=task.rate, namespace=namespace, name="grade", journal=0
+    ) as session:
+
+        def over() -> bool:
+            return referee.see(bridge, session.interpreter) or perf_counter() > end
+
+        for number, program in enumerate(programs):
+            if number:
+                session.edit(program.text)
+            decided = session.run(
+                task.seconds / len(programs) + (number == len(programs) - 1),
+                after_tick=over,
+                limit=job.limit / 6,
+            )
+            if perf_counter() > end:
+                raise SessionTimeoutError(
+                    f"The run took longer than {job.limit:g} s of computing and was ended after "
+                    f"{referee.run.seconds:.1f} s of its own time. Let the blocks compute less."
+                )
+            if decided:
+                break
+        if session.fault:
+            raise LRPError(f"The interpreter itself failed, not the program:\n{session.fault}")
+        if not all(verdict.passed for verdict in referee.verdicts(True)):
+            referee.run.findings = session.check(session.program)
+    return referee
+
+
+def _path(run: RunRecord) -> tuple[tuple[float, float], ...]:
+    """Return at most 200 points of the robot's path, the last one included."""
+    samples = run.samples
+    every = max(1, len(samples) // 200)
+    return tuple((round(each.x, 3), round(each.y, 3)) for each in (*samples[:-1:every], *samples[-1:]))
+
+
+# -- hints that every challenge gives --------------------------------------------------------------
+
+
+def _hints(job: Job, run: RunRecord) -> Iterator[str]:
+    first = (_nothing_active, _has_issues, _has_errors, _no_command)
+    for find in (*first, *job.task.hints, _watchdog, _has_warnings):
+        if text := find(run):
+            yield text
+
+
+def _nothing_active(run: RunRecord) -> str | None:
+    if any(sample.active for sample in run.samples):
+        return None
+    return "Nothing was active. Write `(spawn machine state)` outside all machines to start one."
+
+
+def _has_issues(run: RunRecord) -> str | None:
+    return f"Line {run.issues[0].line}: {run.issues[0].message}" if run.issues else None
+
+
+def _has_errors(run: RunRecord) -> str | None:
+    """Say which error the checks find that no run has met, such as a misspelt name in another state."""
+    return _finding(run, "error")
+
+
+def _has_warnings(run: RunRecord) -> str | None:
+    return _finding(run, "warning")
+
+
+def _finding(run: RunRecord, severity: str) -> str | None:
+    found = next((each for each in run.findings if each.severity == severity), None)
+    return f"Line {found.line}: {found.message}" if found else None
+
+
+def _no_command(run: RunRecord) -> str | None:
+    if run.commands:
+        return None
+    return "The robot never received a command. Put `robot.move(linear=0.2)` into the `running` of a state."
+
+
+def _watchdog(run: RunRecord) -> str | None:
+    return next((notice.text for notice in run.notices if notice.kind == "command watchdog"), None)

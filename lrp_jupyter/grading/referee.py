@@ -1,0 +1,103 @@
+"""The referee of one run: what each criterion of a challenge says, at any moment of the run and at its end.
+
+This is the one place where runs are judged: the goal panel of a lab asks the referee of the run that one
+watches, and grading asks one for each of its runs.
+"""
+
+from __future__ import annotations
+
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.grading.challenges import Challenge
+from lrp_jupyter.grading.criteria import Criterion, State, Verdict, not_carried
+from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.interpreter.interpreter import Interpreter
+from lrp_jupyter.sim.world import World
+
+__all__ = ["Referee"]
+
+
+class Referee:
+    """Judges one run, tick by tick.
+
+    Parameters
+    ----------
+    task : Challenge
+    world : World
+        In which the robot drives.
+    """
+
+    def __init__(self, task: Challenge, world: World) -> None:
+        self.task = task
+        self.run = RunRecord(world)
+        self._restarts = 0  # of the interpreter, before the run began
+        self._decided: dict[Criterion, Verdict] = {}
+        self._latest: dict[Criterion, Verdict] = {}
+
+    def see(self, bridge: SimBridge, interpreter: Interpreter) -> bool:
+        """Record the tick that has just ended; return whether the run is decided. On the loop's thread."""
+        run = self.run
+        if not run.samples:
+            self._restarts = interpreter.restarts
+        run.sample(bridge, interpreter)
+        run.restarts = interpreter.restarts - self._restarts
+        run.restart_reason = interpreter.restart_reason
+        return self._judge()
+
+    def _judge(self) -> bool:
+        """Ask all criteria whose answer can still change; return whether none can, or one is broken."""
+        missing, broken = False, False
+        for criterion in (*self.task.criteria, _CARRIED):
+            verdict = self._decided.get(criterion)
+            if verdict is None:
+                verdict = self._latest[criterion] = self._verdict(criterion)
+                if verdict.decided is not None:
+                    self._decided[criterion] = verdict
+            missing = missing or not verdict.passed
+            broken = broken or verdict.state == "failed"
+        return broken or not missing or self.run.seconds >= self.task.seconds - 1e-6
+
+    def _verdict(self, criterion: Criterion) -> Verdict:
+        found, reason = criterion.judge(self.run)
+        share = min(1.0, max(0.0, float(found)))
+        passed = share >= 1
+        state: State = "so far" if passed else "open"
+        if criterion.when == "once" and passed:
+            state = "met"
+        elif criterion.when == "always" and not passed:
+            state = "failed"
+        is_decided = state in ("met", "failed")
+        return Verdict(
+            criterion.sentence, passed, reason, share, state, self.run.seconds if is_decided else None
+        )
+
+    def verdicts(self, is_over: bool) -> tuple[Verdict, ...]:
+        """Return the verdict on each criterion; when the run is over, each is met or failed."""
+        if not self._latest:
+            self._latest = {each: Verdict(each.sentence, False, "") for each in self.task.criteria}
+        shown = [self._latest[criterion] for criterion in self.task.criteria]
+        carried = self._latest.get(_CARRIED)
+        if carried is not None and not carried.passed:
+            shown.append(carried)
+        if not is_over:
+            return tuple(shown)
+        return tuple(each._replace(state="met" if each.passed else "failed") for each in shown)
+
+    @property
+    def share(self) -> float:
+        """The share of the points that the run earns, 0 to 1.
+
+        The criteria count alike, in their order, up to the first one that is not met, of which its share
+        counts: what comes later is not earned before.
+        """
+        earned = 0.0
+        for criterion in self.task.criteria:
+            verdict = self._latest.get(criterion)
+            if verdict is None or (criterion.when == "always" and not self.run.samples):
+                break
+            earned += verdict.share
+            if not verdict.passed:
+                break
+        return earned / len(self.task.criteria) if self.task.criteria else 1.0
+
+
+_CARRIED = not_carried()
