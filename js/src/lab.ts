@@ -8,6 +8,7 @@ import { cellSource } from "./host/source";
 import { controls } from "./parts/controls";
 import { editorPanel } from "./parts/editor";
 import { foot } from "./parts/foot";
+import { goalView } from "./parts/goal";
 import { type Inspector, inspector } from "./parts/inspector";
 import { issuesView } from "./parts/issues";
 import type { Choices } from "./parts/menu";
@@ -170,6 +171,7 @@ export function openLab(model: Model & HostedModel, part: PartName, host: HTMLEl
   inspecting = inspector(lab);
   const card = membersCard(lab);
   const panels = {
+    goal: wanted("goal") ? goalView(lab) : null,
     editor: editor && editorPanel(lab, editor),
     tree: wanted("tree") ? treeView(lab) : null,
     graph: wanted("graph") ? graphView(lab) : null,

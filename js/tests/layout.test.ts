@@ -4,10 +4,11 @@ import { afterEach, beforeEach, describe, expect, it } from "vitest";
 import { h } from "../src/ui/dom";
 import { Layout, type Panels } from "../src/ui/layout";
 
-const NAMES = ["editor", "tree", "graph", "world", "variables", "issues"] as const;
+const NAMES = ["goal", "editor", "tree", "graph", "world", "variables", "issues"] as const;
 
 function layoutOf(width: number): Layout {
   const panels = Object.fromEntries(NAMES.map((name) => [name, h("section", { class: "lrp-panel" })]));
+  panels.goal?.toggleAttribute("data-goalless", true);
   const layout = new Layout(panels as Panels);
   Object.defineProperty(layout.element, "clientWidth", { value: width });
   layout.maximise(null); // computes the places
@@ -28,6 +29,16 @@ describe("the layout", () => {
     layout.panels.world.toggleAttribute("data-worldless", true);
     await new Promise((resolve) => setTimeout(resolve, 20));
     expect(height(layout, "world")).toBe("58%");
+  });
+
+  it("puts a challenge at the left of the program, over its world", async () => {
+    layout = layoutOf(1400);
+    const left = (name: keyof Panels) => layout.panels[name].style.getPropertyValue("--lrp-box-left");
+    expect(layout.panels.goal.hasAttribute("data-away")).toBe(true);
+    expect(left("editor")).toBe("0%");
+    layout.panels.goal.toggleAttribute("data-goalless", false);
+    await new Promise((resolve) => setTimeout(resolve, 20));
+    expect([left("goal"), left("world"), left("editor")]).toEqual(["0%", "0%", "42%"]);
   });
 
   it("stacks the panels where there is little room, but not one that is shown alone", () => {

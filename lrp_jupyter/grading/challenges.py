@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.grading.criteria import (
+    EDITED,
     Criterion,
     drives,
     edited,
@@ -89,6 +90,16 @@ class Challenge:
     starter: str = ""
 
     @property
+    def beginning(self) -> str:
+        """The text to begin with."""
+        return self.starter or _BEGINNING.format(task=self.task)
+
+    @property
+    def is_about_edits(self) -> bool:
+        """Whether a program has to be edited while it runs."""
+        return any(criterion.sentence == EDITED for criterion in self.criteria)
+
+    @property
     def runs(self) -> tuple[tuple[str | World, int], ...]:
         """The world and the seed of each run."""
         return tuple((world, seed) for world in self.worlds for seed in range(self.seeds))
@@ -96,6 +107,14 @@ class Challenge:
     def __str__(self) -> str:
         return f"{self.name}: {self.task}"
 
+
+_BEGINNING = """\
+; {task}
+(machine solution
+  (state start)
+)
+(spawn solution start)
+"""
 
 _challenges: dict[str, Challenge] = {}
 

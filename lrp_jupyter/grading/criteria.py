@@ -16,6 +16,7 @@ from lrp_jupyter.sim.floor import distance_to
 from lrp_jupyter.sim.world import BoxZone, Zone
 
 __all__ = [
+    "EDITED",
     "Criterion",
     "Found",
     "State",
@@ -42,6 +43,7 @@ __all__ = [
     "visits",
 ]
 
+EDITED = "is edited while it runs"
 BLACK = 128  # a light reading below is the line, above is the floor
 
 When = Literal["once", "always", "at the end"]
@@ -289,7 +291,7 @@ def edited(times: int = 1) -> Criterion:
         edits = max(0, len(run.programs) - 1)
         return Found(edits / times, {0: "no edit", 1: "1 edit"}.get(edits, f"{edits} edits"))
 
-    return Criterion("is edited while it runs", judge, "once")
+    return Criterion(EDITED, judge, "once")
 
 
 def never_restarts() -> Criterion:

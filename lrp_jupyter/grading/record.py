@@ -132,6 +132,8 @@ class RunRecord:
         """Forget the samples from a time on: the run has gone back."""
         del self.samples[bisect_right(self.samples, time - 1e-9, key=lambda sample: sample.time) :]
         self._folds.clear()
+        if not self.samples:
+            self.programs.clear()
 
     def fold(self, step: Callable[[_T, Sample, Sample], _T], start: _T, key: object = None) -> _T:
         """Combine all pairs of consecutive samples, from left to right; the first one is paired with itself.

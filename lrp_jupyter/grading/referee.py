@@ -43,6 +43,12 @@ class Referee:
         run.restart_reason = interpreter.restart_reason
         return self._judge()
 
+    def go_back(self, time: float) -> None:
+        """Forget what happened from a time on, in seconds of the run."""
+        self.run.cut(time)
+        self._decided.clear()
+        self._latest.clear()
+
     def _judge(self) -> bool:
         """Ask all criteria whose answer can still change; return whether none can, or one is broken."""
         missing, broken = False, False
@@ -72,10 +78,9 @@ class Referee:
 
     def verdicts(self, is_over: bool) -> tuple[Verdict, ...]:
         """Return the verdict on each criterion; when the run is over, each is met or failed."""
-        if not self._latest:
-            self._latest = {each: Verdict(each.sentence, False, "") for each in self.task.criteria}
-        shown = [self._latest[criterion] for criterion in self.task.criteria]
-        carried = self._latest.get(_CARRIED)
+        latest = self._latest
+        shown = [latest.get(each, Verdict(each.sentence, False, "")) for each in self.task.criteria]
+        carried = latest.get(_CARRIED)
         if carried is not None and not carried.passed:
             shown.append(carried)
         if not is_over:

@@ -28,7 +28,7 @@ from lrp_jupyter.interpreter.linker import link
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.checkpoints import names_of
 
-__all__ = ["close_workers", "isolated", "processors", "run_jobs"]
+__all__ = ["close_workers", "halt_runs", "isolated", "processors", "run_jobs"]
 
 
 def processors() -> int:
@@ -37,7 +37,12 @@ def processors() -> int:
 
 
 def run_jobs(
-    jobs: Sequence[Job], memory: float, *, stop_at_end: bool = False, processes: int | None = None
+    jobs: Sequence[Job],
+    memory: float,
+    *,
+    stop_at_end: bool = False,
+    processes: int | None = None,
+    halt: threading.Event | None = None,
 ) -> Iterator[tuple[int, Attempt]]:
     """Make runs, several at a time, and yield each with its index as it is done.
 
@@ -52,6 +57,8 @@ def run_jobs(
         Whether no other run is begun after one that took too long, crashed or is not a valid program.
     processes : int, optional
         How many at a time; default: one for each processor.
+    halt : Event, optional
+        With it :func:`halt_runs` ends the runs from another thread.
 
     Raises
     ------
@@ -68,7 +75,7 @@ def run_jobs(
     count = min(len(jobs), processes or processors())
     waiting = iter(list(enumerate(jobs)))
     running: dict[Future[Attempt], int] = {}
-    halt = threading.Event()
+    halt = threading.Event() if halt is None else halt
     with ThreadPoolExecutor(max(1, count), "lrp grading") as pool:
         try:
             while True:
@@ -77,14 +84,15 @@ def run_jobs(
                 if not running:
                     return
                 done, _ = wait(running, return_when=FIRST_COMPLETED)
+                if halt.is_set():
+                    return
                 for future in sorted(done, key=running.__getitem__):
                     index, made = running.pop(future), future.result()
                     if stop_at_end and made.ended:
                         waiting = iter([])
                     yield index, made
         finally:
-            halt.set()
-            _interrupt(halt)
+            halt_runs(halt)
 
 
 class _Worker:
@@ -160,8 +168,9 @@ def isolated(job: Job, memory: float, halt: threading.Event | None = None) -> At
     return Attempt.from_dict(made)
 
 
-def _interrupt(halt: threading.Event) -> None:
-    """End the workers that make runs which nobody waits for any more."""
+def halt_runs(halt: threading.Event) -> None:
+    """End the runs that were begun with an event, and begin no more of them."""
+    halt.set()
     with _lock:
         stopped = [worker for worker in _workers if worker.serves is halt]
         _workers[:] = [worker for worker in _workers if worker.serves is not halt]

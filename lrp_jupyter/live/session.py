@@ -1348,6 +1348,27 @@ class Session:
         self._driver.do(do.Call(lambda: ends.append(self.interpreter.observe(guarded))))
         return unsubscribe
 
+    def on_tick(self, callback: Callable[[], None]) -> Callable[[], None]:
+        """Call a function after every tick, soon; return a function that ends this.
+
+        It is called on the thread that drives the loop, where robot and interpreter may be read. One that
+        raises an exception is not called again.
+        """
+        calls = self._loop.after_tick
+
+        def end() -> None:
+            if guarded in calls:
+                calls.remove(guarded)
+
+        def end_soon() -> None:
+            with suppress(SessionClosedError):
+                self._driver.ask(do.Call(end))
+
+        check_callable("callback", callback)
+        guarded = surviving(callback, end)
+        self._driver.ask(do.Call(lambda: calls.append(guarded)))
+        return end_soon
+
     def listen(self, callback: Callable[[], None]) -> Callable[[], None]:
         """Subscribe a function to new frames; return a function that ends this.
 

@@ -25,13 +25,15 @@ from lrp_jupyter.errors import BridgeError, SessionClosedError
 from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets import breakpoint_commands as breakpoint_commands
-from lrp_jupyter.widgets import commands as commands  # as the other six: messages that `decode` knows
+from lrp_jupyter.widgets import commands as commands  # as the other seven: messages that `decode` knows
 from lrp_jupyter.widgets import drawing as drawing
+from lrp_jupyter.widgets import goal_commands as goal_commands
 from lrp_jupyter.widgets import inspection as inspection
 from lrp_jupyter.widgets import requests as requests
 from lrp_jupyter.widgets import timeline as timeline
 from lrp_jupyter.widgets import world_commands as world_commands
 from lrp_jupyter.widgets.changes import TextChanges
+from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.messages import (
@@ -100,6 +102,15 @@ class PageConnection:
     def session(self) -> Session:
         """The session that is shown."""
         return self._publisher.session
+
+    @property
+    def goal(self) -> Goal | None:
+        """The challenge that the program is written for."""
+        return self._publisher.goal
+
+    @goal.setter
+    def goal(self, goal: Goal | None) -> None:
+        self._publisher.set_goal(goal)
 
     # -- in: any thread ----------------------------------------------------------------------------
 
@@ -269,6 +280,8 @@ class PageConnection:
             if self.closed:
                 return
             self.closed = True  # from now on it stays with this session
+        if self.goal is not None:
+            self.goal.close()
         self.session.close()
         self._publisher.end()
         if self._worker is not None:

@@ -12,6 +12,7 @@ import sys
 from base64 import b64encode
 from collections.abc import Callable, Sequence
 from pathlib import Path as FilePath
+from types import NoneType
 from typing import Any, ClassVar
 from weakref import WeakValueDictionary
 
@@ -24,6 +25,8 @@ from lrp_jupyter.arguments import check_type
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.files import write_file
+from lrp_jupyter.grading.challenges import Challenge
+from lrp_jupyter.grading.challenges import challenge as find_challenge
 from lrp_jupyter.graph.still import draw
 from lrp_jupyter.interpreter.frame import Frame
 from lrp_jupyter.interpreter.issues import Issue
@@ -182,6 +185,9 @@ class Lab(Part):
         Ticks per second.
     namespace : dict, optional
         Names that blocks can read; default: those of a Jupyter notebook. Elsewhere pass ``globals()``.
+    challenge : str or Challenge, optional
+        The lab opens the challenge's world and shows its goal; without a text it begins with that of the
+        challenge.
     **options
         For the bridge: ``world="line"``.
 
@@ -189,6 +195,8 @@ class Lab(Part):
     ------
     BridgeError
         There is no such bridge, or its robot cannot be reached.
+    LRPError
+        There is no such challenge.
 
     Notes
     -----
@@ -211,9 +219,12 @@ class Lab(Part):
         name: str | None = None,
         rate: float | None = None,
         namespace: dict[str, Any] | None = None,
+        challenge: str | Challenge | None = None,
         **options: Any,
     ) -> None:
         check_type("program", program, (str, Program, Session), "a text, a Program or a Session")
+        task = find_challenge(challenge) if isinstance(challenge, str) else challenge
+        check_type("challenge", task, (Challenge, NoneType), "a Challenge or its name")
         if isinstance(program, Session):
             self._connect(registry.connection_of(program))
             return
@@ -223,8 +234,10 @@ class Lab(Part):
         elif isinstance(program, str) and program in programs.names():
             name, text = name or program, programs.load(program)
         names = _notebook() if namespace is None else namespace
+        if task is not None and not text:
+            name = name or task.name.replace(" ", "-")
         connection = registry.open_program(
-            name or _name_of(text or ""), text, bridge, namespace=names, rate=rate, **options
+            name or _name_of(text or ""), text, bridge, namespace=names, rate=rate, task=task, **options
         )
         self._connect(connection)
 

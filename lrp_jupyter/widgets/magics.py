@@ -17,6 +17,7 @@ from IPython.display import display
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import find_bridges
 from lrp_jupyter.errors import LRPError, did_you_mean
+from lrp_jupyter.grading.challenges import challenge, challenges
 from lrp_jupyter.graph.still import svg
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS
@@ -27,7 +28,7 @@ from lrp_jupyter.widgets.lab import Lab, lab_of
 __all__ = ["LRPMagics", "completions", "open_body"]
 
 _HELP = """\
-%%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ]
+%%lrp NAME [--world WORLD] [--bridge BRIDGE] [--rate HZ] [--challenge CHALLENGE]
                       run the cell's text as a program and show its lab; running the cell again
                       changes the running program; other options are the bridge's: --seed 5
 %lrp                  list the programs that are open
@@ -62,7 +63,7 @@ def _options(line: str) -> tuple[str, dict[str, Any]]:
             name = word
             continue
         if not (word.startswith("--") and key):
-            hint = did_you_mean(word, ["--world", "--bridge", "--rate"])
+            hint = did_you_mean(word, _OPTIONS)
             raise UsageError(f"%%lrp: Unexpected `{word}`. Options begin with `--`.{hint}")
         if not equals:
             if not words or words[0].startswith("--"):
@@ -72,7 +73,8 @@ def _options(line: str) -> tuple[str, dict[str, Any]]:
     return name or "program", options
 
 
-_VALUES = {"world": "line", "bridge": "sim", "rate": "20"}
+_VALUES = {"world": "line", "bridge": "sim", "rate": "20", "challenge": "square"}
+_OPTIONS = [f"--{name}" for name in _VALUES]
 
 
 def _hertz(text: str, what: str) -> float:
@@ -112,6 +114,8 @@ class LRPMagics(Magics):
         cell = cell if cell.strip() else ""
         name, options = _options(line)
         bridge = options.pop("bridge", None)
+        if "challenge" in options:
+            options["task"] = challenge(options.pop("challenge"))
         if options.get("world") and bridge not in (None, "sim"):
             raise UsageError(f"%%lrp: `--world` is for the simulator, and the bridge is `{bridge}`.")
         return lab_of(registry.open_program(name, cell, bridge, namespace=self._names, **options))
@@ -338,7 +342,9 @@ def completions(shell: InteractiveShell, event: Any) -> list[str]:
             return list(BUNDLED)
         if last == "--bridge":
             return list(find_bridges())
-        return [*(() if before else names), "--world", "--bridge", "--rate"]
+        if last == "--challenge":
+            return [shlex.quote(each.name) for each in challenges()]
+        return [*(() if before else names), *_OPTIONS]
     if not before:
         return [*WORDS, *names]
     if before[0] == "why":

@@ -20,6 +20,7 @@ from typing import Annotated, Any, ClassVar, Literal, Protocol, get_args, get_or
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.changes import Sections
+from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking
 from lrp_jupyter.widgets.protocol import ElementKind, PartName, ViewState
@@ -55,6 +56,10 @@ class OpenProgram(Protocol):
     @property
     def session(self) -> Session:
         """The session that the views show."""
+
+    @property
+    def goal(self) -> Goal | None:
+        """The challenge that the program is written for."""
 
     def view_state(self) -> ViewState:
         """Return everything that a view may show now."""

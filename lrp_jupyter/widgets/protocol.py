@@ -64,8 +64,9 @@ from lrp_jupyter.language.triggers import TransitionKind
 from lrp_jupyter.sim.world import Point, Pose
 from lrp_jupyter.widgets.changes import Sections
 
-PartName = Literal["lab", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
+PartName = Literal["lab", "goal", "controls", "editor", "tree", "graph", "variables", "issues", "world"]
 OnActiveEdit = Literal["restart", "keep"]
+CriterionState = Literal["open", "so far", "met", "failed"]
 ElementKind = Literal["machine", "state", "transition", "event", "variable", "robot"]
 
 
@@ -444,6 +445,78 @@ class HandView(TypedDict):
     selection: tuple[int, int] | None
 
 
+class CriterionView(TypedDict):
+    """A criterion of a challenge, and what it says of the present run, with the measured figure."""
+
+    sentence: str
+    state: CriterionState
+    reason: str
+
+
+class OutlineView(TypedDict):
+    """A world of a challenge as a small picture: paths of SVG, in metres, with y downwards."""
+
+    name: str
+    width: float
+    height: float
+    solids: str
+    line: str
+    zones: str
+
+
+class AttemptView(TypedDict):
+    """A run that a check has made: in which world, how it ended, the robot's path in its outline.
+
+    `failed` is what was not met, and `reason` why. `shows`: whether the run can be shown in the timeline.
+    """
+
+    world: int
+    seed: int
+    passed: bool
+    failed: str
+    reason: str
+    share: float
+    shows: bool
+    path: str
+
+
+class CheckView(TypedDict):
+    """A check of the program: the runs made so far, in their order, and the points.
+
+    `stale`: the text has changed since. `error`: why the check has ended without a result.
+    """
+
+    busy: bool
+    stale: bool
+    done: int
+    total: int
+    passed: bool
+    points: float
+    error: str
+    attempts: list[AttemptView]
+
+
+class GoalView(TypedDict):
+    """The challenge that a program is written for.
+
+    `seconds` is the longest time of a run, `over` whether the present one is decided. `world` is the number
+    of the world it is in. `note` is a sentence about what is not as in the challenge. `hints` were asked
+    for, and there are `more_hints`.
+    """
+
+    name: str
+    task: str
+    points: float
+    seconds: float
+    over: bool
+    world: int
+    worlds: list[OutlineView]
+    note: str
+    hints: list[str]
+    more_hints: int
+    check: CheckView | None
+
+
 class ChoicesView(TypedDict):
     """Names of the bridges, of worlds (bundled ones and files), of the bundled programs."""
 
@@ -477,6 +550,7 @@ class ViewState(TypedDict):
     ``looking``   the earlier moment that everything here shows, or None for now
     ``unkept``    why the text is not kept in its file; empty if it is
     ``hands``     view -> where the selection in its editor is; empty where only one has an editor
+    ``goal``      the challenge, or None; ``criteria`` are what its criteria say of the present run
     ============= =======================================================================================
     """
 
@@ -510,6 +584,8 @@ class ViewState(TypedDict):
     looking: LookingView | None
     unkept: str
     hands: dict[str, HandView]
+    goal: GoalView | None
+    criteria: list[CriterionView]
 
 
 class FrameMessage(ViewState, total=False):

@@ -32,6 +32,7 @@ from lrp_jupyter.live import commands as do
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.waking import TaskEvent
 from lrp_jupyter.sim.worlds import BUNDLED
+from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import Looking, MomentShown
 from lrp_jupyter.widgets.protocol import ViewState
@@ -239,6 +240,8 @@ class Publisher:
         self._refreshed: tuple[float, Future[Any] | None] = (float("-inf"), None)
         self._left = False  # whether a view may be owed something urgent
         self._unlisten: Callable[[], None] = lambda: None
+        self.goal: Goal | None = None
+        """The challenge that the program is written for."""
         self.attach(session)
 
     def attach(self, session: Session) -> None:
@@ -252,7 +255,21 @@ class Publisher:
                 session.ask(do.Call(session.interpreter.watch_events))
             self._refreshed = float("-inf"), None  # a request to another session may never be answered
             self._texts.attach(session, self.wake, self._clock)
-            self._view_states = ViewStates(session, self._texts, self._layouts)
+            self._view_states = ViewStates(session, self._texts, self._layouts, self.goal)
+            if self.goal is not None:
+                self.goal.attach(session, self.wake)
+            for view in self._views.values():
+                self._snapshot(view)
+
+    def set_goal(self, goal: Goal | None) -> None:
+        """Show a challenge from now on."""
+        with self._lock:
+            if self.goal is not None:
+                self.goal.close()
+            self.goal = goal
+            if goal is not None:
+                goal.attach(self.session, self.wake)
+            self._view_states = ViewStates(self.session, self._texts, self._layouts, goal)
             for view in self._views.values():
                 self._snapshot(view)
 

@@ -13,12 +13,14 @@ from pathlib import Path as FilePath
 from typing import Any
 
 from lrp_jupyter.bridges.discovery import make_bridge
-from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.errors import LRPError, UnknownElementError, did_you_mean
+from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
 from lrp_jupyter.widgets.conflicts import Conflict
 from lrp_jupyter.widgets.connection import PageConnection
+from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.keeping import kept_texts
 from lrp_jupyter.widgets.kept import checked_name
 from lrp_jupyter.widgets.texts import Texts
@@ -111,6 +113,7 @@ def open_program(
     folder: str | os.PathLike[str] | None = None,
     paused: str = "",
     given_in: str = "cell",
+    task: Challenge | None = None,
     **options: Any,
 ) -> PageConnection:
     """Open a program, or continue with the open one of that name; it runs at once.
@@ -132,6 +135,8 @@ def open_program(
         Why a program that is opened does not run before its user wants it.
     given_in : str
         Where this text is, in a word: a cell, or a link.
+    task : Challenge, optional
+        The challenge that the program is written for: its first world is loaded, its goal shown.
     **options
         For the bridge: ``world="line"``.
 
@@ -143,6 +148,12 @@ def open_program(
         It is not a valid name for a program, or ``LRP_KEEP`` names no place to keep texts.
     """
     text = text if text and text.strip() else None
+    if task is not None:
+        if bridge not in (None, "sim") or "world" in options:
+            what = "The world" if "world" in options else "The robot"
+            raise LRPError(f"{what} is that of the challenge `{task.name}`. Leave it out.")
+        bridge, options = "sim", {"seed": 0, **options, "world": task.worlds[0], "noise": task.noise}
+        rate = task.rate if rate is None else rate
     connection = find(checked_name(name))
     if connection is None:
         here = folder or os.getcwd()
@@ -163,8 +174,12 @@ def open_program(
             connection.change_bridge(bridge, **options)
         elif options and options != connection.options:
             connection.change_bridge(connection.session.bridge.name, **options)
+    if task is not None and (connection.goal is None or connection.goal.task != task):
+        connection.goal = Goal(task)
     if text:
         _reconcile(connection.texts, text)
+    elif task is not None and not connection.texts.text.strip():
+        connection.texts.write(task.beginning)
     if connection.session.status == "broken":
         connection.session.start()
     if rate is not None:

@@ -23,6 +23,7 @@ from lrp_jupyter.language.identity import Successors
 from lrp_jupyter.language.program import Element, Finding, Machine, Program, Span, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.finding_views import finding_id
+from lrp_jupyter.widgets.goal import Goal
 from lrp_jupyter.widgets.layouts import Layouts
 from lrp_jupyter.widgets.looking import MomentShown
 from lrp_jupyter.widgets.places import id_of, offset_of, range_of
@@ -51,7 +52,7 @@ PRINTED = 500
 """Lines of output that a view is sent at most."""
 RESTARTS = 20
 """The last restarts, which a view lists."""
-_CALM = {"tick", "time", "rate", "speed", "members", "variables", "printed", "hands"}
+_CALM = {"tick", "time", "rate", "speed", "members", "variables", "printed", "hands", "criteria"}
 _DEEPEST = 2  # levels of fields of a reading that are listed
 _MILD: Mapping[str, Severity] = {"no data yet": "hint", "defined twice": "warning"}
 _UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown variable"}
@@ -72,9 +73,12 @@ class ViewStates:
     session : Session
     texts : Texts
     layouts : Layouts
+    goal : Goal or None
+        The challenge that the program is written for.
     """
 
-    def __init__(self, session: Session, texts: Texts, layouts: Layouts) -> None:
+    def __init__(self, session: Session, texts: Texts, layouts: Layouts, goal: Goal | None = None) -> None:
+        self._goal = goal
         self._session = session
         self._texts = texts
         self._layouts = layouts
@@ -154,6 +158,8 @@ class ViewStates:
             "looking": looking,
             "unkept": texts.problem,
             "hands": texts.hands(),
+            "goal": None if self._goal is None else self._goal.view(session, texts.text),
+            "criteria": [] if self._goal is None else self._goal.criteria(),
         }
 
     def _last_restarts(self, frame: Frame) -> dict[str, RestartView]:

@@ -12,9 +12,7 @@ from typing import Any
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading.challenges import challenge
-from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.sim.worlds import BUNDLED
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.connection import PageConnection
@@ -46,29 +44,18 @@ class Opened:
     def _pass(self, message: Any, buffers: list[bytes] | None) -> None:
         self._send(packed(message), buffers or [])
 
-    def grade(self, name: str) -> str:
-        """Grade the text as a solution of a challenge; return whether it passed, and the verdict, as JSON."""
-        try:
-            result = grade(self._connection.texts.text, name)
-        except LRPError as error:
-            return json.dumps({"passed": False, "text": str(error)})
-        return json.dumps({"passed": result.passed, "text": str(result)})
-
     def shared(self) -> str:
-        """Return the name of the program, its text, and the world of its robot, as JSON."""
-        bridge = self._connection.session.bridge
+        """Return the name of the program, its text, the world of its robot and its challenge, as JSON."""
+        bridge, goal = self._connection.session.bridge, self._connection.goal
         world = bridge.world.name if isinstance(bridge, SimBridge) else "none"
         return json.dumps(
             {
                 "program": self._connection.name,
                 "text": self._connection.texts.text,
-                "world": world if world in (*BUNDLED, "none") else "",
+                "world": world if world in (*BUNDLED, "none") and goal is None else "",
+                "challenge": "" if goal is None else goal.task.name,
             }
         )
-
-    def save(self) -> None:
-        """Keep the text in its file now."""
-        self._connection.texts.save(at_once=True)
 
     def close(self) -> None:
         """Stop the program."""
@@ -99,24 +86,17 @@ def open_program(wanted: str, send: SendText) -> Opened:
     if text:
         start = text
     elif task is not None:
-        start = _BEGINNING.format(task=task.task)
+        start = task.beginning
     else:
         start = programs.load(name)
-    world = address.get("world") or (task.worlds[0] if task is not None else programs.heading(start).world)
+    world = address.get("world") or programs.heading(start).world
+    robot = registry.robot_for(world) if task is None else {"task": task}
     given = None if address.get("again") or not text else text
     reason = _HUNG if address.get("hung") else ""
-    connection = registry.open_program(
-        name, given, namespace={}, paused=reason, given_in="link", **registry.robot_for(world)
-    )
+    connection = registry.open_program(name, given, namespace={}, paused=reason, given_in="link", **robot)
     if not connection.texts.text.strip():  # nothing was kept
         connection.texts.write(start)
     return Opened(connection, send)
 
 
 _HUNG = "Python did not answer and was started again. Correct what did not return, then run the program."
-_BEGINNING = """\
-; {task}
-(machine solution
-  (state start))
-(spawn solution start)
-"""

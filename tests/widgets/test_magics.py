@@ -6,6 +6,7 @@ from IPython.core.error import UsageError
 from IPython.core.interactiveshell import InteractiveShell
 from traitlets.config import Config
 
+from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.lab import Lab
 from lrp_jupyter.widgets.magics import WORDS
@@ -277,3 +278,25 @@ def test_help_lists_every_word(shell, run):
     output = run("help")
     assert all(word in output for word in WORDS.keys() - {"show"})
     assert "%lrp rate HZ" in shell.find_line_magic("lrp").__doc__
+
+
+def test_a_cell_for_a_challenge_opens_its_world_and_shows_its_goal(shell):
+    lab = cell(shell, 'mine --challenge "stop at the line"', A)
+    task = challenge("stop at the line")
+    assert lab.session.bridge.world.name == task.worlds[0].name
+    assert lab._connection.goal.task == task
+    goal = lab._connection.goal
+    cell(shell, 'mine --challenge "stop at the line"', B)
+    assert lab._connection.goal is goal
+    assert lab.text == B
+
+
+def test_an_empty_cell_for_a_challenge_begins_with_its_text(shell):
+    assert cell(shell, "mine --challenge square", "").text == challenge("square").beginning
+
+
+def test_a_challenge_that_does_not_exist_or_has_another_world_is_refused(shell):
+    with pytest.raises(UsageError, match="Did you mean `square`"):
+        cell(shell, "mine --challenge sqare", A)
+    with pytest.raises(UsageError, match="The world is that of the challenge `square`. Leave it out"):
+        cell(shell, "mine --challenge square --world line", A)

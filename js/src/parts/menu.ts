@@ -30,12 +30,14 @@ export function labMenu(lab: Lab, choices: Choices): (MenuItem | null)[] {
   const keep = settings.on_active_edit === "keep";
   const { layout, fills } = choices;
   const panels = layout
-    ? Object.entries(layout.panels).map(([name, { hidden }]) => ({
-        label: `Show ${name}`,
-        action: `panel-${name}`,
-        checked: !hidden,
-        run: () => layout.show(name as keyof Panels, hidden),
-      }))
+    ? Object.entries(layout.panels)
+        .filter(([name]) => name !== "goal" || lab.store.state.goal)
+        .map(([name, { hidden }]) => ({
+          label: `Show ${name}`,
+          action: `panel-${name}`,
+          checked: !hidden,
+          run: () => layout.show(name as keyof Panels, hidden),
+        }))
     : [];
   const programs = known.programs.map((name) => ({
     label: `Open ${name}…`,

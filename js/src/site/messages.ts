@@ -14,18 +14,18 @@ export interface Site {
   challenges: { name: string; task: string }[];
 }
 
-/** The program that is open: its name, its text, and the bundled world of its robot, if it is one. */
+/** The program that is open: its name, its text, the bundled world of its robot, if it is one, its challenge. */
 export interface Shared {
   program: string;
   text: string;
   world: string;
+  challenge: string;
 }
 
 export type ToWorker =
   | { do: "start"; site: Site; base: string }
   | { do: "open"; wanted: Wanted & { again: boolean; hung: boolean } }
   | { do: "message"; message: string }
-  | { do: "grade"; challenge: string }
   | { do: "text" }
   | { do: "ping" };
 
@@ -36,6 +36,5 @@ export type FromWorker =
   | { is: "opened" }
   | { is: "message"; message: string; buffers: Uint8Array[] }
   | ({ is: "text" } & Shared)
-  | { is: "graded"; passed: boolean; text: string }
   | { is: "failed"; sentence: string }
   | { is: "pong" };

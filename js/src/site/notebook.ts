@@ -1,6 +1,7 @@
 /** A program as a notebook of its own, where the notebooks of the site keep theirs: in this browser. */
 
 import localforage from "localforage";
+import type { Shared } from "./messages";
 
 /** The name that the site's configuration gives to the storage of its notebooks. */
 const STORAGE = "lrp-notebooks";
@@ -15,12 +16,12 @@ const code = (id: string, source: string) => ({
 });
 
 /** Write the notebook, unless one of this name is there; return the address that opens it. */
-export async function writeNotebook(program: string, text: string, world: string): Promise<string> {
+export async function writeNotebook({ program, text, world, challenge }: Shared): Promise<string> {
   const files = localforage.createInstance({ name: STORAGE, storeName: "files", version: 1 });
   let path = `${program}.ipynb`;
   for (let number = 2; (await files.getItem(path)) !== null; number++) path = `${program} ${number}.ipynb`;
   const robot = world === "none" ? " --bridge none" : ` --world "${world}"`;
-  const options = world && robot;
+  const options = challenge ? ` --challenge "${challenge}"` : world && robot;
   const content = {
     cells: [code("load", "%load_ext lrp_jupyter"), code("program", `%%lrp ${program}${options}\n${text}`)],
     metadata: {

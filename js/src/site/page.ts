@@ -68,7 +68,6 @@ class Page {
     const jobs = {
       share: () => this.share(),
       notebook: () => this.openNotebook(),
-      check: () => this.check(),
     };
     for (const [id, job] of Object.entries(jobs))
       element(id).addEventListener("click", () => void this.guarded(job));
@@ -95,7 +94,6 @@ class Page {
     await this.python.open(this.wanted, again, hung);
     const model = this.python.model();
     this.close = this.render({ model, el: host });
-    this.showTask();
     say(this.isKept ? "" : UNKEPT, "error");
   }
 
@@ -137,21 +135,6 @@ class Page {
     element("silent").hidden = !on;
   }
 
-  private showTask(): void {
-    const task = this.site.challenges.find(({ name }) => name === this.wanted.challenge);
-    element("task").hidden = !task;
-    element("verdict").replaceChildren();
-    element("goal").textContent = task ? `${task.name}: ${task.task}` : "";
-  }
-
-  private async check(): Promise<void> {
-    const verdict = element("verdict");
-    verdict.replaceChildren("Checking …");
-    const { passed, text } = await this.python.grade(this.wanted.challenge!);
-    verdict.dataset.passed = String(passed);
-    verdict.replaceChildren(...prose(text));
-  }
-
   private async share(): Promise<void> {
     const link = await addressOf({ ...this.wanted, ...(await this.python.shared()) }, base);
     history.replaceState(null, "", link);
@@ -163,8 +146,7 @@ class Page {
   }
 
   private async openNotebook(): Promise<void> {
-    const { program, text, world } = await this.python.shared();
-    location.href = new URL(await writeNotebook(program, text, world), base).href;
+    location.href = new URL(await writeNotebook(await this.python.shared()), base).href;
   }
 
   async guarded(job: () => Promise<void>): Promise<void> {

@@ -8,11 +8,6 @@ import type { FromWorker, Shared, Site, ToWorker } from "./messages";
 const PING_EVERY = 1000; // ms
 const SILENT_AFTER = 8000;
 
-export interface Verdict {
-  passed: boolean;
-  text: string;
-}
-
 export interface Watching {
   /** What is being done before Python is ready. */
   step(step: string): void;
@@ -54,10 +49,6 @@ export class Python {
 
   async open(wanted: Wanted, again: boolean, hung: boolean): Promise<void> {
     await this.ask({ do: "open", wanted: { ...wanted, again, hung } }, "opened");
-  }
-
-  async grade(challenge: string): Promise<Verdict> {
-    return (await this.ask({ do: "grade", challenge }, "graded")) as FromWorker & Verdict;
   }
 
   /** What can be shared of the program that is open. */

@@ -6,8 +6,6 @@ import type { FromWorker, Site, ToWorker } from "./messages";
 
 interface Opened {
   receive(message: string): void;
-  save(): void;
-  grade(challenge: string): string;
   shared(): string;
   close(): void;
 }
@@ -68,11 +66,6 @@ async function handle(message: ToWorker): Promise<void> {
     post({ is: "opened" });
   }
   if (message.do === "message") opened?.receive(message.message);
-  if (message.do === "grade" && opened) {
-    opened.save(); // the check may not return
-    await store();
-    post({ is: "graded", ...JSON.parse(opened.grade(message.challenge)) });
-  }
   if (message.do === "text" && opened) post({ is: "text", ...JSON.parse(opened.shared()) });
   if (message.do === "ping") post({ is: "pong" });
 }

@@ -57,16 +57,74 @@ const two: Plan = {
   ],
 };
 
+/** A challenge: what is to be done and the world at the left, the program at the right. */
+const goalWide: Plan = {
+  name: "goal-wide",
+  label: "Width of the world",
+  axis: "columns",
+  share: 42,
+  parts: [
+    { name: "goal", label: "Height of the goal", axis: "rows", share: 42, parts: ["goal", "world"] },
+    {
+      name: "goal-editor",
+      label: "Height of the editor",
+      axis: "rows",
+      share: 56,
+      parts: [
+        "editor",
+        {
+          name: "goal-graph",
+          label: "Width of the graph",
+          axis: "columns",
+          share: 62,
+          parts: ["machines", lists],
+        },
+      ],
+    },
+  ],
+};
+const goalNarrow: Plan = {
+  name: "goal-narrow",
+  label: "Width of the world",
+  axis: "columns",
+  share: 46,
+  parts: [
+    { name: "goal", label: "Height of the goal", axis: "rows", share: 42, parts: ["goal", "world"] },
+    {
+      name: "goal-program",
+      label: "Height of the editor",
+      axis: "rows",
+      share: 50,
+      parts: [
+        "editor",
+        {
+          name: "goal-lists",
+          label: "Height of the graph",
+          axis: "rows",
+          share: 60,
+          parts: ["machines", lists],
+        },
+      ],
+    },
+  ],
+};
+
 /** The plan for a width in px; null: panels one below the other, as high as they need to be. */
-function planFor(width: number): Plan | null {
+function planFor(width: number, hasGoal: boolean): Plan | null {
+  if (hasGoal) return width >= 1150 ? goalWide : width >= 750 ? goalNarrow : null;
   return width >= 1350 ? three : width >= 750 ? two : null;
 }
 
 const HIDDEN = "hidden-";
 const SHARE = "share-";
+/** Set by the goal's panel while the program is written for no challenge. */
+export const GOALLESS = "data-goalless";
 const WORLDLESS = "data-worldless"; // set by the world's panel while it shows a real robot
 
-export type Panels = Record<"editor" | "tree" | "graph" | "world" | "variables" | "issues", HTMLElement>;
+export type Panels = Record<
+  "goal" | "editor" | "tree" | "graph" | "world" | "variables" | "issues",
+  HTMLElement
+>;
 
 export class Layout {
   readonly element: HTMLElement;
@@ -80,13 +138,14 @@ export class Layout {
   private readonly robots = new MutationObserver(() => this.update());
 
   constructor(readonly panels: Readonly<Panels>) {
-    const { editor, tree, graph, ...others } = panels;
+    const { goal, editor, tree, graph, ...others } = panels;
     const machines = h("div", { class: "lrp-machines" }, tree, graph);
-    this.places = new Map(Object.entries({ editor, machines, ...others })); // in the order of the tab key
+    this.places = new Map(Object.entries({ goal, editor, machines, ...others })); // in the order of the tab key
     this.element = h("div", { class: "lrp-panels" }, ...this.places.values());
     for (const [name, panel] of Object.entries(panels)) panel.hidden = kept(HIDDEN + name) !== null;
     this.observer.observe(this.element);
     this.robots.observe(panels.world, { attributes: true, attributeFilter: [WORLDLESS] });
+    this.robots.observe(panels.goal, { attributes: true, attributeFilter: [GOALLESS] });
     this.update();
   }
 
@@ -122,7 +181,7 @@ export class Layout {
 
   private update(): void {
     const alone = [...this.places.keys()].find((name) => this.places.get(name)!.contains(this.alone));
-    const plan = alone ?? planFor(this.element.clientWidth);
+    const plan = alone ?? planFor(this.element.clientWidth, isVisible(this.panels.goal));
     this.element.toggleAttribute("data-stacked", !plan);
     const isRobot = this.panels.world.hasAttribute(WORLDLESS);
     const { boxes, bars } = arrange(
@@ -165,5 +224,5 @@ function isVisible(place: HTMLElement): boolean {
   const panels = place.matches(".lrp-panel")
     ? [place]
     : [...place.querySelectorAll<HTMLElement>(".lrp-panel")];
-  return panels.some((panel) => !panel.hidden);
+  return panels.some((panel) => !panel.hidden && !panel.hasAttribute(GOALLESS));
 }

@@ -1,0 +1,211 @@
+/** The challenge: its criteria, live, and the check with its runs, hints and points. */
+
+import type { AttemptView, CheckView, CriterionView, GoalView, OutlineView } from "../protocol";
+import type { Lab } from "../session/store";
+import { button, panel } from "../ui/button";
+import { h, prose, reconcile, s, setAttribute, setText } from "../ui/dom";
+import { GOALLESS } from "../ui/layout";
+
+const STATES: Record<CriterionView["state"], string> = {
+  open: "open",
+  "so far": "met so far",
+  met: "met",
+  failed: "failed",
+};
+
+export function goalView(lab: Lab): HTMLElement {
+  const { store } = lab;
+  const world = h("select", {
+    class: "lrp-select",
+    "aria-label": "World of the challenge",
+    title: "The world in which the robot drives here; a check runs the program in all of them",
+    "data-lrp-action": "challenge-world",
+    onchange: () => void lab.act({ do: "start_over", world: world.selectedIndex }),
+  });
+  const again = button({
+    icon: "reset",
+    label: "Start over",
+    title: "Put the robot back to its start, and start the program again",
+    action: "start-over",
+    onclick: () => void lab.act({ do: "start_over", world: null }),
+  });
+  const check = button({
+    label: "Check",
+    title: "Run the program in every world of the challenge",
+    class: "lrp-button lrp-primary",
+    action: "check",
+    onclick: () => void lab.act({ do: "check" }),
+  });
+  const task = h("p", { class: "lrp-task" });
+  const note = h("p", { class: "lrp-goal-note", role: "status" });
+  const criteria = h("ul", { class: "lrp-criteria", "aria-label": "Criteria" });
+  const checked = checkView(lab);
+  const body = h(
+    "div",
+    { class: "lrp-goal", tabindex: "0", role: "group", "aria-label": "Goal" },
+    task,
+    note,
+    criteria,
+    checked.element,
+  );
+  const { element, heading } = panel("goal", "Goal", [world, again, check], body);
+  element.setAttribute(GOALLESS, "");
+  store.watch(["goal"], () => {
+    const { goal } = store.state;
+    setAttribute(element, GOALLESS, goal === null);
+    if (!goal) return;
+    setText(heading, `Goal: ${goal.name}`);
+    showProse(task, goal.task);
+    showProse(note, goal.note);
+    note.hidden = !goal.note;
+    showWorlds(world, goal);
+    checked.update(goal);
+  });
+  store.watch(["criteria", "goal"], () =>
+    reconcile(
+      criteria,
+      store.state.criteria,
+      ({ sentence }) => sentence,
+      () => h("li", { class: "lrp-criterion" }, h("span", {}), h("span", { class: "lrp-faint" })),
+      updateCriterion,
+    ),
+  );
+  return element;
+}
+
+function updateCriterion(item: Element, { sentence, state, reason }: CriterionView): void {
+  setAttribute(item, "data-state", state);
+  setAttribute(item, "aria-label", `${sentence}, ${STATES[state]}: ${reason}`);
+  const [what, why] = [...item.children] as [Element, Element];
+  showProse(what, sentence);
+  showProse(why, reason);
+}
+
+function showWorlds(select: HTMLSelectElement, { worlds, world }: GoalView): void {
+  const names = numbered(worlds);
+  if (select.options.length !== worlds.length || names.some((name, at) => select.options[at]?.text !== name))
+    select.replaceChildren(...names.map((name) => h("option", {}, name)));
+  select.selectedIndex = world;
+  select.hidden = worlds.length < 2;
+}
+
+/** The names of the worlds; several of the same name get a number. */
+export function numbered(worlds: readonly { name: string }[]): string[] {
+  return worlds.map(({ name }, at) => {
+    const same = worlds.filter((world) => world.name === name);
+    return same.length < 2
+      ? name
+      : `${name} ${worlds.slice(0, at + 1).filter((each) => each.name === name).length}`;
+  });
+}
+
+function showProse(element: Element, sentence: string): void {
+  if (element.getAttribute("data-prose") === sentence) return;
+  element.setAttribute("data-prose", sentence);
+  element.replaceChildren(...prose(sentence));
+}
+
+/** The last check: progress, result, one card for each run, hints. */
+function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView) => void } {
+  const bar = h("progress", { class: "lrp-progress", "aria-label": "Runs made" });
+  const result = h("p", { class: "lrp-result", role: "status" });
+  const runs = h("ul", { class: "lrp-attempts", "aria-label": "Runs of the check" });
+  const hint = button({
+    label: "Hint",
+    title: "Show a hint about what went wrong",
+    action: "hint",
+    onclick: () => void lab.act({ do: "hint" }),
+  });
+  const hints = h("ol", { class: "lrp-hints", "aria-label": "Hints", "aria-live": "polite" });
+  const element = h("div", { class: "lrp-check" }, bar, result, hints, hint, runs);
+  const label = hint.querySelector(".lrp-button-label")!;
+  return {
+    element,
+    update(goal) {
+      const { check } = goal;
+      element.hidden = check === null;
+      if (!check) return;
+      bar.hidden = !check.busy;
+      bar.max = check.total;
+      bar.value = check.done;
+      showProse(result, resultOf(check, goal.points));
+      setAttribute(result, "data-state", check.busy ? null : check.passed ? "met" : "failed");
+      reconcile(
+        runs,
+        check.attempts.map((attempt, index) => ({ attempt, index })),
+        ({ index }) => String(index),
+        ({ index }) => makeRun(lab, index),
+        (card, { attempt, index }) => updateRun(card, attempt, goal, index),
+      );
+      setText(label, goal.more_hints ? `Hint (${goal.more_hints})` : "Hint");
+      hint.hidden = !goal.more_hints;
+      reconcile(
+        hints,
+        goal.hints,
+        (text) => text,
+        () => h("li", { class: "lrp-hint" }),
+        showProse,
+      );
+    },
+  };
+}
+
+/** What a check has found, in a sentence or two. */
+export function resultOf(check: CheckView, points: number): string {
+  if (check.busy) return `Run ${Math.min(check.done + 1, check.total)} of ${check.total} …`;
+  if (check.error) return `The check could not be made. ${check.error}`;
+  const passed = check.attempts.filter((attempt) => attempt.passed).length;
+  const all = check.total === 1 ? "The run" : `All ${check.total} runs`;
+  const sentence = check.passed
+    ? `Passed: ${points} of ${points} points. ${all} met all criteria.`
+    : `Not yet: ${check.points} of ${points} points.${check.total > 1 ? ` ${passed} of ${check.total} runs passed.` : ""}`;
+  return check.stale ? `${sentence} The program has changed since.` : sentence;
+}
+
+function makeRun(lab: Lab, index: number): HTMLElement {
+  const show = button({
+    label: "Show",
+    title: "Repeat this run in the lab, and look at the moment at which it failed",
+    action: "show-attempt",
+    onclick: async () => {
+      show.disabled = true; // it may take some seconds
+      await lab.act({ do: "show_attempt", index });
+      show.disabled = false;
+    },
+  });
+  const picture = s("svg", { class: "lrp-outline", "aria-hidden": "true" });
+  return h(
+    "li",
+    { class: "lrp-attempt" },
+    picture,
+    h("div", {}, h("div", { class: "lrp-attempt-name" }), h("div", { class: "lrp-faint" })),
+    show,
+  );
+}
+
+function updateRun(card: Element, attempt: AttemptView, goal: GoalView, index: number): void {
+  setAttribute(card, "data-state", attempt.passed ? "met" : "failed");
+  const [picture, text, show] = [...card.children] as [Element, Element, HTMLButtonElement];
+  const seeds = goal.check!.attempts.some((other, at) => at !== index && other.world === attempt.world);
+  const name = `${numbered(goal.worlds)[attempt.world]}${seeds ? `, seed ${attempt.seed}` : ""}`;
+  const [title, why] = [...text.children] as [Element, Element];
+  setText(title, `${name}: ${attempt.passed ? "passed" : "not yet"}`);
+  showProse(why, attempt.passed ? "" : `${attempt.failed}: ${attempt.reason}`);
+  show.hidden = !attempt.shows;
+  setAttribute(show, "aria-label", `Show the run: ${name}`);
+  drawRun(picture, goal.worlds[attempt.world]!, attempt.path);
+}
+
+function drawRun(picture: Element, { width, height, solids, line, zones }: OutlineView, path: string): void {
+  if (picture.getAttribute("data-path") === path) return;
+  setAttribute(picture, "data-path", path);
+  setAttribute(picture, "viewBox", `0 0 ${width} ${height}`);
+  const end = /([\d.]+),([\d.]+)$/.exec(path);
+  picture.replaceChildren(
+    s("path", { class: "lrp-outline-zones", d: zones }),
+    s("path", { class: "lrp-outline-line", d: line }),
+    s("path", { class: "lrp-outline-solids", d: solids }),
+    s("path", { class: "lrp-outline-path", d: path }),
+    ...(end ? [s("circle", { class: "lrp-outline-end", cx: end[1], cy: end[2], r: width / 40 })] : []),
+  );
+}

@@ -1,0 +1,127 @@
+// @vitest-environment happy-dom
+
+import { describe, expect, it } from "vitest";
+import { goalView, numbered, resultOf } from "../src/parts/goal";
+import type { AttemptView, CheckView, GoalView } from "../src/protocol";
+import { type Lab, Store } from "../src/session/store";
+
+const world = { name: "line across", width: 3, height: 2, solids: "", line: "M1,1 2,1", zones: "" };
+const attempt: AttemptView = {
+  world: 0,
+  seed: 0,
+  passed: false,
+  failed: "ends in `goal`",
+  reason: "it is at x = 2.92 m",
+  share: 0.5,
+  shows: true,
+  path: "M0.50,1.00 2.92,1.00",
+};
+const check: CheckView = {
+  busy: false,
+  stale: false,
+  done: 2,
+  total: 2,
+  passed: false,
+  points: 7.5,
+  error: "",
+  attempts: [attempt, { ...attempt, world: 1, passed: true, failed: "", reason: "" }],
+};
+const goal: GoalView = {
+  name: "stop at the line",
+  task: "Stop at the `line`.",
+  points: 10,
+  seconds: 20,
+  over: false,
+  world: 0,
+  worlds: [world, { ...world, name: "far" }],
+  note: "",
+  hints: [],
+  more_hints: 2,
+  check,
+};
+
+function shown(fields: Partial<GoalView> = {}) {
+  const store = new Store();
+  const acts: unknown[] = [];
+  const lab = { store, act: async (act: unknown) => void acts.push(act) } as unknown as Lab;
+  const element = goalView(lab);
+  store.state.goal = { ...goal, ...fields };
+  store.state.criteria = [
+    { sentence: "ends in `goal`", state: "open", reason: "it is at x = 1.00 m" },
+    { sentence: "runs without issues", state: "so far", reason: "no issue" },
+  ];
+  store.touch(new Set(["goal", "criteria"] as const));
+  return { element, acts, store };
+}
+
+const tick = () => new Promise((resolve) => setTimeout(resolve, 40));
+
+describe("the goal", () => {
+  it("shows the task, the criteria with their figures, and the runs of the check", async () => {
+    const { element } = shown();
+    await tick();
+    expect(element.hasAttribute("data-goalless")).toBe(false);
+    expect(element.querySelector(".lrp-title")?.textContent).toBe("Goal: stop at the line");
+    expect(element.querySelector(".lrp-task code")?.textContent).toBe("line");
+    const criteria = [...element.querySelectorAll(".lrp-criterion")];
+    expect(criteria.map((each) => each.getAttribute("data-state"))).toEqual(["open", "so far"]);
+    expect(criteria[0]?.getAttribute("aria-label")).toBe("ends in `goal`, open: it is at x = 1.00 m");
+    const runs = [...element.querySelectorAll(".lrp-attempt")];
+    expect(runs.map((run) => run.querySelector(".lrp-attempt-name")?.textContent)).toEqual([
+      "line across: not yet",
+      "far: passed",
+    ]);
+    expect(runs[0]?.querySelector(".lrp-outline-end")?.getAttribute("cx")).toBe("2.92");
+    expect(element.querySelector(".lrp-result")?.textContent).toBe(
+      "Not yet: 7.5 of 10 points. 1 of 2 runs passed.",
+    );
+  });
+
+  it("is not there while there is no challenge", () => {
+    expect(goalView({ store: new Store() } as unknown as Lab).hasAttribute("data-goalless")).toBe(true);
+  });
+
+  it("checks, shows a run, gives a hint and starts over", async () => {
+    const { element, acts } = shown();
+    await tick();
+    for (const action of ["check", "show-attempt", "hint", "start-over"])
+      element.querySelector<HTMLButtonElement>(`[data-lrp-action="${action}"]`)?.click();
+    expect(acts).toEqual([
+      { do: "check" },
+      { do: "show_attempt", index: 0 },
+      { do: "hint" },
+      { do: "start_over", world: null },
+    ]);
+  });
+
+  it("has a button for hints as long as there are some, with their number", async () => {
+    const { element, store } = shown();
+    await tick();
+    const hint = element.querySelector<HTMLButtonElement>('[data-lrp-action="hint"]');
+    expect(hint?.textContent).toBe("Hint (2)");
+    store.state.goal = { ...goal, hints: ["Turn by `pi`.", "Wait."], more_hints: 0 };
+    store.touch(new Set(["goal"] as const));
+    await tick();
+    expect(hint?.hidden).toBe(true);
+    expect([...element.querySelectorAll(".lrp-hint")].map((each) => each.textContent)).toEqual([
+      "Turn by pi.",
+      "Wait.",
+    ]);
+  });
+});
+
+describe("the result of a check", () => {
+  it("says how far it is, what it has found, and whether that is still so", () => {
+    expect(resultOf({ ...check, busy: true, done: 1 }, 10)).toBe("Run 2 of 2 …");
+    expect(resultOf({ ...check, passed: true, points: 10 }, 10)).toBe(
+      "Passed: 10 of 10 points. All 2 runs met all criteria.",
+    );
+    expect(resultOf({ ...check, stale: true }, 10)).toContain("The program has changed since.");
+    expect(resultOf({ ...check, error: "No." }, 10)).toBe("The check could not be made. No.");
+    expect(resultOf({ ...check, total: 1, done: 1 }, 10)).toBe("Not yet: 7.5 of 10 points.");
+  });
+});
+
+it("numbers worlds of the same name", () => {
+  expect(numbered([{ name: "a" }, { name: "b" }, { name: "a" }])).toEqual(["a 1", "b", "a 2"]);
+});

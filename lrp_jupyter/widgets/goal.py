@@ -1,0 +1,358 @@
+"""The challenge that an open program is written for: criteria of the present run, checks, hints.
+
+The criteria are judged live, on the thread of the loop. A check makes all runs of the challenge beside that,
+in processes of their own: the lab stays responsive, and the robot drives on.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import random
+import threading
+import traceback
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.errors import LRPError, sentence_of
+from lrp_jupyter.grading.attempt import Attempt, Job, attempt
+from lrp_jupyter.grading.challenges import Challenge
+from lrp_jupyter.grading.grade import Grade, jobs_of
+from lrp_jupyter.grading.referee import Referee
+from lrp_jupyter.grading.workers import halt_runs, run_jobs
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, PathStroke, World
+from lrp_jupyter.sim.worlds import load
+from lrp_jupyter.widgets.looking import Looking
+from lrp_jupyter.widgets.protocol import AttemptView, CheckView, CriterionView, GoalView, OutlineView
+
+__all__ = ["Goal"]
+
+_MEMORY = 1000.0  # MB that a run of a check may need
+_LIMIT = 30.0  # s that it may be computed
+_STORING = 0.5  # s in which a browser stores the text, before a check that may not return
+_VERSIONS = 20
+"""The last programs of a run that are run again where a challenge is about edits."""
+
+
+@dataclass
+class _Check:
+    """A check: its runs, and what came of those that were made."""
+
+    text: str
+    jobs: Sequence[Job]
+    made: dict[int, Attempt] = field(default_factory=dict)
+    busy: bool = True
+    error: str = ""
+    halted: threading.Event = field(default_factory=threading.Event)
+
+    @property
+    def attempts(self) -> tuple[Attempt, ...]:
+        return tuple(self.made[index] for index in sorted(self.made))
+
+
+class Goal:
+    """The challenge of one open program.
+
+    Parameters
+    ----------
+    task : Challenge
+    """
+
+    def __init__(self, task: Challenge) -> None:
+        self.task = task
+        self._worlds = [load(world) for world in task.worlds]
+        self._outlines = [_outline(world) for world in self._worlds]
+        self._world = 0
+        self._referee: Referee | None = None
+        self._is_over = False
+        self._check: _Check | None = None
+        self._hinted = 0
+        self._wake: Callable[[], None] = lambda: None
+        self._end: Callable[[], None] = lambda: None
+
+    # -- the present run: on the loop's thread --------------------------------------------------------
+
+    def attach(self, session: Session, wake: Callable[[], None]) -> None:
+        """Judge the runs of a session from now on; `wake` is called when there is something to show."""
+        self._end()
+        self._referee, self._is_over, self._wake = None, False, wake
+        self._end = session.on_tick(lambda: self._see(session))
+
+    def close(self) -> None:
+        """End the check that is being made, and judge no more runs."""
+        self._end()
+        if self._check is not None:
+            halt_runs(self._check.halted)
+
+    def _see(self, session: Session) -> None:
+        bridge, referee = session.bridge, self._referee
+        if not isinstance(bridge, SimBridge):
+            return
+        if referee is None or referee.run.world is not bridge.world:
+            self._referee = referee = Referee(self.task, bridge.world)
+            self._is_over = False
+        samples = referee.run.samples
+        now = bridge.simulation.time_since_start
+        if samples and now <= samples[-1].time:
+            referee.go_back(now)
+            self._is_over = False
+        if not self._is_over and (samples or now < 1):  # what began before it was watched cannot be judged
+            self._is_over = referee.see(bridge, session.interpreter)
+
+    # -- what is shown: on the publisher's thread -----------------------------------------------------
+
+    def criteria(self) -> list[CriterionView]:
+        """Return what the criteria say of the present run."""
+        referee = self._referee
+        if referee is None:
+            return [{"sentence": each.sentence, "state": "open", "reason": ""} for each in self.task.criteria]
+        return [
+            {"sentence": each.sentence, "state": each.state, "reason": each.reason}
+            for each in referee.verdicts(self._is_over)
+        ]
+
+    def view(self, session: Session, text: str) -> GoalView:
+        """Return everything else."""
+        hints = self._hints
+        return {
+            "name": self.task.name,
+            "task": self.task.task,
+            "points": self.task.points,
+            "seconds": self.task.seconds,
+            "over": self._is_over,
+            "world": self._world,
+            "worlds": self._outlines,
+            "note": self._note(session),
+            "hints": list(hints[: self._hinted]),
+            "more_hints": max(0, len(hints) - self._hinted),
+            "check": self._check_view(text),
+        }
+
+    def _note(self, session: Session) -> str:
+        bridge = session.bridge
+        if not isinstance(bridge, SimBridge):
+            return f"This challenge is for the simulated robot. Choose `sim` instead of `{bridge.name}`."
+        if bridge.is_edited or bridge.world.name not in {world.name for world in self._worlds}:
+            return "This is not the world of the challenge. **Start over** brings it back."
+        return ""
+
+    @property
+    def _hints(self) -> tuple[str, ...]:
+        check = self._check
+        return () if check is None or check.busy else self._grade(check).hints
+
+    def _grade(self, check: _Check) -> Grade:
+        return Grade(self.task.name, check.attempts, self.task.points)
+
+    def _check_view(self, text: str) -> CheckView | None:
+        check = self._check
+        if check is None:
+            return None
+        grade = self._grade(check)
+        is_whole = len(check.made) == len(check.jobs)
+        return {
+            "busy": check.busy,
+            "stale": check.text != text,
+            "done": len(check.made),
+            "total": len(check.jobs),
+            "passed": grade.passed and is_whole,
+            "points": grade.points if is_whole else 0.0,
+            "error": check.error,
+            "attempts": [
+                _attempt_view(self.task, self._worlds, check.jobs[index], check.made[index])
+                for index in sorted(check.made)
+            ],
+        }
+
+    # -- what a person does ------------------------------------------------------------------------------
+
+    def check(self, session: Session, text: str) -> None:
+        """Begin to run the text in every world of the challenge, with every seed; ends an earlier check."""
+        if self._check is not None:
+            halt_runs(self._check.halted)
+        texts = [text]
+        if self.task.is_about_edits and self._referee is not None:
+            ran = [program.text for program in self._referee.run.programs]
+            texts = [*(each for each in ran[-_VERSIONS:] if each != text), text]
+        _, jobs = jobs_of(texts, self.task, namespace=session.namespace, limit=_LIMIT)
+        check = _Check(text, jobs)
+        self._check, self._hinted = check, 0
+        if session.driver == "asyncio":
+            self._task = asyncio.get_running_loop().create_task(self._run_here(check))
+        else:
+            threading.Thread(target=self._run, args=(check,), name="lrp check", daemon=True).start()
+        self._wake()
+
+    def _run(self, check: _Check) -> None:
+        """Make the runs, and tell the views of each."""
+        with _ending(check, self._wake):
+            for index, made in run_jobs(check.jobs, _MEMORY, halt=check.halted):
+                check.made[index] = made
+                self._wake()
+
+    async def _run_here(self, check: _Check) -> None:
+        """Make the runs one by one, and let the program run in between."""
+        with _ending(check, self._wake):
+            await asyncio.sleep(_STORING)
+            for index, job in enumerate(check.jobs):
+                await asyncio.sleep(0.05)
+                if check.halted.is_set():
+                    return
+                check.made[index] = attempt(job)
+                self._wake()
+
+    def hint(self) -> None:
+        """Show one more of the hints that the last check gives.
+
+        Raises
+        ------
+        LRPError
+            There is none.
+        """
+        hints = self._hints
+        if not hints:
+            raise LRPError("Press **Check** first: a hint is about what went wrong there.")
+        if self._hinted >= len(hints):
+            raise LRPError("There is no other hint.")
+        self._hinted += 1
+        self._wake()
+
+    def start_over(self, session: Session, world: int | None = None) -> None:
+        """Put the robot back to the start of a world of the challenge, and start the program again.
+
+        Raises
+        ------
+        LRPError
+            The program does not drive the simulated robot.
+        """
+        bridge = _simulated(session)
+        self._world = self._world if world is None else min(world, len(self._worlds) - 1)
+        wanted = self._worlds[self._world]
+        session.call(lambda: bridge.load_world(wanted, 0))
+        session.reset()
+        session.start()
+        self._wake()
+
+    def show(self, session: Session, looking: Looking, index: int) -> None:
+        """Repeat a run of the check in the lab, in virtual time, and look at the moment at which it failed.
+
+        Raises
+        ------
+        LRPError
+            It cannot be repeated.
+        """
+        bridge, check = _simulated(session), self._check
+        made = None if check is None else check.made.get(index)
+        if check is None or made is None:
+            raise LRPError("This run is not known any more. Check again.")
+        if check.text != session.text:
+            raise LRPError("The program has changed since this check. Check again, then show the run.")
+        job = check.jobs[index]
+        session.pause()
+        self._world = self.task.worlds.index(job.world)
+        random.seed(job.seed)
+        session.call(lambda: bridge.load_world(self._worlds[self._world], job.seed))
+        session.reset()
+        begin = session.frame.time
+        for number, text in enumerate(job.texts):
+            if number or text != session.text:
+                session.edit(text)
+            if self._is_over and number:
+                break
+            session.run(made.seconds / len(job.texts) + 1 / self.task.rate, limit=_LIMIT / 6)
+        failure = made.failure
+        decided = None if failure is None else failure.decided
+        if decided is not None:
+            looking.look(session, begin + decided)
+
+
+def _simulated(session: Session) -> SimBridge:
+    if not isinstance(session.bridge, SimBridge):
+        raise LRPError(f"The program drives `{session.bridge.name}`, not the simulated robot.")
+    return session.bridge
+
+
+@contextmanager
+def _ending(check: _Check, wake: Callable[[], None]) -> Iterator[None]:
+    """Note that a check has ended, and why; its errors are shown, not raised."""
+    try:
+        yield
+    except LRPError as error:
+        check.error = sentence_of(error)
+    except Exception:
+        check.error = traceback.format_exc()
+    finally:
+        check.busy = False
+        wake()
+
+
+# -- from values to plain data ---------------------------------------------------------------------------
+
+
+def _attempt_view(task: Challenge, worlds: Sequence[World], job: Job, made: Attempt) -> AttemptView:
+    failure = made.failure
+    index = task.worlds.index(job.world)
+    height = worlds[index].size[1]
+    points = made.path[:: max(1, len(made.path) // 60)]
+    return {
+        "world": index,
+        "seed": made.seed,
+        "passed": made.passed,
+        "failed": "" if failure is None else failure.sentence,
+        "reason": "" if failure is None else failure.reason,
+        "share": round(made.share, 3),
+        "shows": not made.ended,
+        "path": "M" + " ".join(f"{x:.2f},{height - y:.2f}" for x, y in points) if points else "",
+    }
+
+
+def _outline(world: World) -> OutlineView:
+    """Draw what is in a world as paths of SVG."""
+    width, height = world.size
+    line = []
+    for stroke in world.floor.strokes:
+        match stroke:
+            case PathStroke(path=path):
+                line.append("M" + " ".join(f"{x:.2f},{height - y:.2f}" for x, y in path))
+            case ArcStroke(arc=(x, y, radius, first, last)):
+                ends = [(x + radius * math.cos(a), height - y - radius * math.sin(a)) for a in (first, last)]
+                far, left = int(abs(last - first) > math.pi), int(last < first)
+                (x1, y1), (x2, y2) = ends
+                line.append(f"M{x1:.2f},{y1:.2f} A{radius:g},{radius:g} 0 {far} {left} {x2:.2f},{y2:.2f}")
+            case CircleStroke(circle=(x, y, radius)):
+                line.append(_ring(x, height - y, radius))
+    solids = [
+        _rectangle(*each.box, each.angle, height)
+        if isinstance(each, BoxSolid)
+        else _ring(each.circle[0], height - each.circle[1], each.circle[2])
+        for each in world.solids
+    ]
+    zones = [
+        _rectangle(*zone.box, 0, height)
+        if isinstance(zone, BoxZone)
+        else _ring(zone.circle[0], height - zone.circle[1], zone.circle[2])
+        for zone in world.zones.values()
+    ]
+    return {
+        "name": world.name,
+        "width": width,
+        "height": height,
+        "solids": " ".join(solids),
+        "line": " ".join(line),
+        "zones": " ".join(zones),
+    }
+
+
+def _ring(x: float, y: float, radius: float) -> str:
+    arc = f"a{radius:g},{radius:g} 0 1 0"
+    return f"M{x - radius:.2f},{y:.2f} {arc} {2 * radius:g},0 {arc} {-2 * radius:g},0Z"
+
+
+def _rectangle(x: float, y: float, width: float, length: float, angle: float, height: float) -> str:
+    cos, sin = math.cos(angle), math.sin(angle)
+    corners = [(-width, -length), (width, -length), (width, length), (-width, length)]
+    points = [(x + (a * cos - b * sin) / 2, y + (a * sin + b * cos) / 2) for a, b in corners]
+    return "M" + " ".join(f"{px:.2f},{height - py:.2f}" for px, py in points) + "Z"
