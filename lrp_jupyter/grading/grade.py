@@ -15,6 +15,7 @@ from lrp_jupyter.grading.attempt import Attempt, Job
 from lrp_jupyter.grading.challenges import Challenge, challenge
 from lrp_jupyter.grading.criteria import Criterion, no_faults
 from lrp_jupyter.grading.workers import run_jobs
+from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
 
 __all__ = ["Grade", "grade", "jobs_of"]
@@ -115,7 +116,7 @@ def grade(
     seeds : int or iterable of int, optional
         Number of runs in each world, or their seeds; default: those of the challenge.
     namespace : dict, optional
-        Names available to the blocks.
+        Names available to the blocks; default: those of the session or lab, if one is given.
     limit : float
         Wall seconds of computing that one run may take, and one block at most a sixth of it. A run that
         takes longer, ends its process or needs too much memory does not pass; it is the last one.
@@ -168,8 +169,14 @@ def jobs_of(
     numbers = task.seeds if seeds is None else seeds
     every = range(numbers) if isinstance(numbers, int) else tuple(numbers)
     texts = tuple(_text(each) for each in (program if isinstance(program, (list, tuple)) else [program]))
-    names = {} if namespace is None else namespace
+    names = _namespace(program) if namespace is None else namespace
     return task, [Job(texts, task, world, seed, limit, names) for world in task.worlds for seed in every]
+
+
+def _namespace(program: Any) -> dict[str, Any]:
+    """Return the names that a session, or that of a lab, lets its blocks read."""
+    session = getattr(program, "session", program)
+    return session.namespace if isinstance(session, Session) else {}
 
 
 def _text(program: Any) -> str:

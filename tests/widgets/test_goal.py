@@ -7,9 +7,11 @@ import pytest
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.grading.challenges import Challenge, challenge
 from lrp_jupyter.grading.criteria import drives, ends_in, no_faults
+from lrp_jupyter.grading.grade import grade
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import BoxZone, RobotSpec, World
 from lrp_jupyter.widgets.goal import Goal
+from lrp_jupyter.widgets.lab import Lab
 from lrp_jupyter.widgets.looking import Looking
 
 DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
@@ -202,3 +204,26 @@ def test_an_edit_of_the_running_program_is_part_of_a_check_about_edits():
     goal.session.run(1)
     assert goal.checked(edited)["passed"]
     goal.session.close()
+
+
+def test_a_lab_is_graded_as_its_panel_checks_it(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = DRIVE.replace("0.2", "speed()")
+    lab = Lab(text, challenge=STAY, name="graded", namespace={"speed": lambda: 0.2})
+    try:
+        result = grade(lab, STAY)
+        assert [attempt.ended for attempt in result.attempts] == ["", ""]
+        assert result.passed
+        assert lab._connection.goal.task is STAY
+    finally:
+        lab.close()
+
+
+def test_a_lab_for_a_challenge_begins_with_its_text(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    lab = Lab(challenge="square", namespace={})
+    try:
+        assert lab.text == challenge("square").beginning
+        assert lab.session.name == "square"
+    finally:
+        lab.close()

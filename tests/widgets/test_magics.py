@@ -292,11 +292,12 @@ def test_a_cell_for_a_challenge_opens_its_world_and_shows_its_goal(shell):
 
 
 def test_an_empty_cell_for_a_challenge_begins_with_its_text(shell):
-    assert cell(shell, "mine --challenge square", "").text == challenge("square").beginning
+    result = shell.run_cell("%%lrp mine --challenge square")
+    assert result.result.text == challenge("square").beginning
 
 
 def test_a_challenge_that_does_not_exist_or_has_another_world_is_refused(shell):
     with pytest.raises(UsageError, match="Did you mean `square`"):
         cell(shell, "mine --challenge sqare", A)
-    with pytest.raises(UsageError, match="The world is that of the challenge `square`. Leave it out"):
+    with pytest.raises(UsageError, match="The world is that of the challenge `square`"):
         cell(shell, "mine --challenge square --world line", A)
