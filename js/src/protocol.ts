@@ -1104,6 +1104,8 @@ export interface GoalView {
   hints: string[];
   more_hints: number;
   check: CheckView | null;
+  begun: number;
+  trail: [number, number, number, string][];
 }
 
 export type CriterionState = "open" | "so far" | "met" | "failed";

@@ -38,6 +38,8 @@ const goal: GoalView = {
   hints: [],
   more_hints: 2,
   check,
+  begun: 0,
+  trail: [],
 };
 
 function shown(fields: Partial<GoalView> = {}) {

@@ -22,6 +22,8 @@ from lrp_jupyter.grading.challenges import Challenge
 from lrp_jupyter.grading.grade import Grade, jobs_of
 from lrp_jupyter.grading.referee import Referee
 from lrp_jupyter.grading.workers import halt_runs, run_jobs
+from lrp_jupyter.graph.state_graph import DefinedPaths
+from lrp_jupyter.language.program import Path, path_text
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, PathStroke, World
 from lrp_jupyter.sim.worlds import load
@@ -70,6 +72,8 @@ class Goal:
         self._is_over = False
         self._check: _Check | None = None
         self._hinted = 0
+        self._begun = 0
+        self._trail: list[tuple[float, float, float, str]] = []
         self._wake: Callable[[], None] = lambda: None
         self._end: Callable[[], None] = lambda: None
 
@@ -129,6 +133,8 @@ class Goal:
             "hints": list(hints[: self._hinted]),
             "more_hints": max(0, len(hints) - self._hinted),
             "check": self._check_view(text),
+            "begun": self._begun,
+            "trail": self._trail,
         }
 
     def _note(self, session: Session) -> str:
@@ -233,7 +239,12 @@ class Goal:
         wanted = self._worlds[self._world]
         session.call(lambda: bridge.load_world(wanted, 0))
         session.reset()
+        self._begin([])
         session.start()
+
+    def _begin(self, trail: list[tuple[float, float, float, str]]) -> None:
+        self._trail = trail
+        self._begun += 1
         self._wake()
 
     def show(self, session: Session, looking: Looking, index: int) -> None:
@@ -263,10 +274,26 @@ class Goal:
             if self._is_over and number:
                 break
             session.run(made.seconds / len(job.texts) + 1 / self.task.rate, limit=_LIMIT / 6)
+        self._begin(self._driven(session, begin))
         failure = made.failure
         decided = None if failure is None else failure.decided
         if decided is not None:
             looking.look(session, begin + decided)
+
+
+    def _driven(self, session: Session, begin: float) -> list[tuple[float, float, float, str]]:
+        """Return the way of the present run, with times of the session."""
+        run = None if self._referee is None else self._referee.run
+        paths = DefinedPaths(session.program)
+        return [
+            (round(begin + each.time, 2), round(each.x, 3), round(each.y, 3), _innermost(paths, each.active))
+            for each in ([] if run is None else list(run.samples))
+        ]
+
+
+def _innermost(paths: DefinedPaths, active: tuple[Path, ...]) -> str:
+    """Return the first innermost active state, by its path in the text."""
+    return path_text(paths.member(active[0])) if active else ""
 
 
 def _simulated(session: Session) -> SimBridge:

@@ -501,7 +501,8 @@ class GoalView(TypedDict):
 
     `seconds` is the longest time of a run, `over` whether the present one is decided. `world` is the number
     of the world it is in. `note` is a sentence about what is not as in the challenge. `hints` were asked
-    for, and there are `more_hints`.
+    for, and there are `more_hints`. `begun` counts how often the robot was put back to its start here, and
+    `trail` is the way of a run that was shown then: time, x, y and the innermost active state.
     """
 
     name: str
@@ -515,6 +516,8 @@ class GoalView(TypedDict):
     hints: list[str]
     more_hints: int
     check: CheckView | None
+    begun: int
+    trail: list[tuple[float, float, float, str]]
 
 
 class ChoicesView(TypedDict):

@@ -141,6 +141,11 @@ def test_a_run_of_the_check_is_repeated_in_the_lab_as_it_was():
         "reason": check["attempts"][index]["reason"],
     }
     assert goal.session.bridge.world.name == STAY.worlds[check["attempts"][index]["world"]].name
+    (time, x, y, state) = goal.shown["trail"][-1]
+    assert (x, y) == pytest.approx((1.2, 1), abs=0.1)
+    assert state == "m/stopped"
+    assert time == pytest.approx(goal.session.frame.time, abs=0.2)
+    assert goal.shown["begun"] == 1
     goal.session.close()
 
 

@@ -302,6 +302,15 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
     setAttribute(view, "data-looking", looking?.time);
     stage.repaint();
   });
+  let begun = 0;
+  store.watch(["goal"], () => {
+    const { goal } = store.state;
+    if (!goal || goal.begun === begun) return;
+    begun = goal.begun;
+    stage.trail.clear();
+    for (const [at, x, y, state] of goal.trail) stage.trail.add(at, [x, y, 0], state);
+    stage.repaint();
+  });
   store.watch(["program", "snapshot"], () => {
     stage.styleOf = trailStyles(store.state.program, stage.palette.trail);
     stage.repaint();
