@@ -1067,19 +1067,7 @@ export interface OutlineView {
   zones: string;
 }
 
-/** A run that a check has made: in which world, how it ended, the robot's path in its outline. */
-export interface AttemptView {
-  world: number;
-  seed: number;
-  passed: boolean;
-  failed: string;
-  reason: string;
-  share: number;
-  shows: boolean;
-  path: string;
-}
-
-/** A check of the program: the runs made so far, in their order, and the points. */
+/** A check of the program: how many runs were made of all, and the points; ``attempts`` are the runs. */
 export interface CheckView {
   busy: boolean;
   stale: boolean;
@@ -1088,7 +1076,6 @@ export interface CheckView {
   passed: boolean;
   points: number;
   error: string;
-  attempts: AttemptView[];
 }
 
 /** The challenge that a program is written for. */
@@ -1115,6 +1102,18 @@ export interface CriterionView {
   sentence: string;
   state: CriterionState;
   reason: string;
+}
+
+/** A run that a check has made: in which world, how it ended, the robot's path in its outline. */
+export interface AttemptView {
+  world: number;
+  seed: number;
+  passed: boolean;
+  failed: string;
+  reason: string;
+  share: number;
+  shows: boolean;
+  path: string;
 }
 
 /** Everything that a view may show of a session, apart from its texts and its world. */
@@ -1151,6 +1150,7 @@ export interface ViewState {
   hands: Record<string, HandView>;
   goal: GoalView | null;
   criteria: CriterionView[];
+  attempts: Record<string, AttemptView>;
 }
 
 /** What changed in the view state since the last frame sent to this view. */
@@ -1570,4 +1570,5 @@ export const EMPTY_VIEW_STATE: ViewState = {
   hands: {},
   goal: null,
   criteria: [],
+  attempts: {},
 };

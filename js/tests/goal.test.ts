@@ -24,8 +24,8 @@ const check: CheckView = {
   passed: false,
   points: 7.5,
   error: "",
-  attempts: [attempt, { ...attempt, world: 1, passed: true, failed: "", reason: "" }],
 };
+const attempts = { 0: { ...attempt, world: 1, passed: true, failed: "", reason: "" }, 1: attempt };
 const goal: GoalView = {
   name: "stop at the line",
   task: "Stop at the `line`.",
@@ -52,7 +52,8 @@ function shown(fields: Partial<GoalView> = {}) {
     { sentence: "ends in `goal`", state: "open", reason: "it is at x = 1.00 m" },
     { sentence: "runs without issues", state: "so far", reason: "no issue" },
   ];
-  store.touch(new Set(["goal", "criteria"] as const));
+  store.state.attempts = attempts;
+  store.touch(new Set(["goal", "criteria", "attempts"] as const));
   return { element, acts, store };
 }
 
@@ -90,7 +91,7 @@ describe("the goal", () => {
       element.querySelector<HTMLButtonElement>(`[data-lrp-action="${action}"]`)?.click();
     expect(acts).toEqual([
       { do: "check" },
-      { do: "show_attempt", index: 0 },
+      { do: "show_attempt", index: 1 },
       { do: "hint" },
       { do: "start_over", world: null },
     ]);
@@ -114,13 +115,13 @@ describe("the goal", () => {
 
 describe("the result of a check", () => {
   it("says how far it is, what it has found, and whether that is still so", () => {
-    expect(resultOf({ ...check, busy: true, done: 1 }, 10)).toBe("Run 2 of 2 …");
-    expect(resultOf({ ...check, passed: true, points: 10 }, 10)).toBe(
+    expect(resultOf({ ...check, busy: true, done: 1 }, 10, attempts)).toBe("Run 2 of 2 …");
+    expect(resultOf({ ...check, passed: true, points: 10 }, 10, attempts)).toBe(
       "Passed: 10 of 10 points. All 2 runs met all criteria.",
     );
-    expect(resultOf({ ...check, stale: true }, 10)).toContain("The program has changed since.");
-    expect(resultOf({ ...check, error: "No." }, 10)).toBe("The check could not be made. No.");
-    expect(resultOf({ ...check, total: 1, done: 1 }, 10)).toBe("Not yet: 7.5 of 10 points.");
+    expect(resultOf({ ...check, stale: true }, 10, attempts)).toContain("The program has changed since.");
+    expect(resultOf({ ...check, error: "No." }, 10, attempts)).toBe("The check could not be made. No.");
+    expect(resultOf({ ...check, total: 1, done: 1 }, 10, attempts)).toBe("Not yet: 7.5 of 10 points.");
   });
 });
 

@@ -46,6 +46,7 @@ class _Check:
     text: str
     jobs: Sequence[Job]
     made: dict[int, Attempt] = field(default_factory=dict)
+    views: dict[str, AttemptView] = field(default_factory=dict)
     busy: bool = True
     error: str = ""
     halted: threading.Event = field(default_factory=threading.Event)
@@ -129,7 +130,7 @@ class Goal:
             "over": self._is_over,
             "world": self._world,
             "worlds": self._outlines,
-            "note": self._note(session),
+            "note": self._warning(session),
             "hints": list(hints[: self._hinted]),
             "more_hints": max(0, len(hints) - self._hinted),
             "check": self._check_view(text),
@@ -137,7 +138,7 @@ class Goal:
             "trail": self._trail,
         }
 
-    def _note(self, session: Session) -> str:
+    def _warning(self, session: Session) -> str:
         bridge = session.bridge
         if not isinstance(bridge, SimBridge):
             return f"This challenge is for the simulated robot. Choose `sim` instead of `{bridge.name}`."
@@ -167,11 +168,11 @@ class Goal:
             "passed": grade.passed and is_whole,
             "points": grade.points if is_whole else 0.0,
             "error": check.error,
-            "attempts": [
-                _attempt_view(self.task, self._worlds, check.jobs[index], check.made[index])
-                for index in sorted(check.made)
-            ],
         }
+
+    def attempts(self) -> dict[str, AttemptView]:
+        """Return the runs that the last check has made."""
+        return {} if self._check is None else self._check.views.copy()
 
     # -- what a person does ------------------------------------------------------------------------------
 
@@ -196,8 +197,7 @@ class Goal:
         """Make the runs, and tell the views of each."""
         with _ending(check, self._wake):
             for index, made in run_jobs(check.jobs, _MEMORY, halt=check.halted):
-                check.made[index] = made
-                self._wake()
+                self._note(check, index, made)
 
     async def _run_here(self, check: _Check) -> None:
         """Make the runs one by one, and let the program run in between."""
@@ -207,8 +207,12 @@ class Goal:
                 await asyncio.sleep(0.05)
                 if check.halted.is_set():
                     return
-                check.made[index] = attempt(job)
-                self._wake()
+                self._note(check, index, attempt(job))
+
+    def _note(self, check: _Check, index: int, made: Attempt) -> None:
+        check.made[index] = made
+        check.views[str(index)] = _attempt_view(self.task, self._worlds, check.jobs[index], made)
+        self._wake()
 
     def hint(self) -> None:
         """Show one more of the hints that the last check gives.

@@ -481,7 +481,7 @@ class AttemptView(TypedDict):
 
 
 class CheckView(TypedDict):
-    """A check of the program: the runs made so far, in their order, and the points.
+    """A check of the program: how many runs were made of all, and the points; ``attempts`` are the runs.
 
     `stale`: the text has changed since. `error`: why the check has ended without a result.
     """
@@ -493,7 +493,6 @@ class CheckView(TypedDict):
     passed: bool
     points: float
     error: str
-    attempts: list[AttemptView]
 
 
 class GoalView(TypedDict):
@@ -554,6 +553,7 @@ class ViewState(TypedDict):
     ``unkept``    why the text is not kept in its file; empty if it is
     ``hands``     view -> where the selection in its editor is; empty where only one has an editor
     ``goal``      the challenge, or None; ``criteria`` are what its criteria say of the present run
+    ``attempts``  number of a run of the check -> what came of it
     ============= =======================================================================================
     """
 
@@ -589,6 +589,7 @@ class ViewState(TypedDict):
     hands: dict[str, HandView]
     goal: GoalView | None
     criteria: list[CriterionView]
+    attempts: dict[str, AttemptView]
 
 
 class FrameMessage(ViewState, total=False):

@@ -160,6 +160,7 @@ class ViewStates:
             "hands": texts.hands(),
             "goal": None if self._goal is None else self._goal.view(session, texts.text),
             "criteria": [] if self._goal is None else self._goal.criteria(),
+            "attempts": {} if self._goal is None else self._goal.attempts(),
         }
 
     def _last_restarts(self, frame: Frame) -> dict[str, RestartView]:

@@ -68,7 +68,7 @@ class Watched(Goal):
         self.ended.clear()
         self.check(self.session, self.text)
         assert self.ended.wait(60)
-        return self.shown["check"]
+        return {**self.shown["check"], "attempts": [each for _, each in sorted(self.attempts().items())]}
 
 
 @pytest.fixture

@@ -6,6 +6,8 @@ import { button, panel } from "../ui/button";
 import { h, prose, reconcile, s, setAttribute, setText } from "../ui/dom";
 import { GOALLESS } from "../ui/layout";
 
+type Attempts = Readonly<Record<string, AttemptView>>;
+
 const STATES: Record<CriterionView["state"], string> = {
   open: "open",
   "so far": "met so far",
@@ -50,8 +52,8 @@ export function goalView(lab: Lab): HTMLElement {
   );
   const { element, heading } = panel("goal", "Goal", [world, again, check], body);
   element.setAttribute(GOALLESS, "");
-  store.watch(["goal"], () => {
-    const { goal } = store.state;
+  store.watch(["goal", "attempts"], () => {
+    const { goal, attempts } = store.state;
     setAttribute(element, GOALLESS, goal === null);
     if (!goal) return;
     setText(heading, `Goal: ${goal.name}`);
@@ -59,7 +61,7 @@ export function goalView(lab: Lab): HTMLElement {
     showProse(note, goal.note);
     note.hidden = !goal.note;
     showWorlds(world, goal);
-    checked.update(goal);
+    checked.update(goal, attempts);
   });
   store.watch(["criteria", "goal"], () =>
     reconcile(
@@ -106,7 +108,7 @@ function showProse(element: Element, sentence: string): void {
 }
 
 /** The last check: progress, result, one card for each run, hints. */
-function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView) => void } {
+function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView, attempts: Attempts) => void } {
   const bar = h("progress", { class: "lrp-progress", "aria-label": "Runs made" });
   const result = h("p", { class: "lrp-result", role: "status" });
   const runs = h("ul", { class: "lrp-attempts", "aria-label": "Runs of the check" });
@@ -121,21 +123,21 @@ function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView) =
   const label = hint.querySelector(".lrp-button-label")!;
   return {
     element,
-    update(goal) {
+    update(goal, attempts) {
       const { check } = goal;
       element.hidden = check === null;
       if (!check) return;
       bar.hidden = !check.busy;
       bar.max = check.total;
       bar.value = check.done;
-      showProse(result, resultOf(check, goal.points));
+      showProse(result, resultOf(check, goal.points, attempts));
       setAttribute(result, "data-state", check.busy ? null : check.passed ? "met" : "failed");
       reconcile(
         runs,
-        check.attempts.map((attempt, index) => ({ attempt, index })),
-        ({ index }) => String(index),
-        ({ index }) => makeRun(lab, index),
-        (card, { attempt, index }) => updateRun(card, attempt, goal, index),
+        failedFirst(attempts),
+        ([index]) => index,
+        ([index]) => makeRun(lab, Number(index)),
+        (card, [, attempt]) => updateRun(card, attempt, goal, attempts),
       );
       setText(label, goal.more_hints ? `Hint (${goal.more_hints})` : "Hint");
       hint.hidden = !goal.more_hints;
@@ -151,15 +153,22 @@ function checkView(lab: Lab): { element: HTMLElement; update: (goal: GoalView) =
 }
 
 /** What a check has found, in a sentence or two. */
-export function resultOf(check: CheckView, points: number): string {
+export function resultOf(check: CheckView, points: number, attempts: Attempts): string {
   if (check.busy) return `Run ${Math.min(check.done + 1, check.total)} of ${check.total} …`;
   if (check.error) return `The check could not be made. ${check.error}`;
-  const passed = check.attempts.filter((attempt) => attempt.passed).length;
+  const passed = Object.values(attempts).filter((attempt) => attempt.passed).length;
   const all = check.total === 1 ? "The run" : `All ${check.total} runs`;
   const sentence = check.passed
     ? `Passed: ${points} of ${points} points. ${all} met all criteria.`
     : `Not yet: ${check.points} of ${points} points.${check.total > 1 ? ` ${passed} of ${check.total} runs passed.` : ""}`;
   return check.stale ? `${sentence} The program has changed since.` : sentence;
+}
+
+/** The runs by their numbers, those that have failed before those that have passed. */
+function failedFirst(attempts: Attempts): [string, AttemptView][] {
+  return Object.entries(attempts).sort(
+    ([one, a], [other, b]) => Number(a.passed) - Number(b.passed) || Number(one) - Number(other),
+  );
 }
 
 function makeRun(lab: Lab, index: number): HTMLElement {
@@ -183,10 +192,10 @@ function makeRun(lab: Lab, index: number): HTMLElement {
   );
 }
 
-function updateRun(card: Element, attempt: AttemptView, goal: GoalView, index: number): void {
+function updateRun(card: Element, attempt: AttemptView, goal: GoalView, attempts: Attempts): void {
   setAttribute(card, "data-state", attempt.passed ? "met" : "failed");
   const [picture, text, show] = [...card.children] as [Element, Element, HTMLButtonElement];
-  const seeds = goal.check!.attempts.some((other, at) => at !== index && other.world === attempt.world);
+  const seeds = Object.values(attempts).filter(({ world }) => world === attempt.world).length > 1;
   const name = `${numbered(goal.worlds)[attempt.world]}${seeds ? `, seed ${attempt.seed}` : ""}`;
   const [title, why] = [...text.children] as [Element, Element];
   setText(title, `${name}: ${attempt.passed ? "passed" : "not yet"}`);
