@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 import lrp_jupyter
-from lrp_jupyter.language.checks import CODES
 
 PACKAGE = Path(lrp_jupyter.__file__).parent
 AS_PYTHON = {"AttributeError", "IndentationError", "SyntaxError"}  # worded as Python words them
@@ -49,10 +48,3 @@ def test_messages_that_are_raised_are_sentences():
 @pytest.mark.parametrize("text", ["there is no state `a`.", "There is no state `a`", "cannot go back"])
 def test_a_fragment_is_not_a_sentence(text):
     assert not is_sentence(text)
-
-
-@pytest.mark.parametrize("code", CODES.values(), ids=lambda code: code.code)
-def test_an_explanation_is_a_sentence_and_a_title_is_a_label(code):
-    assert is_sentence(code.explanation)
-    assert code.title[-1] not in ".?:"
-    assert code.title[0].isupper() or code.title[0] == "`"

@@ -471,6 +471,22 @@ def bridges() -> None:
     list_bridges()
 
 
+@app.command()
+def explain(
+    code: Annotated[
+        str | None,
+        typer.Argument(metavar="CODE", help="`LRP301`, or another code.", autocompletion=complete.codes),
+    ] = None,
+) -> None:
+    """Explain the code of a finding, an issue, a reason, a notice or an exit; without CODE, list them.
+
+    **Exit code**: 0, or 2 when there is no such code.
+    """
+    from lrp_jupyter.cli.lists import explain_code
+
+    explain_code(code)
+
+
 @app.command(context_settings={"allow_extra_args": True, "ignore_unknown_options": True})
 def lab(
     ctx: typer.Context,

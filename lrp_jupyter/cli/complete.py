@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from lrp_jupyter import programs
+from lrp_jupyter.codes import CODES
 
 if TYPE_CHECKING:
     from lrp_jupyter.language.program import Program
@@ -17,6 +18,7 @@ __all__ = [
     "bridges",
     "bundled",
     "challenges",
+    "codes",
     "machines",
     "noises",
     "sources",
@@ -70,6 +72,11 @@ def challenges(incomplete: str) -> list[str]:
     from lrp_jupyter.grading.challenges import challenges as known
 
     return _beginning(incomplete, [each.name for each in known()])
+
+
+def codes(incomplete: str) -> list[str]:
+    """Complete a code of a finding, a reason, a notice or an exit."""
+    return _beginning(incomplete, CODES)
 
 
 def states(context: typer.Context, incomplete: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""``lrp programs | worlds | bridges``: lists of what can be chosen, and ``lrp grade`` without arguments."""
+"""``lrp programs | worlds | bridges | explain``: lists of what there is, and of challenges."""
 
 from __future__ import annotations
 
@@ -11,9 +11,10 @@ from rich.text import Text
 
 from lrp_jupyter import programs
 from lrp_jupyter.cli.excerpt import plain_console
+from lrp_jupyter.codes import CODES, explain
 from lrp_jupyter.errors import BridgeError, LRPError
 
-__all__ = ["list_bridges", "list_challenges", "list_programs", "list_worlds"]
+__all__ = ["explain_code", "list_bridges", "list_challenges", "list_programs", "list_worlds"]
 
 
 def _table(*columns: str) -> Table:
@@ -96,4 +97,15 @@ def list_challenges() -> None:
     table = _table("challenge", "what the robot has to do")
     for each in challenges():
         table.add_row(Text(each.name, "bold"), Text(each.task))
+    _show(table)
+
+
+def explain_code(word: str | None) -> None:
+    """Print what the codes of a name mean, or all codes."""
+    if word is not None:
+        sys.stdout.write("\n\n\n".join(map(str, explain(word))) + "\n")
+        return
+    table = _table("code", "what it is", "what it says")
+    for each in CODES.values():
+        table.add_row(Text(each.code, "bold"), Text(each.kind), Text(each.title))
     _show(table)

@@ -15,6 +15,7 @@ from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
 from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.source import Source, read_source
+from lrp_jupyter.codes import address_of
 from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError, UnknownElementError, did_you_mean
 from lrp_jupyter.files import write_file
 from lrp_jupyter.language.checks import check
@@ -69,7 +70,7 @@ def check_files(files: Sequence[str], as_json: bool, fix: bool = False, bridge: 
         json.dump(lines, sys.stdout, ensure_ascii=False, indent=2)
         sys.stdout.write("\n")
     elif found:
-        console.print(summary(found))
+        console.print(f"{summary(found)}. More about a code: lrp explain {found[0].code}")
     return 2 if unreadable else int(any(finding.severity == "error" for finding in found))
 
 
@@ -116,6 +117,7 @@ def _as_dict(name: str, finding: Finding) -> dict[str, Any]:
     return {
         "file": name,
         "code": finding.code,
+        "address": address_of(finding.code),
         "severity": finding.severity,
         "message": finding.message,
         "line": finding.line,

@@ -2,46 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal, get_args
 
-__all__ = ["EXPLANATIONS", "Reason"]
+from lrp_jupyter.codes import CODES
+from lrp_jupyter.interpreter.reasons import ReasonCode
+
+__all__ = ["EXPLANATIONS", "CommandCode", "Reason", "StateCode"]
+
+StateCode = Literal["fired", "spawned", "forced", "restarted", "never"]
+CommandCode = Literal["commanded", "limited", "disarmed", "watchdog", "stopped", "never"]
+
+
+class _Meanings(Mapping[str, str]):
+    """What the codes of reasons mean, of those about one kind of thing; a text is read when it is needed."""
+
+    def __init__(self, asked: str, codes: object) -> None:
+        self._asked, self._codes = asked, get_args(codes)
+
+    def __getitem__(self, code: str) -> str:
+        if code not in self._codes:
+            raise KeyError(code)
+        return CODES[f"{self._asked}-{code}"].explanation
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._codes)
+
+    def __len__(self) -> int:
+        return len(self._codes)
+
 
 EXPLANATIONS: Mapping[str, Mapping[str, str]] = {
-    "transition": {
-        "fired": "It fired in this tick.",
-        "source-inactive": "The active state of its machine is not one that it leaves.",
-        "machine-not-running": "Its machine was not running when the tick began.",
-        "earlier-fired": "An earlier transition of the same machine was enabled, too, and fired first.",
-        "outer-fired": "A transition of an outer machine fired first and ended its machine.",
-        "exit-took-parent": "The `exit` of a machine beside its own fired first and ended both.",
-        "condition-false": "It was tested, and its condition was False.",
-        "not-boolean": "Its condition was neither True nor False. This is an issue.",
-        "raised": "Its condition or delay raised an exception, or the delay is not a number. "
-        "This is an issue.",
-        "no-data": "Its condition needs a reading that had not arrived yet.",
-        "delay-not-over": "Its state had not been active for long enough.",
-        "unknown-event": "Its event is not defined. This is an issue.",
-        "unknown-destination": "It was enabled, but its destination is not defined. This is an issue.",
-        "paused": "The session is paused, so nothing is tested now.",
-        "not-in-program": "The program of that tick had no such transition.",
-    },
-    "state": {
-        "fired": "A transition entered it.",
-        "spawned": "Its machine was spawned in it: at the start, or when an outer state was entered.",
-        "forced": "A person forced it, by a transition or a teleport.",
-        "restarted": "The program restarted, by a reset or an edit of an active state.",
-        "never": "It has not been entered since the recording begins.",
-    },
-    "command": {
-        "commanded": "A block gave the command, and nothing has changed it.",
-        "limited": "A value of the command was beyond the limit of the robot and was reduced.",
-        "disarmed": "The robot is disarmed, so the command was not sent.",
-        "watchdog": "The robot was stopped because no further command followed in time.",
-        "stopped": "The robot was stopped after the command: by a pause, a restart or a person.",
-        "never": "The command has not been given.",
-    },
+    asked: _Meanings(asked, codes)
+    for asked, codes in (("transition", ReasonCode), ("state", StateCode), ("command", CommandCode))
 }
 """Every code of a reason and its meaning, by what was asked about."""
 
@@ -53,7 +47,7 @@ class Reason:
     Parameters
     ----------
     code : str
-        What kind of reason it is: stable, and explained in :data:`EXPLANATIONS`.
+        What kind of reason it is: stable, and explained in :data:`EXPLANATIONS` and by ``lrp explain``.
     tick : int
         The tick that the answer is about; the first is 1.
     time : float
@@ -78,7 +72,7 @@ class Reason:
     `go` (line 1) did not fire at 0.9 s: `n > 4` was False (`n` was 3). It was never true before.
     """
 
-    code: str
+    code: ReasonCode | StateCode | CommandCode
     tick: int
     time: float
     line: int

@@ -16,6 +16,7 @@ from IPython.display import display
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import find_bridges
+from lrp_jupyter.codes import CODES, explain
 from lrp_jupyter.errors import LRPError, did_you_mean
 from lrp_jupyter.grading.challenges import challenge, challenges
 from lrp_jupyter.graph.still import svg
@@ -38,6 +39,7 @@ _HELP = """\
 %lrp pause|resume|step|reset|stop|check|graph|debug [NAME]
 %lrp why WHAT [at SECONDS] [NAME]
                       why a transition did not fire, a state is active, or the robot moves
+%lrp explain [CODE]   explain a code, such as LRP301, or list the codes
 %lrp interrupt [NAME] interrupt the block that does not return
 %lrp save [NAME]      write the lab's text into a new cell
 %lrp versions [NAME]  list the earlier texts, the newest first
@@ -228,6 +230,11 @@ class LRPMagics(Magics):
             )
         print(_the(rest).session.explain(what, at))  # noqa: T201
 
+    def explain(self, rest: list[str]) -> None:
+        """Explain a code; without one, list the codes."""
+        every = [f"{each.code:<30} {each.title}" for each in CODES.values()]
+        print("\n\n\n".join(map(str, explain(" ".join(rest)))) if rest else "\n".join(every))  # noqa: T201
+
     def rate(self, rest: list[str]) -> None:
         """Set the ticks per second."""
         if not rest:
@@ -323,6 +330,7 @@ WORDS: Mapping[str, Callable[[LRPMagics, list[str]], object]] = {
             LRPMagics.interrupt,
             LRPMagics.rate,
             LRPMagics.why,
+            LRPMagics.explain,
         ),
         *(LRPMagics.check, LRPMagics.graph, LRPMagics.save, LRPMagics.versions, LRPMagics.version),
         *(LRPMagics.debug, LRPMagics.bridge),
@@ -349,6 +357,8 @@ def completions(shell: InteractiveShell, event: Any) -> list[str]:
         return [*WORDS, *names]
     if before[0] == "why":
         return _asked() if len(before) == 1 else ["at", *names]
+    if before[0] == "explain":
+        return list(CODES)
     return {"new": list(programs.names()), "bridge": list(find_bridges())}.get(before[0], names)
 
 

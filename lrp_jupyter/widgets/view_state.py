@@ -13,7 +13,7 @@ from typing import Any, cast, get_args
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
-from lrp_jupyter.errors import Severity
+from lrp_jupyter.codes import FINDINGS
 from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.interpreter.breakpoint import Breakpoint
 from lrp_jupyter.interpreter.frame import Frame, Hit
@@ -54,7 +54,6 @@ RESTARTS = 20
 """The last restarts, which a view lists."""
 _CALM = {"tick", "time", "rate", "speed", "members", "variables", "printed", "hands", "criteria"}
 _DEEPEST = 2  # levels of fields of a reading that are listed
-_MILD: Mapping[str, Severity] = {"no data yet": "hint", "defined twice": "warning"}
 _UNKNOWN_NAMES = {"unknown event", "unknown state", "unknown machine", "unknown variable"}
 """Kinds of issues that a check of the same text reports as `LRP3…`."""
 _IN_BLOCKS: Mapping[str, frozenset[str]] = {
@@ -334,7 +333,7 @@ def _issue_view(
     return {
         "id": number,
         "code": issue.code,
-        "severity": _MILD.get(issue.kind, "error"),
+        "severity": FINDINGS[issue.code].severity,
         "kind": issue.kind,
         "element": str(issue.element),
         "message": issue.message,

@@ -25,7 +25,7 @@ def test_an_error_is_shown_at_its_place_and_fails(lrp, program):
     assert source == "    2 |   (on bumb a -> b))"
     assert carets == "      |       ^^^^"
     assert fix == "      = fix: Change to `bump`"
-    assert "1 error" in result.stdout.splitlines()[-1]
+    assert result.stdout.splitlines()[-1] == "1 error. More about a code: lrp explain LRP301"
 
 
 def test_warnings_alone_do_not_fail(lrp, program):

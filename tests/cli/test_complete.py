@@ -33,6 +33,7 @@ def completed(words: str, cwd) -> list[str]:
         ("lrp programs --show esc", {"escapement"}),
         ("lrp worlds --json ma", {"maze"}),
         ("lrp run follower --noise m", {"motor="}),
+        ("lrp explain LRP30", {f"LRP30{n}" for n in range(1, 9)}),
         ("lrp run follower --speed m", {"max"}),
         ("lrp run missing --until ", set()),
     ],

@@ -4,6 +4,7 @@ from importlib.metadata import version
 import pytest
 
 from lrp_jupyter import programs
+from lrp_jupyter.codes import CODES
 from lrp_jupyter.grading.challenges import challenges
 from lrp_jupyter.sim.worlds import BUNDLED, load
 
@@ -84,3 +85,23 @@ def test_an_unknown_challenge_is_a_sentence(lrp):
     result = lrp("grade", "follower", "--challenge", "frst move")
     assert result.exit_code == 2
     assert "Did you mean `first move`?" in result.stderr
+
+
+def test_every_code_is_listed(lrp):
+    assert _first_words(lrp("explain").stdout) == list(CODES)
+
+
+def test_a_code_is_explained_with_its_program_its_remedy_and_its_address(lrp):
+    text = lrp("explain", "lrp301").stdout
+    assert text.startswith("LRP301: Unknown event (error)\n\nThe transition never fires.")
+    assert "    (on bumb a -> b))\n" in text.partition("\nWhat to do\n")[0]
+    assert "    (on bump a -> b))\n" in text.partition("\nWhat to do\n")[2]
+    assert text.endswith(f"\n\n{CODES['LRP301'].address}\n")
+
+
+def test_an_unknown_code_is_a_sentence(lrp):
+    result = lrp("explain", "LPR301")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == (
+        "lrp: There is no code `LPR301`. Did you mean `LRP301`? `lrp explain` lists the codes.\n"
+    )

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from importlib.util import find_spec
-from pathlib import Path
 
 import pytest
 from checking import fixed, found, message
@@ -14,7 +13,6 @@ from programs import programs
 
 import lrp_jupyter
 from lrp_jupyter.errors import MOST_FINDINGS
-from lrp_jupyter.interpreter.issues import ISSUE_CODES
 from lrp_jupyter.language.checks import CODES, Code, check, report
 from lrp_jupyter.language.parser import parse
 from lrp_jupyter.language.printer import to_source
@@ -22,7 +20,9 @@ from lrp_jupyter.language.program import Block, Machine, Name, Program, Spawn, S
 from lrp_jupyter.language.triggers import Epsilon
 from lrp_jupyter.programs import heading
 
-EXAMPLES = [code for code in CODES.values() if code.example]
+EXAMPLES = [
+    code for code in CODES.values() if code.code < "LRP6"
+]  # those of a run are in tests/test_codes.py
 OF_A_WORLD = pytest.mark.skipif(
     find_spec("pymunk") is None, reason="the members of a simulated robot are known where pymunk is"
 )
@@ -46,24 +46,6 @@ def test_an_example_has_its_code_and_no_other(code: Code) -> None:
 @pytest.mark.parametrize("code", EXAMPLES, ids=lambda code: code.code)
 def test_a_repaired_example_has_no_findings(code: Code) -> None:
     assert lrp_jupyter.check(code.repaired) == ()
-
-
-def test_every_code_has_an_example_or_belongs_to_a_running_program() -> None:
-    running = {code.code for code in CODES.values() if not code.example}
-    assert running == {code for code in CODES if code.startswith("LRP6")}
-    assert running >= set(ISSUE_CODES.values())
-
-
-def test_the_table_has_every_code_that_the_package_uses_and_no_other() -> None:
-    sources = Path(lrp_jupyter.__file__).parent.rglob("*.py")
-    used = {code for path in sources for code in re.findall(r"LRP\d{3}", _code_of(path))}
-    assert used == set(CODES)
-    assert list(CODES) == sorted(CODES)
-
-
-def _code_of(path: Path) -> str:
-    text = path.read_text(encoding="utf-8")
-    return "" if path.parent.name == "checks" and path.name in ("findings.py", "examples.py") else text
 
 
 def test_a_text_that_is_not_a_program_has_the_parsers_findings_only() -> None:

@@ -153,9 +153,9 @@ def test_every_word_after_the_magic_exists(path: Path):
         word, *rest = line.split()
         assert word in WORDS or word in opened, f"%lrp {line}"
         assert word != "new" or rest[0] in bundled()
-        assert word in ("new", "rate", "bridge", "version", "why") or not rest or rest[0] in opened, (
-            f"%lrp {line}"
-        )
+        assert (
+            word in ("new", "rate", "bridge", "version", "why", "explain") or not rest or rest[0] in opened
+        ), f"%lrp {line}"
 
 
 @all_notebooks

@@ -6,6 +6,7 @@ from IPython.core.error import UsageError
 from IPython.core.interactiveshell import InteractiveShell
 from traitlets.config import Config
 
+from lrp_jupyter.codes import CODES
 from lrp_jupyter.grading.challenges import challenge
 from lrp_jupyter.widgets import registry
 from lrp_jupyter.widgets.lab import Lab
@@ -126,6 +127,12 @@ def test_why_is_answered_about_now_and_about_a_time(shell, run):
     assert "`robot.move` has not been called" in run("why robot.move")
 
 
+def test_a_code_is_explained_and_all_are_listed(shell, run):
+    assert run("explain LRP301").startswith("LRP301: Unknown event (error)\n")
+    assert run("explain 301") == run("explain LRP301")
+    assert len(run("explain").splitlines()) == len(CODES)
+
+
 def test_a_block_that_does_not_return_is_interrupted_by_its_word(shell, run):
     cell(shell, "mine", A)
     assert "nothing to interrupt" in run("interrupt mine")
@@ -199,6 +206,7 @@ def test_there_is_nothing_to_debug_before_a_block_fails(shell, run):
         ("new folower", "There is no bundled program `folower`. Did you mean `follower`? Choose one of"),
         ("new mine", "`wall-follower`, or begin an empty program with `%%lrp mine`."),
         ("new", "Expected one name, not 0. Write `%lrp new NAME`."),
+        ("explain LPR301", "There is no code `LPR301`. Did you mean `LRP301`?"),
         ("why", "Write the name of a transition, a state or a command"),
         ("why a at", "Write the seconds of the run after `at`"),
         ("why a at noon", "`noon` is not a number of seconds."),

@@ -8,8 +8,9 @@ from __future__ import annotations
 from collections.abc import Collection
 
 from lrp_jupyter.arguments import check_type
+from lrp_jupyter.codes import FINDINGS as CODES
+from lrp_jupyter.codes import Code
 from lrp_jupyter.errors import MOST_FINDINGS, listed
-from lrp_jupyter.language.checks.findings import CODES, Code
 from lrp_jupyter.language.checks.names import check_names
 from lrp_jupyter.language.checks.python import check_python
 from lrp_jupyter.language.checks.reachability import check_reachability

@@ -6,7 +6,7 @@ from collections.abc import Collection, Iterable
 from difflib import get_close_matches
 from functools import cached_property, lru_cache
 
-from lrp_jupyter.language.checks.findings import CODES
+from lrp_jupyter.codes import FINDINGS
 from lrp_jupyter.language.program import Edit, Finding, Fix, Name, Program, Span
 from lrp_jupyter.language.sheet import Sheet
 
@@ -48,7 +48,7 @@ class Reporter:
     ) -> None:
         """Report a finding of the given code at a range of the text."""
         start, end = self.program.place(span.start), self.program.place(span.end)
-        finding = Finding(code, CODES[code].severity, message, *start, *end, fix, prefix, creates)
+        finding = Finding(code, FINDINGS[code].severity, message, *start, *end, fix, prefix, creates)
         self.findings.append(finding)
 
     def unknown(

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.interpreter.reasons import ReasonCode
+from lrp_jupyter.live.reason import CommandCode, Reason, StateCode
 
 __all__ = ["AnswerDraft"]
 
@@ -32,7 +33,7 @@ class AnswerDraft:
         self.sentences.append(sentence)
         self.lines += lines
 
-    def reason(self, code: str, tick: int, time: float) -> Reason:
+    def reason(self, code: ReasonCode | StateCode | CommandCode, tick: int, time: float) -> Reason:
         """Return the finished answer."""
         lines = tuple(dict.fromkeys(line for line in self.lines if line))
         facts = {**self.facts, "lines": lines}

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from lrp_jupyter.interpreter.facts import Commanded, Entered, Fact, Fired, Spawned
 from lrp_jupyter.interpreter.history import PastMachine
 from lrp_jupyter.language.resolution import resolve
-from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.reason import Reason, StateCode
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of, line_of_state, line_of_transition, spawns_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
@@ -43,7 +43,7 @@ def entered_otherwise(run: RecordedRun, entered: Entered, called: str, when: flo
     where = f" (line {lines[0]})" if lines else ""
     spawn = f"`(spawn {machine} {name})`{where}"
     restart = restart_of(run.facts(when - 0.5))
-    code = "spawned"
+    code: StateCode = "spawned"
     if command is not None:
         why = f"because an edit added {spawn}"
     elif by:

@@ -15,7 +15,7 @@ from lrp_jupyter.language.blocks import read
 from lrp_jupyter.language.program import Program
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.loop import Loop
-from lrp_jupyter.live.reason import Reason
+from lrp_jupyter.live.reason import CommandCode, Reason
 from lrp_jupyter.live.why.draft import AnswerDraft
 from lrp_jupyter.live.why.elements import line_of
 from lrp_jupyter.live.why.recorded_run import RecordedRun
@@ -116,7 +116,7 @@ def _lines_with(program: Program, attribute: str) -> list[int]:
 
 def _fate(
     run: RecordedRun, loop: Loop, last: CommandRecord, given: int, tick: int, now: bool
-) -> tuple[str, str]:
+) -> tuple[CommandCode, str]:
     """Return what became of a command that was given in a tick: the code, and a sentence or nothing."""
     safety = loop.bridge.safety
     if not last.sent and not safety.armed:

@@ -1,0 +1,43 @@
+"""A reason reads as sentences, and the reference lists every code; tests/test_codes.py has the programs."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from lrp_jupyter.codes import CODES
+from lrp_jupyter.live.reason import EXPLANATIONS
+
+REFERENCE = Path(__file__).parents[2] / "notebooks" / "reference" / "language.ipynb"
+
+
+@pytest.mark.parametrize(
+    ("code", "said"),
+    [
+        ("transition-raised", "its condition is `1 / 0 > 1`. ZeroDivisionError: division by zero."),
+        ("transition-unknown-event", "`go` (line 2) did not fire at 0.2 s. There is no event `ghost`."),
+        ("transition-delay-not-over", "since `a` was entered at 0 s, when `m` started."),
+        (
+            "command-stopped",
+            "given by `a.running` (line 2) at 0.9 s, repeated since 0.1 s. Then the program",
+        ),
+    ],
+)
+def test_a_reason_reads_as_sentences(code, said):
+    names = {"text": CODES[code].example}
+    exec(CODES[code].script, names)
+    names["session"].close()
+    assert said in str(names["reason"])
+
+
+def test_the_reference_lists_them_all():
+    notebook = json.loads(REFERENCE.read_text(encoding="utf-8"))
+    tables = "".join(
+        "".join(output["data"]["text/markdown"])
+        for cell in notebook["cells"]
+        for output in cell.get("outputs", ())
+        if "text/markdown" in output.get("data", {})
+    )
+    for kind, codes in EXPLANATIONS.items():
+        for code, text in codes.items():
+            assert f"| {kind} | `{code}` | {text} |" in tables
