@@ -109,6 +109,14 @@ export interface WhyRequest {
   path: string;
 }
 
+/** Explain a code, such as ``LRP301``. Answered by `explanation`. */
+export interface ExplainRequest {
+  view: string;
+  id: number;
+  type: "explain";
+  code: string;
+}
+
 /** List the earlier texts, the newest first. Answered by `versions`. */
 export interface VersionsRequest {
   view: string;
@@ -1359,6 +1367,18 @@ export interface WhyView {
   present: boolean;
 }
 
+/** What a code means; its `address` is the one in the documentation. */
+export interface ExplanationView {
+  code: string;
+  title: string;
+  explanation: string;
+  example: string;
+  script: string;
+  remedy: string;
+  repaired: string;
+  address: string;
+}
+
 export type HappeningKind = "entered" | "ended" | "edit" | "restart" | "issue" | "pause" | "command" | "hand";
 
 /** Something that happened in a run, for the timeline. */
@@ -1444,6 +1464,7 @@ export interface ReplyMessage {
   references?: ReferencesView | null;
   inspect?: InspectView;
   why?: WhyView;
+  explanation?: ExplanationView;
   timeline?: TimelineView;
   what_if?: WhatIfView;
   versions?: VersionView[];
@@ -1465,6 +1486,7 @@ export type FromPage =
   | ReferencesRequest
   | FormatRequest
   | WhyRequest
+  | ExplainRequest
   | VersionsRequest
   | SaveRequest
   | InspectRequest

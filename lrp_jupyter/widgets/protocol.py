@@ -742,6 +742,19 @@ class WhyView(TypedDict):
     present: bool
 
 
+class ExplanationView(TypedDict):
+    """What a code means; its `address` is the one in the documentation."""
+
+    code: str
+    title: str
+    explanation: str
+    example: str
+    script: str
+    remedy: str
+    repaired: str
+    address: str
+
+
 HappeningKind = Literal["entered", "ended", "edit", "restart", "issue", "pause", "command", "hand"]
 
 
@@ -864,6 +877,7 @@ class ReplyMessage(TypedDict):
     references: NotRequired[ReferencesView | None]
     inspect: NotRequired[InspectView]
     why: NotRequired[WhyView]
+    explanation: NotRequired[ExplanationView]
     timeline: NotRequired[TimelineView]
     what_if: NotRequired[WhatIfView]
     versions: NotRequired[list[VersionView]]

@@ -18,6 +18,7 @@ from typing import Any
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member, MemberError
 from lrp_jupyter.bridges.nodes import RobotMethod
+from lrp_jupyter.codes import explain
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, UnknownElementError
 from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.language.format import formatting
@@ -28,10 +29,19 @@ from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.widgets.messages import OpenProgram, PageRequest
 from lrp_jupyter.widgets.places import edits_view, id_of, offset_of, path_of, range_of
-from lrp_jupyter.widgets.protocol import ElementKind, HoverView, Option, ReferencesView, WhyLine, WhyView
+from lrp_jupyter.widgets.protocol import (
+    ElementKind,
+    ExplanationView,
+    HoverView,
+    Option,
+    ReferencesView,
+    WhyLine,
+    WhyView,
+)
 
 __all__ = [
     "CompleteRequest",
+    "ExplainRequest",
     "FormatRequest",
     "HoverRequest",
     "ReferencesRequest",
@@ -118,6 +128,28 @@ class WhyRequest(PageRequest, type="why"):
     def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
         """Return the reason."""
         return {"why": _why(opened, self.kind, self.path)}
+
+
+@dataclass(frozen=True)
+class ExplainRequest(PageRequest, type="explain"):
+    """Explain a code, such as ``LRP301``. Answered by `explanation`."""
+
+    code: str
+
+    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
+        """Return what it means."""
+        code, *_ = explain(self.code)
+        explanation: ExplanationView = {
+            "code": code.code,
+            "title": code.title,
+            "explanation": code.explanation,
+            "example": code.example,
+            "script": code.script,
+            "remedy": code.remedy,
+            "repaired": code.repaired,
+            "address": code.address,
+        }
+        return {"explanation": explanation}
 
 
 @dataclass(frozen=True)

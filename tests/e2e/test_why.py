@@ -66,3 +66,18 @@ def test_a_transition_without_a_name_is_called_as_in_the_sentence(open_lab):
     lab.page.keyboard.press("?")
     card(lab)
     lab.reads(".lrp-why .lrp-title", "Why not full:count->rest?")
+
+
+def test_a_code_is_explained_where_it_is_shown(open_lab):
+    lab = open_lab(COUNTER.replace("-> rest tfull", "-> rset tfull"))
+    lab.find('[data-lrp-issue="LRP303"] [data-lrp-action="explain"]').click()
+    answer = card(lab)
+    assert answer.get_attribute("aria-label") == "Unknown destination"
+    assert "(ontime 1000 a -> moving)" in answer.inner_text()
+    assert answer.locator("a").get_attribute("href").endswith("/errors.html#LRP303")
+    lab.page.keyboard.press("Escape")
+    lab.misses(".lrp-why")
+    lab.find(".cm-content").focus()
+    lab.page.keyboard.press("F8")  # to the next finding, its card open
+    lab.sees(".cm-tooltip [data-lrp-action='explain']").click()
+    assert card(lab).get_attribute("aria-label") == "Unknown destination"

@@ -6,6 +6,7 @@ import threading
 import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.codes import CODES
 from lrp_jupyter.widgets.requests import CompleteRequest, HoverRequest, fields_of
 
 PROGRAM = """\
@@ -229,6 +230,13 @@ def test_why_is_answered_with_the_lines_that_matter(lab, page):
     robot = page.ask("why", kind="robot", path="")["why"]
     assert robot["code"] == "never"
     assert "no transition" in page.ask("why", kind="transition", path="m:stop")["error"]
+
+
+def test_a_code_is_explained(page):
+    explanation = page.ask("explain", code="transition-fired")["explanation"]
+    assert (explanation["code"], explanation["title"]) == ("transition-fired", "It fired")
+    assert explanation["address"] == CODES["transition-fired"].address
+    assert "Did you mean `LRP301`?" in page.ask("explain", code="LPR301")["error"]
 
 
 def test_why_is_refused_before_the_first_tick_and_without_a_robot(bench):

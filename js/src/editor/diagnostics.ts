@@ -2,8 +2,9 @@
 
 import { type Action, type Diagnostic, diagnosticCount, setDiagnostics } from "@codemirror/lint";
 import type { EditorView } from "@codemirror/view";
+import { codeButton } from "../parts/explain";
 import type { FindingView, IssueView, QuickFix, Severity, TextRange } from "../protocol";
-import type { LabState } from "../session/state";
+import type { Lab } from "../session/store";
 import { h, prose, unmarked } from "../ui/dom";
 import { select } from "./cursor";
 import type { Tracked } from "./texts";
@@ -14,22 +15,23 @@ const SEVERITY: Record<Severity, Diagnostic["severity"]> = {
   hint: "info",
 };
 
-export function showDiagnostics(view: EditorView, lab: LabState, sent: Tracked, running: Tracked): void {
-  if (!lab.findings.length && !Object.keys(lab.issues).length && !diagnosticCount(view.state)) return;
+export function showDiagnostics(view: EditorView, lab: Lab, sent: Tracked, running: Tracked): void {
+  const { findings, issues } = lab.store.state;
+  if (!findings.length && !Object.keys(issues).length && !diagnosticCount(view.state)) return;
   const diagnostics: Diagnostic[] = [];
-  for (const finding of lab.findings) {
-    const found = ofFinding(view, finding, sent);
+  for (const finding of findings) {
+    const found = ofFinding(view, lab, finding, sent);
     if (found) diagnostics.push(found);
   }
-  for (const issue of Object.values(lab.issues)) {
-    const found = issue.resolved ? null : ofIssue(view, issue, running);
+  for (const issue of Object.values(issues)) {
+    const found = issue.resolved ? null : ofIssue(view, lab, issue, running);
     if (found) diagnostics.push(found);
   }
   diagnostics.sort((a, b) => a.from - b.from);
   view.dispatch(setDiagnostics(view.state, diagnostics));
 }
 
-function ofFinding(view: EditorView, finding: FindingView, sent: Tracked): Diagnostic | null {
+function ofFinding(view: EditorView, lab: Lab, finding: FindingView, sent: Tracked): Diagnostic | null {
   const span = visible(view, finding.range, sent);
   if (!span) return null;
   const fixes = [finding.fix, finding.creates].filter((fix) => fix !== null);
@@ -37,7 +39,7 @@ function ofFinding(view: EditorView, finding: FindingView, sent: Tracked): Diagn
     ...span,
     severity: SEVERITY[finding.severity],
     message: finding.message,
-    renderMessage: () => message(finding.code, finding.message),
+    renderMessage: () => message(lab, finding.code, finding.message),
     actions: fixes.map((fix) => action(fix, sent)),
   };
 }
@@ -61,19 +63,26 @@ function action({ title, edits }: QuickFix, sent: Tracked): Action {
   return { name: unmarked(title), apply };
 }
 
-function ofIssue(view: EditorView, issue: IssueView, running: Tracked): Diagnostic | null {
+function ofIssue(view: EditorView, lab: Lab, issue: IssueView, running: Tracked): Diagnostic | null {
   const span = issue.range && visible(view, issue.range, running);
   if (!span) return null;
   return {
     ...span,
     severity: SEVERITY[issue.severity],
     message: issue.message,
-    renderMessage: () => message(issue.code, issue.message, `${issue.count}×`),
+    renderMessage: () => message(lab, issue.code, issue.message, `${issue.count}×`),
   };
 }
 
-function message(code: string, sentence: string, note = ""): HTMLElement {
-  return h("div", {}, ...prose(sentence), h("span", { class: "lrp-code" }, ` ${code} ${note}`));
+function message(lab: Lab, code: string, sentence: string, note = ""): HTMLElement {
+  return h(
+    "div",
+    {},
+    ...prose(sentence),
+    " ",
+    codeButton(lab, code),
+    h("span", { class: "lrp-code" }, ` ${note}`),
+  );
 }
 
 /** A span that can be seen: an empty one is widened to a character, or to its line. */

@@ -97,7 +97,7 @@ export class Editor implements Typist {
     this.pen = new Pen(this.view, lab);
     const { store } = lab;
     store.watch(["findings", "issues", "revision"], () => {
-      if (this.document) showDiagnostics(this.view, store.state, this.answered, this.running);
+      if (this.document) showDiagnostics(this.view, lab, this.answered, this.running);
     });
     store.watch(["breakpoints"], () => this.redraw());
     store.watch(["hands"], () => this.showHands());

@@ -5,6 +5,7 @@ import type { Lab } from "../session/store";
 import { button, panel, setSwitch, toggle } from "../ui/button";
 import { h, prose, reconcile, setAttribute, setText } from "../ui/dom";
 import { breakpointList } from "./breakpointlist";
+import { codeButton } from "./explain";
 
 interface Entry {
   key: string;
@@ -95,7 +96,7 @@ function make(lab: Lab, entry: Entry): HTMLElement {
     h("span", { class: "lrp-issue-text" }),
     h("span", { class: "lrp-issue-note" }),
   );
-  item.append(go);
+  item.append(go, codeButton(lab, entry.code));
   if (entry.issue?.traceback)
     item.append(h("details", {}, h("summary", {}, "Traceback"), h("pre", { tabindex: "0" })));
   return item;
@@ -107,19 +108,19 @@ const current = new WeakMap<Element, Entry>();
 function update(item: Element, entry: Entry): void {
   const before = current.get(item);
   current.set(item, entry);
-  const { issue, severity, range, code, message } = entry;
+  const { issue, severity, range, message } = entry;
   setAttribute(item, "data-severity", severity);
   setAttribute(item, "data-resolved", issue?.resolved ?? false);
   const text = item.querySelector(".lrp-issue-text")!;
   if (before?.message !== message)
     text.replaceChildren(h("span", { class: "lrp-hidden" }, `${severity}: `), ...prose(message));
-  setText(item.querySelector(".lrp-issue-note")!, note(issue, range, code));
+  setText(item.querySelector(".lrp-issue-note")!, note(issue, range));
   const trace = item.querySelector("pre");
   if (trace && issue) setText(trace, issue.traceback);
 }
 
-function note(issue: IssueView | null, range: TextRange | null, code: string): string {
-  const parts = [range ? `line ${range.line}` : "", code];
+function note(issue: IssueView | null, range: TextRange | null): string {
+  const parts = [range ? `line ${range.line}` : ""];
   if (issue) {
     const { first_tick: first, last_tick: last, count } = issue;
     parts.push(

@@ -3,53 +3,30 @@
 import type { ElementKind, WhyView } from "../protocol";
 import { newest } from "../session/newest";
 import type { Lab } from "../session/store";
-import { button } from "../ui/button";
+import { openCard, type Point } from "../ui/card";
 import { h, prose } from "../ui/dom";
-import { openPopup } from "../ui/popup";
-import { partInSight } from "../ui/sight";
+import { codeButton } from "./explain";
 
-const EDGE = 6; // px between the card and the edge of what can be seen
 const INTERVAL = 500; // ms between two questions while the program runs
 
 /** Ask, and show the answer beside a point of the window; it follows the program until it is closed. */
-export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: number; y: number }): void {
+export function askWhy(lab: Lab, kind: ElementKind, path: string, at: Point): void {
   const sentence = h("p", { class: "lrp-why-sentence", role: "status" });
   const lines = h("div", { class: "lrp-why-lines" });
   const plain = titleOf(kind, path.slice(Math.max(path.lastIndexOf("/"), path.indexOf(":")) + 1));
   const title = h("span", {}, plain);
   const when = h("span", { class: "lrp-faint" });
-  const card = h(
-    "section",
-    {
-      class: "lrp-why",
-      role: "dialog",
-      "aria-label": plain,
-      tabindex: "-1",
-      onkeydown: (event: KeyboardEvent) => {
-        if (event.key !== "Escape") return;
-        event.stopPropagation();
-        close(true);
-      },
-    },
-    h(
-      "header",
-      { class: "lrp-head" },
-      h("div", { class: "lrp-title" }, title, when),
-      h(
-        "div",
-        { class: "lrp-tools" },
-        button({ icon: "close", title: "Close", action: "close-why", onclick: () => close(true) }),
-      ),
-    ),
-    sentence,
-    lines,
-  );
+  const meaning = h("div", {});
   let answered = Number.NEGATIVE_INFINITY; // when, in ms
   let shown = "";
   let isOpen = true;
   const show = (why: WhyView) => {
     when.textContent = ` at ${why.time.toFixed(1)} s`;
-    card.dataset.code = why.code;
+    if (card.dataset.code !== why.code) {
+      card.dataset.code = why.code;
+      const asked = kind === "robot" ? "command" : kind;
+      meaning.replaceChildren(codeButton(lab, `${asked}-${why.code}`, why.code));
+    }
     title.textContent = titleOf(kind, why.name, why.code);
     card.setAttribute("aria-label", title.textContent);
     const content = JSON.stringify([why.sentence, why.lines, why.present]);
@@ -75,6 +52,8 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: numbe
     when.textContent = "";
     sentence.replaceChildren(...prose(error));
     lines.replaceChildren();
+    meaning.replaceChildren();
+    delete card.dataset.code;
   };
   const ask = newest(
     lab.closed,
@@ -89,20 +68,10 @@ export function askWhy(lab: Lab, kind: ElementKind, path: string, at: { x: numbe
       place();
     },
   );
-  const place = () => {
-    const frame = lab.root.getBoundingClientRect();
-    const { top, bottom } = partInSight(lab.root);
-    const left = Math.min(at.x - frame.left + EDGE, frame.width - card.offsetWidth - EDGE);
-    const below = Math.min(at.y - frame.top + EDGE, bottom - card.offsetHeight - EDGE);
-    card.style.left = `${Math.max(EDGE, left)}px`;
-    card.style.top = `${Math.max(top + EDGE, below)}px`;
-  };
-  const close = openPopup(lab.root, card, () => {
+  const { card, place } = openCard(lab, at, "close-why", [title, when], [sentence, lines, meaning], () => {
     isOpen = false;
     unwatch();
   });
-  place();
-  card.focus({ preventScroll: true });
   const unwatch = lab.store.watch(["tick", "status", "program", "looking"], ask);
 }
 
