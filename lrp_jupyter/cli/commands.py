@@ -523,10 +523,15 @@ def site(
 
     Any host of static pages can publish it; `python -m http.server --directory DIR` shows it here.
     """
-    from lrp_jupyter.cli.lab import shipped_notebooks
+    from tempfile import TemporaryDirectory
+
+    from lrp_jupyter.cli.lab import copy_notebooks
     from lrp_jupyter.site.build import build_site
 
-    build_site(folder, notebooks or shipped_notebooks(), offline=offline, pyodide=pyodide, say=typer.echo)
+    with TemporaryDirectory(prefix="lrp-notebooks-") as own:
+        if notebooks is None:
+            copy_notebooks(Path(own))
+        build_site(folder, notebooks or Path(own), offline=offline, pyodide=pyodide, say=typer.echo)
     typer.echo(
         f"The site is in {folder}. Try it: python -m http.server --bind 127.0.0.1 --directory {folder}"
     )

@@ -32,6 +32,12 @@ def test_the_notebooks_are_copied_once(tmp_path):
     assert (tmp_path / FIRST).read_text() == "mine"
 
 
+def test_the_sources_of_the_documentation_are_not_copied(tmp_path):
+    suffixes = {path.suffix for path in copy_notebooks(tmp_path)}
+    assert ".ipynb" in suffixes
+    assert not suffixes & {".md", ".py"}
+
+
 def test_every_notebook_is_shipped():
     assert len(list(shipped_notebooks().rglob("*.ipynb"))) >= 6
 
