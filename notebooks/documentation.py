@@ -58,14 +58,19 @@ _FAMILIES = {
 }
 
 
+def _linked(text: str) -> str:
+    """Return Markdown in which a code leads to its place on the page."""
+    return re.sub(r"`(LRP\d+)`", r'<a href="#\1"><code>\1</code></a>', text)
+
+
 def _section(code: Code) -> str:
     parts = [f'<span id="{code.code}"></span>', f"### {code.code}: {code.title}", f"*{code.kind}*"]
-    parts.append(code.explanation)
+    parts.append(_linked(code.explanation))
     if code.example:
         parts.append(f"```lrp\n{code.example}\n```")
     if code.script:
         parts.append(f"```{'sh' if code.script.startswith('lrp ') else 'python'}\n{code.script}\n```")
-    parts.append(f"**What to do.** {code.remedy}")
+    parts.append(f"**What to do.** {_linked(code.remedy)}")
     if code.repaired:
         parts.append(f"```lrp\n{code.repaired}\n```")
     return "\n\n".join(parts)
@@ -154,7 +159,7 @@ def generate(app: Any, _name: str, source: list[str]) -> None:
         return found[0] if Path(app.srcdir, found[1]).is_dir() else ""
 
     text = re.sub(r"<!-- generated: (\w+) -->", lambda found: _GENERATED[found[1]](), source[0])
-    source[0] = re.sub(r"^(\w+)/\*\n", listed, text, flags=re.MULTILINE)
+    source[0] = re.sub(r"^(\w+)/\*+\n", listed, text, flags=re.MULTILINE)
 
 
 # -- programs in colour ----------------------------------------------------------------------------
