@@ -284,7 +284,6 @@ class Goal:
         if decided is not None:
             looking.look(session, begin + decided)
 
-
     def _driven(self, session: Session, begin: float) -> list[tuple[float, float, float, str]]:
         """Return the way of the present run, with times of the session."""
         run = None if self._referee is None else self._referee.run
