@@ -18,7 +18,7 @@ version = release = installed("lrp-jupyter")
 html_title = "lrp-jupyter"
 html_theme = "furo"
 smartquotes = False  # what is quoted is often typed
-html_baseurl = f"{DOCUMENTATION}/"
+html_baseurl = f"{DOCUMENTATION}/" if DOCUMENTATION else ""
 html_copy_source = False
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "documentation"]
 exclude_patterns = ["**/.*", "hosts"]

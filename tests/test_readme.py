@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import os
 import re
-import tomllib
 from pathlib import Path
 
 import pytest
 
 from lrp_jupyter import Session, check, programs
 from lrp_jupyter.cli import app
-from lrp_jupyter.codes import DOCUMENTATION
 from lrp_jupyter.sim.worlds import BUNDLED
 
 ROOT = Path(__file__).parent.parent
@@ -128,12 +125,6 @@ def test_the_page_of_the_command_line_lists_every_command():
     for command in app.registered_commands:
         name = command.name or command.callback.__name__
         assert f"`lrp {name}" in page, name
-
-
-@pytest.mark.skipif("LRP_DOCS" in os.environ, reason="the environment names another address")
-def test_the_address_of_the_documentation_is_that_of_the_package():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    assert project["urls"]["Documentation"] == DOCUMENTATION
 
 
 def test_it_has_two_commands_that_create_an_environment():

@@ -52,6 +52,11 @@ describe("a code", () => {
     expect(root.querySelector('[role="dialog"]')).toBeNull();
   });
 
+  it("leads nowhere while the documentation is not published", async () => {
+    await open({ explanation: { ...UNKNOWN, address: "errors.html#LRP301" } });
+    expect(root.querySelector('[role="dialog"] a')).toBeNull();
+  });
+
   it("says why it cannot be explained", async () => {
     await open({ error: "There is no code `LRP301`." });
     expect(told).toEqual(["There is no code `LRP301`."]);

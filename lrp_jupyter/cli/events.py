@@ -10,7 +10,7 @@ from rich.console import Console, RenderableType
 from rich.text import Text
 
 from lrp_jupyter.cli.excerpt import excerpt
-from lrp_jupyter.codes import address_of
+from lrp_jupyter.codes import style_of
 from lrp_jupyter.interpreter.events import TraceEvent
 from lrp_jupyter.interpreter.frame import matches
 from lrp_jupyter.interpreter.issues import Issue
@@ -112,6 +112,6 @@ class EventPrinter:
 def _issue(issue: Issue, source: str) -> Text:
     rows = "\n".join(excerpt(source, issue.line, issue.column))
     return Text.assemble(
-        (f"issue {issue.code}", f"bold red link {address_of(issue.code)}"),
+        (f"issue {issue.code}", style_of(issue.code, "bold red")),
         f" line {issue.line}: {issue.message}\n{rows}",
     )

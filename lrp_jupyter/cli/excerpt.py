@@ -8,7 +8,7 @@ from rich.cells import cell_len
 from rich.console import Console
 from rich.text import Text
 
-from lrp_jupyter.codes import address_of
+from lrp_jupyter.codes import style_of
 from lrp_jupyter.language.program import Finding, line_starts
 
 __all__ = ["COLOURS", "excerpt", "finding_text", "plain_console", "summary"]
@@ -67,9 +67,7 @@ def finding_text(name: str, text: str, finding: Finding) -> Text:
     """Return a finding as text, with the line of the source that it is about."""
     out = Text()
     out.append(f"{name}:{finding.line}:{finding.column}: ", "bold")
-    out.append(
-        f"{finding.severity} {finding.code}", f"{COLOURS[finding.severity]} link {address_of(finding.code)}"
-    )
+    out.append(f"{finding.severity} {finding.code}", style_of(finding.code, COLOURS[finding.severity]))
     out.append(f": {finding.message}\n")
     for row in excerpt(text, finding.line, finding.column, finding.end_line, finding.end_column):
         head, bar, code = row.partition(" | ")

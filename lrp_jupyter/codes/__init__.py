@@ -19,10 +19,10 @@ from typing import cast
 
 from lrp_jupyter.errors import LRPError, Severity, did_you_mean
 
-__all__ = ["CODES", "DOCUMENTATION", "FINDINGS", "Code", "address_of", "explain"]
+__all__ = ["CODES", "DOCUMENTATION", "FINDINGS", "Code", "address_of", "explain", "style_of"]
 
-DOCUMENTATION = os.environ.get("LRP_DOCS", "https://lrp-jupyter.readthedocs.io/en/latest").rstrip("/")
-"""Where the documentation is published; the environment variable ``LRP_DOCS`` names another place."""
+DOCUMENTATION = os.environ.get("LRP_DOCS", "").rstrip("/")
+"""Where the documentation is published: the environment variable ``LRP_DOCS``, or an empty text."""
 
 _FENCE = re.compile(r"^```(\w+)\n(.*?)\n```$", re.DOTALL | re.MULTILINE)
 
@@ -83,7 +83,7 @@ class Code:
         parts += ["What to do", self.remedy]
         if self.repaired:
             parts.append(indent(self.repaired, "    "))
-        return "\n\n".join([*parts, self.address])
+        return "\n\n".join([*parts, *([self.address] if DOCUMENTATION else [])])
 
 
 class _Codes(Mapping[str, Code]):
@@ -112,8 +112,13 @@ FINDINGS: Mapping[str, Code] = _Codes("LRP")
 
 
 def address_of(code: str) -> str:
-    """Return the address of the explanation of a code in the documentation."""
-    return f"{DOCUMENTATION}/errors.html#{code}"
+    """Return the address of the explanation of a code; without :data:`DOCUMENTATION`, its place there."""
+    return f"{DOCUMENTATION}/errors.html#{code}".lstrip("/")
+
+
+def style_of(code: str, style: str) -> str:
+    """Return a style of rich with which a terminal makes of a code a link to its explanation."""
+    return f"{style} link {address_of(code)}" if DOCUMENTATION else style
 
 
 def explain(word: str) -> tuple[Code, ...]:

@@ -91,12 +91,13 @@ def test_every_code_is_listed(lrp):
     assert _first_words(lrp("explain").stdout) == list(CODES)
 
 
-def test_a_code_is_explained_with_its_program_its_remedy_and_its_address(lrp):
+def test_a_code_is_explained_with_its_program_its_remedy_and_its_address(lrp, monkeypatch):
+    monkeypatch.setattr("lrp_jupyter.codes.DOCUMENTATION", "https://example.org/lrp")
     text = lrp("explain", "lrp301").stdout
     assert text.startswith("LRP301: Unknown event (error)\n\nThe transition never fires.")
     assert "    (on bumb a -> b))\n" in text.partition("\nWhat to do\n")[0]
     assert "    (on bump a -> b))\n" in text.partition("\nWhat to do\n")[2]
-    assert text.endswith(f"\n\n{CODES['LRP301'].address}\n")
+    assert text.endswith("\n\nhttps://example.org/lrp/errors.html#LRP301\n")
 
 
 def test_an_unknown_code_is_a_sentence(lrp):

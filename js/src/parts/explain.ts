@@ -39,7 +39,8 @@ function show(lab: Lab, { code, title, ...parts }: ExplanationView, at: Point): 
     h("strong", {}, "What to do"),
     paragraph(parts.remedy),
     source(parts.repaired),
-    h("a", { href: parts.address, target: "_blank", rel: "noopener" }, "In the documentation"),
+    /^https?:/.test(parts.address) && // where the documentation is published
+      h("a", { href: parts.address, target: "_blank", rel: "noopener" }, "In the documentation"),
   );
   const heading = [h("span", {}, ...prose(title)), h("span", { class: "lrp-faint" }, ` ${code}`)];
   openCard(lab, at, "close-explanation", heading, [body]);
