@@ -67,8 +67,11 @@ class Robot(NotAValue):
 
     def _not_a_value(self) -> str:
         what, names = f"robot.{self._prefix}".rstrip("."), dir(self)
-        if "data" in names:
-            return f"`{what}` is the sensor; its value is `{what}.data`."
+        table = self._bridge.nodes.table
+        readings = [name for name in names if isinstance(table[self._prefix + name], RobotVariable)]
+        if "data" in readings or len(readings) == 1:
+            value = "data" if "data" in readings else readings[0]
+            return f"`{what}` is the sensor; its value is `{what}.{value}`."
         listed = ", ".join(f"`{what}.{name}`" for name in names) or "no members"
         return f"`{what}` is a part of the robot, not a value. It has {listed}."
 

@@ -26,7 +26,7 @@ from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.sim.edits import Become, Draw, Edition, WorldEdit, WorldHistory, is_edit
 from lrp_jupyter.sim.inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.robot import SimRobot
-from lrp_jupyter.sim.sensors import Readings
+from lrp_jupyter.sim.sensors import Readings, light_directions, ray_directions
 from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
 from lrp_jupyter.sim.world import Noise, World, WorldError
 
@@ -162,20 +162,26 @@ class SimBridge(Bridge):
         self._sensors = {}
         if spec.light:
             doc = "brightness of the floor: 0 black ... 255 white"
-            self._add("light.data", lambda seen: next(iter(seen.lights), None), doc, kind=int)
+            self._add("light.data", partial(_nth_light, 0), doc, kind=int)
         if len(spec.light) > 1:
             doc = "brightness below each sensor: " + ", ".join(map(_place, spec.light))
             self._add("light.all", lambda seen: seen.lights, doc, kind=tuple)
+            for side, index in light_directions(spec.light).items():
+                doc = f"brightness of the floor at {_place(spec.light[index])}: 0 black ... 255 white"
+                self._add(f"{side}.light", partial(_nth_light, index), doc, kind=int)
         if spec.bumper:
             self._add("bumper.data", lambda seen: bool(seen.bumper), "True pressed, False free", kind=bool)
         if spec.distance:
             doc = f"to the next solid {_bearing(spec.distance[0][0])}; inf: nothing in reach"
-            self._add("distance.data", lambda seen: next(iter(seen.distances), None), doc, "m", float)
+            self._add("distance.data", partial(_nth_distance, 0), doc, "m", float)
         if len(spec.distance) > 1:
             doc = "to the next solid along each ray: " + ", ".join(
                 _bearing(angle) for angle, _ in spec.distance
             )
             self._add("distance.all", lambda seen: seen.distances, doc, "m", tuple)
+        for side, index in ray_directions(spec.distance).items():
+            doc = f"to the next solid {_bearing(spec.distance[index][0])}; inf: nothing in reach"
+            self._add(f"{side}.distance", partial(_nth_distance, index), doc, "m", float)
         self._add("gyro.data", lambda seen: seen.gyro, "angle turned since the start", "rad", float)
         for index, (name, unit, doc) in enumerate(_ODOM):
             self._add(f"odom.{name}", partial(_odom, index), doc, unit, float)
@@ -551,6 +557,14 @@ def _picture(simulation: Simulation) -> SimPicture:
         simulation.revision,
         len(simulation.floor.marks),
     )
+
+
+def _nth_light(index: int, seen: Readings) -> int | None:
+    return seen.lights[index] if index < len(seen.lights) else None
+
+
+def _nth_distance(index: int, seen: Readings) -> float | None:
+    return seen.distances[index] if index < len(seen.distances) else None
 
 
 def _odom(index: int, seen: Readings) -> float:

@@ -63,6 +63,7 @@ def list_worlds(show: str | None, as_json: bool) -> None:
     if as_json:
         sys.stdout.write(world.to_json(indent=2) + "\n")
         return
+    from lrp_jupyter.bridges.sim import SimBridge
     from lrp_jupyter.cli.map import framed
     from lrp_jupyter.sim.sketch import sketch
 
@@ -72,6 +73,9 @@ def list_worlds(show: str | None, as_json: bool) -> None:
     console.print("# solid   ▒ can be pushed   · line   → robot", style="dim")
     if world.zones:
         console.print(f"zones: {', '.join(world.zones)}", style="dim")
+    robot = SimBridge(world)
+    robot.add_members()
+    console.print(f"robot: {', '.join(member.name for member in robot.members())}", style="dim")
 
 
 def list_bridges() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable, Sequence
 from random import Random
 from typing import NamedTuple
 
@@ -11,7 +12,18 @@ import pymunk
 from lrp_jupyter.sim.floor import LiveFloor
 from lrp_jupyter.sim.world import Point, Pose, RobotSpec
 
-__all__ = ["Odometer", "Readings", "light_spots", "read_distances", "read_lights"]
+__all__ = [
+    "Odometer",
+    "Readings",
+    "light_directions",
+    "light_spots",
+    "ray_directions",
+    "read_distances",
+    "read_lights",
+]
+
+_DIRECTIONS = ("front", "front_left", "left", "back_left", "back", "back_right", "right", "front_right")
+_MIDDLE = 0.005  # m: a light sensor nearer to the axis of the robot than this is neither left nor right
 
 
 class Readings(NamedTuple):
@@ -84,6 +96,37 @@ def light_spots(pose: Pose, places: tuple[Point, ...]) -> list[Point]:
     x, y, angle = pose
     cos, sin = math.cos(angle), math.sin(angle)
     return [(x + (cos * ahead - sin * left), y + (sin * ahead + cos * left)) for ahead, left in places]
+
+
+def ray_directions(rays: Sequence[Point]) -> dict[str, int]:
+    """Return the number of the ray in each of eight directions, ``front`` to ``front_right``.
+
+    A direction is 45° wide. Of several rays in it, the one nearest to its middle has the name.
+    """
+    eighth = math.pi / 4
+    turned = [bearing / eighth for bearing, _ in rays]
+    return _nearest((_DIRECTIONS[round(turn) % 8], abs(turn - round(turn))) for turn in turned)
+
+
+def light_directions(places: Sequence[Point]) -> dict[str, int]:
+    """Return the number of the light sensor on each side: ``left``, ``right``, ``front``, ``back``.
+
+    Those in the middle are ``front`` or ``back``. Of several on a side, the outermost has the name.
+    """
+    return _nearest(
+        ("left" if left > 0 else "right", -abs(left))
+        if abs(left) > _MIDDLE
+        else ("back" if ahead < 0 else "front", -abs(ahead))
+        for ahead, left in places
+    )
+
+
+def _nearest(named: Iterable[tuple[str, float]]) -> dict[str, int]:
+    """Return for each name the index of its smallest number."""
+    found: dict[str, tuple[float, int]] = {}
+    for index, (name, deviation) in enumerate(named):
+        found[name] = min(found.get(name, (math.inf, 0)), (deviation, index))
+    return {name: index for name, (_, index) in found.items()}
 
 
 def _cast(radius: float, pose: Pose, ray: Point, space: pymunk.Space, seen: pymunk.ShapeFilter) -> float:

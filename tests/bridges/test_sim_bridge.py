@@ -49,7 +49,7 @@ def test_it_is_armed_and_no_hardware(sim: SimBridge) -> None:
 
 
 def test_the_robot_of_the_papers_program_is_there(sim: SimBridge) -> None:
-    assert dir(sim.robot) == ["bumper", "distance", "gyro", "light", "move", "odom", "pen", "stop"]
+    assert dir(sim.robot) == ["bumper", "distance", "front", "gyro", "light", "move", "odom", "pen", "stop"]
     assert sim.robot.light.data == 255
     assert sim.robot.bumper.data == 0
     assert sim.robot.distance.data > 0
@@ -78,6 +78,70 @@ def test_a_robot_with_several_sensors_of_a_kind_offers_all_in_their_order() -> N
     assert sim.robot.distance.all == pytest.approx((1.42, 0.92))
     assert sim.robot.distance.data == sim.robot.distance.all[0]
     assert sim.describe("distance.all").doc == "to the next solid along each ray: ahead, 90° left"
+
+
+def robot_with(**sensors: object) -> SimBridge:
+    sim = SimBridge(
+        {"version": 1, "size": [4, 2], "robots": [{"pose": [1, 0.5, 0], "radius": 0.1, **sensors}]}
+    )
+    sim.open()
+    return sim
+
+
+def test_distance_sensors_have_the_names_of_their_directions() -> None:
+    for world in ("maze", "walls"):
+        sim = SimBridge(world)
+        sim.open()
+        front, left, right = sim.robot.front, sim.robot.left, sim.robot.right
+        assert dir(left) == dir(front) == dir(right) == ["distance"]
+        assert (front.distance, left.distance, right.distance) == sim.robot.distance.all
+        assert sim.describe("left.distance").doc == "to the next solid 90° left; inf: nothing in reach"
+        assert sim.describe("left.distance").unit == "m"
+
+
+def test_a_direction_that_no_sensor_faces_is_answered_with_what_there_is() -> None:
+    sim = SimBridge("line")
+    sim.open()
+    with pytest.raises(MemberError) as caught:
+        sim.robot.right.distance  # noqa: B018
+    assert str(caught.value).startswith("`robot` has no `right`; it has `bumper`, `distance`, `front`, ")
+
+
+@pytest.mark.parametrize(
+    ("degrees", "names"),
+    [
+        ([0, 90, -90], ["front", "left", "right"]),
+        ([-90, 180], ["right", "back"]),
+        ([45, -45, 135, -135], ["front_left", "front_right", "back_left", "back_right"]),
+        ([20, 5, 275], [None, "front", "right"]),
+        ([10, -10], ["front", None]),
+    ],
+)
+def test_of_several_rays_in_one_direction_the_nearest_has_its_name(
+    degrees: list[float], names: list[str | None]
+) -> None:
+    sim = robot_with(distance=[[math.radians(each), 5] for each in degrees])
+    for name, seen in zip(names, sim.robot.distance.all, strict=True):
+        if name is not None:
+            assert getattr(sim.robot, name).distance == seen
+    parts = {name for name in dir(sim.robot) if "distance" in dir(getattr(sim.robot, name))}
+    assert parts == {name for name in names if name}
+
+
+def test_light_sensors_on_both_sides_have_names() -> None:
+    sim = robot_with(light=[[0.06, 0.02], [0.06, 0.0], [0.06, -0.02], [0.06, -0.04]])
+    sim.draw(((1.0, 0.46), (1.2, 0.46)), width=0.01)
+    sim.simulation.step(0)
+    sim.begin_tick(0.0, PERIOD)
+    assert sim.robot.light.all == (255, 255, 255, 0)
+    assert (sim.robot.left.light, sim.robot.front.light, sim.robot.right.light) == (255, 255, 0)
+    assert (
+        sim.describe("right.light").doc == "brightness of the floor at (0.06, -0.04): 0 black ... 255 white"
+    )
+
+
+def test_a_single_light_sensor_has_no_side(sim: SimBridge) -> None:
+    assert dir(sim.robot.front) == ["distance"]
 
 
 def test_driving_for_a_second_covers_the_way(sim: SimBridge) -> None:

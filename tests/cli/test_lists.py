@@ -38,6 +38,9 @@ def test_a_world_is_drawn_and_is_to_be_had_as_json(lrp, tmp_path):
     assert "#" in drawn
     assert "→" in drawn
     assert "zones: near, far" in drawn
+    assert drawn.splitlines()[-1].startswith(
+        "robot: light.data, bumper.data, distance.data, front.distance, "
+    )
     text = lrp("worlds", "--json", "line").stdout
     path = tmp_path / "mine.json"
     path.write_text(text)

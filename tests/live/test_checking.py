@@ -144,6 +144,27 @@ def test_a_sensor_is_called_by_its_name() -> None:
     assert finding.message == "`robot.distance` is the sensor; its value is `robot.distance.data`."
 
 
+def test_the_directions_of_a_robots_sensors_are_known() -> None:
+    def found(block: str, world: str) -> list[tuple[str, str]]:
+        text = f"; world: {world}\n(machine m (state a (running [{block}]))) (spawn m a)"
+        return [(each.code, each.message) for each in check(text)]
+
+    everywhere = "print(robot.left.distance + robot.front.distance + robot.right.distance)"
+    assert found(everywhere, "maze") == found(everywhere, "walls") == []
+    (first, second) = found(everywhere, "line")
+    assert first[0] == second[0] == "LRP520"
+    assert first[1].startswith("`robot` has no `left`. It has `light`, `bumper`, `distance`, `front`, ")
+    assert found("print(robot.rigt.distance)", "maze") == [
+        ("LRP520", "`robot` has no `rigt`. Did you mean `right`?")
+    ]
+    sensor = "`robot.left` is the sensor; its value is `robot.left.distance`."
+    assert found("print(robot.left + 1)", "maze") == [("LRP522", sensor)]
+    text = "(machine m (state a (running [print(robot.left + 1)]))) (spawn m a)"
+    with Session(text, SimBridge("maze")) as session:
+        session.run(seconds=1)
+        assert session.issues[0].message == sensor
+
+
 # For which robot?
 
 
