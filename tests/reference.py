@@ -8,6 +8,7 @@ variables as globals of a throwaway dict, where production binds cells.
 from __future__ import annotations
 
 import ast
+import math
 from contextlib import suppress
 from numbers import Real
 
@@ -200,7 +201,7 @@ class Reference:
             [],
             type_params=[],
         )
-        space = {**self.namespace, "robot": self.robot, "print": lambda *a: None}
+        space = {"degrees": math.radians, **self.namespace, "robot": self.robot, "print": lambda *a: None}
         space.update({name: value for name, (_, value) in names.items() if value is not MISSING})
         exec(compile(ast.fix_missing_locations(ast.Module([function], [])), "<reference>", "exec"), space)
         try:

@@ -36,6 +36,7 @@ from lrp_jupyter.interpreter.linker import (
 from lrp_jupyter.interpreter.rendering import short
 from lrp_jupyter.language.blocks import bind
 from lrp_jupyter.language.program import Element, Name, Path, State
+from lrp_jupyter.language.provided import degrees
 from lrp_jupyter.language.triggers import Condition, Delay, Epsilon, Occurrence, Trigger
 
 __all__ = [
@@ -320,7 +321,13 @@ def bind_code(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> Call:
 
 def _bind(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> tuple[Call, CellType | None]:
     """Bind a compiled block to variables; return it, and a cell that it writes without logging it."""
-    call = bind(code, run.namespace, {name: visible[name].cell for name in code.co_freevars})
+    cells = {name: visible[name].cell for name in code.co_freevars if name in visible}
+    is_provided = len(cells) < len(code.co_freevars)
+    if is_provided:
+        cells["degrees"] = CellType()
+    call = bind(code, run.namespace, cells)
+    if is_provided:
+        call = _with_degrees(run.namespace, cells["degrees"], call)
     if run.log is None:
         return call, None
     own, inner = writes_of(code)
@@ -333,6 +340,16 @@ def _bind(run: Host, code: CodeType, visible: Mapping[str, Slot]) -> tuple[Call,
                 call = _logged(run, cell, call)
             cell = visible[name].cell
     return call, cell
+
+
+def _with_degrees(namespace: Mapping[str, Any], cell: CellType, call: Call) -> Call:
+    """Give `degrees` to a block, unless the notebook has a name like this when the block runs."""
+
+    def block() -> object:
+        cell.cell_contents = namespace.get("degrees", degrees)
+        return call()
+
+    return block
 
 
 def _logged(run: Host, cell: CellType, call: Call) -> Call:

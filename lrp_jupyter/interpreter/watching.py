@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import builtins
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -14,6 +13,7 @@ from lrp_jupyter.interpreter.rendering import is_scalar, scalar_of, short
 from lrp_jupyter.interpreter.run import Run
 from lrp_jupyter.interpreter.tree import Edge
 from lrp_jupyter.language.expressions import Evaluation, evaluate, expression_of
+from lrp_jupyter.language.provided import builtin
 from lrp_jupyter.language.resolution import resolve
 
 __all__ = ["Shown", "items", "watch"]
@@ -55,7 +55,7 @@ def watch(run: Run, edge: Edge, seen: Callable[[Evaluation | Exception], object]
             if value is UNSET:
                 raise NameError(f"`{name}` had no value.")
             return value
-        return run.namespace[name] if name in run.namespace else getattr(builtins, name)
+        return run.namespace[name] if name in run.namespace else builtin(name)
 
     def watched() -> object:
         try:

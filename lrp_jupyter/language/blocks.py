@@ -23,6 +23,7 @@ from typing import Any, NamedTuple
 
 from lrp_jupyter.language.names import Offsets, Uses, normal, uses
 from lrp_jupyter.language.program import Block
+from lrp_jupyter.language.provided import PROVIDED
 from lrp_jupyter.language.python import asked_again, parse_python
 from lrp_jupyter.language.scanner import LINE_END, block_end
 from lrp_jupyter.language.slips import brief, explain, fault_of
@@ -282,7 +283,7 @@ def compile_block(block: Block, names: Collection[str], filename: str, name: str
     Returns
     -------
     types.CodeType
-        Its free variables are among `names`, `robot` and `print`; its lines and columns are the program's.
+        Its free variables are among `names` and `PROVIDED`; its lines and columns are the program's.
 
     Raises
     ------
@@ -357,7 +358,7 @@ def _function(text: str, before: int, names: frozenset[str]) -> CodeType:
     module: ast.Module = parse_python(_OUTER)
     outer: ast.FunctionDef = module.body[0]  # type: ignore[assignment]
     inner: ast.FunctionDef = outer.body[0]  # type: ignore[assignment]
-    outer.args.args = [ast.arg(name, lineno=1, col_offset=0) for name in sorted(names | {"robot", "print"})]
+    outer.args.args = [ast.arg(name, lineno=1, col_offset=0) for name in sorted(names | PROVIDED)]
     above = suite.header.count("\n")
     columns = before + suite.skipped - len(suite.indent)
     for statement in body:

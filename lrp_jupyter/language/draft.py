@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 from lrp_jupyter.errors import Edit
 from lrp_jupyter.language.blocks import facts_of
+from lrp_jupyter.language.provided import PROVIDED
 from lrp_jupyter.language.source import Diagnosis
 from lrp_jupyter.language.tokens import Token, keyword_of, tokenize
 
@@ -113,7 +114,7 @@ class TextDraft:
             if token[0] == "BLOCK" and token[1] != except_from
             for word in _WORD.findall(self._word(token))
         }
-        return words | set(self.names) | set(kwlist) | set(dir(builtins)) | {"robot"}
+        return words | set(self.names) | set(kwlist) | set(dir(builtins)) | PROVIDED
 
 
 def is_python(text: str) -> bool:

@@ -16,6 +16,7 @@ from functools import lru_cache
 from typing import Any
 
 from lrp_jupyter.language.blocks import read
+from lrp_jupyter.language.provided import degrees
 
 __all__ = ["Evaluation", "UnknownValueError", "evaluate", "expression_of", "names_in"]
 
@@ -58,6 +59,7 @@ _NAMES = "abs all any bool divmod float int isinstance len max min pow range rou
 _PURE = frozenset(
     [getattr(builtins, name) for name in _NAMES.split()]
     + [value for value in vars(math).values() if callable(value)]
+    + [degrees]
 )
 """Functions that change nothing and depend on their arguments only."""
 

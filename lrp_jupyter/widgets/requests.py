@@ -24,6 +24,7 @@ from lrp_jupyter.interpreter.rendering import of_type, render
 from lrp_jupyter.language.format import formatting
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Path, Program
+from lrp_jupyter.language.provided import builtin, degrees
 from lrp_jupyter.language.rename import references as find_references
 from lrp_jupyter.language.resolution import resolve
 from lrp_jupyter.live.session import Session
@@ -208,7 +209,7 @@ def _completions(session: Session, prefix: str, scope: str) -> list[Option]:
 
 
 def _names(session: Session, begun: str) -> list[Option]:
-    known: dict[str, object] = {**vars(builtins), **session.namespace}
+    known: dict[str, object] = {**vars(builtins), "degrees": degrees, **session.namespace}
     names = [name for name in known if name.startswith(begun) and (begun.startswith("_") or name[0] != "_")]
     words = [word for word in keyword.kwlist if word.startswith(begun)]
     options = [_option(name, known[name]) for name in islice(sorted(names, key=_by_case), _MOST)]
@@ -322,10 +323,12 @@ def _root(session: Session, name: str, scope: str) -> object:
             raise _NothingError from None
     if name == "robot":
         return session.bridge.robot
-    for names in (session.namespace, vars(builtins)):
-        if name in names:
-            return names[name]
-    raise _NothingError
+    if name in session.namespace:
+        return session.namespace[name]
+    try:
+        return builtin(name)
+    except AttributeError:
+        raise _NothingError from None
 
 
 def _variable_in_scope(session: Session, name: str, scope: str) -> Path | None:

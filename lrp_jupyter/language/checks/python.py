@@ -16,12 +16,12 @@ from lrp_jupyter.language.checks.names import BUILTINS
 from lrp_jupyter.language.checks.report import Reporter, replace
 from lrp_jupyter.language.checks.robot import Remedied, check_robot, compared, suspicious_uses
 from lrp_jupyter.language.program import Block, Edit, Fix, Span, path_text
+from lrp_jupyter.language.provided import PROVIDED
 from lrp_jupyter.language.resolution import PlacedBlock, Resolution, Scope
 from lrp_jupyter.language.robot import RobotMembers
 
 __all__ = ["check_python"]
 
-_PROVIDED = frozenset({"robot", "print"})
 _STATEMENTS = frozenset({"return", "pass", "break", "continue"})
 """Keywords that are a statement by themselves: misspelt, they are names."""
 _SPELT = {"nil": "None", "null": "None", "undefined": "None", "self": "robot"}
@@ -39,7 +39,7 @@ class _Python:
         self.robot = robot
         self.scopes = names.scopes
         self.blocks = tuple(chain.from_iterable(names.blocks.values()))
-        self.known = BUILTINS | _PROVIDED | set(report.names)
+        self.known = BUILTINS | PROVIDED | set(report.names)
 
     def check(self) -> None:
         for place in self.blocks:

@@ -37,7 +37,7 @@ _MESSAGES = {
         "value while the program runs."
     ),
 }
-_PURE = frozenset({"abs", "bool", "float", "int", "len", "max", "min", "round", "sum"})
+_PURE = frozenset({"abs", "bool", "degrees", "float", "int", "len", "max", "min", "round", "sum"})
 """Functions whose values depend on their arguments alone."""
 _SIGNS = ("while", "sleep", "input")
 _BINDING = ast.Import | ast.ImportFrom | ast.ExceptHandler | ast.Match

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import builtins
 from collections.abc import Callable, Mapping
 from time import perf_counter
 from types import BuiltinFunctionType, CellType, FunctionType, ModuleType
@@ -13,6 +12,7 @@ from lrp_jupyter.interpreter.history import PastState
 from lrp_jupyter.interpreter.tree import is_boolean
 from lrp_jupyter.language.expressions import Evaluation, UnknownValueError, evaluate, expression_of
 from lrp_jupyter.language.program import Element, Path
+from lrp_jupyter.language.provided import builtin
 from lrp_jupyter.language.triggers import Delay
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.names import ABSENT, ChangeNames
@@ -158,9 +158,10 @@ class PastTests:
                 if not (_is_immutable(value) or isinstance(value, _UNCHANGING)):
                     raise UnknownValueError(f"`{name}` may have been changed since.")
                 return value
-            if hasattr(builtins, name):
-                return getattr(builtins, name)
-            raise NameError(f"`{name}` is not defined.")
+            try:
+                return builtin(name)
+            except AttributeError:
+                raise NameError(f"`{name}` is not defined.") from None
 
         return lookup
 

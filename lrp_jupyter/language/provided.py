@@ -1,0 +1,28 @@
+"""The names that blocks use without defining or importing them, besides Python's own."""
+
+import builtins
+import math
+
+__all__ = ["PROVIDED", "builtin", "degrees"]
+
+PROVIDED = frozenset({"robot", "print", "degrees"})
+
+
+def degrees(angle: float) -> float:
+    """Return an angle that is given in degrees, in radians.
+
+    ``robot.move(angular=degrees(45))`` turns by 45 degrees per second. A variable of the program or a name of
+    the notebook that is called ``degrees`` hides it. Python's ``math.degrees`` is the inverse.
+    """
+    return math.radians(angle)
+
+
+def builtin(name: str) -> object:
+    """Return the value of a name that neither the program nor the notebook defines.
+
+    Raises
+    ------
+    AttributeError
+        Python does not define it either.
+    """
+    return degrees if name == "degrees" else getattr(builtins, name)
