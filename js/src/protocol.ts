@@ -1243,6 +1243,7 @@ export interface SolidView {
   angle?: number;
   name?: string;
   push?: number | null;
+  patrol?: Point[];
 }
 
 /** A robot: pose (x, y, theta), radius, places of light sensors, (angle, reach) of distance sensors. */

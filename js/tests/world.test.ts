@@ -83,6 +83,18 @@ describe("poses", () => {
     ]);
   });
 
+  it("also tell where what moves by itself is", () => {
+    const solids: WorldView["solids"] = [
+      { box: [2, 1, 0.1, 0.4], patrol: [[2, 1] as Point, [2, 1.5] as Point] },
+      { box: [1, 1, 0.1, 0.1] },
+    ];
+    const now = readPoses(complete({ ...view, solids }), buffer(0, 0.5, 1, 0, 0, 0, 255, 1, 2, 1.25, 0))!;
+    expect(now.solids).toEqual([
+      [2, 1.25, 0],
+      [1, 1, 0],
+    ]);
+  });
+
   it.each([
     [0, false, false],
     [1, true, false],

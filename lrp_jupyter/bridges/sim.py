@@ -23,12 +23,12 @@ from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.outside import WorldLoaded
 from lrp_jupyter.errors import BridgeError
-from lrp_jupyter.sim.edits import Become, Draw, Edition, WorldEdit, WorldHistory, is_edit
+from lrp_jupyter.sim.edits import Become, Draw, Edition, PutSolid, WorldEdit, WorldHistory, is_edit
 from lrp_jupyter.sim.inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.robot import SimRobot
 from lrp_jupyter.sim.sensors import Readings, light_directions, ray_directions
 from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
-from lrp_jupyter.sim.world import Noise, World, WorldError
+from lrp_jupyter.sim.world import Noise, Solid, World, WorldError
 
 __all__ = ["RobotPicture", "SimBridge", "SimPicture"]
 
@@ -74,6 +74,8 @@ class SimPicture:
     robots : tuple of RobotPicture
     solids : tuple of tuple
         x, y, angle of every solid.
+    patrols : tuple of tuple of (x, y)
+        The points of the patrol of every solid; empty for those that do not move by themselves.
     revision : int
         Increases when the world changes other than by motion and trails.
     marks : int
@@ -84,6 +86,7 @@ class SimPicture:
     time: float
     robots: tuple[RobotPicture, ...]
     solids: tuple[tuple[float, float, float], ...]
+    patrols: tuple[tuple[tuple[float, float], ...], ...]
     revision: int
     marks: int
 
@@ -419,6 +422,18 @@ class SimBridge(Bridge):
             raise BridgeError(str(error)) from error
         self.outside(edit, False)
 
+    def replace_solid(self, index: int, solid: Solid) -> None:
+        """Replace a solid by one that is given where it is to be now. On the interpreter's thread.
+
+        What moves by itself keeps its patrol, unless the new one can be pushed.
+
+        Raises
+        ------
+        BridgeError
+            There is no such solid.
+        """
+        self.edit_world(PutSolid(self.simulation.continued(solid, index), index))
+
     def apply(self, what: Input) -> None:
         """Apply an input of the world now. On the interpreter's thread, between two ticks."""
         self.simulation.apply(what)
@@ -554,6 +569,7 @@ def _picture(simulation: Simulation) -> SimPicture:
         simulation.time,
         robots,
         solids,
+        tuple(thing.patrol for thing in simulation.solids),
         simulation.revision,
         len(simulation.floor.marks),
     )

@@ -70,7 +70,7 @@ def list_worlds(show: str | None, as_json: bool) -> None:
     console.print(DESCRIPTIONS.get(show, world.name or show))
     for line in framed(sketch(world, 70)):
         console.print(line)
-    console.print("# solid   ▒ can be pushed   · line   → robot", style="dim")
+    console.print("# solid   ▒ can be pushed   ▓ moves   · line   → robot", style="dim")
     if world.zones:
         console.print(f"zones: {', '.join(world.zones)}", style="dim")
     robot = SimBridge(world)

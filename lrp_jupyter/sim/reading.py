@@ -20,12 +20,14 @@ from lrp_jupyter.sim.world import (
     FloorSpec,
     Noise,
     PathStroke,
+    Patrol,
     RobotSpec,
     Solid,
     Stroke,
     World,
     WorldError,
     Zone,
+    middle_of,
 )
 
 __all__ = ["did_you_mean", "read_file", "read_solid", "read_text", "read_world", "read_zone"]
@@ -108,11 +110,15 @@ def read_world(value: object) -> World:
     robots = _each(record["robots"], "robots", lambda item, place: _robot(item, place, (width, height)))
     if not robots:
         raise WorldError("`robots`: Expected at least one robot.")
+    solids = _each(record.get("solids", []), "solids", read_solid)
+    for index, solid in enumerate(solids):
+        for number, point in enumerate(solid.patrol.points(middle_of(solid))[1:] if solid.patrol else ()):
+            _inside(point, f"solids[{index}].patrol.path[{number}]", (width, height))
     return World(
         size=(width, height),
         robots=robots,
         floor=_floor(record.get("floor", {}), "floor"),
-        solids=_each(record.get("solids", []), "solids", read_solid),
+        solids=solids,
         zones=_zones(record.get("zones", {}), "zones"),
         seed=_whole(record.get("seed", 0), "seed"),
         open=_truth(record.get("open", False), "open"),
@@ -156,15 +162,35 @@ def read_solid(value: object, place: str) -> Solid:
     WorldError
         It is not a solid.
     """
-    record = _record(value, place, ("box", "circle", "angle", "push", "name"))
+    record = _record(value, place, ("box", "circle", "angle", "push", "name", "patrol"))
     shape = _one_of(record, place, ("box", "circle"))
     angle = _number(record.get("angle", 0), f"{place}.angle", low=-_FAR, high=_FAR)
     push = record.get("push")
     push = None if push is None else _number(push, f"{place}.push", low=0.0, high=10.0)
     name = _text(record.get("name", ""), f"{place}.name")
+    patrol = None if record.get("patrol") is None else _patrol(record["patrol"], f"{place}.patrol")
+    if push is not None and patrol is not None:
+        raise WorldError(f"`{place}`: It moves by itself and cannot be pushed. Remove `patrol` or `push`.")
     if shape == "box":
-        return BoxSolid(_box(record[shape], f"{place}.{shape}"), angle, push, name)
-    return DiscSolid(_disc(record[shape], f"{place}.{shape}"), angle, push, name)
+        return BoxSolid(_box(record[shape], f"{place}.{shape}"), angle, push, name, patrol)
+    return DiscSolid(_disc(record[shape], f"{place}.{shape}"), angle, push, name, patrol)
+
+
+def _patrol(value: object, place: str) -> Patrol:
+    record = _record(value, place, ("path", "speed", "closed"), ("path",))
+    path = _each(record["path"], f"{place}.path", _point)
+    if not path:
+        raise WorldError(
+            f"`{place}.path`: Expected at least one point, in metres from where the solid starts."
+        )
+    for index, (before, point) in enumerate(zip(((0.0, 0.0), *path), path, strict=False)):
+        if math.dist(before, point) < _SMALL:
+            raise WorldError(f"`{place}.path[{index}]`: The solid is there already. Remove this point.")
+    return Patrol(
+        path=path,
+        speed=_number(record.get("speed", 0.2), f"{place}.speed", low=0.001, high=10.0),
+        closed=_truth(record.get("closed", False), f"{place}.closed"),
+    )
 
 
 def _zones(value: object, place: str) -> dict[str, Zone]:
@@ -191,10 +217,7 @@ def _robot(value: object, place: str, size: tuple[float, float]) -> RobotSpec:
     record = _record(value, place, known, ("pose",))
     standard = RobotSpec((0.0, 0.0, 0.0))
     x, y, heading = _numbers(record["pose"], f"{place}.pose", 3, low=-_FAR, high=_FAR)
-    if not (0 <= x <= size[0] and 0 <= y <= size[1]):
-        raise WorldError(
-            f"`{place}.pose`: The point ({x:g}, {y:g}) is outside the world of {size[0]:g} x {size[1]:g} m."
-        )
+    _inside((x, y), f"{place}.pose", size)
     rays = _each(record.get("distance", standard.distance), f"{place}.distance", _point)
     for index, (_, reach) in enumerate(rays):
         _positive(reach, f"{place}.distance[{index}][1]")
@@ -228,6 +251,14 @@ def _box(value: object, place: str) -> tuple[float, float, float, float]:
 def _disc(value: object, place: str) -> tuple[float, float, float]:
     x, y, radius = _numbers(value, place, 3)
     return x, y, _positive(radius, f"{place}[2]")
+
+
+def _inside(point: tuple[float, float], place: str, size: tuple[float, float]) -> None:
+    (x, y), (width, height) = point, size
+    if not (0 <= x <= width and 0 <= y <= height):
+        raise WorldError(
+            f"`{place}`: The point ({x:g}, {y:g}) is outside the world of {width:g} x {height:g} m."
+        )
 
 
 def _point(value: object, place: str) -> tuple[float, float]:

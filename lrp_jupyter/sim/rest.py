@@ -3,12 +3,14 @@
 Standing is exact here: a robot that was stopped has the velocity 0.0, not nearly so. A step is a
 function of the positions and velocities of the bodies, and of the impulses that contacts and joints
 remember. Once a step begins and ends with the same positions, with nothing in motion and with no
-impulse remembered, so does every step after it, until an input disturbs the world.
+impulse remembered, so does every step after it, until an input disturbs the world. A world in which something
+moves by itself is never at rest.
 """
 
 from __future__ import annotations
 
 from lrp_jupyter.sim.robot import Body, Motion, SimRobot, SimSolid
+from lrp_jupyter.sim.world import can_move
 
 __all__ = ["Rest"]
 
@@ -28,7 +30,8 @@ class Rest:
     def __init__(self, robots: tuple[SimRobot, ...], solids: tuple[SimSolid, ...]) -> None:
         self._robots = robots
         self._bodies: list[Body] = [robot.body for robot in robots]
-        self._bodies += [solid.body for solid in solids if solid.spec.push is not None]
+        self._bodies += [solid.body for solid in solids if can_move(solid.spec)]
+        self._is_possible = all(solid.spec.patrol is None for solid in solids)
         self.disturb()
 
     def disturb(self) -> None:
@@ -39,6 +42,8 @@ class Rest:
 
     def observe(self, step: int) -> None:
         """Compare the world with the one before this step, which was just made."""
+        if not self._is_possible:
+            return
         motions = [body.motion() for body in self._bodies]
         self._contacts = [
             (robot.memory, frozenset(robot.body.contacts), robot.memory.pressed_at == step)

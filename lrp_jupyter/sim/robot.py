@@ -1,4 +1,4 @@
-"""Robots on two wheels and solids, fixed or pushable, as pymunk bodies.
+"""Robots on two wheels and solids, fixed, pushable or moving, as pymunk bodies.
 
 Seen from above no gravity presses things to the ground. The floor brakes a pushable solid through
 two joints with bounded force, which is Coulomb's friction. It moves a robot through `_roll`, a
@@ -20,7 +20,7 @@ import pymunk
 
 from lrp_jupyter.sim.floor import LiveFloor, Paint
 from lrp_jupyter.sim.sensors import Odometer, Readings, read_distances, read_lights
-from lrp_jupyter.sim.world import BoxSolid, Point, Pose, RobotSpec, Solid
+from lrp_jupyter.sim.world import BoxSolid, Point, Pose, RobotSpec, Solid, middle_of
 
 __all__ = ["STEP", "Memory", "Motion", "SimRobot", "SimSolid", "clear", "edge", "fresh_space"]
 
@@ -239,12 +239,38 @@ class SimSolid:
         self.spec = spec
         self.index = index
         self.body = Body()
+        self._origin: Point = (0.0, 0.0)
+
+    def start_motion(self, steps: int) -> Motion:
+        """Return the position and velocities of a solid that is where its description says.
+
+        Parameters
+        ----------
+        steps : int
+            Since the start of the world: one on a patrol is as far on its patrol.
+        """
+        x, y = middle_of(self.spec)
+        dx, dy = self.displacement(steps)
+        return (x + dx, y + dy, self.spec.angle, 0.0, 0.0, 0.0)
+
+    def displacement(self, steps: int) -> Point:
+        """Return how far a patrol has moved it, so many steps after the start of the world."""
+        return self.spec.patrol.at(steps * STEP) if self.spec.patrol is not None else (0.0, 0.0)
 
     @property
-    def start_motion(self) -> Motion:
-        """The position and velocities at the start."""
-        x, y = (self.spec.box if isinstance(self.spec, BoxSolid) else self.spec.circle)[:2]
-        return (x, y, self.spec.angle, 0.0, 0.0, 0.0)
+    def patrol(self) -> tuple[Point, ...]:
+        """The points of its patrol, in metres; empty without one."""
+        return () if self.spec.patrol is None else self.spec.patrol.points(self._origin)
+
+    def lead(self, steps: int) -> None:
+        """Let its patrol lead through its present place, so many steps after the start of the world."""
+        (x, y), (dx, dy) = self.body.position, self.displacement(steps)
+        self._origin = (x - dx, y - dy)
+
+    def go(self, steps: int) -> None:
+        """Set the velocity with which the next step takes it to its place so many steps after the start."""
+        (x, y), (dx, dy) = self.body.position, self.displacement(steps)
+        self.body.velocity = (self._origin[0] + dx - x) / STEP, (self._origin[1] + dy - y) / STEP
 
     @property
     def pose(self) -> Pose:
@@ -258,8 +284,8 @@ class SimSolid:
             return replace(self.spec, box=(x, y, *self.spec.box[2:]), angle=angle)
         return replace(self.spec, circle=(x, y, self.spec.circle[2]), angle=angle)
 
-    def embody(self, space: pymunk.Space, motion: Motion) -> None:
-        """Create the body in a new space."""
+    def embody(self, space: pymunk.Space, motion: Motion, steps: int) -> None:
+        """Create the body in a new space, so many steps after the start of the world."""
         shape: pymunk.Shape
         if isinstance(self.spec, BoxSolid):
             _, _, width, height = self.spec.box
@@ -267,7 +293,9 @@ class SimSolid:
         else:
             radius = self.spec.circle[2]
             area, reach = math.pi * radius**2, radius
-        if self.spec.push is None:
+        if self.spec.patrol is not None:
+            body = Body(body_type=pymunk.Body.KINEMATIC)
+        elif self.spec.push is None:
             body = Body(body_type=pymunk.Body.STATIC)
         else:
             mass = area * DENSITY
@@ -281,6 +309,7 @@ class SimSolid:
         shape.friction = 0.3
         shape.filter = pymunk.ShapeFilter(categories=SOLID)
         self.body = body
+        self.lead(steps)
         space.add(body, shape)
         if self.spec.push is not None:
             force = self.spec.push * body.mass * GRAVITY

@@ -36,7 +36,7 @@ from lrp_jupyter.sim.inputs import (
 from lrp_jupyter.sim.rest import Rest
 from lrp_jupyter.sim.robot import STEP, Motion, SimRobot, SimSolid, StepCount, clear, edge, fresh_space
 from lrp_jupyter.sim.sensors import Readings, light_spots
-from lrp_jupyter.sim.world import Point, Pose, Solid, World
+from lrp_jupyter.sim.world import BoxSolid, Point, Pose, Solid, World, can_move, middle_of
 from lrp_jupyter.sim.worlds import load
 
 __all__ = ["STEP", "Simulation", "WorldMoment"]
@@ -166,6 +166,8 @@ class Simulation:
                 clock.steps += left
                 self._rest.go_on(clock.steps)
                 return
+            for thing in self._moving:
+                thing.go(clock.steps + 1 - self._base)
             make_step(STEP)
             clock.steps += 1
             for robot in writing:
@@ -283,6 +285,7 @@ class Simulation:
             case PlaceSolid(pose, index):
                 body = self.solids[index].body
                 body.move((*pose, 0.0, 0.0, 0.0))
+                self.solids[index].lead(self.steps - self._base)
                 self._space.reindex_shapes_for_body(body)
                 self._rest.disturb()
                 self.revision += 1
@@ -336,6 +339,17 @@ class Simulation:
         mover = self.robots[robot]
         return tuple(self.floor.light(*spot) for spot in light_spots(mover.pose, mover.spec.light))
 
+    def continued(self, solid: Solid, index: int) -> Solid:
+        """Return a solid that is given where it is to be now, with the patrol of the one that it replaces."""
+        thing = self.solids[index] if 0 <= index < len(self.solids) else None
+        if thing is None or thing.spec.patrol is None or solid.push is not None:
+            return solid
+        (x, y), (dx, dy) = middle_of(solid), thing.displacement(self.steps - self._base)
+        solid = replace(solid, patrol=thing.spec.patrol)
+        if isinstance(solid, BoxSolid):
+            return replace(solid, box=(x - dx, y - dy, *solid.box[2:]))
+        return replace(solid, circle=(x - dx, y - dy, solid.circle[2]))
+
     def scene(self) -> dict[str, Any]:
         """Return the static part as plain data: the world's JSON form with the present poses of solids.
 
@@ -357,7 +371,7 @@ class Simulation:
         dict
             ``step``, ``time``, ``revision``; ``robots``: a dict each of ``pose``, ``command``,
             ``light``, ``bumper``, ``distance`` (``None``: nothing), ``gyro``, ``odom``, ``pen``;
-            ``solids``: number, x, y, angle of each pushable one; ``marks``: how many there are;
+            ``solids``: number, x, y, angle of each that can move; ``marks``: how many there are;
             ``new``: width, grey, ink (1: it darkens; 0: it covers), x and y of both ends.
         """
         return {
@@ -365,7 +379,7 @@ class Simulation:
             "time": self.time,
             "revision": self.revision,
             "robots": [robot.state() for robot in self.robots],
-            "solids": [[thing.index, *thing.pose] for thing in self.solids if thing.spec.push is not None],
+            "solids": [[thing.index, *thing.pose] for thing in self.solids if can_move(thing.spec)],
             "marks": len(self.floor.marks),
             "new": [
                 [2 * paint.half, paint.grey, int(paint.ink), *piece.ends()]
@@ -388,7 +402,9 @@ class Simulation:
             there.setdefault(thing.spec, deque()).append(thing.body.motion())
         self._place_solids()
         motions = [
-            there[thing.spec].popleft() if there.get(thing.spec) else thing.start_motion
+            there[thing.spec].popleft()
+            if there.get(thing.spec)
+            else thing.start_motion(self.steps - self._base)
             for thing in self.solids
         ]
         self._checkpoint(between_inputs=True, solids=motions)
@@ -503,7 +519,7 @@ class Simulation:
         for robot in self.robots:
             robot.start()
         robots = [robot.start_motion for robot in self.robots]
-        self._build(robots, [thing.start_motion for thing in self.solids])
+        self._build(robots, [thing.start_motion(0) for thing in self.solids])
 
     def _build(self, robots: list[Motion], solids: list[Motion]) -> None:
         """Continue in a new space."""
@@ -512,7 +528,8 @@ class Simulation:
         if not self.world.open:
             edge(space, self.world.size)
         for thing, motion in zip(self.solids, solids, strict=True):
-            thing.embody(space, motion)
+            thing.embody(space, motion, self.steps - self._base)
+        self._moving = [thing for thing in self.solids if thing.spec.patrol is not None]
         self._writing = self._pens_down()
         for robot, motion in zip(self.robots, robots, strict=True):
             robot.embody(space, motion)

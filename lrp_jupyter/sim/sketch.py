@@ -19,8 +19,8 @@ _GRAIN = 0.025  # m: distance between samples of the floor, a little less than t
 def sketch(world: Simulation | World, columns: int = 60, rows: int = 0) -> list[str]:
     """Return a map of a world, a string for each row.
 
-    ``#`` is a solid, ``▒`` one that can be pushed, ``·`` line on the floor, an arrow a robot with its
-    heading, ``*`` a robot whose bumper is pressed.
+    ``#`` is a solid, ``▒`` one that can be pushed, ``▓`` one that moves by itself, ``·`` line on the floor,
+    an arrow a robot with its heading, ``*`` a robot whose bumper is pressed.
 
     Parameters
     ----------
@@ -47,7 +47,9 @@ def sketch(world: Simulation | World, columns: int = 60, rows: int = 0) -> list[
                 if across > x + reach:
                     break
                 if _covers(thing, across, up, cell):
-                    picture[row][column] = "#" if thing.spec.push is None else "▒"
+                    picture[row][column] = (
+                        "▓" if thing.spec.patrol is not None else "#" if thing.spec.push is None else "▒"
+                    )
     for robot in simulation.robots:
         x, y, heading = robot.pose
         row, column = rows - 1 - _floor(y / cell_y), _floor(x / cell_x)

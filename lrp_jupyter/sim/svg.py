@@ -29,6 +29,7 @@ _SMALL = (
     'paint-order="stroke"'
 )
 _WAYS = (("#E31A1C", "none"), ("#33A02C", "0.05 0.02"), ("#FF7F00", "0.02 0.02"), ("#6A3D9A", "0.08 0.02"))
+_FIXED, _PUSHABLE, _MOVING = ("#646d77", "#4b525a"), ("#d9a566", "#8a5a1f"), ("#8fc7c3", "#2b7a75")
 _STYLE = """
 .lrp-world-text{font:12px system-ui,sans-serif;fill:#5f6770}
 .lrp-world-edge{fill:none;stroke:#9aa1a9;stroke-width:1.5}
@@ -75,6 +76,7 @@ def svg(
         *_marks(simulation),
         *_track(simulation),
         *(_way(name, way, number) for number, (name, way) in enumerate(ways.items())),
+        *(_patrol(thing.patrol) for thing in simulation.solids if thing.patrol),
         *(_solid(thing.here()) for thing in simulation.solids),
         *(_robot(robot) for robot in simulation.robots),
         "</g>",
@@ -220,8 +222,15 @@ def _way_name(name: str, end: Point, number: int, tall: float, scale: float) -> 
     return f'<text {place} {_SMALL} font-weight="600" fill="{colour}">{escape(name)}</text>'
 
 
+def _patrol(points: tuple[Point, ...]) -> str:
+    return (
+        f'<path d="{_path(points)}" fill="none" stroke="{_MOVING[1]}" stroke-width="0.006" '
+        'stroke-dasharray="0.006 0.02" stroke-linecap="round" stroke-linejoin="round"/>'
+    )
+
+
 def _solid(solid: Solid) -> str:
-    fill, edge = ("#646d77", "#4b525a") if solid.push is None else ("#d9a566", "#8a5a1f")
+    fill, edge = _MOVING if solid.patrol is not None else _FIXED if solid.push is None else _PUSHABLE
     style = f'fill="{fill}" stroke="{edge}" stroke-width="0.008"'
     turn = f" rotate({_n(math.degrees(solid.angle))})" if solid.angle else ""
     if not isinstance(solid, BoxSolid):

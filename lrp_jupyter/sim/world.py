@@ -1,7 +1,7 @@
 """The description of a world: immutable values with a lossless JSON form.
 
-A world is a *floor* (what the light sensor sees), *solids* (fixed and pushable obstacles), *robots* and
-*zones* (named regions that mean nothing to the physics). The floor and the solids are separate
+A world is a *floor* (what the light sensor sees), *solids* (fixed, pushable and moving obstacles),
+*robots* and *zones* (named regions that mean nothing to the physics). The floor and the solids are separate
 things: a line is not an obstacle and a wall does not cast a shadow. Lengths are metres, angles radians,
 counter-clockwise from the x axis, greys 0 (black) to 255 (white).
 
@@ -11,8 +11,10 @@ These values do not change: :class:`~lrp_jupyter.sim.simulation.Simulation` runs
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
+from itertools import pairwise
 from typing import Any
 
 __all__ = [
@@ -25,6 +27,7 @@ __all__ = [
     "FloorSpec",
     "Noise",
     "PathStroke",
+    "Patrol",
     "Point",
     "Pose",
     "RobotSpec",
@@ -33,6 +36,8 @@ __all__ = [
     "World",
     "WorldError",
     "Zone",
+    "can_move",
+    "middle_of",
 ]
 
 VERSION = 1
@@ -95,8 +100,49 @@ class FloorSpec:
 
 
 @dataclass(frozen=True, slots=True)
+class Patrol:
+    """A path that a solid moves along by itself, at an even speed and without end; nothing can stop it.
+
+    Parameters
+    ----------
+    path : tuple of (x, y)
+        The points that its middle passes through, in metres from where it starts; the start comes first by
+        itself.
+    speed : float
+        m/s.
+    closed : bool
+        Whether it returns from the last point straight to the start, and so goes round. Otherwise it goes
+        back the way it came, to and fro.
+    """
+
+    path: tuple[Point, ...]
+    speed: float = 0.2
+    closed: bool = False
+
+    def points(self, start: Point) -> tuple[Point, ...]:
+        """Return the points of the patrol of a solid that starts at a point; a closed one also ends there."""
+        points = (start, *((start[0] + x, start[1] + y) for x, y in self.path))
+        return (*points, start) if self.closed else points
+
+    def at(self, seconds: float) -> Point:
+        """Return where it is after a time, from where it starts."""
+        points = self.points((0.0, 0.0))
+        if not self.closed:
+            points += points[-2::-1]
+        legs = list(pairwise(points))
+        lengths = [math.dist(*leg) for leg in legs]
+        way = self.speed * seconds % sum(lengths)
+        for ((x, y), (end_x, end_y)), length in zip(legs, lengths, strict=True):
+            if way <= length and length > 0:
+                share = way / length
+                return x + (end_x - x) * share, y + (end_y - y) * share
+            way -= length
+        return 0.0, 0.0
+
+
+@dataclass(frozen=True, slots=True)
 class BoxSolid:
-    """A solid box, fixed or pushable.
+    """A solid box: fixed, pushable, or moving by itself.
 
     Parameters
     ----------
@@ -105,7 +151,9 @@ class BoxSolid:
     angle : float
         Radians.
     push : float or None
-        Coefficient of friction on the floor of a box that can be pushed; ``None``: it is fixed.
+        Coefficient of friction on the floor of a box that can be pushed; ``None``: it cannot.
+    patrol : Patrol or None
+        How it moves by itself; ``None``: it does not.
     name : str
         Its name for graders and in messages.
     """
@@ -114,6 +162,7 @@ class BoxSolid:
     angle: float = 0
     push: float | None = None
     name: str = ""
+    patrol: Patrol | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,9 +173,20 @@ class DiscSolid:
     angle: float = 0
     push: float | None = None
     name: str = ""
+    patrol: Patrol | None = None
 
 
 Solid = BoxSolid | DiscSolid
+
+
+def middle_of(solid: Solid) -> Point:
+    """Return the middle of a solid where it starts."""
+    return solid.box[:2] if isinstance(solid, BoxSolid) else solid.circle[:2]
+
+
+def can_move(solid: Solid) -> bool:
+    """Return whether a solid does not always stay where it is: it can be pushed, or moves by itself."""
+    return solid.push is not None or solid.patrol is not None
 
 
 @dataclass(frozen=True, slots=True)
@@ -225,7 +285,7 @@ class World:
     floor : FloorSpec
         White by default.
     solids : tuple of Solid
-        Fixed and pushable obstacles.
+        Fixed, pushable and moving obstacles.
     zones : mapping of str to Zone
         Named regions, for graders.
     seed : int

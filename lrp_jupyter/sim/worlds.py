@@ -17,6 +17,7 @@ from lrp_jupyter.sim.world import (
     DiscSolid,
     FloorSpec,
     PathStroke,
+    Patrol,
     RobotSpec,
     World,
     WorldError,
@@ -151,6 +152,19 @@ def _walls() -> World:
     return World(name="walls", size=(3, 2), solids=solids, robots=(robot,))
 
 
+def _crossing() -> World:
+    """Let two carts cross the way to the goal."""
+    level = 0.75
+    solids = (
+        BoxSolid((1.2, 0.2, 0.2, 0.2), name="cart", patrol=Patrol(((0, 1.1),), speed=0.2)),
+        BoxSolid((2.0, 1.3, 0.2, 0.2), name="fast cart", patrol=Patrol(((0, -1.1),), speed=0.3)),
+    )
+    zones = {"goal": CircleZone((2.7, level, 0.2))}
+    return World(
+        name="crossing", size=(3, 1.5), solids=solids, robots=(RobotSpec((0.3, level, 0)),), zones=zones
+    )
+
+
 BUNDLED: Mapping[str, Callable[[], World]] = {
     "empty": _empty,
     "line": _line,
@@ -159,6 +173,7 @@ BUNDLED: Mapping[str, Callable[[], World]] = {
     "arena": _arena,
     "boxes": _boxes,
     "walls": _walls,
+    "crossing": _crossing,
 }
 
 
@@ -170,6 +185,7 @@ DESCRIPTIONS: Mapping[str, str] = {
     "arena": "A field with a black border line that a robot should not cross.",
     "boxes": "Boxes that can be pushed, and a goal to push one into.",
     "walls": "A room with a wall in it and two pillars: something to follow and something to avoid.",
+    "crossing": "Two carts that cross the way to the goal, to and fro.",
 }
 
 

@@ -348,13 +348,18 @@ class FloorView(TypedDict):
 
 
 class SolidView(TypedDict):
-    """A solid. `box`: centre and size; `angle` in rad; `push`: a number if pushable."""
+    """A solid. `box`: centre and size; `angle` in rad; `push`: a number if pushable.
+
+    `patrol`: the points that its middle passes through, if it moves by itself; the first one again at the end
+    if it goes round.
+    """
 
     box: NotRequired[list[float]]
     circle: NotRequired[Pose]
     angle: NotRequired[float]
     name: NotRequired[str]
     push: NotRequired[float | None]
+    patrol: NotRequired[list[Point]]
 
 
 class RobotShape(TypedDict):

@@ -151,7 +151,11 @@ class PutSolidCommand(WorldChange, do="put_solid"):
         described = {"angle": self.angle, "push": self.push, "name": self.name} | _shape(
             self.box, self.circle
         )
-        return _edit(opened, PutSolid(read_solid(described, "solid"), self.index))
+        solid = read_solid(described, "solid")
+        if self.index is None:
+            return _edit(opened, PutSolid(solid))
+        replacing = partial(_world(opened).replace_solid, self.index, solid)
+        return opened.session.ask(do.Call(replacing, "edit the world"))
 
 
 @dataclass(frozen=True)

@@ -14,7 +14,19 @@ from typing import Any
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.sim import SimBridge, SimPicture
 from lrp_jupyter.sim.floor import Mark, Paint
-from lrp_jupyter.sim.world import ArcStroke, BoxSolid, BoxZone, CircleStroke, Solid, Stroke, Zone
+from lrp_jupyter.sim.world import (
+    ArcStroke,
+    BoxSolid,
+    BoxZone,
+    CircleStroke,
+    Point,
+    Pose,
+    Solid,
+    Stroke,
+    Zone,
+    can_move,
+    middle_of,
+)
 from lrp_jupyter.widgets.protocol import InkView, SolidView, StrokeView, WorldView, ZoneView
 
 __all__ = ["WorldCursor", "pack_poses", "world_view"]
@@ -73,7 +85,8 @@ def world_view(bridge: Bridge, picture: object) -> WorldView | None:
     """Return a world with its solids where they are now; None for a bridge without a world."""
     if not isinstance(bridge, SimBridge):
         return None
-    world, places = (picture.world, picture.solids) if isinstance(picture, SimPicture) else (bridge.world, ())
+    world = picture.world if isinstance(picture, SimPicture) else bridge.world
+    places, patrols = (picture.solids, picture.patrols) if isinstance(picture, SimPicture) else ((), ())
     return {
         "version": 1,
         "name": world.name,
@@ -85,7 +98,8 @@ def world_view(bridge: Bridge, picture: object) -> WorldView | None:
             "strokes": [_stroke(stroke) for stroke in world.floor.strokes],
         },
         "solids": [
-            _solid(solid, places[i] if i < len(places) else None) for i, solid in enumerate(world.solids)
+            _solid(solid, places[i] if places else None, patrols[i] if patrols else ())
+            for i, solid in enumerate(world.solids)
         ],
         "robots": [
             {
@@ -115,10 +129,12 @@ def _stroke(stroke: Stroke) -> StrokeView:
     return view
 
 
-def _solid(solid: Solid, place: tuple[float, float, float] | None) -> SolidView:
-    shape: tuple[float, ...] = solid.box if isinstance(solid, BoxSolid) else solid.circle
-    x, y, angle = place or (*shape[:2], solid.angle)
+def _solid(solid: Solid, place: Pose | None, patrol: tuple[Point, ...]) -> SolidView:
+    start = middle_of(solid)
+    x, y, angle = place or (*start, solid.angle)
     view: SolidView = {"angle": angle, "push": solid.push}
+    if solid.patrol is not None:
+        view["patrol"] = list(patrol or solid.patrol.points(start))
     if solid.name:
         view["name"] = solid.name
     if isinstance(solid, BoxSolid):
@@ -149,9 +165,7 @@ def _poses(picture: SimPicture) -> bytes:
             )
         )
     pushed = [
-        place
-        for place, solid in zip(picture.solids, picture.world.solids, strict=False)
-        if solid.push is not None
+        place for place, solid in zip(picture.solids, picture.world.solids, strict=False) if can_move(solid)
     ]
     return pack_poses(picture.time, robots, pushed)
 
@@ -185,8 +199,8 @@ def pack_poses(
     """Pack poses into the buffer of a `FrameMessage`.
 
     Little endian: the world's time as float64, then float32: for each robot x, y (m), theta (rad), flags,
-    speed (m/s), its light values, its distances (m, inf for nothing); then for each solid with `push`, in
-    the order of the world, x, y, theta. The page knows their number from the world.
+    speed (m/s), its light values, its distances (m, inf for nothing); then for each solid that can move,
+    pushed or by itself, in the order of the world, x, y, theta. The page knows their number from the world.
 
     Parameters
     ----------
@@ -195,7 +209,7 @@ def pack_poses(
     robots : iterable of tuple
         ``(x, y, theta, bumper, pen, speed, lights, distances)`` for each robot.
     solids : iterable of tuple
-        ``(x, y, theta)`` of each solid that can be pushed.
+        ``(x, y, theta)`` of each solid that can move.
     """
     numbers: list[float] = []
     for x, y, theta, bumper, pen, speed, lights, distances in robots:

@@ -5,10 +5,12 @@ import json
 import pytest
 
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.live import clock as clocks
 from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
+from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.trace import Trace
 
 BOUNCE = """
@@ -313,3 +315,42 @@ def test_values_in_a_trace_are_json_and_without_addresses(session, trace):
     assert values["b"] == "inf"
     assert values["c"] == "[1]"
     assert "0x" not in values["a"]
+
+
+def test_a_run_beside_what_moves_by_itself_is_gone_back_forked_and_reproduced_exactly():
+    text = """
+(event near [robot.front.distance < 0.3])
+(event far [robot.front.distance > 0.4])
+(machine m
+  (state driving (running [robot.move(linear=0.3)]))
+  (state waiting (onentry [robot.stop()]))
+  (on near driving -> waiting)
+  (on far waiting -> driving))
+(spawn m driving)
+"""
+    bridge = SimBridge("crossing", noise={"motor": 0.1, "distance": 0.01})
+
+    def now(session):
+        simulation = session.bridge.simulation
+        return [
+            *(thing.pose for thing in simulation.solids),
+            simulation.robot.pose,
+            session.interpreter.active,
+        ]
+
+    with Session(text, bridge, clock=clocks.VirtualClock()) as session:
+        session.run(seconds=6)
+        there = now(session)
+        with session.fork() as early:
+            session.run(seconds=14)
+            end = now(session)
+            early.run(seconds=14)
+            assert now(early) == end
+        with session.fork(at=60) as late:
+            late.run(seconds=14.1)
+            assert now(late) == end
+        session.rewind(140)
+        assert now(session) == there
+        session.run(seconds=14)
+        assert now(session) == end
+    assert end[0] != there[0]

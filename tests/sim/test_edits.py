@@ -44,7 +44,7 @@ def test_an_edit_leaves_everything_else_where_it_is():
     simulation.step(150)  # it pushes the first box
     boxes = [thing.body.motion() for thing in simulation.solids]
     robot, marks = simulation.robot.body.motion(), len(simulation.floor.marks)
-    assert boxes[0] != simulation.solids[0].start_motion
+    assert boxes[0] != simulation.solids[0].start_motion(0)
     simulation.apply(PutSolid(DiscSolid((0.2, 0.2, 0.1), push=0.3)))
     simulation.apply(PutSolid(replace(simulation.world.solids[2], push=None), 2))
     simulation.apply(RemoveSolid(1))

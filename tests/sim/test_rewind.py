@@ -22,11 +22,11 @@ from lrp_jupyter.sim import (
     input_log,
     load,
 )
-from lrp_jupyter.sim.world import BoxSolid, DiscSolid, Noise
+from lrp_jupyter.sim.world import BoxSolid, DiscSolid, Noise, Patrol
 
 
 def crowded():
-    """A narrow room full of boxes, and a noisy robot: much is touching."""
+    """A narrow room full of boxes, one of them moving by itself, and a noisy robot: much is touching."""
     world = load("boxes")
     noise = Noise(motor=0.2, light=10, distance=0.01, gyro=0.01, odom=0.05)
     return replace(
@@ -34,7 +34,12 @@ def crowded():
         size=(1.6, 1.3),
         robots=(replace(world.robots[0], pose=(0.5, 0.57, 0), noise=noise),),
         solids=tuple(
-            replace(box, box=(0.75 + 0.22 * (index % 3), 0.35 + 0.22 * (index // 3), 0.2, 0.2))
+            replace(
+                box,
+                box=(0.75 + 0.22 * (index % 3), 0.35 + 0.22 * (index // 3), 0.2, 0.2),
+                push=None if index == 7 else 0.3,
+                patrol=Patrol(((0.05, 0.1), (0.2, 0.1)), 0.1, closed=True) if index == 7 else None,
+            )
             for index, box in enumerate([world.solids[0]] * 9)
         ),
     )
@@ -87,7 +92,7 @@ def test_rewinding_and_going_on_is_the_straight_run_though_things_touch(seed):
     moment, there = simulation.moment, seen(simulation)
     drive_about(simulation, Random(-seed), 120)  # over a checkpoint
     straight = seen(simulation)
-    assert any(thing.pose != thing.start_motion[:3] for thing in simulation.solids)
+    assert any(thing.pose != thing.start_motion(0)[:3] for thing in simulation.solids)
     simulation.rewind(moment)
     assert seen(simulation) == there
     drive_about(simulation, Random(-seed), 120)
@@ -122,6 +127,7 @@ inputs = st.one_of(
             [
                 BoxSolid((1.4, 0.2, 0.2, 0.1), push=0.3),
                 BoxSolid((0.9, 0.57, 0.1, 0.4)),
+                BoxSolid((0.5, 0.9, 0.1, 0.1), patrol=Patrol(((0.3, 0),))),
                 DiscSolid((1, 0.6, 0.1)),
             ]
         ),

@@ -137,6 +137,34 @@ def test_an_existing_world_is_used_as_it_is():
             {"solids": [{"circle": [1, 1, 1], "box": [1, 1, 1, 1]}]},
             "`solids[0]`: Expected one of `box`",
         ),
+        (
+            {"solids": [{"box": [1, 1, 0.1, 0.1], "patrol": {"path": [[0, 0.5]], "spead": 1}}]},
+            "`solids[0].patrol.spead`: Unknown key. Did you mean `speed`?",
+        ),
+        (
+            {"solids": [{"box": [1, 1, 0.1, 0.1], "patrol": {"speed": 1}}]},
+            "`solids[0].patrol`: The key `path` is missing.",
+        ),
+        (
+            {"solids": [{"box": [1, 1, 0.1, 0.1], "patrol": {"path": []}}]},
+            "`solids[0].patrol.path`: Expected at least one point, in metres from where the solid starts.",
+        ),
+        (
+            {"solids": [{"box": [1, 1, 0.1, 0.1], "patrol": {"path": [[0, 0.5], [0, 0.5]]}}]},
+            "`solids[0].patrol.path[1]`: The solid is there already. Remove this point.",
+        ),
+        (
+            {"solids": [{"box": [1, 1, 0.1, 0.1], "patrol": {"path": [[0, 0.5], [0, 1.5]]}}]},
+            "`solids[0].patrol.path[1]`: The point (1, 2.5) is outside the world of 3 x 2 m.",
+        ),
+        (
+            {"solids": [{"box": [1, 1, 0.1, 0.1], "patrol": {"path": [[0, 0.5]], "speed": 0}}]},
+            "`solids[0].patrol.speed`: Expected a number from 0.001 to 10, not 0.",
+        ),
+        (
+            {"solids": [{"box": [1, 1, 0.1, 0.1], "push": 1, "patrol": {"path": [[0, 0.5]]}}]},
+            "`solids[0]`: It moves by itself and cannot be pushed. Remove `patrol` or `push`.",
+        ),
         ({"solids": {}}, "`solids`: Expected a list, not an object."),
         ({"floor": {"stroks": []}}, "`floor.stroks`: Unknown key. Did you mean `strokes`?"),
         ({"floor": {"grey": 256}}, "`floor.grey`: Expected a number from 0 to 255, not 256."),

@@ -40,6 +40,22 @@ def test_a_wall_is_put_changed_and_removed(lab, page):
     assert "`solid.box[2]`" in page.do("put_solid", box=[1, 1, 0, 1])
 
 
+def test_what_moves_by_itself_is_in_every_frame_and_keeps_its_patrol_when_it_is_edited(lab, page):
+    page.do("world", name="crossing")
+    page.do("step", value=10)
+    cart, _ = world(page)["solids"]
+    assert cart["patrol"] == [(1.2, 0.2), (1.2, pytest.approx(1.3))]
+    lab.publish()
+    assert lab.session.frame.robot.solids[0] == pytest.approx((1.2, 0.4, 0.0))
+    assert page.do("put_solid", index=0, box=[1.5, 0.5, 0.3, 0.3], name="lorry") is None
+    lorry = lab.session.bridge.simulation.solids[0]
+    assert lorry.pose == pytest.approx((1.5, 0.5, 0))
+    page.do("step", value=5)
+    assert lorry.pose == pytest.approx((1.5, 0.6, 0))
+    assert page.do("put_solid", index=0, box=[1.5, 0.5, 0.3, 0.3], push=0.3) is None
+    assert lab.session.bridge.world.solids[0].patrol is None
+
+
 def test_a_changed_world_is_described_before_the_reply_however_soon_and_busy_the_view(lab):
     page = lab.page(pays=False)
     for _ in range(20):

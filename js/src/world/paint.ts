@@ -23,6 +23,7 @@ export interface Palette {
   edge: string;
   solid: string;
   pushable: string;
+  moving: string;
   solidEdge: string;
   zone: string;
   robot: string;
@@ -156,11 +157,24 @@ function paintSolid(c: Canvas, solid: SolidView, pose: Pose, palette: Palette): 
     const [, , width = 0, height = 0] = solid.box;
     c.rect(-width / 2, -height / 2, width, height);
   }
-  const fast = solid.push === undefined || solid.push === null;
-  c.fillStyle = fast ? palette.solid : palette.pushable;
+  const standing = typeof solid.push === "number" ? palette.pushable : palette.solid;
+  c.fillStyle = solid.patrol ? palette.moving : standing;
   c.strokeStyle = palette.solidEdge;
   c.lineWidth = 0.006;
   c.fill();
+  c.stroke();
+  c.restore();
+}
+
+/** The path of a solid that moves by itself, as a dotted line. */
+function paintPatrol(c: Canvas, points: readonly Point[], palette: Palette, pixels: number): void {
+  c.save();
+  c.beginPath();
+  for (const point of points) c.lineTo(...point);
+  c.lineCap = c.lineJoin = "round";
+  c.lineWidth = Math.max(0.006, FINE / pixels);
+  c.setLineDash([0, 5 / pixels]);
+  c.strokeStyle = palette.moving;
   c.stroke();
   c.restore();
 }
@@ -182,6 +196,7 @@ export function paintMovers(
     if (robot) paintRays(c, shape, robot, palette, pixels);
   });
   c.restore();
+  for (const { patrol } of world.solids) if (patrol) paintPatrol(c, patrol, palette, pixels);
   world.solids.forEach((solid, i) => {
     const pose = now.solids[i];
     if (pose) paintSolid(c, solid, pose, palette);

@@ -1,6 +1,6 @@
 /** The buffer of a `Frame` message, written by `pack_poses` in `lrp_jupyter/widgets/protocol.py`. */
 
-import type { Pose } from "../protocol";
+import type { Pose, SolidView } from "../protocol";
 import type { FullWorld } from "./complete";
 
 export interface RobotPose {
@@ -19,11 +19,14 @@ export interface Snapshot {
   solids: Pose[];
 }
 
+/** Whether a solid can be elsewhere in the next frame: it can be pushed, or moves by itself. */
+export const canMove = ({ push, patrol }: SolidView) => typeof push === "number" || patrol !== undefined;
+
 /** The size of the poses of a world, in bytes. */
 export function poseBytes(world: FullWorld): number {
   let floats = 0;
   for (const { light, distance } of world.robots) floats += 5 + light.length + distance.length;
-  for (const { push } of world.solids) floats += push === undefined || push === null ? 0 : 3;
+  floats += 3 * world.solids.filter(canMove).length;
   return 8 + 4 * floats;
 }
 
@@ -44,9 +47,7 @@ export function readPoses(world: FullWorld, buffer: DataView): Snapshot | null {
     return { pose: place, bumper: (flags & 1) !== 0, pen: (flags & 2) !== 0, speed, lights, distances };
   });
   const standing = standingPoses(world);
-  const solids = world.solids.map(({ push }, i) =>
-    push === undefined || push === null ? standing[i]! : pose(),
-  );
+  const solids = world.solids.map((solid, i) => (canMove(solid) ? pose() : standing[i]!));
   return { time: buffer.getFloat64(0, true), robots, solids };
 }
 

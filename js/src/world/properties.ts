@@ -79,14 +79,17 @@ export function properties(stage: Stage, edits: () => WorldEdits): Properties {
       const it = isSolid ? world?.solids[selected.index] : undefined;
       setHidden(element, !selected || (isSolid && !it));
       if (!selected) return;
-      setText(kind, title(selected, it !== undefined && (it.push ?? null) !== null, Boolean(it?.circle)));
+      setText(
+        kind,
+        it?.patrol ? "Moves by itself" : title(selected, typeof it?.push === "number", Boolean(it?.circle)),
+      );
       setHidden(name, selected.kind === "robot" || selected.kind === "start");
       setHidden(solid, !isSolid);
       setHidden(start, selected.kind !== "robot");
       setHidden(remove, selected.kind === "robot" || selected.kind === "start");
       const named = selected.kind === "zone" ? selected.name : (it?.name ?? "");
       if (!hasFocus(name)) name.value = named;
-      push.checked = (it?.push ?? null) !== null;
+      push.checked = typeof it?.push === "number";
       round.checked = Boolean(it?.circle);
     },
   };

@@ -386,6 +386,7 @@ function palette(root: HTMLElement): Palette {
     edge: color("edge"),
     solid: color("solid"),
     pushable: color("pushable"),
+    moving: color("moving"),
     solidEdge: color("solid-edge"),
     zone: color("zone"),
     robot: color("robot"),
