@@ -604,6 +604,13 @@ export interface WorldPictureRequest {
   type: "world_picture";
 }
 
+/** Draw how the world moved, as far as it is remembered. Answered by `svg`. */
+export interface WorldAnimationRequest {
+  view: string;
+  id: number;
+  type: "world_animation";
+}
+
 export type DrawingAct =
   | "state"
   | "transition"
@@ -1493,6 +1500,7 @@ export type FromPage =
   | InspectRequest
   | SaveWorldRequest
   | WorldPictureRequest
+  | WorldAnimationRequest
   | DrawRequest
   | TimelineRequest
   | WhatIfRequest

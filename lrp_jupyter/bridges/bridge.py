@@ -43,7 +43,7 @@ looks up its members, so that members can come and go while a program holds it.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import StrEnum
 from typing import Any, ClassVar, Self
@@ -237,6 +237,18 @@ class Bridge(Interface, ABC):
         ----------
         moment, next_moment : object
             The moments before that tick, and before the one after it.
+        """
+        return None
+
+    def animation(self, moments: Sequence[object], end: object) -> Callable[[], str] | None:
+        """Return a function that draws how the robot moved as an animated SVG; None where it is not recorded.
+
+        Parameters
+        ----------
+        moments : sequence of object
+            Where it may begin: the first one that is of the same world as the end.
+        end : object
+            The last moment.
         """
         return None
 

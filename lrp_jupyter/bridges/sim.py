@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from types import NoneType
@@ -23,6 +23,7 @@ from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.outside import WorldLoaded
 from lrp_jupyter.errors import BridgeError
+from lrp_jupyter.sim.animation import EVERY, animated
 from lrp_jupyter.sim.edits import Become, Draw, Edition, PutSolid, WorldEdit, WorldHistory, is_edit
 from lrp_jupyter.sim.inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.robot import SimRobot
@@ -381,6 +382,27 @@ class SimBridge(Bridge):
         picture = _picture(fork)
         fork.close()
         return picture
+
+    def animation(self, moments: Sequence[object], end: object) -> Callable[[], str] | None:
+        """See :class:`Bridge`.
+
+        Raises
+        ------
+        BridgeError
+            Another world was loaded between the moments, or the first one is too long ago.
+        """
+        if not isinstance(end, _SimMoment):
+            return None
+        simulation = end.simulation
+        known = (each for each in moments if isinstance(each, _SimMoment) and each.simulation is simulation)
+        begin = next(known, None)
+        if begin is None:
+            raise BridgeError("Another world was loaded meanwhile. Begin the animation after that.")
+        try:
+            run = simulation.repeated(begin.world, end.world, EVERY)
+        except ValueError as error:
+            raise BridgeError(str(error)) from error
+        return lambda: animated(run)
 
     def load_world(
         self, world: str | os.PathLike[str] | Mapping[str, object] | World, seed: int | None = None

@@ -124,6 +124,9 @@ and `event`: `started`, `paused`, `resumed`; `entered`, `left` (`state`); `fired
 save of the file, every key. `lrp replay run.lrplog` reproduces a simulated run bit for bit, and `lrp why
 run.lrplog NAME --at 12.3` says why a transition did not fire there. A name that ends with `.gz` compresses
 the file.
+
+**Animations**: `--animate run.svg` draws how the simulated world moved, at its end, as an SVG that browsers
+play; of a longer run the last ten minutes, or 10,000 ticks if they are more.
 """
 
 
@@ -202,6 +205,10 @@ def run(
         str | None,
         typer.Option(metavar="FILE", help="Write a recording, for `lrp replay` and `lrp why`."),
     ] = None,
+    animate: Annotated[
+        str | None,
+        typer.Option(metavar="FILE", help="Draw the simulated run as a moving picture (SVG)."),
+    ] = None,
     watch: Annotated[
         bool, typer.Option("--watch", help="Patch the running program at every save of the file.")
     ] = False,
@@ -232,6 +239,7 @@ def run(
         assignments=assignments or [],
         trace=trace,
         record=record,
+        animate=animate,
         breakpoints=tuple(breakpoints or ()),
         watch=watch,
         on_issue=on_issue.value,

@@ -44,7 +44,7 @@ class RunOptions:
         Other initial values.
     trace : str or None
         A file, or ``-`` for stdout.
-    record : str or None
+    record, animate : str or None
         A file.
     breakpoints : tuple of str
         ``STATE``, ``TRANSITION``, ``left STATE``, ``event NAME`` or ``when EXPRESSION``.
@@ -63,6 +63,7 @@ class RunOptions:
     assignments: tuple[Assignment, ...]
     trace: str | None
     record: str | None
+    animate: str | None
     breakpoints: tuple[str, ...]
     watch: bool
     on_issue: Literal["record", "pause"]

@@ -37,6 +37,7 @@ from lrp_jupyter.cli.pace import LIMIT, Clocked, Pace, Racing
 from lrp_jupyter.cli.source import Source, Watch, read_source
 from lrp_jupyter.cli.terminal import Keys, recorded_signals
 from lrp_jupyter.errors import FileError, LRPError, UnknownElementError
+from lrp_jupyter.files import write_file
 from lrp_jupyter.interpreter.frame import Frame, missing_state
 from lrp_jupyter.language.parser import scan
 from lrp_jupyter.language.program import Finding, Path, Program, path_text
@@ -81,9 +82,11 @@ def run_file(file: str, wanted: RunOptions) -> int:
             rate=wanted.rate,
             name=FilePath(source.name).stem,
             on_issue=wanted.on_issue,
-            journal=0,
+            journal=0 if wanted.animate is None else None,
             speed=wanted.speed,
         )
+        if wanted.animate is not None and bridge.world_form() is None:
+            raise typer.BadParameter(f"--animate draws a simulated world, and `{bridge.name}` has none.")
         if wanted.record is not None:
             _record(session, wanted, stack)
         stack.callback(session.close)
@@ -96,15 +99,18 @@ def _check_files(source: Source, wanted: RunOptions) -> None:
     """Raise an error if an output would overwrite the program, the world or the other output."""
     if wanted.record == "-":
         raise typer.BadParameter("--record writes a file. Give its name, as in `--record run.lrplog`.")
+    if wanted.animate == "-":
+        raise typer.BadParameter("--animate writes a file. Give its name, as in `--animate run.svg`.")
     world = FilePath(wanted.world or source.world or "")  # a name, or a file
     kept = {"the program": source.path, "the world": world if world.is_file() else None}
-    for option, name in (("--trace", wanted.trace), ("--record", wanted.record)):
+    outputs = {"trace": wanted.trace, "record": wanted.record, "animate": wanted.animate}
+    for option, name in outputs.items():
         if name is None or name == "-":
             continue
         for what, path in kept.items():
             if path is not None and _is_same_file(path, FilePath(name)):
-                raise typer.BadParameter(f"{option} would overwrite {what} `{path}`. Choose another name.")
-        kept["the trace"] = FilePath(name)
+                raise typer.BadParameter(f"--{option} would overwrite {what} `{path}`. Choose another name.")
+        kept["the recording" if option == "record" else f"the {option}"] = FilePath(name)
 
 
 def _is_same_file(one: FilePath, other: FilePath) -> bool:
@@ -490,6 +496,8 @@ class _Run:
         if self.wanted.speed == math.inf and wall > 0:
             words += f"; {frame.time / wall:,.0f} times real time"
         self.print(words)
+        if self.wanted.animate is not None and not self._stuck:
+            write_file(FilePath(self.wanted.animate), self.session.animation() + "\n")
         if self._caught:
             return 128 + self._caught[0]
         missed = self.wanted.until is not None and not (self._events.reached.is_set() or self._quit)

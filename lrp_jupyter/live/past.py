@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -21,7 +21,7 @@ from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.renamed import Names
 from lrp_jupyter.live.values import numbers_of
 
-__all__ = ["frame_at", "tick_of"]
+__all__ = ["animation_of", "frame_at", "tick_of"]
 
 
 def frame_at(loop: Loop, tick: int) -> Frame:
@@ -63,6 +63,30 @@ def frame_at(loop: Loop, tick: int) -> Frame:
         robot=bridge.picture_after(moment, after),
         hung=None,
     )
+
+
+def animation_of(loop: Loop, begin: int | None, end: int | None) -> Callable[[], str] | None:
+    """Return a function that draws the remembered run, or some ticks of it; None for a robot without a world.
+
+    Raises
+    ------
+    ValueError
+        A tick is not remembered, or the end is before the beginning.
+    BridgeError
+        Another world was loaded between the two, or the world cannot be reproduced so long ago.
+    """
+    last, count = loop.interpreter.tick, len(loop.moments)
+    first = last - count + 1
+    for tick in (begin, end):
+        if tick is not None and not first <= tick <= last:
+            raise ValueError(loop.interpreter.history.refusal(tick, first))
+    if begin is not None and end is not None and end < begin:
+        raise ValueError(f"The end, tick {end}, is before the beginning, tick {begin}.")
+    moments = [each.world for each in loop.moments]
+    moments.append(loop.bridge.moment())
+    final = moments[-1 if end is None else end - first + 1]
+    starts = moments if begin is None else [moments[begin - first]]
+    return loop.bridge.animation(starts, final)
 
 
 def tick_of(loop: Loop, time: float) -> int:

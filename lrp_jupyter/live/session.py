@@ -94,7 +94,7 @@ from lrp_jupyter.live.foreign import surviving
 from lrp_jupyter.live.fork import ForkStart, check_repeated, fork_start, private_namespace
 from lrp_jupyter.live.loop import Loop
 from lrp_jupyter.live.output import Output
-from lrp_jupyter.live.past import frame_at, tick_of
+from lrp_jupyter.live.past import animation_of, frame_at, tick_of
 from lrp_jupyter.live.plots import Plot, plotting_named
 from lrp_jupyter.live.reason import Reason
 from lrp_jupyter.live.recorder import Recorder, start_of
@@ -966,6 +966,39 @@ class Session:
         """
         _check_moment("tick", tick)
         return cast(Frame, self.call(lambda: frame_at(self._loop, _tick_of(self._loop, tick))))
+
+    def animation(self, begin: int | float | None = None, end: int | float | None = None) -> str:
+        """Return how the simulated world moved, as an animated SVG that repeats by itself.
+
+        Parameters
+        ----------
+        begin, end : int or float, optional
+            Ticks; or times in seconds, as floats. By default all that is remembered of the run in this world.
+
+        Returns
+        -------
+        str
+            A text for a file ``NAME.svg``, which any browser plays. Positions are true within 2 mm.
+
+        Raises
+        ------
+        BridgeError
+            The robot is not a simulated one, or another world was loaded in between.
+        ValueError
+            A tick is not, or no longer, recorded; or the end is before the beginning.
+        """
+        for name, at in (("begin", begin), ("end", end)):
+            if at is not None:
+                _check_moment(name, at)
+
+        def start() -> Callable[[], str] | None:
+            ticks = [None if at is None else _tick_of(self._loop, at) for at in (begin, end)]
+            return animation_of(self._loop, *ticks)
+
+        draw = self.call(start)
+        if draw is None:
+            raise BridgeError(f"`{self.bridge.name}` has no simulated world that could be drawn.")
+        return cast(str, draw())
 
     def timeline(
         self, since: TimelineCursor | None = None, plots: Mapping[str, int] | None = None

@@ -106,6 +106,15 @@ class InputLog:
             (at, what) for at, what in last.inputs[: max(0, inputs - last.moment.inputs)] if at <= step
         ]
 
+    def between(self, first: WorldMoment, last: WorldMoment) -> list[tuple[int, Input]]:
+        """Return the inputs after a moment, up to another one, with their steps."""
+        return [
+            each
+            for checkpoint in self._checkpoints
+            for number, each in enumerate(checkpoint.inputs, start=checkpoint.moment.inputs)
+            if first.inputs <= number < last.inputs
+        ]
+
     def cut(self, step: int, inputs: int | None) -> tuple[Checkpoint, list[tuple[int, Input]]]:
         """Drop everything after a moment of the run; return what reproduces the moment.
 

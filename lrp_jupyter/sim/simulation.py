@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 import os
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import replace
 from random import Random
@@ -484,6 +484,39 @@ class Simulation:
             fork._apply_now(what)
         fork._advance_to(to.step)
         return fork
+
+    def repeated(self, first: WorldMoment, last: WorldMoment, every: int) -> Iterator[Simulation]:
+        """Return an independent simulation again and again while it repeats a part of this run.
+
+        Parameters
+        ----------
+        first, last : WorldMoment
+        every : int
+            Steps between two times; what is put elsewhere in between is shown before and after.
+
+        Raises
+        ------
+        ValueError
+            The first moment is too long ago (see :attr:`earliest`).
+        """
+        return self.fork(first)._through(self._log.between(first, last), last.step, every)
+
+    def _through(self, inputs: list[tuple[int, Input]], end: int, every: int) -> Iterator[Simulation]:
+        is_due = True
+        for at, what in [*inputs, (end, None)]:
+            while self.steps < at:
+                if is_due:
+                    yield self  # with what was done at this step
+                self._advance_to(min(at, self.steps - self.steps % every + every))
+                is_due = self.steps % every == 0
+            if what is not None:
+                is_moved = not isinstance(what, (Latch, Drive, Pen))
+                if is_moved:
+                    yield self
+                self._apply_now(what)
+                is_due = is_due or is_moved
+        yield self
+        self.close()
 
     def _checkpoint(self, between_inputs: bool = False, solids: list[Motion] | None = None) -> None:
         """Record the state, with solids moved to new places if given, and continue from the record."""

@@ -278,6 +278,16 @@ class WorldPictureRequest(PageRequest, type="world_picture"):
         return {"svg": opened.session.call(lambda: svg(bridge.simulation))}
 
 
+@dataclass(frozen=True)
+class WorldAnimationRequest(PageRequest, type="world_animation"):
+    """Draw how the world moved, as far as it is remembered. Answered by `svg`."""
+
+    def answer(self, opened: OpenProgram) -> Mapping[str, Any]:
+        """Return the moving picture."""
+        _world(opened)
+        return {"svg": opened.session.animation()}
+
+
 def saved_worlds(folder: str | os.PathLike[str] = ".") -> list[str]:
     """Return the names of the files of a folder that the page offers as worlds."""
     try:

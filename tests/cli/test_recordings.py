@@ -132,6 +132,8 @@ def test_a_recording_or_trace_never_overwrites_what_the_run_reads_or_writes(lrp,
         (["--trace", path], "--trace would overwrite the program"),
         (["--world", world, "--record", world], "--record would overwrite the world"),
         (["--trace", other, "--record", other], "--record would overwrite the trace"),
+        (["--animate", path], "--animate would overwrite the program"),
+        (["--record", other, "--animate", other], "--animate would overwrite the recording"),
         (["--record", "-"], "--record writes a file."),
     ):
         done = lrp("run", path, "--speed", "max", "--for", "1", *options)

@@ -8,10 +8,13 @@ from typing import ClassVar
 
 import pytest
 from seeds import seeds
+from smil import evaluate, placed
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.panel import Panel, Question
 from lrp_jupyter.cli import pace, run
+from lrp_jupyter.sim import load
+from lrp_jupyter.sim.shapes import robot_colour
 
 COUNT = """(var n := [0])
 (machine counter
@@ -410,3 +413,28 @@ def test_grading_without_a_file_says_so(lrp):
     result = lrp("grade", "--challenge", "square")
     assert result.exit_code == 2
     assert result.stderr.startswith("lrp: No file was named. Write `lrp grade FILE --challenge NAME`.")
+
+
+def test_a_run_is_written_as_a_moving_picture(lrp, program, tmp_path):
+    path = tmp_path / "run.svg"
+    done = lrp("run", "box-pusher", "--speed", "max", "--for", "20", "--animate", path)
+    assert done.exit_code == 0
+    picture = path.read_text(encoding="utf-8")
+    assert "boxes · 0.0 to 20.0 s" in picture
+    start, end = (placed(evaluate(picture, time), robot_colour(0)[0])[0][:2] for time in (0.0, 19.9))
+    assert start == pytest.approx(load("boxes").robots[0].pose[:2], abs=0.002)
+    assert end != pytest.approx(start, abs=0.1)
+    assert len(picture) < 20_000
+
+
+def test_only_a_simulated_run_is_animated(lrp, program, tmp_path):
+    for options, told in (
+        (
+            ["--bridge", "none", "--animate", tmp_path / "run.svg"],
+            "--animate draws a simulated world, and `none`",
+        ),
+        (["--animate", "-"], "--animate writes a file. Give its name, as in `--animate run.svg`."),
+    ):
+        done = lrp("run", program(COUNT), "--speed", "max", "--for", "1", *options)
+        assert done.exit_code == 2
+        assert told in " ".join(done.stderr.replace("│", " ").split())

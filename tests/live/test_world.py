@@ -1,8 +1,10 @@
 """Sessions with the simulated robot: one time for program and world."""
 
 import json
+import math
 
 import pytest
+from smil import evaluate, placed
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.sim import SimBridge
@@ -12,6 +14,8 @@ from lrp_jupyter.live.recording import read_recording
 from lrp_jupyter.live.reproduction import reproduce
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.trace import Trace
+from lrp_jupyter.sim.animation import TURNED, WITHIN
+from lrp_jupyter.sim.shapes import robot_colour
 
 BOUNCE = """
 (var bumps := [0])
@@ -354,3 +358,43 @@ def test_a_run_beside_what_moves_by_itself_is_gone_back_forked_and_reproduced_ex
         session.run(seconds=14)
         assert now(session) == end
     assert end[0] != there[0]
+
+
+def test_a_run_is_drawn_as_an_animation_whole_or_in_part():
+    with Session(BOUNCE, SimBridge("walls"), clock=clocks.VirtualClock()) as session:
+        recorded = {}
+        session.run(seconds=20, after_tick=lambda: recorded.update({session.frame.time: poses(session)[0]}))
+        whole, part = session.animation(), session.animation(5.0, 150)
+        assert "0.0 to 20.0 s" in whole
+        assert "5.0 to 15.0 s" in part
+        for time, pose in recorded.items():
+            assert_pose(whole, time, pose)
+            if 5.0 <= time <= 15.0:
+                assert_pose(part, time - 5.0, pose)
+        assert len(whole) < 40_000
+        session.rewind(100)
+        assert "0.0 to 10.0 s" in session.animation()
+
+
+def assert_pose(picture, time, pose):
+    ((x, y, angle, _),) = placed(evaluate(picture, time), robot_colour(0)[0])
+    assert math.dist((x, y), pose[:2]) <= WITHIN
+    assert abs((angle - pose[2] + math.pi) % math.tau - math.pi) <= math.radians(TURNED)
+
+
+def test_what_cannot_be_animated_is_refused_in_a_sentence():
+    with Session(BOUNCE, SimBridge("walls"), clock=clocks.VirtualClock()) as session:
+        session.run(seconds=1)
+        with pytest.raises(ValueError, match="Tick 99 is not remembered"):
+            session.animation(99)
+        with pytest.raises(ValueError, match="The end, tick 3, is before the beginning, tick 5"):
+            session.animation(5, 3)
+        session.call(lambda: session.bridge.load_world("maze"))
+        session.run(seconds=1)
+        with pytest.raises(BridgeError, match="Another world was loaded meanwhile"):
+            session.animation(3)
+        assert "maze · 0.0 to 1.0 s" in session.animation()
+    with Session("(machine m (state a)) (spawn m a)", clock=clocks.VirtualClock()) as session:
+        session.run(seconds=1)
+        with pytest.raises(BridgeError, match="`none` has no simulated world that could be drawn"):
+            session.animation()

@@ -150,3 +150,14 @@ def test_a_picture_shows_the_world_as_it_is(lab, page):
 @pytest.mark.parametrize("name", ["", " ", ".", "/"])
 def test_a_world_is_not_saved_without_a_name(page, name):
     assert page.ask("save_world", name=name, replace=True)["error"] == "Enter a name for the file."
+
+
+def test_a_moving_picture_shows_the_remembered_run(lab, page):
+    page.do("put_zone", name="harbour", circle=[2.0, 1.0, 0.3])
+    page.do("step", value=20)
+    picture = page.ask("world_animation")["svg"]
+    assert ">harbour</text>" in picture
+    assert "0.0 to 2.0 s" in picture
+    page.do("world", name="maze")
+    page.do("step", value=10)
+    assert "maze · 0.0 to 1.0 s" in page.ask("world_animation")["svg"]

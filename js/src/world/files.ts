@@ -18,6 +18,14 @@ export async function saveSvg(lab: Lab): Promise<void> {
     await savePicture(`${nameOf(lab)}.svg`, new Blob([svg], { type: "image/svg+xml" }), lab.notify);
 }
 
+/** Save how the world moved, as far as it is remembered, as a drawing that moves. */
+export async function saveAnimation(lab: Lab): Promise<void> {
+  const { svg, error } = await lab.ask({ type: "world_animation" });
+  if (error) lab.notify(error);
+  else if (svg)
+    await savePicture(`${nameOf(lab)}-run.svg`, new Blob([svg], { type: "image/svg+xml" }), lab.notify);
+}
+
 function nameOf(lab: Lab): string {
   const { name, world } = lab.store.state;
   return [name, world?.name].filter(Boolean).join("-") || "world";

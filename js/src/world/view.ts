@@ -10,7 +10,7 @@ import { h, prose, setAttribute, setText } from "../ui/dom";
 import { isOn, keepOn } from "../ui/kept";
 import { type MenuItem, openMenu } from "../ui/menu";
 import { WorldEdits } from "./edits";
-import { openWorld, savePng, saveSvg } from "./files";
+import { openWorld, saveAnimation, savePng, saveSvg } from "./files";
 import { legend, trailStyles } from "./legend";
 import type { Palette } from "./paint";
 import { bridgePanel } from "./panel";
@@ -177,6 +177,7 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
       { label: "Open world…", action: "open-world", run: () => openWorld(lab) },
       { label: "Save picture (PNG)", action: "world-png", run: () => void savePng(lab, stage) },
       { label: "Save drawing (SVG)", action: "world-svg", run: () => void saveSvg(lab) },
+      { label: "Save animation (SVG)", action: "world-animation", run: () => void saveAnimation(lab) },
     ];
   }
 
