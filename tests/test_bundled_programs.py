@@ -25,6 +25,7 @@ from lrp_jupyter.sim.worlds import load as load_world
 
 NAMES = (
     "box-pusher",
+    "convoy",
     "edge-guard",
     "escapement",
     "exit",
@@ -50,9 +51,16 @@ def goes_around(size):
     return Criterion("goes around the room", look)
 
 
+def keeps_its_distance(run):
+    """The second robot follows the first, near it and without touching it, wherever it goes."""
+    names = {name for sample in run.samples for name in sample.touched}
+    return "follower" not in names, f"the leader touched {names}"
+
+
 NOISE = {"motor": 0.02, "light": 5}
 GOALS = {
     "box-pusher": (30, pushes("box", "goal"), enters("done"), ends_still(1)),
+    "convoy": (60, Criterion("keeps its distance", keeps_its_distance), drives(6), enters("back")),
     "edge-guard": (90, stays_in("inside"), drives(5), enters("waiting"), enters("turning")),
     "escapement": (5, enters("turning"), enters("right")),
     "exit": (60, enters("finished"), drives(2)),

@@ -1256,6 +1256,7 @@ export interface SolidView {
 /** A robot: pose (x, y, theta), radius, places of light sensors, (angle, reach) of distance sensors. */
 export interface RobotShape {
   pose: Pose;
+  name?: string;
   radius?: number;
   light?: Point[];
   bumper?: boolean;

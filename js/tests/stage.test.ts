@@ -6,7 +6,7 @@ import type { Act } from "../src/session/connection";
 import { type Lab, Store } from "../src/session/store";
 import { Looking } from "../src/timeline/looking";
 import { WorldEdits } from "../src/world/edits";
-import type { Palette } from "../src/world/paint";
+import { ofRobot, type Palette } from "../src/world/paint";
 import { Stage } from "../src/world/stage";
 import { type Tool, useTools } from "../src/world/tools";
 
@@ -297,4 +297,39 @@ it("a selection is not that of another world, whose things have the same numbers
   expect(stage.selected).toEqual({ kind: "solid", index: 0 });
   stage.show({ ...view, name: "other" });
   expect(stage.selected).toBe(null);
+});
+
+describe("two robots", () => {
+  const two: WorldView = {
+    ...view,
+    name: "two",
+    robots: [
+      { pose: [0.5, 1, 0], name: "leader" },
+      { pose: [1.5, 0.5, 0], name: "follower" },
+    ],
+  };
+
+  it("are each given the start where it is, the first one if none is selected", () => {
+    stage.show(two);
+    edits.select({ kind: "robot", index: 1 });
+    edits.startHere();
+    edits.select(null);
+    edits.startHere();
+    expect(acts).toEqual([
+      { do: "set_start", index: 1, pose: [1.5, 0.5, 0] },
+      { do: "set_start", index: 0, pose: [0.5, 1, 0] },
+    ]);
+  });
+
+  it("have colours of their own, which come again", () => {
+    const first = { robot: "blue", robotEdge: "navy", mark: "azure" };
+    const second = { robot: "orange", robotEdge: "brown", mark: "ochre" };
+    const palette = { ...first, others: [second] } as unknown as Palette;
+    expect([0, 1, 2, 3].map((index) => ofRobot(palette, index).robot)).toEqual([
+      "blue",
+      "orange",
+      "blue",
+      "orange",
+    ]);
+  });
 });

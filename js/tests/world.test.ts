@@ -48,6 +48,7 @@ describe("a world's JSON", () => {
     expect(world.floor).toEqual({ grey: 255, strokes: [{ path: [[0, 0]], width: 0.03, grey: 0 }] });
     expect(world.robots[0]).toEqual({
       pose: [0.5, 1, 0],
+      name: "",
       radius: 0.08,
       light: [[0.06, 0]],
       bumper: true,
@@ -106,6 +107,19 @@ describe("poses", () => {
 
   it("need 36 bytes for one robot", () => {
     expect(poseBytes({ ...world, solids: [] })).toBe(36);
+  });
+
+  it("are read for every robot of a world", () => {
+    const two = complete({ ...view, solids: [], robots: [...view.robots, { pose: [1, 1, 0], light: [] }] });
+    const now = readPoses(two, buffer(0, 0.5, 1, 0, 0, 0, 200, 1.5, 1.25, 1, 0.5, 1, 0.25, 0.75))!;
+    expect(now.robots.map(({ pose }) => pose)).toEqual([
+      [0.5, 1, 0],
+      [1.25, 1, 0.5],
+    ]);
+    expect(now.robots.map(({ bumper, distances }) => [bumper, ...distances])).toEqual([
+      [false, 1.5],
+      [true, 0.75],
+    ]);
   });
 
   it("of another world are not read", () => {

@@ -392,10 +392,9 @@ class Bridge(Interface, ABC):
         except BaseException as error:
             self.lose("act", error)
         self.latch = 0  # between ticks a person reads what is there now
-        sentence = self.safety.command_overdue(now)
-        if sentence is not None:
+        for mover, sentence in self.safety.commands_overdue(now).items():
             self.safety.notice("command watchdog", sentence)
-            self._stop_now()
+            self.stop_mover(mover)
 
     def check_watchdog(self, now: float) -> Notice | None:
         """Stop the robot if there are no more ticks; for the monitor's thread, while running.

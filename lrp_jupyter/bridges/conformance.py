@@ -324,7 +324,7 @@ class BridgeConformance:
                 catch(method)
                 now = 10.0 * start
                 bridge.begin_tick(now, 0.1)
-                bridge.safety.moving(method.path, True)
+                bridge.safety.moving(method.path, True, method.mover)
                 bridge.end_tick(now)
                 calls = spy(bridge, "stop")
                 for tick in range(1, 7):

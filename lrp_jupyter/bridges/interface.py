@@ -106,6 +106,7 @@ class Interface:
         command: bool = True,
         velocity: bool | None = None,
         limits: Limits | None = None,
+        mover: str = "",
     ) -> None:
         """Register a function as ``robot.<name>(...)``.
 
@@ -125,10 +126,14 @@ class Interface:
             commanding. Default: True for ``move``.
         limits : mapping of str to float or (float, float), optional
             ``{"linear": 0.5}``: larger numbers are clamped to -0.5 ... 0.5, and that is shown.
+        mover : str
+            Which one of several robots it moves; the watchdog watches each of them.
         """
         is_velocity = name.rpartition(".")[2] == "move" if velocity is None else velocity
         text = doc or _doc_of(function)
-        self.nodes.add(RobotMethod(self, name, function, text, message, command, is_velocity, limits or {}))
+        self.nodes.add(
+            RobotMethod(self, name, function, text, message, command, is_velocity, limits or {}, mover)
+        )
 
     def remove_member(self, name: str) -> None:
         """Remove a member, or a part with all its members.
@@ -208,6 +213,10 @@ class Interface:
         finally:  # a recording that fails does not keep the robot moving
             self.outside(RobotStopped(), False)
 
+    def stop_mover(self, mover: str) -> None:
+        """Stop one of several robots, for which the program gives no more commands. Default: stop all."""
+        self._stop_now()
+
     def _stop_now(self) -> bool:
         return self.safety.run_stop(self.stop, self.stop_timeout)
 
@@ -219,12 +228,14 @@ class Interface:
         if not method.command:
             return method.perform(command)
         safety = self.safety
-        limited = method.clamp(command)
-        for sentence in limited:
-            safety.notice("limited", sentence)
+        origin = self.origin()
+        clamped = method.clamp(command)
+        for name, sentence in clamped.items():
+            safety.notice("limited", sentence, f"{method.path} {name} {origin.line}", origin)
         sent = safety.admit()
         arguments = command.as_dict() if isinstance(command, Message) else dict(command.arguments)
-        safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited, self.origin()))
+        limited = tuple(clamped.values())
+        safety.record(CommandRecord(method.path, arguments, safety.now, sent, limited, origin))
         self.outside(RobotCommanded(method.path, arguments), False)
         if not sent:
             if safety.armed:
@@ -233,7 +244,7 @@ class Interface:
                 safety.notice("disarmed", f"`{method.path}` was not sent: the robot is disarmed.")
             return None
         if method.velocity:
-            safety.moving(method.path, _moves(arguments))
+            safety.moving(method.path, _moves(arguments), method.mover)
         try:
             return method.perform(command)
         finally:

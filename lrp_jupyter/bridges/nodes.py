@@ -148,7 +148,7 @@ class RobotMethod(NotAValue):
 
     # fmt: off
     __slots__ = ("_bridge", "_filling", "_function", "_parameters", "_redirected", "command", "doc", "limits",
-                 "message", "path", "signature", "velocity")
+                 "message", "mover", "path", "signature", "velocity")
     # fmt: on
 
     def __init__(
@@ -161,10 +161,11 @@ class RobotMethod(NotAValue):
         command: bool,
         velocity: bool,
         limits: Limits,
+        mover: str = "",
     ) -> None:
         self._bridge, self.path, self._function = bridge, path, function
         self.doc = doc
-        self.message, self.command, self.velocity = message, command, velocity
+        self.message, self.command, self.velocity, self.mover = message, command, velocity, mover
         self.limits = {name: _range(limit) for name, limit in limits.items()}
         self._parameters = _signature(function)
         if message is not None:
@@ -295,9 +296,12 @@ class RobotMethod(NotAValue):
         fields = self.message.describe(self.path) if self.message is not None else ()
         return Member(self.path, "method", doc=self.doc, signature=self.signature, fields=fields)
 
-    def clamp(self, command: Message | inspect.BoundArguments) -> tuple[str, ...]:
-        """Clamp a command to the limits in place; return a sentence for each number that was clamped."""
-        sentences = []
+    def clamp(self, command: Message | inspect.BoundArguments) -> dict[str, str]:
+        """Clamp a command to the limits in place; return a sentence for each number that was clamped.
+
+        They are found by the name of the number and its limit.
+        """
+        sentences = {}
         for name, (low, high) in self.limits.items():
             if isinstance(command, Message):
                 value = command.get(name)
@@ -312,8 +316,8 @@ class RobotMethod(NotAValue):
                 command.set(name, allowed)
             else:
                 command.arguments[name] = allowed
-            sentences.append(f"`{self.path}`: {name} {value:g} limited to {allowed:g}.")
-        return tuple(sentences)
+            sentences[f"{name} {allowed:g}"] = f"`{self.path}`: {name} {value:g} limited to {allowed:g}."
+        return sentences
 
 
 class Nodes:

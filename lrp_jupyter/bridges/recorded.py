@@ -60,6 +60,7 @@ class RecordedBridge(Bridge, offered=False):
                     command=node.command,
                     velocity=node.velocity,
                     limits=node.limits,
+                    mover=node.mover,
                 )
                 self.nodes.table[node.path].stand_in(node)  # type: ignore[attr-defined]
 

@@ -17,9 +17,12 @@ from typing import Any, Literal, NamedTuple
 
 from lrp_jupyter.errors import sentence_of
 
-__all__ = ["BY_HAND", "COMMANDS", "CommandRecord", "Notice", "Origin", "Safety", "patience"]
+__all__ = ["BY_HAND", "COMMANDS", "CommandRecord", "Motion", "Notice", "Origin", "Safety", "patience"]
 
 NoticeKind = Literal["armed", "disarmed", "limited", "command watchdog", "tick watchdog", "held", "fault"]
+
+Motion = dict[str, tuple[str, float]]
+"""The robots that move, by name, with the last velocity command and its time; never changed in place."""
 
 COMMANDS = 60_000
 """How many commands the log holds at most; one that is repeated counts as one."""
@@ -31,23 +34,6 @@ _ROUNDING = 1e-9  # s; 5 periods of 0.1 s are half a second
 def patience(period: float) -> float:
     """Return the seconds without a tick or velocity command after which the robot is stopped."""
     return max(_SHORTEST, 3 * period)
-
-
-@dataclass(frozen=True, slots=True)
-class Notice:
-    """An entry of the safety log: what was done, and why.
-
-    `count` is how often it happened in a row; `now` is the last time, in seconds.
-    """
-
-    kind: NoticeKind
-    text: str
-    now: float
-    count: int = 1
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return a JSON form."""
-        return {"kind": self.kind, "text": self.text, "now": self.now, "count": self.count}
 
 
 class Origin(NamedTuple):
@@ -62,6 +48,27 @@ class Origin(NamedTuple):
 
 
 BY_HAND = Origin()
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """An entry of the safety log: what was done, and why.
+
+    `count` is how often it happened: in a row, or anywhere with the same `about`. `now` is the last time, in
+    seconds; `first` and `last` are the origins of the commands that it is about.
+    """
+
+    kind: NoticeKind
+    text: str
+    now: float
+    count: int = 1
+    about: str = ""
+    first: Origin = BY_HAND
+    last: Origin = BY_HAND
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return a JSON form."""
+        return {"kind": self.kind, "text": self.text, "now": self.now, "count": self.count}
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,8 +136,7 @@ class Safety:
         self.command_count = 0
         self._last_tick: float | None = None
         self._overdue_reported = False
-        self._moving_since: float | None = None  # time of the last velocity command that is not zero
-        self._moving_name = "move"
+        self._moving: Motion = {}
         self._notices: deque[Notice] = deque(maxlen=kept)
         self.recorded: Callable[[CommandRecord], object] | None = None
         """Called with every command."""
@@ -151,17 +157,35 @@ class Safety:
         with self._log_lock:
             return self._all()
 
-    def notice(self, kind: NoticeKind, text: str) -> Notice:
-        """Log a notice; a repeated one increments its count."""
+    def notice(self, kind: NoticeKind, text: str, about: str = "", origin: Origin = BY_HAND) -> Notice:
+        """Log a notice; a repeated one increments its count.
+
+        Parameters
+        ----------
+        kind, text : str
+        about : str
+            What it is about, if it is to be logged once however often it happens and whatever its text then.
+        origin : Origin
+            Of the command that it is about.
+        """
         with self._log_lock:
             self.notice_count += 1
-            last = self._notices[-1] if self._notices else None
-            if last is not None and (last.kind, last.text) == (kind, text):
-                self._notices[-1] = entry = replace(last, now=self.now, count=last.count + 1)
-            else:
-                entry = Notice(kind, text, self.now)
-                self._notices.append(entry)
+            known = range(len(self._notices)) if about else range(len(self._notices))[-1:]
+            for index in known:
+                each = self._notices[index]
+                if each.kind == kind and (each.about == about if about else each.text == text):
+                    entry = replace(each, now=self.now, count=each.count + 1, last=origin)
+                    self._notices[index] = entry
+                    return entry
+            entry = Notice(kind, text, self.now, 1, about, origin, origin)
+            self._notices.append(entry)
         return entry
+
+    def forget_notices(self, kind: NoticeKind) -> None:
+        """Drop the notices of a kind: the user has read them."""
+        with self._log_lock:
+            kept = [notice for notice in self._notices if notice.kind != kind]
+            self._notices = deque(kept, maxlen=self._notices.maxlen)
 
     def record(self, command: CommandRecord) -> None:
         """Log a command."""
@@ -213,22 +237,22 @@ class Safety:
         return self._last_tick is not None
 
     @property
-    def motion(self) -> tuple[str, float | None]:
-        """The velocity command that moves the robot, and its time; a bridge that rewinds sets it back."""
-        return self._moving_name, self._moving_since
+    def motion(self) -> Motion:
+        """The velocity commands that move the robots, with their times; a bridge that rewinds sets them."""
+        return self._moving
 
     @motion.setter
-    def motion(self, motion: tuple[str, float | None]) -> None:
-        self._moving_name, self._moving_since = motion
+    def motion(self, motion: Motion) -> None:
+        self._moving = motion
 
-    def moving(self, name: str, is_moving: bool) -> None:
-        """Register a velocity command that was sent."""
-        self._moving_name = name
-        self._moving_since = self.now if is_moving else None
+    def moving(self, name: str, is_moving: bool, mover: str = "") -> None:
+        """Register a velocity command that was sent to one of the robots."""
+        others = {other: motion for other, motion in self._moving.items() if other != mover}
+        self._moving = {**others, mover: (name, self.now)} if is_moving else others
 
     def stopped(self) -> None:
         """Register a stop: nothing more is sent in this tick."""
-        self._moving_since = None
+        self._moving = {}
         self.held = self.ticking
 
     def run_stop(self, stop: Callable[[], None], timeout: float | None) -> bool:
@@ -239,7 +263,7 @@ class Safety:
         bool
             Whether it ended in time and without a fault; if not, a notice is logged.
         """
-        self._moving_since = None
+        self._moving = {}
         failures: list[str] = []
 
         def call() -> None:
@@ -267,12 +291,16 @@ class Safety:
         self._last_tick = None
         self.held = False
 
-    def command_overdue(self, now: float) -> str | None:
-        """Return the notice for a robot that moves without new commands, or None."""
-        since = self._moving_since
-        if since is None or now - since < (limit := patience(self.period)) - _ROUNDING:
-            return None
-        return f"No command for {limit:g} s. Put `{self._moving_name}` into `running`."
+    def commands_overdue(self, now: float) -> dict[str, str]:
+        """Return the notices for the robots that move without new commands."""
+        if not self._moving:
+            return {}
+        limit = patience(self.period)
+        return {
+            mover: f"No command for {limit:g} s. Put `{name}` into `running`."
+            for mover, (name, since) in self._moving.items()
+            if now - since >= limit - _ROUNDING
+        }
 
     def tick_overdue(self, now: float) -> str | None:
         """Return the notice for a loop that hangs, once for each silence, or None."""

@@ -1,4 +1,4 @@
-"""The simulated robot as a bridge: the default.
+"""The simulated robot as a bridge: the default. Further robots of a world are its parts: ``robot.NAME``.
 
 Owner: the interpreter's thread, like that of every bridge. What a person does to the world from
 another thread (`reset_world`, `place_robot`, `place_solid`, `draw`, `erase`) is queued and applied
@@ -22,11 +22,11 @@ from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.bridges.bridge import Bridge, Panel
 from lrp_jupyter.bridges.message import Message, Twist
 from lrp_jupyter.bridges.outside import WorldLoaded
+from lrp_jupyter.bridges.safety import Motion
 from lrp_jupyter.errors import BridgeError
 from lrp_jupyter.sim.animation import EVERY, animated
 from lrp_jupyter.sim.edits import Become, Draw, Edition, PutSolid, WorldEdit, WorldHistory, is_edit
 from lrp_jupyter.sim.inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
-from lrp_jupyter.sim.robot import SimRobot
 from lrp_jupyter.sim.sensors import Readings, light_directions, ray_directions
 from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
 from lrp_jupyter.sim.world import Noise, Solid, World, WorldError
@@ -95,7 +95,7 @@ class SimPicture:
 class _SimMoment(NamedTuple):
     simulation: Simulation
     world: WorldMoment
-    motion: tuple[str, float | None]  # the command watchdog is part of the run too
+    motion: Motion  # the command watchdog is part of the run too
     stopping: bool
 
 
@@ -109,8 +109,7 @@ class SimBridge(Bridge):
     seed : int, optional
         Of all noise. Default: the world's own.
     noise : Noise or mapping, optional
-        Of the robot that the program drives: ``{"motor": 0.2, "light": 20}``. Default: the
-        world's own.
+        Of all robots: ``{"motor": 0.2, "light": 20}``. Default: the world's own.
 
     Raises
     ------
@@ -136,7 +135,7 @@ class SimBridge(Bridge):
         except (TypeError, ValueError) as error:
             raise BridgeError(str(error)) from None
         self._stopping = False
-        self._sensors: dict[str, Callable[[Readings], object]] = {}
+        self._sensors: dict[str, tuple[int, Callable[[Readings], object]]] = {}
         self._history = WorldHistory()
         self.simulation = self._simulate(world, number)
 
@@ -146,8 +145,8 @@ class SimBridge(Bridge):
         try:
             simulation = Simulation(world, seed, self._history)
             if self._noise is not None:
-                first, *others = simulation.world.robots
-                noisy = replace(simulation.world, robots=(replace(first, noise=self._noise), *others))
+                robots = tuple(replace(robot, noise=self._noise) for robot in simulation.world.robots)
+                noisy = replace(simulation.world, robots=robots)
                 simulation.close()
                 simulation = Simulation(noisy, seed, self._history)
         except (WorldError, TypeError) as error:
@@ -161,43 +160,50 @@ class SimBridge(Bridge):
     # -- the robot --------------------------------------------------------------------------------
 
     def add_members(self) -> None:
-        """Register the members of this world's robot."""
-        spec = self.simulation.robot.spec
+        """Register the members of this world's robots: of the first, and of the others below their names."""
         self._sensors = {}
+        for index, name in enumerate(self.world.robot_names):
+            self._add_robot(index, f"{name}." if index else "")
+
+    def _add_robot(self, index: int, prefix: str) -> None:
+        spec = self.simulation.robots[index].spec
+        add = partial(self._add, index, prefix)
+        method = partial(self.add_method, mover=prefix)
         if spec.light:
             doc = "brightness of the floor: 0 black ... 255 white"
-            self._add("light.data", partial(_nth_light, 0), doc, kind=int)
+            add("light.data", partial(_nth_light, 0), doc, kind=int)
         if len(spec.light) > 1:
             doc = "brightness below each sensor: " + ", ".join(map(_place, spec.light))
-            self._add("light.all", lambda seen: seen.lights, doc, kind=tuple)
-            for side, index in light_directions(spec.light).items():
-                doc = f"brightness of the floor at {_place(spec.light[index])}: 0 black ... 255 white"
-                self._add(f"{side}.light", partial(_nth_light, index), doc, kind=int)
+            add("light.all", lambda seen: seen.lights, doc, kind=tuple)
+            for side, number in light_directions(spec.light).items():
+                doc = f"brightness of the floor at {_place(spec.light[number])}: 0 black ... 255 white"
+                add(f"{side}.light", partial(_nth_light, number), doc, kind=int)
         if spec.bumper:
-            self._add("bumper.data", lambda seen: bool(seen.bumper), "True pressed, False free", kind=bool)
+            add("bumper.data", lambda seen: bool(seen.bumper), "True pressed, False free", kind=bool)
         if spec.distance:
             doc = f"to the next solid {_bearing(spec.distance[0][0])}; inf: nothing in reach"
-            self._add("distance.data", partial(_nth_distance, 0), doc, "m", float)
+            add("distance.data", partial(_nth_distance, 0), doc, "m", float)
         if len(spec.distance) > 1:
             doc = "to the next solid along each ray: " + ", ".join(
                 _bearing(angle) for angle, _ in spec.distance
             )
-            self._add("distance.all", lambda seen: seen.distances, doc, "m", tuple)
-        for side, index in ray_directions(spec.distance).items():
-            doc = f"to the next solid {_bearing(spec.distance[index][0])}; inf: nothing in reach"
-            self._add(f"{side}.distance", partial(_nth_distance, index), doc, "m", float)
-        self._add("gyro.data", lambda seen: seen.gyro, "angle turned since the start", "rad", float)
-        for index, (name, unit, doc) in enumerate(_ODOM):
-            self._add(f"odom.{name}", partial(_odom, index), doc, unit, float)
-        self.add_method(
-            "move",
-            self._move,
+            add("distance.all", lambda seen: seen.distances, doc, "m", tuple)
+        for side, number in ray_directions(spec.distance).items():
+            doc = f"to the next solid {_bearing(spec.distance[number][0])}; inf: nothing in reach"
+            add(f"{side}.distance", partial(_nth_distance, number), doc, "m", float)
+        add("gyro.data", lambda seen: seen.gyro, "angle turned since the start", "rad", float)
+        for axis, (name, unit, doc) in enumerate(_ODOM):
+            add(f"odom.{name}", partial(_odom, axis), doc, unit, float)
+        method(
+            f"{prefix}move",
+            partial(self._move, index),
             "drive: linear in m/s, angular in rad/s; what is not given is 0",
             message=Twist,
             limits={"linear": spec.limits[0], "angular": spec.limits[1]},
         )
-        self.add_method("stop", lambda: self.simulation.drive(), "stand still", velocity=True)
-        self.add_method("pen", self._pen, "lower the pen (True) or lift it (False): it leaves a trail")
+        method(f"{prefix}stop", lambda: self._halt(index), "stand still", velocity=True)
+        doc = "lower the pen (True) or lift it (False): it leaves a trail"
+        method(f"{prefix}pen", lambda down=True: self.simulation.pen(bool(down), robot=index), doc)
 
     def open_interface(self) -> Panel | None:
         """Read the sensors, so that there is something to see before the first tick."""
@@ -210,37 +216,54 @@ class SimBridge(Bridge):
         """End the physics; a bridge that is opened again starts its world again."""
         self.simulation.close()
 
-    @property
-    def _robot(self) -> SimRobot:
-        return self.simulation.robot
-
     def _add(
-        self, name: str, read: Callable[[Readings], object], doc: str, unit: str = "", kind: type = object
+        self,
+        index: int,
+        prefix: str,
+        name: str,
+        read: Callable[[Readings], object],
+        doc: str,
+        unit: str = "",
+        kind: type = object,
     ) -> None:
-        """Add a reading; a function of what all sensors read gives it, now or for an earlier tick."""
-        self._sensors[name] = read
-        self.add_variable(name, lambda: read(self._robot.readings), doc, unit, type=kind)
+        """Add a reading; a function of what a robot's sensors read gives it, now or for an earlier tick."""
+        self._sensors[prefix + name] = index, read
+        getter = partial(self._read, index, read)
+        self.add_variable(prefix + name, getter, doc, unit, type=kind)
+
+    def _read(self, index: int, read: Callable[[Readings], object]) -> object:
+        return read(self.simulation.robots[index].readings)
 
     def sensed(self) -> object:
-        """Return what all sensors read in this tick."""
-        return self._robot.readings
+        """Return what all sensors of all robots read in this tick."""
+        return tuple([robot.memory.readings for robot in self.simulation.robots])
 
     def readings_of(self, sensed: object) -> Mapping[str, object]:
         """See :class:`Bridge`; here all readings are known."""
-        if not isinstance(sensed, Readings):
+        if not isinstance(sensed, tuple):
             return {}
         sensors = self._sensors.copy()  # another thread may ask while a world is loaded
-        values = {name: read(sensed) for name, read in sensors.items()}
+        known = {name: each for name, each in sensors.items() if each[0] < len(sensed)}
+        values = {name: read(sensed[index]) for name, (index, read) in known.items()}
         return {name: value for name, value in values.items() if value is not None}
 
-    def _move(self, message: Message) -> None:
+    def _move(self, index: int, message: Message) -> None:
         linear, angular = message.linear, message.angular
         if linear.y or linear.z or angular.x or angular.y:
             raise BridgeError("This robot has two wheels. Set only `linear.x` and `angular.z`.")
-        self.simulation.drive(linear.x, angular.z)
+        self.simulation.drive(linear.x, angular.z, index)
 
-    def _pen(self, down: bool = True) -> None:
-        self.simulation.pen(bool(down))
+    def _halt(self, index: int) -> None:
+        self.simulation.drive(robot=index)
+
+    def stop_mover(self, mover: str) -> None:
+        """Stop one of the robots; `mover` is what its members begin with."""
+        names = ["", *(f"{name}." for name in self.world.robot_names[1:])]
+        if len(names) == 1:
+            super().stop_mover(mover)
+            return
+        self.safety.moving("move", False, mover)
+        self._halt(names.index(mover))
 
     def stop(self) -> None:
         """Stop the robot before the next step of the world; only sets a flag."""
@@ -363,10 +386,11 @@ class SimBridge(Bridge):
 
     @property
     def touched(self) -> frozenset[str]:
-        """See :class:`Bridge`; ``edge`` is the edge of the world, ``robot`` another robot."""
+        """See :class:`Bridge`; ``edge`` is the edge of the world; another robot has its name."""
         solids = self.world.solids
         names = {-1: "edge"} | {index: solid.name or f"solid {index}" for index, solid in enumerate(solids)}
-        return frozenset(names.get(index, "robot") for index in self.simulation.robot.memory.touched)
+        names |= {-2 - index: name for index, name in enumerate(self.world.robot_names)}
+        return frozenset(names[index] for index in self.simulation.robot.memory.touched)
 
     def picture_after(self, moment: object, next_moment: object) -> SimPicture | None:
         """See :class:`Bridge`."""

@@ -214,7 +214,9 @@ class _Film:
             )
             above.append(shapes.bumper(spec, bool(senses.pressed.values[0][0]), moving))
         drawn = shapes.robot(spec, robot.index, "".join(rays), "".join(above))
-        return self._moved(senses.place, senses.turn, drawn)
+        names = self.simulation.world.robot_names
+        label = shapes.name_of(names[robot.index], spec, robot.index) if len(names) > 1 else ""
+        return self._moved(senses.place, senses.turn, drawn, label)
 
     def _ray(self, senses: _Senses, index: int) -> str:
         """Draw a ray, hidden while it hits nothing."""
@@ -273,10 +275,10 @@ class _Film:
         whole = num(total + 0.001)
         return f' stroke-dasharray="{whole} {whole}"', points, self._animate("stroke-dashoffset", left, num)
 
-    def _moved(self, place: _Series, turn: _Series, drawn: str) -> str:
+    def _moved(self, place: _Series, turn: _Series, drawn: str, upright: str = "") -> str:
         place, turn = place.simplified(WITHIN), turn.simplified(TURNED)
         inner = self._transform("rotate", turn, lambda angle: f"{angle:.1f}", drawn)
-        return self._transform("translate", place, lambda x, y: f"{x:.3f} {y:.3f}", inner)
+        return self._transform("translate", place, lambda x, y: f"{x:.3f} {y:.3f}", inner + upright)
 
     def _transform(self, kind: str, series: _Series, write: Callable[..., str], drawn: str) -> str:
         moving = self._animate("transform", series, write, kind=kind)

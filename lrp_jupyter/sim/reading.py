@@ -6,10 +6,12 @@ import json
 import math
 from collections.abc import Callable, Iterable, Mapping
 from difflib import get_close_matches
+from keyword import iskeyword
 from pathlib import Path
 from typing import Any, TypeVar
 
 from lrp_jupyter.sim.world import (
+    DIRECTIONS,
     VERSION,
     ArcStroke,
     BoxSolid,
@@ -110,6 +112,11 @@ def read_world(value: object) -> World:
     robots = _each(record["robots"], "robots", lambda item, place: _robot(item, place, (width, height)))
     if not robots:
         raise WorldError("`robots`: Expected at least one robot.")
+    names: list[str] = []
+    for index, name in enumerate(World((width, height), robots).robot_names):
+        if name in names:
+            raise WorldError(f"`robots[{index}].name`: There is another `{name}`. Choose another name.")
+        names.append(name)
     solids = _each(record.get("solids", []), "solids", read_solid)
     for index, solid in enumerate(solids):
         for number, point in enumerate(solid.patrol.points(middle_of(solid))[1:] if solid.patrol else ()):
@@ -213,7 +220,7 @@ def read_zone(value: object, place: str) -> Zone:
 
 
 def _robot(value: object, place: str, size: tuple[float, float]) -> RobotSpec:
-    known = ("pose", "radius", "light", "bumper", "distance", "limits", "noise")
+    known = ("pose", "radius", "light", "bumper", "distance", "limits", "noise", "name")
     record = _record(value, place, known, ("pose",))
     standard = RobotSpec((0.0, 0.0, 0.0))
     x, y, heading = _numbers(record["pose"], f"{place}.pose", 3, low=-_FAR, high=_FAR)
@@ -232,7 +239,21 @@ def _robot(value: object, place: str, size: tuple[float, float]) -> RobotSpec:
         distance=rays,
         limits=(forward, turning),
         noise=_noise(record.get("noise", {}), f"{place}.noise"),
+        name=_robot_name(record.get("name", ""), f"{place}.name"),
     )
+
+
+def _robot_name(value: object, place: str) -> str:
+    name = _text(value, place)
+    if name and (not name.isidentifier() or iskeyword(name) or name.startswith("_")):
+        raise WorldError(f"`{place}`: Expected a name such as `follower`, not {_shown(name)}.")
+    if name in _MEMBERS:
+        raise WorldError(f"`{place}`: A robot has a member `{name}` already. Choose another name.")
+    return name
+
+
+_MEMBERS = frozenset({"light", "bumper", "distance", "gyro", "odom", "move", "stop", "pen", *DIRECTIONS})
+"""Members of a robot, which another robot cannot be called by."""
 
 
 def _noise(value: object, place: str) -> Noise:

@@ -47,7 +47,7 @@ class Body(pymunk.Body):
         super().__init__(mass, moment, body_type)
         self.contacts: set[int] = set()  # solids touched since this was cleared
 
-    solid = -1  # number of the solid; -1: a robot or the edge of the world
+    solid = -1  # number of the solid; -1: the edge of the world; -2 and below: a robot
     wheels: SimRobot | None = None
     touched = False  # by anything, in this step
     awake = False
@@ -120,7 +120,7 @@ class Memory:
     readings: Readings = field(default_factory=Readings)
     latched_at: int = -1
     pressed_at: int = -1
-    touching: frozenset[int] = frozenset()  # solids touched since the last latch; -1 is the edge
+    touching: frozenset[int] = frozenset()  # what was touched since the last latch, as `Body.solid`
     touched: frozenset[int] = frozenset()  # the same, in the tick before the last latch
     pen: Paint | None = None
     pen_at: Point = (0.0, 0.0)
@@ -215,11 +215,12 @@ class SimRobot:
         radius = self.spec.radius
         self.body = Body(MASS, pymunk.moment_for_circle(MASS, 0, radius))
         self.body.wheels = self
+        self.body.solid = -2 - self.index
         self.body.move(motion)
         hull = pymunk.Circle(self.body, radius)
         hull.friction = 0.3
         hull.collision_type = _ROLLING
-        hull.filter = self.sight
+        hull.filter = pymunk.ShapeFilter(self.index + 1, BODY, SOLID | BODY | BUMPER)
         space.add(self.body, hull)
         if self.spec.bumper:
             angles = [BAR_HALF * step / 4 for step in range(-4, 5)]
@@ -373,6 +374,8 @@ def _bodies(arbiter: pymunk.Arbiter) -> Iterator[Body]:
 
 
 def _touch(arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
+    if any(shape.sensor for shape in arbiter.shapes):
+        return  # the bumper of another robot, which stands off its body
     first, second = _bodies(arbiter)
     for body, other in ((first, second), (second, first)):
         body.touched = True
@@ -382,6 +385,8 @@ def _touch(arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
 
 def _press(arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
     first, second = _bodies(arbiter)
+    if not arbiter.shapes[0].sensor:
+        first, second = second, first
     robot = first.wheels
     assert robot is not None
     assert isinstance(data, StepCount)
@@ -390,7 +395,7 @@ def _press(arbiter: pymunk.Arbiter, space: pymunk.Space, data: object) -> None:
 
 
 def _note(body: Body, other: Body) -> None:
-    if body.wheels is not None and other.wheels is None:
+    if body.wheels is not None:
         body.contacts.add(other.solid)
         memory = body.wheels.memory
         if other.solid not in memory.touching:

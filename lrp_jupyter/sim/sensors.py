@@ -10,7 +10,7 @@ from typing import NamedTuple
 import pymunk
 
 from lrp_jupyter.sim.floor import LiveFloor
-from lrp_jupyter.sim.world import Point, Pose, RobotSpec
+from lrp_jupyter.sim.world import DIRECTIONS, Point, Pose, RobotSpec
 
 __all__ = [
     "Odometer",
@@ -22,7 +22,6 @@ __all__ = [
     "read_lights",
 ]
 
-_DIRECTIONS = ("front", "front_left", "left", "back_left", "back", "back_right", "right", "front_right")
 _MIDDLE = 0.005  # m: a light sensor nearer to the axis of the robot than this is neither left nor right
 
 
@@ -105,7 +104,7 @@ def ray_directions(rays: Sequence[Point]) -> dict[str, int]:
     """
     eighth = math.pi / 4
     turned = [bearing / eighth for bearing, _ in rays]
-    return _nearest((_DIRECTIONS[round(turn) % 8], abs(turn - round(turn))) for turn in turned)
+    return _nearest((DIRECTIONS[round(turn) % 8], abs(turn - round(turn))) for turn in turned)
 
 
 def light_directions(places: Sequence[Point]) -> dict[str, int]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from html import escape
 
 from lrp_jupyter.sim.floor import Paint
 from lrp_jupyter.sim.robot import BAR, BAR_HALF, WHEELBASE
@@ -29,6 +30,7 @@ __all__ = [
     "grey",
     "ink",
     "light",
+    "name_of",
     "num",
     "path",
     "patrol",
@@ -140,6 +142,17 @@ def robot(spec: RobotSpec, index: int, below: str = "", above: str = "") -> str:
     return (
         f'{below}<circle r="{num(radius - 0.003)}" fill="{fill}" stroke="{edge}" stroke-width="0.006"/>'
         f'{wheels}<path d="{arrow}" fill="{edge}"/>{above}'
+    )
+
+
+def name_of(text: str, spec: RobotSpec, index: int) -> str:
+    """Write the name of a robot above it; upright, if it is drawn where the robot is and not turned."""
+    size = max(0.07, spec.radius)
+    return (
+        f'<text transform="translate(0 {num(spec.radius + 0.04)}) scale({num(size / 10)} {num(-size / 10)})" '
+        'text-anchor="middle" font-family="system-ui,sans-serif" font-size="10" font-weight="600" '
+        f'stroke="#fff" stroke-width="3" stroke-opacity="0.8" paint-order="stroke" '
+        f'fill="{robot_colour(index)[1]}">{escape(text)}</text>'
     )
 
 

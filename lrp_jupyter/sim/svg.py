@@ -59,6 +59,7 @@ def svg(
         *(shapes.patrol(thing.patrol) for thing in simulation.solids if thing.patrol),
         *(_placed(shapes.solid(thing.spec), thing.pose) for thing in simulation.solids),
         *(_placed(_robot(robot), robot.pose) for robot in simulation.robots),
+        *_names(simulation),
     ]
     over = [
         *(zone_name(name, zone, tall, scale) for name, zone in simulation.world.zones.items()),
@@ -211,6 +212,15 @@ def _placed(shape: str, pose: Pose) -> str:
     x, y, angle = pose
     turn = f" rotate({num(math.degrees(angle) % 360)})" if angle else ""
     return f'<g transform="translate({num(x)} {num(y)}){turn}">{shape}</g>'
+
+
+def _names(simulation: Simulation) -> list[str]:
+    """Write the names of the robots, if there are several."""
+    names = simulation.world.robot_names if len(simulation.robots) > 1 else ()
+    return [
+        _placed(shapes.name_of(name, robot.spec, robot.index), (*robot.pose[:2], 0.0))
+        for name, robot in zip(names, simulation.robots, strict=False)
+    ]
 
 
 def _robot(robot: SimRobot) -> str:

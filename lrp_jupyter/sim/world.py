@@ -18,6 +18,7 @@ from itertools import pairwise
 from typing import Any
 
 __all__ = [
+    "DIRECTIONS",
     "ArcStroke",
     "BoxSolid",
     "BoxZone",
@@ -41,6 +42,9 @@ __all__ = [
 ]
 
 VERSION = 1
+
+DIRECTIONS = ("front", "front_left", "left", "back_left", "back", "back_right", "right", "front_right")
+"""The names of the directions in which sensors face, every 45° counter-clockwise."""
 
 Point = tuple[float, float]
 Pose = tuple[float, float, float]
@@ -261,6 +265,8 @@ class RobotSpec:
         Greatest speeds, in m/s and rad/s.
     noise : Noise
         None by default.
+    name : str
+        Its name, by which programs address it if it is not the first one: ``robot.NAME.move(…)``.
     """
 
     pose: Pose
@@ -270,6 +276,7 @@ class RobotSpec:
     distance: tuple[Point, ...] = ((0.0, 2.0),)
     limits: tuple[float, float] = (0.5, 4.0)
     noise: Noise = Noise()
+    name: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -281,7 +288,7 @@ class World:
     size : tuple
         Length along x and y; the origin is the lower left corner.
     robots : tuple of RobotSpec
-        At least one; programs drive the first.
+        At least one; the first one is the ``robot`` of a program.
     floor : FloorSpec
         White by default.
     solids : tuple of Solid
@@ -304,6 +311,14 @@ class World:
     seed: int = 0
     open: bool = False
     name: str = ""
+
+    @property
+    def robot_names(self) -> tuple[str, ...]:
+        """The names of the robots; those without one are ``robot``, ``robot2`` and so on, by their place."""
+        return tuple(
+            robot.name or f"robot{number if number > 1 else ''}"
+            for number, robot in enumerate(self.robots, start=1)
+        )
 
     def to_dict(self) -> Json:
         """Return plain data, as :func:`~lrp_jupyter.sim.reading.read_world` reads it."""

@@ -165,6 +165,13 @@ def _crossing() -> World:
     )
 
 
+def _convoy() -> World:
+    """Put two robots into a lane, one behind the other."""
+    leader = RobotSpec((1.2, 0.4, 0), name="leader")
+    follower = RobotSpec((0.5, 0.4, 0), name="follower")
+    return World(name="convoy", size=(4, 0.8), robots=(leader, follower))
+
+
 BUNDLED: Mapping[str, Callable[[], World]] = {
     "empty": _empty,
     "line": _line,
@@ -174,6 +181,7 @@ BUNDLED: Mapping[str, Callable[[], World]] = {
     "boxes": _boxes,
     "walls": _walls,
     "crossing": _crossing,
+    "convoy": _convoy,
 }
 
 
@@ -186,6 +194,7 @@ DESCRIPTIONS: Mapping[str, str] = {
     "boxes": "Boxes that can be pushed, and a goal to push one into.",
     "walls": "A room with a wall in it and two pillars: something to follow and something to avoid.",
     "crossing": "Two carts that cross the way to the goal, to and fro.",
+    "convoy": "A lane with two robots; the second one is `robot.follower`.",
 }
 
 

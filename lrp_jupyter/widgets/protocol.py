@@ -363,9 +363,13 @@ class SolidView(TypedDict):
 
 
 class RobotShape(TypedDict):
-    """A robot: pose (x, y, theta), radius, places of light sensors, (angle, reach) of distance sensors."""
+    """A robot: pose (x, y, theta), radius, places of light sensors, (angle, reach) of distance sensors.
+
+    `name`: how it is called, where there are several.
+    """
 
     pose: Pose
+    name: NotRequired[str]
     radius: NotRequired[float]
     light: NotRequired[list[Point]]
     bumper: NotRequired[bool]

@@ -104,12 +104,13 @@ def world_view(bridge: Bridge, picture: object) -> WorldView | None:
         "robots": [
             {
                 "pose": robot.pose,
+                "name": name,
                 "radius": robot.radius,
                 "light": list(robot.light),
                 "bumper": robot.bumper,
                 "distance": list(robot.distance),
             }
-            for robot in world.robots
+            for name, robot in zip(world.robot_names, world.robots, strict=True)
         ],
         "zones": {name: _zone(zone) for name, zone in world.zones.items()},
         "edited": bridge.is_edited,

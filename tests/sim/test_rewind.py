@@ -26,13 +26,16 @@ from lrp_jupyter.sim.world import BoxSolid, DiscSolid, Noise, Patrol
 
 
 def crowded():
-    """A narrow room full of boxes, one of them moving by itself, and a noisy robot: much is touching."""
+    """A narrow room full of boxes, one of them moving by itself, and two noisy robots: much is touching."""
     world = load("boxes")
     noise = Noise(motor=0.2, light=10, distance=0.01, gyro=0.01, odom=0.05)
     return replace(
         world,
         size=(1.6, 1.3),
-        robots=(replace(world.robots[0], pose=(0.5, 0.57, 0), noise=noise),),
+        robots=(
+            replace(world.robots[0], pose=(0.5, 0.57, 0), noise=noise),
+            replace(world.robots[0], pose=(0.3, 0.57, 0), noise=noise, name="other"),
+        ),
         solids=tuple(
             replace(
                 box,
@@ -75,7 +78,7 @@ def seen(simulation):
 def drive_about(simulation, random, loops):
     for _ in range(loops):
         simulation.latch()
-        simulation.drive(random.uniform(-0.1, 0.5), random.uniform(-1, 1))
+        simulation.drive(random.uniform(-0.1, 0.5), random.uniform(-1, 1), random.randint(0, 1))
         if random.random() < 0.05:
             simulation.pen(random.random() < 0.7)
         if random.random() < 0.02:
@@ -111,9 +114,11 @@ def test_two_runs_with_the_same_seed_are_the_same():
 poses = st.tuples(st.floats(0, 1.6), st.floats(0, 1.3), st.floats(-3, 3))
 inputs = st.one_of(
     st.just(Latch()),
-    st.builds(Drive, st.floats(-0.5, 0.5), st.floats(-3, 3)),
-    st.builds(Pen, st.booleans()),
-    st.builds(PlaceRobot, st.tuples(st.floats(0, 1.6), st.floats(0, 1.3), st.floats(-3, 3))),
+    st.builds(Drive, st.floats(-0.5, 0.5), st.floats(-3, 3), st.integers(0, 1)),
+    st.builds(Pen, st.booleans(), robot=st.integers(0, 1)),
+    st.builds(
+        PlaceRobot, st.tuples(st.floats(0, 1.6), st.floats(0, 1.3), st.floats(-3, 3)), st.integers(0, 1)
+    ),
     st.builds(
         PlaceSolid, st.tuples(st.floats(0, 1.6), st.floats(0, 1.3), st.floats(-3, 3)), st.integers(0, 8)
     ),

@@ -390,7 +390,7 @@ def test_only_parts_that_show_the_world_get_poses(bench):
 def test_a_world_is_described_with_all_that_a_page_draws(bench):
     lab = bench(MOVER, bridge="sim", world="boxes")
     world = lab.page().messages[0]["world"]
-    assert world["robots"][0].keys() == {"pose", "radius", "light", "bumper", "distance"}
+    assert world["robots"][0].keys() == {"pose", "name", "radius", "light", "bumper", "distance"}
     assert {solid["push"] for solid in world["solids"]} == {0.3, 0.2, None}
     assert lab.page("other").messages[0]["choices"]["worlds"][0] == "empty"
 
@@ -655,3 +655,38 @@ def test_a_path_as_spawned_is_converted_to_the_path_of_the_text(bench):
     assert lab.session.frame.active == (("m", "a", "shared", "x"),)
     assert page.latest("lit") == ["m/a", "shared/x"]
     assert page.latest("variables").keys() == {"shared/v"}
+
+
+FAST = """(var n := [0])
+(machine m
+  (state a (running [n += 1
+                     robot.move(linear=n, angular=0.1)]))
+  (state b (onentry [robot.stop()]))
+  (on [n == 5] a -> b))
+(spawn m a)
+"""
+
+
+def test_a_clipped_command_is_in_the_issues_once_where_it_was_given(bench):
+    lab = bench(FAST, bridge="sim", world="empty")
+    page = lab.page()
+    for _ in range(4):
+        lab.session.step()
+    lab.publish()
+
+    def issues():
+        return list(page.merged("issues").values())
+
+    (issue,) = issues()
+    assert issue["message"] == "`move`: linear 1 limited to 0.5."
+    assert (issue["severity"], issue["count"], issue["resolved"]) == ("warning", 3, False)
+    assert (issue["range"]["line"], issue["range"]["column"]) == (4, 28)
+    assert (issue["first_tick"], issue["last_tick"]) == (2, 4)
+    for _ in range(20):
+        lab.session.step()
+    lab.publish()
+    assert issues()[0]["resolved"]
+    assert lab.session.issues == (), "it is no fault of the program"
+    page.do("clear_issues")
+    lab.publish()
+    assert issues() == []

@@ -10,7 +10,13 @@ export interface FullWorld extends Omit<WorldView, "floor" | "robots"> {
   robots: FullRobot[];
 }
 
-const ROBOT = { radius: 0.08, light: [[0.06, 0]] as Point[], bumper: true, distance: [[0, 2]] as Point[] };
+const ROBOT = {
+  name: "",
+  radius: 0.08,
+  light: [[0.06, 0]] as Point[],
+  bumper: true,
+  distance: [[0, 2]] as Point[],
+};
 
 export function completeStroke(stroke: StrokeView): FullStroke {
   return { width: 0.03, grey: 0, ...stroke };

@@ -173,10 +173,11 @@ export class WorldEdits {
     this.act({ do: kind, points, width });
   }
 
-  /** Set the start to where the robot is. */
+  /** Set the start to where the robot is: the selected one, or the first. */
   startHere(): void {
-    const pose = this.stage.latest?.robots[0]?.pose;
-    if (pose) this.act({ do: "set_start", index: 0, pose });
+    const index = this.selected?.kind === "robot" ? this.selected.index : 0;
+    const pose = this.stage.latest?.robots[index]?.pose;
+    if (pose) this.act({ do: "set_start", index, pose });
   }
 
   undo(): void {

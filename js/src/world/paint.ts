@@ -29,12 +29,21 @@ export interface Palette {
   robot: string;
   robotEdge: string;
   mark: string;
+  /** The colours of the second robot, the third … */
+  others: { robot: string; robotEdge: string; mark: string }[];
   bump: string;
   ray: string;
   text: string;
   halo: string;
   dim: boolean;
   font: string;
+}
+
+/** A palette with the colours of one of several robots. */
+export function ofRobot(palette: Palette, index: number): Palette {
+  const { others } = palette;
+  const number = index % (others.length + 1);
+  return number ? { ...palette, ...others[number - 1] } : palette;
 }
 
 export function shade(grey: number, palette: Palette): string {
@@ -203,7 +212,9 @@ export function paintMovers(
   });
   world.robots.forEach((shape, i) => {
     const robot = now.robots[i];
-    if (robot) paintRobot(c, shape, robot, palette, pixels);
+    if (!robot) return;
+    paintRobot(c, shape, robot, ofRobot(palette, i), pixels);
+    if (world.robots.length > 1) paintName(c, shape, robot, ofRobot(palette, i), pixels);
   });
 }
 
@@ -274,6 +285,18 @@ function paintRobot(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Pale
     const text = String(Math.round(value));
     write(c, text, x + lx + ox, y + ly + oy, size, palette.text, "center", palette.font, palette.halo);
   });
+}
+
+/** The name of a robot, above it. */
+function paintName(
+  c: Canvas,
+  { name, radius }: FullRobot,
+  { pose: [x, y] }: RobotPose,
+  palette: Palette,
+  pixels: number,
+): void {
+  const size = Math.max(0.05, TEXT / pixels);
+  write(c, name, x, y + radius + 0.9 * size, size, palette.robotEdge, "center", palette.font, palette.halo);
 }
 
 function paintRays(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Palette, pixels: number): void {

@@ -79,14 +79,16 @@ export function properties(stage: Stage, edits: () => WorldEdits): Properties {
       const it = isSolid ? world?.solids[selected.index] : undefined;
       setHidden(element, !selected || (isSolid && !it));
       if (!selected) return;
-      setText(
-        kind,
-        it?.patrol ? "Moves by itself" : title(selected, typeof it?.push === "number", Boolean(it?.circle)),
-      );
-      setHidden(name, selected.kind === "robot" || selected.kind === "start");
+      const isOne = selected.kind === "robot" || selected.kind === "start";
+      const robot = isOne && world && world.robots.length > 1 ? ` ${world.robots[selected.index]?.name}` : "";
+      const title = it?.patrol
+        ? "Moves by itself"
+        : titleOf(selected, typeof it?.push === "number", Boolean(it?.circle));
+      setText(kind, title + robot);
+      setHidden(name, isOne);
       setHidden(solid, !isSolid);
       setHidden(start, selected.kind !== "robot");
-      setHidden(remove, selected.kind === "robot" || selected.kind === "start");
+      setHidden(remove, isOne);
       const named = selected.kind === "zone" ? selected.name : (it?.name ?? "");
       if (!hasFocus(name)) name.value = named;
       push.checked = typeof it?.push === "number";
@@ -95,7 +97,7 @@ export function properties(stage: Stage, edits: () => WorldEdits): Properties {
   };
 }
 
-function title(thing: Thing, pushable: boolean, round: boolean): string {
+function titleOf(thing: Thing, pushable: boolean, round: boolean): string {
   if (thing.kind === "robot") return "Robot";
   if (thing.kind === "start") return "Start";
   if (thing.kind === "zone") return "Zone";

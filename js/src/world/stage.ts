@@ -14,7 +14,7 @@ import {
   paintSelection,
   paintTrail,
 } from "./overlay";
-import { type Palette, paintFloor, paintMovers, paintStart, paintStroke } from "./paint";
+import { ofRobot, type Palette, paintFloor, paintMovers, paintStart, paintStroke } from "./paint";
 import { between, firstPoses, type Snapshot } from "./poses";
 import { keyOf, type Shape, shapeOf, type Thing } from "./things";
 import { FADES, Trail } from "./trail";
@@ -29,6 +29,8 @@ export class Stage {
   readonly canvas = document.createElement("canvas");
   readonly viewport = new Viewport(() => this.world?.robots[0]?.radius ?? 0.08);
   readonly trail = new Trail();
+  /** The trails of the second robot, the third …; the states of a program are those of the first. */
+  private others: Trail[] = [];
   world: FullWorld | null = null;
   palette: Palette;
   /** The stroke that is being drawn and not yet part of the world. */
@@ -74,11 +76,12 @@ export class Stage {
     const world = view && complete(view);
     const other = !this.world || !world || String(this.world.size) !== String(world.size);
     if (other || this.world?.name !== world?.name) {
-      this.trail.clear();
+      this.clearTrails();
       this.drafts.clear();
       this.selected = null;
     }
     this.world = world;
+    this.others = (world?.robots.slice(1) ?? []).map((_, i) => this.others[i] ?? new Trail());
     this.ink = [];
     this.clearDrafts();
     if (world) this.before = this.after = firstPoses(world, this.after); // its solids are where they are now
@@ -129,9 +132,25 @@ export class Stage {
     this.span = Math.max(1, Math.min(SPAN, now - this.arrived));
     this.after = next;
     this.arrived = now;
-    if (next.robots[0] && !this.isPast) this.trail.add(next.time, next.robots[0].pose, state);
+    if (!this.isPast)
+      next.robots.forEach(({ pose }, i) =>
+        (i ? this.others[i - 1] : this.trail)?.add(next.time, pose, state),
+      );
     this.clearDrafts(); // the kernel replies before it shows in a frame what it has done
     this.wake();
+  }
+
+  /** All trails, that of the first robot on top: it shows states, the others the colours of their robots. */
+  private get trails(): { trail: Trail; style: Stage["styleOf"] }[] {
+    const others = this.others.map((trail, i) => ({
+      trail,
+      style: () => ({ color: ofRobot(this.palette, i + 1).mark, dash: [] }),
+    }));
+    return [...others, { trail: this.trail, style: this.styleOf }];
+  }
+
+  clearTrails(): void {
+    for (const trail of [this.trail, ...this.others]) trail.clear();
   }
 
   get latest(): Snapshot | null {
@@ -261,17 +280,19 @@ export class Stage {
     const pixels = viewport.scale;
     viewport.transform(c, this.ratio);
     if (this.showsTrail) {
-      const { trail, settled, styleOf } = this;
-      const range: [number, number] = [trail.after(settled), trail.after(current.time - FADES)];
-      paintFaintTrail(c, trail, range, OLDER, styleOf, palette, pixels);
-      paintTrail(c, trail, current.time, styleOf, palette, pixels);
+      for (const { trail, style } of this.trails) {
+        const range: [number, number] = [trail.after(this.settled), trail.after(current.time - FADES)];
+        paintFaintTrail(c, trail, range, OLDER, style, palette, pixels);
+        paintTrail(c, trail, current.time, style, palette, pixels);
+      }
     }
     if (this.sketch) paintStroke(c, this.sketch, palette);
     const [robot] = world.robots;
     if (this.whatIf && robot) paintGhost(c, this.whatIf, current.time, robot.radius, palette, pixels);
     world.robots.forEach(({ pose, radius }, i) => {
       const [x, y] = current.robots[i]?.pose ?? pose;
-      if (Math.hypot(x - pose[0], y - pose[1]) > NEARBY) paintStart(c, pose, radius, palette, pixels);
+      const colours = ofRobot(palette, i);
+      if (Math.hypot(x - pose[0], y - pose[1]) > NEARBY) paintStart(c, pose, radius, colours, pixels);
     });
     paintMovers(c, world, current, palette, pixels);
     if (this.whatIf) paintParting(c, this.whatIf, palette, pixels);
@@ -303,10 +324,12 @@ export class Stage {
     paintFloor(c, this.world, this.ink, this.palette, this.viewport.scale);
     if (this.grid) paintGrid(c, this.world.size, this.palette, this.viewport.scale);
     if (!this.showsTrail) return;
-    const { trail, settled, styleOf, palette } = this;
-    const faint = (first: number, end: number, alpha: number) =>
-      paintFaintTrail(c, trail, [first, end], alpha, styleOf, palette, this.viewport.scale);
-    faint(trail.after(settled + FADES), trail.points.length, LATER);
-    faint(0, trail.after(settled), OLDER);
+    const { settled, palette } = this;
+    for (const { trail, style } of this.trails) {
+      const faint = (first: number, end: number, alpha: number) =>
+        paintFaintTrail(c, trail, [first, end], alpha, style, palette, this.viewport.scale);
+      faint(trail.after(settled + FADES), trail.points.length, LATER);
+      faint(0, trail.after(settled), OLDER);
+    }
   }
 }

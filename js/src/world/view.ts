@@ -236,14 +236,14 @@ export function worldView(lab: Lab, looking: Looking): WorldPart {
         icon: "reset",
         title: "Reset pose: return the robot to its start",
         action: "reset-pose",
-        onclick: () => void lab.act({ do: "reset_pose", index: 0 }),
+        onclick: () => stage.world?.robots.forEach((_, index) => void lab.act({ do: "reset_pose", index })),
       }),
       button({
         icon: "world",
         title: "Reset world: robot and objects to their start, without trails",
         action: "reset-world",
         onclick: () => {
-          stage.trail.clear();
+          stage.clearTrails();
           stage.repaint();
           void lab.act({ do: "reset_world" });
         },
@@ -393,6 +393,11 @@ function palette(root: HTMLElement): Palette {
     robot: color("robot"),
     robotEdge: color("robot-edge"),
     mark: color("mark"),
+    others: [2, 3].map((number) => ({
+      robot: color(`robot-${number}`),
+      robotEdge: color(`robot-${number}-edge`),
+      mark: color(`mark-${number}`),
+    })),
     bump: color("bump"),
     ray: color("ray"),
     text: color("text"),

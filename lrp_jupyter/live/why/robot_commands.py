@@ -87,9 +87,10 @@ def _alike(bridge: Bridge, name: str) -> set[str]:
         known = ", ".join(f"`{each}`" for each in methods) or "none"
         hint = did_you_mean(name, methods) or f" There are: {known}."
         raise UnknownElementError(f"`robot` has no command `{name}`.{hint}")
-    if name == "stop" or not methods[name].velocity:
+    meant = methods[name]
+    if name.rpartition(".")[2] == "stop" or not meant.velocity:
         return {name}
-    return {path for path, method in methods.items() if method.velocity}
+    return {path for path, other in methods.items() if other.velocity and other.mover == meant.mover}
 
 
 def _never_given(run: RecordedRun, name: str, tick: int) -> Reason:
