@@ -375,7 +375,13 @@ class ClearIssuesCommand(PageCommand, do="clear_issues"):
     """Clear the issues of the run."""
 
     def apply(self, opened: OpenProgram) -> Applied:
-        return opened.session.ask(do.Call(opened.session.interpreter.issues.clear))
+        session = opened.session
+
+        def clear() -> None:
+            session.interpreter.issues.clear()
+            session.bridge.safety.forget_notices("limited")
+
+        return session.ask(do.Call(clear))
 
 
 # -- the graph ---------------------------------------------------------------------------------------

@@ -13,6 +13,7 @@ from typing import Any, cast, get_args
 
 from lrp_jupyter.bridges.bridge import Bridge
 from lrp_jupyter.bridges.members import Member
+from lrp_jupyter.bridges.safety import Notice
 from lrp_jupyter.codes import FINDINGS
 from lrp_jupyter.graph.state_graph import DefinedPaths
 from lrp_jupyter.interpreter.breakpoint import Breakpoint
@@ -88,7 +89,7 @@ class ViewStates:
         self._moved: dict[str, list[MovedElement]] = {}
         self._restarted = 0
         self._restarts: dict[str, RestartView] = {}
-        self._numbers: dict[tuple[int, str, object, int], int] = {}  # of issues, from 1
+        self._numbers: dict[tuple[object, ...], int] = {}  # of issues, from 1
         self._issue_views: dict[int, tuple[object, IssueView]] = {}
         self._made_of: tuple[object, object] = None, None
         self._breakpoint_views: dict[str, BreakpointView] = {}
@@ -175,6 +176,7 @@ class ViewStates:
         text = frame.program.text
         findings = texts.findings if texts.text == text else ()
         views = {}
+        key: tuple[object, ...]
         for index, issue in enumerate(frame.issues):
             key = index, issue.kind, issue.element, issue.first_tick
             number = self._numbers.setdefault(key, len(self._numbers) + 1)
@@ -184,6 +186,11 @@ class ViewStates:
                 view = _issue_view(number, issue, text, revision, findings)
                 self._issue_views[number] = made_of, view
             views[str(number)] = view
+        for notice in self._session.bridge.safety.notices:
+            if notice.kind == "limited" and notice.first.tick <= frame.tick:
+                key = notice.kind, notice.about, notice.first
+                number = self._numbers.setdefault(key, len(self._numbers) + 1)
+                views[str(number)] = _notice_view(number, notice, frame, revision)
         return views
 
     def _breakpoints(self, known: tuple[Breakpoint, ...], program: Program) -> dict[str, BreakpointView]:
@@ -345,6 +352,33 @@ def _issue_view(
         "last_tick": issue.last_tick,
         "count": issue.count,
         "resolved": issue.resolved,
+    }
+
+
+_OVER = 1.0  # s after which something that has not happened again is over
+
+
+def _notice_view(number: int, notice: Notice, frame: Frame, revision: int) -> IssueView:
+    """Return a notice of the robot's safety as an issue, in the line of the command that it is about."""
+    block, line, text = notice.first.block, notice.first.line, frame.program.text
+    lines = text.splitlines()
+    method = notice.about.partition(" ")[0].rpartition(".")[2]
+    column = lines[line - 1].find(method) + 1 if 0 < line <= len(lines) else 0
+    return {
+        "id": number,
+        "code": "",
+        "severity": "warning",
+        "kind": notice.kind,
+        "element": block,
+        "message": notice.text,
+        "revision": revision,
+        "range": _word_at(text, line, max(1, column)) if line else None,
+        "finding": "",
+        "traceback": "",
+        "first_tick": notice.first.tick,
+        "last_tick": notice.last.tick,
+        "count": notice.count,
+        "resolved": frame.time - notice.now > _OVER,
     }
 
 

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from lrp_jupyter.bridges.bridge import Bridge, Twist
-from lrp_jupyter.bridges.safety import COMMANDS, patience
+from lrp_jupyter.bridges.safety import COMMANDS, Origin, patience
 from lrp_jupyter.errors import BridgeError
 
 
@@ -81,6 +81,7 @@ def test_the_same_notice_again_and_again_is_counted(disarmed: Any) -> None:
 def test_the_log_is_bounded_and_plain_data(disarmed: Any) -> None:
     for number in range(COMMANDS + 300):
         disarmed.robot.move(linear=number)
+        disarmed.safety.notice("fault", f"Fault {number}.")
     assert len(disarmed.safety.notices) == 100
     assert len(disarmed.safety.commands) == COMMANDS + 1
     json.dumps([entry.as_dict() for entry in (*disarmed.safety.commands, *disarmed.safety.notices)])
@@ -100,6 +101,22 @@ def test_a_number_beyond_the_limit_is_brought_back_and_shown(cart: Any) -> None:
     assert cart.sent == [(0.5, 0.0), (-0.5, 0.0)]
     assert texts(cart)[1:] == ["`move`: linear 2 limited to 0.5.", "`move`: linear -2 limited to -0.5."]
     assert cart.safety.commands[-1].limited == ("`move`: linear -2 limited to -0.5.",)
+
+
+def test_a_limit_is_said_once_for_each_line_whatever_is_asked_for(cart: Any) -> None:
+    lines = iter([3, 3, 5, 3])
+    cart.origin = lambda: Origin(7, "going.running", next(lines))
+    for speed in (2, 3.5, 2, 0.7):
+        cart.robot.move(linear=speed)
+    first, second = cart.safety.notices[1:]
+    assert (first.text, first.count, first.first) == (
+        "`move`: linear 2 limited to 0.5.",
+        3,
+        (7, "going.running", 3),
+    )
+    assert (second.text, second.count, second.first.line) == ("`move`: linear 2 limited to 0.5.", 1, 5)
+    cart.safety.forget_notices("limited")
+    assert len(cart.safety.notices) == 1
 
 
 def test_a_number_within_the_limit_is_left_alone(cart: Any) -> None:

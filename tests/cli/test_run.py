@@ -237,6 +237,13 @@ def test_a_notice_of_the_robot_is_printed_once(lrp, program):
     assert result.stdout.count("No command for 0.5 s. Put `move` into `running`.") == 1
 
 
+def test_a_limit_of_the_robot_is_printed_once_however_much_is_asked_for(lrp, program):
+    text = "(var n := [1]) (machine m (state a (running [n += 1; robot.move(linear=n)]))) (spawn m a)"
+    result = lrp("run", program(text), "--speed", "max", "--for", "3")
+    assert result.stdout.count("limited to") == 1
+    assert "`move`: linear 2 limited to 0.5." in result.stdout
+
+
 def test_the_text_itself_names_its_world(lrp, program, tmp_path):
     (tmp_path / "mine.json").write_text(lrp("worlds", "--json", "boxes").stdout)
     look = "(machine m (state a (onentry [print(robot.distance.data)]))) (spawn m a)"
