@@ -1433,6 +1433,8 @@ export interface TimelineView {
 export interface CourseView {
   happenings: HappeningView[];
   way: number[][];
+  others: number[][][];
+  solids: number[][];
 }
 
 /** The first difference between two runs. */

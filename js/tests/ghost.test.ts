@@ -1,15 +1,18 @@
 // @vitest-environment happy-dom
 
 import { beforeEach, describe, expect, it, vi } from "vitest";
-import type { ReplyMessage, WhatIfView, WorldView } from "../src/protocol";
+import type { Point, ReplyMessage, WhatIfView, WorldView } from "../src/protocol";
 import { type Lab, Store } from "../src/session/store";
-import { ahead, ghostAt, partingOf } from "../src/world/ghost";
+import { complete } from "../src/world/complete";
+import { ahead, ghostAt, paintGhost, partingOf } from "../src/world/ghost";
+import type { Palette } from "../src/world/paint";
+import { firstPoses } from "../src/world/poses";
 import { Preview } from "../src/world/preview";
 
 /** A robot that drives along x by 0.1 m a second, from `begin` on. */
 function course(begin: number, y = 1): WhatIfView["changed"] {
   const way = Array.from({ length: 4 }, (_, i) => [begin + i, 0.1 * (begin + i), y, 0]);
-  return { happenings: [], way };
+  return { happenings: [], way, others: [], solids: [] };
 }
 
 function whatIf(begin = 0, fields: Partial<WhatIfView> = {}): WhatIfView {
@@ -160,5 +163,43 @@ describe("a preview", () => {
     preview.check([2, 2, 0]);
     await set({ revision: 3, time: 0.5 });
     expect(store.state.whatIf).toBe(past);
+  });
+});
+
+describe("what is foretold of a world", () => {
+  it("is painted for every robot, and for solids that will be elsewhere", () => {
+    const world = complete({
+      ...{ version: 1, size: [3, 2], seed: 0, floor: {}, zones: {} },
+      robots: [{ pose: [0, 0, 0] }, { pose: [0, 1, 0] }],
+      solids: [
+        { box: [1, 1, 0.1, 0.1], patrol: [[1, 1] as Point, [2, 1] as Point] },
+        { box: [2, 2, 0.1, 0.1], push: 0.3 },
+      ],
+    });
+    const now = { ...firstPoses(world), time: 0 };
+    const way = (y: number) => [0, 1, 2].map((time) => [time, 0.1 * time, y, 0]);
+    const changed = {
+      ...{ happenings: [], way: way(0), others: [way(1)] },
+      solids: [
+        [0, 1.5, 1, 0],
+        [1, 2, 2, 0],
+      ],
+    };
+    const whatIf = { changed, recorded: changed, divergence: null } as unknown as WhatIfView;
+    const palette = { others: [{ robot: "orange" }], robot: "blue" } as unknown as Palette;
+    const moves: number[][] = [];
+    const fills = new Set<unknown>();
+    const c = new Proxy({} as Record<string, unknown>, {
+      get: (_, name) => (name === "translate" ? (...at: number[]) => moves.push(at) : () => {}),
+      set: (_, name, value) => name !== "fillStyle" || Boolean(fills.add(value)),
+    });
+    paintGhost(c as unknown as CanvasRenderingContext2D, world, whatIf, now, palette, 100);
+    expect(moves).toEqual([
+      [1.5, 1],
+      [0.2, 0],
+      [0.2, 1],
+    ]);
+    expect([...fills]).toContain("orange");
+    expect([...fills]).toContain("blue");
   });
 });

@@ -283,7 +283,7 @@ describe("the window", () => {
   it("shows the end of what would happen after an edit of the past", async () => {
     page.show(18);
     await page.drawn();
-    const course = { happenings: [entered(18, "m/a", "")], way: [] };
+    const course = { happenings: [entered(18, "m/a", "")], way: [], others: [], solids: [] };
     const whatIf: WhatIfView = {
       ...{ tick: 181, begin: 18, end: 40, recorded: course, changed: course, divergence: null },
       ...{ collision: "", collision_at: null, open_loop: true },

@@ -226,6 +226,16 @@ class Bridge(Interface, ABC):
         return None
 
     @property
+    def others(self) -> Mapping[str, tuple[float, float, float]]:
+        """Where further robots of the same world are, by their names."""
+        return {}
+
+    @property
+    def movable(self) -> tuple[tuple[int, tuple[float, float, float]], ...]:
+        """The numbers of the solids that can move, with where they are: x, y and angle."""
+        return ()
+
+    @property
     def touched(self) -> frozenset[str]:
         """Names of the solids that the robot touched in the tick before the last reading of its sensors."""
         return frozenset()

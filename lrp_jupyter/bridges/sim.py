@@ -29,7 +29,7 @@ from lrp_jupyter.sim.edits import Become, Draw, Edition, PutSolid, WorldEdit, Wo
 from lrp_jupyter.sim.inputs import Input, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.sensors import Readings, light_directions, ray_directions
 from lrp_jupyter.sim.simulation import STEP, Simulation, WorldMoment
-from lrp_jupyter.sim.world import Noise, Solid, World, WorldError
+from lrp_jupyter.sim.world import Noise, Solid, World, WorldError, can_move
 
 __all__ = ["RobotPicture", "SimBridge", "SimPicture"]
 
@@ -383,6 +383,19 @@ class SimBridge(Bridge):
     def pose(self) -> tuple[float, float, float]:
         """The middle of the robot, in metres, and its heading in radians."""
         return self.simulation.robot.pose
+
+    @property
+    def others(self) -> Mapping[str, tuple[float, float, float]]:
+        """See :class:`Bridge`."""
+        if len(self.simulation.robots) == 1:
+            return {}
+        pairs = zip(self.world.robot_names, self.simulation.robots, strict=True)
+        return {name: robot.pose for name, robot in pairs if robot.index}
+
+    @property
+    def movable(self) -> tuple[tuple[int, tuple[float, float, float]], ...]:
+        """See :class:`Bridge`."""
+        return tuple((thing.index, thing.pose) for thing in self.simulation.solids if can_move(thing.spec))
 
     @property
     def touched(self) -> frozenset[str]:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
 from itertools import zip_longest
 
 from lrp_jupyter.live.loop import Loop
@@ -54,12 +54,18 @@ class Course:
         The simulated robot after each tick; empty for another robot.
     touch : Touch or None
         The first time that it touched a solid that it did not touch in the beginning.
+    others : mapping of str to tuple of (time, x, y, heading)
+        Further robots of the same world after each tick, by their names.
+    solids : tuple of (int, (x, y, angle))
+        Where the solids that can move are at the end, by their numbers.
     """
 
     happenings: tuple[Happening, ...]
     tick: int
     way: tuple[Waypoint, ...] = ()
     touch: Touch | None = None
+    others: Mapping[str, tuple[Waypoint, ...]] = field(default_factory=dict)
+    solids: tuple[tuple[int, tuple[float, float, float]], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,6 +129,7 @@ class Observation:
         self._loop = loop
         self._tick = tick
         self._way: list[Waypoint] = []
+        self._others: dict[str, list[Waypoint]] = {}
         self._touch: Touch | None = None
         self._touching = loop.bridge.touched
         self._present = present(loop.interpreter.history.state(tick), tick, loop.now)
@@ -133,6 +140,8 @@ class Observation:
         pose = loop.bridge.pose
         if pose is not None:
             self._way.append((loop.now, *pose))
+        for name, place in loop.bridge.others.items():
+            self._others.setdefault(name, []).append((loop.now, *place))
         touched = loop.bridge.touched
         if self._touch is None and (new := touched - self._touching):
             self._touch = Touch(loop.now, min(new))
@@ -142,18 +151,23 @@ class Observation:
     def course(self) -> Course:
         """Return what was watched."""
         told = (*self._present, *happenings(self._loop, self._tick, gap=True))
-        return Course(told, self._tick, tuple(self._way), self._touch)
+        others = {name: tuple(way) for name, way in self._others.items()}
+        solids = self._loop.bridge.movable
+        return Course(told, self._tick, tuple(self._way), self._touch, others, solids)
 
 
 def divergence(recorded: Course, changed: Course) -> Divergence | None:
     """Return the first difference between two courses from the same moment, or None."""
     first = _first_event(recorded.happenings, changed.happenings)
-    pairs = zip(recorded.way, changed.way, strict=False)
-    for tick, (before, after) in enumerate(pairs, changed.tick + 1):
-        if first is not None and after[0] >= first.time:
-            break
-        if any(abs(a - b) > _SAME for a, b in zip(before, after, strict=True)):
-            return Divergence(tick, after[0], "The robot takes a different path.")
+    for name, way in {"": changed.way, **changed.others}.items():
+        other = recorded.others.get(name, ()) if name else recorded.way
+        for tick, (before, after) in enumerate(zip(other, way, strict=False), changed.tick + 1):
+            if first is not None and after[0] >= first.time:
+                break
+            if any(abs(a - b) > _SAME for a, b in zip(before, after, strict=True)):
+                who = f"`{name}`" if name else "The robot"
+                first = Divergence(tick, after[0], f"{who} takes a different path.")
+                break
     return first
 
 

@@ -841,10 +841,16 @@ class LookingView(TypedDict):
 
 
 class CourseView(TypedDict):
-    """How a run went: what happened, and the way of the robot as (time, x, y, theta), one for each tick."""
+    """How a run went: what happened, and the way of the robot as (time, x, y, theta), one for each tick.
+
+    `others` are the ways of further robots, in the order of the world; `solids` are (number, x, y, theta) of
+    those that can move, at the end.
+    """
 
     happenings: list[HappeningView]
     way: list[list[float]]
+    others: list[list[list[float]]]
+    solids: list[list[float]]
 
 
 class DivergenceView(TypedDict):

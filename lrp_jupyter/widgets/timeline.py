@@ -132,8 +132,14 @@ def _happening_views(happenings: Iterable[Happening]) -> list[HappeningView]:
 def _course_view(course: Course) -> CourseView:
     return {
         "happenings": _happening_views(course.happenings),
-        "way": [[round(number, 4) for number in point] for point in course.way],
+        "way": _rounded(course.way),
+        "others": [_rounded(way) for way in course.others.values()],
+        "solids": _rounded((index, *pose) for index, pose in course.solids),
     }
+
+
+def _rounded(rows: Iterable[Iterable[float]]) -> list[list[float]]:
+    return [[round(number, 4) for number in row] for row in rows]
 
 
 def _plot_view(plot: Plot) -> PlotView:

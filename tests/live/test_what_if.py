@@ -7,9 +7,13 @@ import pytest
 
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.bridge import Bridge
+from lrp_jupyter.bridges.sim import SimBridge
+from lrp_jupyter.live.clock import VirtualClock
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.live.timeline import Happening
 from lrp_jupyter.live.what_if import Course, Divergence, divergence
+from lrp_jupyter.sim import load
+from lrp_jupyter.sim.world import BoxSolid, Patrol
 
 FOLLOWER = programs.load("follower")
 INTO_THE_WALL = "(machine m (state go (running [robot.move(linear=0.2)]))) (spawn m go)"
@@ -182,3 +186,31 @@ def test_what_was_done_and_is_not_possible_in_the_other_program_is_left_out_ther
             fork.run(1.5)
             assert fork.frame.values["k"] == 14
             assert fork.fault == ""
+
+
+def test_every_robot_and_what_moves_is_foretold_and_told_apart():
+    cart = BoxSolid((3.0, 0.7, 0.1, 0.1), patrol=Patrol(((0.9, 0.0),), 0.1))
+    world = replace(load("convoy"), solids=(cart, BoxSolid((0.1, 0.1, 0.1, 0.1))))
+    text = programs.load("convoy")
+    with Session(text, SimBridge(world), clock=VirtualClock()) as session:
+        session.run(seconds=1)
+        ahead = session.what_if(seconds=3.0)
+        poses = []
+        session.run(seconds=3, after_tick=lambda: poses.append(session.bridge.simulation.robots[1].pose))
+        assert ahead.divergence is None
+        assert [point[1:] for point in ahead.changed.others["follower"]] == poses
+        assert ahead.changed.solids == ((0, (pytest.approx(3.4, abs=0.011), 0.7, 0.0)),)
+        slower = session.what_if(10, text.replace("eager := [2]", "eager := [1]"), seconds=3.0)
+        assert slower.divergence.text.startswith("`robot.follower.move(linear=0.1224")
+        assert slower.recorded.way == slower.changed.way
+
+
+def test_the_first_robot_that_goes_another_way_is_named():
+    way = ((0.1, 0.0, 0.0, 0.0), (0.2, 0.1, 0.0, 0.0))
+    one = Course((), 0, way, others={"follower": way})
+    aside = ((0.1, 0.0, 0.0, 0.0), (0.2, 0.1, 0.01, 0.0))
+    other = Course((), 0, way, others={"follower": aside})
+    assert divergence(one, other) == Divergence(2, 0.2, "`follower` takes a different path.")
+    earlier = ((0.1, 0.5, 0.0, 0.0), (0.2, 0.1, 0.0, 0.0))
+    assert divergence(one, Course((), 0, aside, others={"follower": earlier})).tick == 1
+    assert divergence(one, one) is None

@@ -1,7 +1,9 @@
 /** How another run goes: the path of the robot in it, and a ghost of the robot at its end. */
 
-import type { Point, Pose, WhatIfView } from "../protocol";
-import { type Palette, shade } from "./paint";
+import type { CourseView, Point, Pose, SolidView, WhatIfView } from "../protocol";
+import type { FullWorld } from "./complete";
+import { ofRobot, type Palette, shade, traceSolid } from "./paint";
+import type { Snapshot } from "./poses";
 
 type Canvas = CanvasRenderingContext2D;
 /** Poses with their times: (time, x, y, theta). */
@@ -43,28 +45,40 @@ export function courseColors(palette: Palette): { changed: string; recorded: str
   return { changed: shade(0, palette), recorded: shade(125, palette) };
 }
 
-/** Paint how it goes from a time on: the changed course dashed, with a ghost at its end, the recorded one plain. */
+/**
+ * Paint how it goes from now on: of each robot the changed course dashed, with a ghost at its end, the recorded one
+ * plain; and the outlines of solids that will be elsewhere.
+ */
 export function paintGhost(
   c: Canvas,
+  world: FullWorld,
   whatIf: WhatIfView,
-  now: number,
-  radius: number,
+  now: Snapshot,
   palette: Palette,
   pixels: number,
 ): void {
-  const changed = ahead(whatIf.changed.way, now);
+  const { changed, recorded, divergence } = whatIf;
   const colors = courseColors(palette);
   c.save();
-  c.lineCap = "butt";
   c.lineJoin = "round";
-  const recorded = whatIf.divergence ? ahead(whatIf.recorded.way, now) : [];
-  for (const way of [recorded, changed]) paintWay(c, way, palette.halo, 7 / pixels);
-  paintWay(c, recorded, colors.recorded, 3 / pixels);
-  c.setLineDash([6 / pixels, 4 / pixels]); // the recorded one is seen in between, where it is the same way
-  paintWay(c, changed, colors.changed, 3 / pixels);
-  c.setLineDash([]);
-  const [first, last] = [changed[0], changed.at(-1)];
-  if (first && last && isElsewhere(first, last)) paintRobot(c, last, radius, palette, pixels);
+  for (const [index, ...pose] of changed.solids) {
+    const [solid, before] = [world.solids[index!], now.solids[index!]];
+    if (solid && before && isElsewhere(before, pose as unknown as Pose))
+      paintSolid(c, solid, pose as unknown as Pose, palette, pixels);
+  }
+  c.lineCap = "butt";
+  world.robots.forEach(({ radius }, i) => {
+    const wayOf = (course: CourseView) => (i ? (course.others[i - 1] ?? []) : course.way);
+    const next = ahead(wayOf(changed), now.time);
+    const other = divergence ? ahead(wayOf(recorded), now.time) : [];
+    for (const way of [other, next]) paintWay(c, way, palette.halo, 7 / pixels);
+    paintWay(c, other, colors.recorded, 3 / pixels);
+    c.setLineDash([6 / pixels, 4 / pixels]); // the recorded one is seen in between, where it is the same way
+    paintWay(c, next, colors.changed, 3 / pixels);
+    c.setLineDash([]);
+    const [first, last] = [next[0], next.at(-1)];
+    if (first && last && isElsewhere(first, last)) paintRobot(c, last, radius, ofRobot(palette, i), pixels);
+  });
   c.restore();
 }
 
@@ -91,6 +105,17 @@ function paintWay(c: Canvas, poses: readonly Pose[], color: string, width: numbe
   c.strokeStyle = color;
   c.lineWidth = width;
   c.stroke();
+}
+
+function paintSolid(c: Canvas, solid: SolidView, pose: Pose, palette: Palette, pixels: number): void {
+  c.save();
+  traceSolid(c, solid, pose);
+  c.strokeStyle = courseColors(palette).changed;
+  c.globalAlpha = 0.75;
+  c.lineWidth = Math.max(0.006, 2 / pixels);
+  c.setLineDash([6 / pixels, 4 / pixels]);
+  c.stroke();
+  c.restore();
 }
 
 function paintRobot(c: Canvas, [x, y, theta]: Pose, r: number, palette: Palette, pixels: number): void {

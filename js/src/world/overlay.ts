@@ -17,14 +17,19 @@ const HANDLE = 5; // px
 export const OLDER = 0.4;
 export const LATER = 0.2;
 
-/** A grid; the context is in metres, `pixels` make one. Returns the distance of its lines. */
+/** The distance between the lines of the grid, in metres. */
+export function gridStep(pixels: number): number {
+  return GRID.find((metres) => metres * pixels >= APART) ?? GRID.at(-1)!;
+}
+
+/** A grid; the context is in metres, `pixels` make one. */
 export function paintGrid(
   c: Canvas,
   [width, height]: [number, number],
   palette: Palette,
   pixels: number,
-): number {
-  const step = GRID.find((metres) => metres * pixels >= APART) ?? GRID.at(-1)!;
+): void {
+  const step = gridStep(pixels);
   c.strokeStyle = palette.grid;
   c.lineWidth = 1 / pixels;
   c.beginPath();
@@ -37,7 +42,6 @@ export function paintGrid(
     c.lineTo(width, y);
   }
   c.stroke();
-  return step;
 }
 
 /** A round length that is easily compared with the picture. */
@@ -46,8 +50,8 @@ export function barLength(pixels: number): number {
   return lengths.findLast((length) => length * pixels <= BAR) ?? lengths[0]!;
 }
 
-/** A scale bar at the lower left; the context is in pixels, y down. */
-export function paintBar(c: Canvas, height: number, palette: Palette, pixels: number): void {
+/** A scale bar at the lower left, with the width of the grid; the context is in pixels, y down. */
+export function paintBar(c: Canvas, height: number, palette: Palette, pixels: number, grid: boolean): void {
   const length = barLength(pixels);
   const [left, base, long] = [10.5, height - 10.5, length * pixels];
   c.fillStyle = palette.paper;
@@ -67,9 +71,25 @@ export function paintBar(c: Canvas, height: number, palette: Palette, pixels: nu
   c.stroke();
   c.save();
   c.scale(1, -1); // `write` turns y up
-  const text = length < 1 ? `${Math.round(length * 100)} cm` : `${length} m`;
-  write(c, text, left + long / 2, 10 - base, 12, palette.ink, "center", palette.font);
+  write(c, metres(length), left + long / 2, 10 - base, 12, palette.ink, "center", palette.font);
+  if (grid)
+    write(
+      c,
+      `grid ${metres(gridStep(pixels))}`,
+      left + long + 14,
+      2 - base,
+      12,
+      palette.ink,
+      "left",
+      palette.font,
+      palette.halo,
+    );
   c.restore();
+}
+
+/** A length as it is written. */
+export function metres(length: number): string {
+  return length < 1 ? `${Math.round(length * 100)} cm` : `${length} m`;
 }
 
 type Style = (state: string) => { color: string; dash: number[] };

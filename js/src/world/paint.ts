@@ -7,8 +7,8 @@ import type { RobotPose, Snapshot } from "./poses";
 /** Seen from two metres, on a projector: px at least. */
 const TEXT = 13;
 const FINE = 1.5;
-const RAY = 2;
-const SPOT = 4;
+const RAY = 2.5;
+const SPOT = 5;
 
 type Canvas = CanvasRenderingContext2D;
 
@@ -156,8 +156,8 @@ export function write(
   c.restore();
 }
 
-function paintSolid(c: Canvas, solid: SolidView, pose: Pose, palette: Palette): void {
-  c.save();
+/** Make the outline of a solid at a pose the path of a context, which is moved and turned there. */
+export function traceSolid(c: Canvas, solid: SolidView, pose: Pose): void {
   c.translate(pose[0], pose[1]);
   c.rotate(pose[2]);
   c.beginPath();
@@ -166,6 +166,11 @@ function paintSolid(c: Canvas, solid: SolidView, pose: Pose, palette: Palette): 
     const [, , width = 0, height = 0] = solid.box;
     c.rect(-width / 2, -height / 2, width, height);
   }
+}
+
+function paintSolid(c: Canvas, solid: SolidView, pose: Pose, palette: Palette): void {
+  c.save();
+  traceSolid(c, solid, pose);
   const standing = typeof solid.push === "number" ? palette.pushable : palette.solid;
   c.fillStyle = solid.patrol ? palette.moving : standing;
   c.strokeStyle = palette.solidEdge;

@@ -287,8 +287,7 @@ export class Stage {
       }
     }
     if (this.sketch) paintStroke(c, this.sketch, palette);
-    const [robot] = world.robots;
-    if (this.whatIf && robot) paintGhost(c, this.whatIf, current.time, robot.radius, palette, pixels);
+    if (this.whatIf) paintGhost(c, world, this.whatIf, current, palette, pixels);
     world.robots.forEach(({ pose, radius }, i) => {
       const [x, y] = current.robots[i]?.pose ?? pose;
       const colours = ofRobot(palette, i);
@@ -300,7 +299,7 @@ export class Stage {
     if (selected && shape) paintSelection(c, selected, shape, palette, pixels);
     if (outline) paintOutline(c, outline, palette, pixels, true);
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
-    paintBar(c, this.canvas.height / this.ratio, palette, pixels);
+    paintBar(c, this.canvas.height / this.ratio, palette, pixels, this.grid);
   }
 
   /** Paint the faint trail with the floor, which is rare: it may be long. */
