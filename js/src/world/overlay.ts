@@ -12,6 +12,7 @@ type Canvas = CanvasRenderingContext2D;
 const GRID = [0.1, 0.25, 0.5, 1, 2, 5, 10, 50, 100];
 const APART = 18; // px
 const BAR = 100; // px that the scale bar is long at most
+const GRID_TEXT = 88; // px for what stands beside it
 const HANDLE = 5; // px
 /** How opaque the trail is where it no longer fades, and after the moment looked at. */
 export const OLDER = 0.4;
@@ -57,7 +58,7 @@ export function paintBar(c: Canvas, height: number, palette: Palette, pixels: nu
   c.fillStyle = palette.paper;
   c.globalAlpha = 0.8;
   c.beginPath();
-  c.roundRect(left - 6, base - 22, long + 12, 28, 4);
+  c.roundRect(left - 6, base - 22, long + 12 + (grid ? GRID_TEXT : 0), 28, 4);
   c.fill();
   c.globalAlpha = 1;
   c.lineCap = "square";
@@ -72,18 +73,8 @@ export function paintBar(c: Canvas, height: number, palette: Palette, pixels: nu
   c.save();
   c.scale(1, -1); // `write` turns y up
   write(c, metres(length), left + long / 2, 10 - base, 12, palette.ink, "center", palette.font);
-  if (grid)
-    write(
-      c,
-      `grid ${metres(gridStep(pixels))}`,
-      left + long + 14,
-      2 - base,
-      12,
-      palette.ink,
-      "left",
-      palette.font,
-      palette.halo,
-    );
+  const width = `grid ${metres(gridStep(pixels))}`;
+  if (grid) write(c, width, left + long + 14, 6 - base, 12, palette.ink, "left", palette.font);
   c.restore();
 }
 

@@ -198,9 +198,8 @@ function request(message) {
 function play() {
   const next = recording.frames[at++ % recording.frames.length];
   if (credit < 1) return;
-  credit -= 2;
-  frame({ ...next.frame, frame: ++number, view });
-  deliver({ type: "poses", frame: ++number }, [bytes(next.poses)]);
+  credit -= 1;
+  deliver({ type: "frame", ...next.frame, frame: ++number, view }, [bytes(next.poses)]);
 }
 
 const model = {
