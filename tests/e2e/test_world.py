@@ -193,6 +193,37 @@ def test_the_world_is_saved_as_a_picture_and_as_a_drawing(open_world):
     assert "goal" in "".join(ElementTree.fromstring(svg.value.path().read_bytes()).itertext())
 
 
+def test_a_run_beside_moving_things_is_saved_as_an_animation_that_plays(open_world):
+    lab = open_world(DRIVER.replace("robot.move(0.3, 0.8)", "robot.move(linear=0.3)"), world="crossing")
+    lab.sees('.lrp-legend li[title="m/aside"]')
+    lab.pause()
+    with lab.page.expect_download() as saved:
+        choose(lab, "world-animation")
+    assert saved.value.suggested_filename == "m-crossing-run.svg"
+    picture = saved.value.path().read_text(encoding="utf-8")
+    page = lab.page.context.new_page()
+    page.set_content(picture)
+    places = [
+        page.evaluate(
+            """seconds => {
+                const svg = document.querySelector("svg");
+                svg.pauseAnimations();
+                svg.setCurrentTime(seconds);
+                const things = [...svg.querySelectorAll('[fill="#A6CEE3"], [fill="#8fc7c3"]')];
+                return things.map((each) => {
+                    const { x, y } = each.getBoundingClientRect();
+                    return [x, y];
+                });
+            }""",
+            seconds,
+        )
+        for seconds in (0.0, 1.0)
+    ]
+    page.close()
+    assert len(places[0]) == 3, "a robot and two carts"
+    assert all(math.dist(before, after) > 5 for before, after in zip(*places, strict=True)), places
+
+
 def test_the_trail_shows_the_states_and_names_them(open_world):
     lab = open_world(DRIVER)
     for state in ("ahead", "aside"):
