@@ -110,7 +110,10 @@ def test_it_lists_every_member_of_the_simulated_robots():
     for world in BUNDLED:
         with Session("", "sim", world=world) as session:
             session.run(0)
-            members |= {each.name: each for each in session.bridge.members()}
+            others = tuple(f"{name}." for name in session.bridge.world.robot_names[1:])
+            members |= {
+                each.name: each for each in session.bridge.members() if not each.name.startswith(others)
+            }
     rows = [
         f"| `robot.{each.name}{each.signature}` | {each.doc}{f', in {each.unit}' if each.unit else ''} |"
         for each in members.values()

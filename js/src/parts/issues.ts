@@ -96,7 +96,7 @@ function make(lab: Lab, entry: Entry): HTMLElement {
     h("span", { class: "lrp-issue-text" }),
     h("span", { class: "lrp-issue-note" }),
   );
-  item.append(go, codeButton(lab, entry.code));
+  item.append(go, ...(entry.code ? [codeButton(lab, entry.code)] : [])); // a notice of the robot has none
   if (entry.issue?.traceback)
     item.append(h("details", {}, h("summary", {}, "Traceback"), h("pre", { tabindex: "0" })));
   return item;
