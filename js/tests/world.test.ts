@@ -73,6 +73,7 @@ describe("poses", () => {
         pose: [0.5, 1, 0.25],
         bumper: true,
         pen: true,
+        lamp: false,
         speed: 0.125,
         lights: [200],
         distances: [Number.POSITIVE_INFINITY],
@@ -97,12 +98,13 @@ describe("poses", () => {
   });
 
   it.each([
-    [0, false, false],
-    [1, true, false],
-    [2, false, true],
-  ])("have the flags %i for bumper %s and pen %s", (flags, bumper, pen) => {
+    [0, false, false, false],
+    [1, true, false, false],
+    [2, false, true, false],
+    [4, false, false, true],
+  ])("have the flags %i for bumper %s, pen %s and lamp %s", (flags, bumper, pen, lamp) => {
     const now = readPoses(world, buffer(1.5, 0.5, 1, 0.25, flags, 0.125, 200, 1, 1.5, 0.5, 0))!;
-    expect(now.robots[0]).toMatchObject({ bumper, pen });
+    expect(now.robots[0]).toMatchObject({ bumper, pen, lamp });
   });
 
   it("need 36 bytes for one robot", () => {

@@ -52,6 +52,8 @@ class RobotPicture:
         Metres; ``inf`` where nothing is in reach.
     pen : bool
         Whether it leaves a trail.
+    lamp : bool
+        Whether its lamp is lit.
     """
 
     pose: tuple[float, float, float]
@@ -60,6 +62,7 @@ class RobotPicture:
     bumper: int
     distances: tuple[float, ...]
     pen: bool
+    lamp: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,6 +207,8 @@ class SimBridge(Bridge):
         method(f"{prefix}stop", lambda: self._halt(index), "stand still", velocity=True)
         doc = "lower the pen (True) or lift it (False): it leaves a trail"
         method(f"{prefix}pen", lambda down=True: self.simulation.pen(bool(down), robot=index), doc)
+        doc = "switch the lamp on (True) or off (False)"
+        method(f"{prefix}lamp", lambda on=True: self.simulation.lamp(bool(on), robot=index), doc)
 
     def open_interface(self) -> Panel | None:
         """Read the sensors, so that there is something to see before the first tick."""
@@ -619,6 +624,7 @@ def _picture(simulation: Simulation) -> SimPicture:
             robot.readings.bumper,
             robot.readings.distances,
             robot.memory.pen is not None,
+            robot.memory.lamp,
         )
         for robot in simulation.robots
     )

@@ -43,6 +43,8 @@ class Sample(NamedTuple):
     active : tuple of paths
     command : tuple of float
         The commanded speeds: m/s, rad/s.
+    lamp : bool
+        Whether the lamp is lit.
     """
 
     time: float
@@ -56,6 +58,7 @@ class Sample(NamedTuple):
     solids: tuple[tuple[float, float, float], ...]
     active: tuple[Path, ...]
     command: tuple[float, float]
+    lamp: bool
 
     def distance(self, other: Sample) -> float:
         """Return the distance between the robot in two samples, in metres."""
@@ -121,6 +124,7 @@ class RunRecord:
                 tuple(thing.pose for thing in bridge.simulation.solids),
                 interpreter.active,
                 robot.command,
+                robot.memory.lamp,
             )
         )
         if not self.programs or self.programs[-1] is not interpreter.program:

@@ -170,7 +170,7 @@ class Parts(TextDraft):
                 self._add(item.start, item.end, "LRP117", message, *edits)
 
 
-_REPEATED = re.compile(r"\brobot\.(?!stop\b|pen\b)\w+(?:\s*\(|\s+as\b)|[+\-*/]=")
+_REPEATED = re.compile(r"\brobot\.(?!stop\b|pen\b|lamp\b)\w+(?:\s*\(|\s+as\b)|[+\-*/]=")
 """What is probably meant to be repeated: a robot that gets no command for a while stops."""
 
 

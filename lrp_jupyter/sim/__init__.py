@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from lrp_jupyter.sim.edits import Draw, PutSolid, PutZone, RemoveSolid, RemoveZone, SetStart, WorldEdit
-from lrp_jupyter.sim.inputs import Drive, Input, Latch, Pen, PlaceRobot, PlaceSolid, ResetWorld
+from lrp_jupyter.sim.inputs import Drive, Input, Lamp, Latch, Pen, PlaceRobot, PlaceSolid, ResetWorld
 from lrp_jupyter.sim.world import World, WorldError
 from lrp_jupyter.sim.worlds import BUNDLED, load
 
@@ -26,6 +26,7 @@ __all__ = [
     "Draw",
     "Drive",
     "Input",
+    "Lamp",
     "Latch",
     "Pen",
     "PlaceRobot",

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from lrp_jupyter.sim.edits import Draw, WorldEdit
 from lrp_jupyter.sim.world import Point, Pose, World
 
-__all__ = ["Drive", "Input", "Latch", "Pen", "PlaceRobot", "PlaceSolid", "ResetWorld", "check_input"]
+__all__ = ["Drive", "Input", "Lamp", "Latch", "Pen", "PlaceRobot", "PlaceSolid", "ResetWorld", "check_input"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,6 +37,14 @@ class Pen:
 
 
 @dataclass(frozen=True, slots=True)
+class Lamp:
+    """Switch a robot's lamp on or off."""
+
+    on: bool = True
+    robot: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class PlaceRobot:
     """Move a robot by hand to a pose, at rest."""
 
@@ -57,7 +65,7 @@ class ResetWorld:
     """Reset the world to its start and erase trails."""
 
 
-Input = Latch | Drive | Pen | PlaceRobot | PlaceSolid | WorldEdit | ResetWorld
+Input = Latch | Drive | Pen | Lamp | PlaceRobot | PlaceSolid | WorldEdit | ResetWorld
 
 
 def check_input(what: Input, world: World) -> Input:
@@ -78,6 +86,9 @@ def check_input(what: Input, world: World) -> Input:
             _index(robot, world.robots, "robot")
             _finite(grey, width)
             return Pen(down, _clamp(grey, 0.0, 255.0), _clamp(width, 0.001, 0.2), robot)
+        case Lamp(_, robot):
+            _index(robot, world.robots, "robot")
+            return what
         case PlaceRobot(pose, robot):
             _index(robot, world.robots, "robot")
             return PlaceRobot(_inside(pose, world.size), robot)

@@ -124,6 +124,7 @@ class Memory:
     touched: frozenset[int] = frozenset()  # the same, in the tick before the last latch
     pen: Paint | None = None
     pen_at: Point = (0.0, 0.0)
+    lamp: bool = False
 
     def copy(self) -> Memory:
         """Return a snapshot."""
@@ -184,6 +185,7 @@ class SimRobot:
             "gyro": readings.gyro,
             "odom": list(readings.odom),
             "pen": int(self.memory.pen is not None),
+            "lamp": int(self.memory.lamp),
         }
 
     def steer(self) -> None:

@@ -29,6 +29,7 @@ __all__ = [
     "bumper",
     "grey",
     "ink",
+    "lamp",
     "light",
     "name_of",
     "num",
@@ -188,6 +189,14 @@ def bumper(spec: RobotSpec, is_pressed: bool, moving: str = "") -> str:
     arc = f"M{num(cos)} {num(-sin)}A{num(rim)} {num(rim)} 0 0 1 {num(cos)} {num(sin)}"
     return _element(
         f'path d="{arc}" fill="none" stroke="{colour}" stroke-width="{thick}" stroke-linecap="round"', moving
+    )
+
+
+def lamp(spec: RobotSpec) -> str:
+    """Draw a lamp that is lit."""
+    return (
+        f'<circle cx="{num(-0.5 * spec.radius)}" r="{num(0.26 * spec.radius)}" fill="#FFD84D" '
+        'stroke="#8a5a1f" stroke-width="0.004"><title>the lamp is lit</title></circle>'
     )
 
 

@@ -26,6 +26,7 @@ from lrp_jupyter.sim.input_log import Checkpoint, InputLog, WorldMoment, packed,
 from lrp_jupyter.sim.inputs import (
     Drive,
     Input,
+    Lamp,
     Latch,
     Pen,
     PlaceRobot,
@@ -198,6 +199,10 @@ class Simulation:
         """Lower or lift a robot's pen. Its ink darkens the floor, and light sensors see it."""
         self.apply(Pen(down, grey, width, robot))
 
+    def lamp(self, on: bool = True, robot: int = 0) -> None:
+        """Switch a robot's lamp on or off. Sensors do not see it."""
+        self.apply(Lamp(on, robot))
+
     def place(self, pose: Pose, robot: int = 0) -> None:
         """Move a robot by hand; it is at rest there."""
         self.apply(PlaceRobot(pose, robot))
@@ -227,7 +232,7 @@ class Simulation:
         ValueError
             It names no robot or solid of this world, or a number is not finite.
         """
-        if not isinstance(what, (Drive, Pen)):  # these are a program's, in the middle of a tick
+        if not isinstance(what, (Drive, Pen, Lamp)):  # these are a program's, in the middle of a tick
             self._drain()
         self._apply_new(check_input(what, self.world))
 
@@ -275,6 +280,8 @@ class Simulation:
                 self.robots[index].steer()
             case Pen():
                 self._lower(what)
+            case Lamp(on, index):
+                self.robots[index].memory.lamp = on
             case PlaceRobot(pose, index):
                 robot = self.robots[index]
                 robot.memory.odometer = robot.memory.odometer.lifted(robot.pose, pose)
@@ -370,7 +377,7 @@ class Simulation:
         -------
         dict
             ``step``, ``time``, ``revision``; ``robots``: a dict each of ``pose``, ``command``,
-            ``light``, ``bumper``, ``distance`` (``None``: nothing), ``gyro``, ``odom``, ``pen``;
+            ``light``, ``bumper``, ``distance`` (``None``: nothing), ``gyro``, ``odom``, ``pen``, ``lamp``;
             ``solids``: number, x, y, angle of each that can move; ``marks``: how many there are;
             ``new``: width, grey, ink (1: it darkens; 0: it covers), x and y of both ends.
         """

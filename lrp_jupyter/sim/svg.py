@@ -136,6 +136,8 @@ def _readings(simulation: Simulation) -> str:
     if readings.distances:
         ways = ("∞" if math.isinf(way) else f"{way:.2f}" for way in readings.distances)
         words.append(f"distance {' '.join(ways)} m")
+    if simulation.robot.memory.lamp:
+        words.append("lamp lit")
     return " · ".join(words)
 
 
@@ -229,6 +231,8 @@ def _robot(robot: SimRobot) -> str:
     rays = [shapes.ray(spec, bearing, way) for (bearing, _), way in ways if not math.isinf(way)]
     seen = dict(enumerate(readings.lights))
     above = [shapes.light(place, seen.get(index, 255)) for index, place in enumerate(spec.light)]
+    if robot.memory.lamp:
+        above.append(shapes.lamp(spec))
     if spec.bumper:
         above.append(shapes.bumper(spec, bool(readings.bumper)))
     return shapes.robot(spec, robot.index, "".join(rays), "".join(above))

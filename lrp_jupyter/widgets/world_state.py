@@ -160,6 +160,7 @@ def _poses(picture: SimPicture) -> bytes:
                 *robot.pose,
                 bool(robot.bumper),
                 robot.pen,
+                robot.lamp,
                 robot.command[0],
                 lights[: len(spec.light)],
                 distances[: len(spec.distance)],
@@ -194,7 +195,7 @@ def _strokes_of(marks: Sequence[Mark]) -> list[StrokeView]:
 
 def pack_poses(
     time: float,
-    robots: Iterable[tuple[float, float, float, bool, bool, float, Sequence[float], Sequence[float]]],
+    robots: Iterable[tuple[float, float, float, bool, bool, bool, float, Sequence[float], Sequence[float]]],
     solids: Iterable[tuple[float, float, float]] = (),
 ) -> bytes:
     """Pack poses into the buffer of a `FrameMessage`.
@@ -208,13 +209,13 @@ def pack_poses(
     time : float
         Seconds of the world.
     robots : iterable of tuple
-        ``(x, y, theta, bumper, pen, speed, lights, distances)`` for each robot.
+        ``(x, y, theta, bumper, pen, lamp, speed, lights, distances)`` for each robot.
     solids : iterable of tuple
         ``(x, y, theta)`` of each solid that can move.
     """
     numbers: list[float] = []
-    for x, y, theta, bumper, pen, speed, lights, distances in robots:
-        numbers += [x, y, theta, float(bumper | pen << 1), speed, *lights, *distances]
+    for x, y, theta, bumper, pen, lamp, speed, lights, distances in robots:
+        numbers += [x, y, theta, float(bumper | pen << 1 | lamp << 2), speed, *lights, *distances]
     for solid in solids:
         numbers += solid
     return struct.pack(f"<d{len(numbers)}f", time, *numbers)

@@ -49,7 +49,18 @@ def test_it_is_armed_and_no_hardware(sim: SimBridge) -> None:
 
 
 def test_the_robot_of_the_papers_program_is_there(sim: SimBridge) -> None:
-    assert dir(sim.robot) == ["bumper", "distance", "front", "gyro", "light", "move", "odom", "pen", "stop"]
+    assert dir(sim.robot) == [
+        "bumper",
+        "distance",
+        "front",
+        "gyro",
+        "lamp",
+        "light",
+        "move",
+        "odom",
+        "pen",
+        "stop",
+    ]
     assert sim.robot.light.data == 255
     assert sim.robot.bumper.data == 0
     assert sim.robot.distance.data > 0
@@ -60,7 +71,7 @@ def test_a_robot_without_sensors_offers_none() -> None:
     bare = {"pose": [1, 1, 0], "light": [], "distance": [], "bumper": False}
     sim = SimBridge({"version": 1, "size": [2, 2], "robots": [bare]})
     sim.open()
-    assert dir(sim.robot) == ["gyro", "move", "odom", "pen", "stop"]
+    assert dir(sim.robot) == ["gyro", "lamp", "move", "odom", "pen", "stop"]
     with pytest.raises(MemberError, match="`robot` has no `light`"):
         sim.robot.light  # noqa: B018
 
@@ -241,6 +252,26 @@ def test_the_program_can_stop_and_lower_the_pen(sim: SimBridge) -> None:
     sim.robot.pen(False)
     assert sim.picture.robots[0].command == (0.0, 0.0)
     assert not sim.picture.robots[0].pen
+
+
+def test_the_lamp_is_a_part_of_the_picture_and_goes_back_with_the_world() -> None:
+    sim = SimBridge("empty")
+    sim.open()
+    drive(sim, 1)
+    before = sim.moment()
+    sim.robot.lamp(True)
+    assert sim.picture.robots[0].lamp
+    lit = sim.moment()
+    sim.robot.lamp(False)
+    assert not sim.picture.robots[0].lamp
+    assert sim.fork(lit).picture.robots[0].lamp
+    sim.rewind(lit)
+    assert sim.picture.robots[0].lamp
+    sim.rewind(before)
+    assert not sim.picture.robots[0].lamp
+    sim.robot.lamp()
+    sim.reset_world()
+    assert not sim.picture.robots[0].lamp
 
 
 def test_rewinding_repeats_bit_for_bit() -> None:

@@ -43,6 +43,15 @@ def test_a_pressed_bumper_is_lit():
     assert 'stroke="#E31A1C" stroke-width="0.02"' in svg(simulation)
 
 
+def test_a_lit_lamp_is_drawn_and_said():
+    simulation = Simulation("empty")
+    assert "lamp" not in svg(simulation)
+    simulation.lamp()
+    picture = svg(simulation)
+    assert "the lamp is lit" in picture
+    assert "lamp lit" in ElementTree.fromstring(picture).attrib["aria-label"]
+
+
 def test_trails_and_drawings_are_joined_paths():
     simulation = Simulation("empty")
     before = svg(simulation).count("<path")

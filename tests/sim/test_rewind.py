@@ -9,6 +9,7 @@ from seeds import seeds
 from lrp_jupyter.sim import (
     Draw,
     Drive,
+    Lamp,
     Latch,
     Pen,
     PlaceRobot,
@@ -81,6 +82,7 @@ def drive_about(simulation, random, loops):
         simulation.drive(random.uniform(-0.1, 0.5), random.uniform(-1, 1), random.randint(0, 1))
         if random.random() < 0.05:
             simulation.pen(random.random() < 0.7)
+        simulation.lamp(random.random() < 0.5)
         if random.random() < 0.02:
             simulation.place((random.uniform(0.2, 1.4), random.uniform(0.2, 1.1), random.uniform(0, 6)))
         simulation.step(10)
@@ -116,6 +118,7 @@ inputs = st.one_of(
     st.just(Latch()),
     st.builds(Drive, st.floats(-0.5, 0.5), st.floats(-3, 3), st.integers(0, 1)),
     st.builds(Pen, st.booleans(), robot=st.integers(0, 1)),
+    st.builds(Lamp, st.booleans(), st.integers(0, 1)),
     st.builds(
         PlaceRobot, st.tuples(st.floats(0, 1.6), st.floats(0, 1.3), st.floats(-3, 3)), st.integers(0, 1)
     ),

@@ -4,7 +4,7 @@ import threading
 
 import pytest
 
-from lrp_jupyter.sim import Draw, Drive, Pen, PlaceRobot, PlaceSolid, Simulation, World, load
+from lrp_jupyter.sim import Draw, Drive, Lamp, Pen, PlaceRobot, PlaceSolid, Simulation, World, load
 from lrp_jupyter.sim.robot import Body
 from lrp_jupyter.sim.world import BoxSolid, DiscSolid, RobotSpec
 
@@ -178,7 +178,15 @@ def test_a_pushable_box_is_put_elsewhere():
 
 
 @pytest.mark.parametrize(
-    "what", [Drive(robot=1), Pen(robot=-1), PlaceRobot((1, 1, 0), 1), PlaceSolid((1, 1, 0), 0), Draw(())]
+    "what",
+    [
+        Drive(robot=1),
+        Pen(robot=-1),
+        Lamp(robot=1),
+        PlaceRobot((1, 1, 0), 1),
+        PlaceSolid((1, 1, 0), 0),
+        Draw(()),
+    ],
 )
 def test_an_input_that_concerns_nothing_is_refused_at_once(what):
     simulation = room()

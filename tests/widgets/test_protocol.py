@@ -137,18 +137,21 @@ def test_whatever_comes_from_a_page_is_a_message_or_refused(kind, act, fields):
 
 
 def test_the_poses_of_one_robot_are_36_bytes():
-    robot = (0.5, 1.0, 0.25, True, True, 0.125, [128.0], [float("inf")])
+    robot = (0.5, 1.0, 0.25, True, True, False, 0.125, [128.0], [float("inf")])
     buffer = pack_poses(7.5, [robot])
     assert len(buffer) == 36
     assert struct.unpack("<d7f", buffer) == (7.5, 0.5, 1.0, 0.25, 3.0, 0.125, 128.0, float("inf"))
 
 
-@pytest.mark.parametrize(("bumper", "pen", "flags"), [(True, False, 1.0), (False, True, 2.0)])
-def test_bumper_and_pen_are_bits_of_their_own(bumper, pen, flags):
-    buffer = pack_poses(0.0, [(0, 0, 0, bumper, pen, 0, [], [])])
+@pytest.mark.parametrize(
+    ("bumper", "pen", "lamp", "flags"),
+    [(True, False, False, 1), (False, True, False, 2), (False, False, True, 4)],
+)
+def test_bumper_pen_and_lamp_are_bits_of_their_own(bumper, pen, lamp, flags):
+    buffer = pack_poses(0.0, [(0, 0, 0, bumper, pen, lamp, 0, [], [])])
     assert struct.unpack("<d5f", buffer)[4] == flags
 
 
 def test_pushed_solids_follow_the_robots():
-    buffer = pack_poses(0.0, [(0, 0, 0, False, False, 0, [], [])], [(1, 2, 0.5)])
+    buffer = pack_poses(0.0, [(0, 0, 0, False, False, False, 0, [], [])], [(1, 2, 0.5)])
     assert struct.unpack("<d8f", buffer)[-3:] == (1, 2, 0.5)

@@ -32,6 +32,7 @@ export interface Palette {
   /** The colours of the second robot, the third … */
   others: { robot: string; robotEdge: string; mark: string }[];
   bump: string;
+  lamp: string;
   ray: string;
   text: string;
   halo: string;
@@ -279,6 +280,7 @@ function paintRobot(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Pale
     c.strokeStyle = robot.bumper ? palette.bump : palette.robotEdge;
     c.stroke();
   }
+  if (robot.lamp) paintLamp(c, r, palette);
   shape.light.forEach((place, i) => paintLight(c, r, place, robot.lights[i], palette, pixels));
   c.restore();
   shape.light.forEach((place, i) => {
@@ -302,6 +304,16 @@ function paintName(
 ): void {
   const size = Math.max(0.05, TEXT / pixels);
   write(c, name, x, y + radius + 0.9 * size, size, palette.robotEdge, "center", palette.font, palette.halo);
+}
+
+function paintLamp(c: Canvas, r: number, palette: Palette): void {
+  c.beginPath();
+  c.arc(-0.5 * r, 0, 0.26 * r, 0, 2 * Math.PI);
+  c.fillStyle = palette.lamp;
+  c.strokeStyle = palette.robotEdge;
+  c.lineWidth = 0.06 * r;
+  c.fill();
+  c.stroke();
 }
 
 function paintRays(c: Canvas, shape: FullRobot, robot: RobotPose, palette: Palette, pixels: number): void {

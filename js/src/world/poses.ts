@@ -7,6 +7,7 @@ export interface RobotPose {
   pose: Pose;
   bumper: boolean;
   pen: boolean;
+  lamp: boolean;
   speed: number;
   lights: number[];
   distances: number[];
@@ -44,7 +45,8 @@ export function readPoses(world: FullWorld, buffer: DataView): Snapshot | null {
     const flags = next();
     const speed = next();
     const [lights, distances] = [light.map(next), distance.map(next)];
-    return { pose: place, bumper: (flags & 1) !== 0, pen: (flags & 2) !== 0, speed, lights, distances };
+    const [bumper, pen, lamp] = [1, 2, 4].map((bit) => (flags & bit) !== 0) as [boolean, boolean, boolean];
+    return { pose: place, bumper, pen, lamp, speed, lights, distances };
   });
   const standing = standingPoses(world);
   const solids = world.solids.map((solid, i) => (canMove(solid) ? pose() : standing[i]!));
@@ -65,6 +67,7 @@ export function firstPoses(world: FullWorld, last: Snapshot | null = null): Snap
     pose,
     bumper: false,
     pen: false,
+    lamp: false,
     speed: 0,
     lights: light.map(() => Number.NaN),
     distances: distance.map(() => Number.POSITIVE_INFINITY),

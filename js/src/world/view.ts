@@ -399,6 +399,7 @@ function palette(root: HTMLElement): Palette {
       mark: color(`mark-${number}`),
     })),
     bump: color("bump"),
+    lamp: color("lamp"),
     ray: color("ray"),
     text: color("text"),
     halo: color("halo"),
