@@ -257,7 +257,7 @@ _MEMBERS = frozenset({"light", "bumper", "distance", "gyro", "odom", "move", "st
 
 
 def _noise(value: object, place: str) -> Noise:
-    known = ("motor", "light", "distance", "gyro", "odom")
+    known = ("motor", "light", "distance", "gyro", "odom", "dropout")
     record = _record(value, place, known)
     return Noise(
         **{key: _number(item, f"{place}.{key}", low=0.0, high=255.0) for key, item in record.items()}

@@ -33,6 +33,7 @@ MASS = 1.0  # kg, of a robot
 DENSITY = 25.0  # kg per m² of floor covered, of pushable solids
 BAR = 0.004  # m: how far the bumper bar stands off the body
 BAR_HALF = math.radians(55)
+_DROPOUT = 10  # ticks
 
 SOLID, BODY, BUMPER = 1, 2, 4  # categories, for contacts and rays
 _ROLLING, _PRESSING = 1, 2  # types of contact; 0 is not watched
@@ -125,6 +126,7 @@ class Memory:
     pen: Paint | None = None
     pen_at: Point = (0.0, 0.0)
     lamp: bool = False
+    blind: int = 0  # ticks for which the distance sensors still see nothing
 
     def copy(self) -> Memory:
         """Return a snapshot."""
@@ -206,6 +208,11 @@ class SimRobot:
         spec, memory, pose = self.spec, self.memory, self.pose
         lights = read_lights(spec, pose, floor, random)
         distances = read_distances(spec, pose, space, self.sight, random)
+        if spec.noise.dropout:
+            memory.blind = (
+                memory.blind - 1 if memory.blind else _DROPOUT * (random.random() < spec.noise.dropout)
+            )
+            distances = (math.inf,) * len(distances) if memory.blind else distances
         gyro = pose[2] - memory.first_heading
         if spec.noise.gyro:
             gyro += random.gauss(0.0, spec.noise.gyro)

@@ -222,7 +222,7 @@ Zone = CircleZone | BoxZone
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """Standard deviations of a robot's imperfections, drawn once per tick.
+    """A robot's imperfections, drawn once per tick: standard deviations, and a chance.
 
     Parameters
     ----------
@@ -236,6 +236,8 @@ class Noise:
         Radians.
     odom : float
         Of the way driven and the angle turned since the last tick, as a fraction of them; it adds up.
+    dropout : float
+        Chance (0 to 1) in each tick that the distance sensors fail: for ten ticks, they then see nothing.
     """
 
     motor: float = 0
@@ -243,6 +245,7 @@ class Noise:
     distance: float = 0
     gyro: float = 0
     odom: float = 0
+    dropout: float = 0
 
 
 @dataclass(frozen=True, slots=True)

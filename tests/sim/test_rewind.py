@@ -29,7 +29,7 @@ from lrp_jupyter.sim.world import BoxSolid, DiscSolid, Noise, Patrol
 def crowded():
     """A narrow room full of boxes, one of them moving by itself, and two noisy robots: much is touching."""
     world = load("boxes")
-    noise = Noise(motor=0.2, light=10, distance=0.01, gyro=0.01, odom=0.05)
+    noise = Noise(motor=0.2, light=10, distance=0.01, gyro=0.01, odom=0.05, dropout=0.03)
     return replace(
         world,
         size=(1.6, 1.3),

@@ -153,6 +153,14 @@ def test_distance_noise_never_makes_a_distance_negative():
     assert max(ways) > 0.1
 
 
+def test_distance_sensors_that_drop_out_see_nothing_for_ten_ticks():
+    simulation = room(solids=[BoxSolid((1.5, 1, 0.1, 0.5))], noise=Noise(dropout=0.05))
+    seen = "".join("_" if math.isinf(simulation.latch().distances[0]) else "#" for _ in range(1000))
+    gaps = [len(gap) for gap in seen.split("#") if gap]
+    assert 10 < len(gaps) < 60
+    assert set(gaps[:-1]) == {10}
+
+
 def test_motor_noise_makes_a_straight_way_crooked():
     simulation = room(noise=Noise(motor=0.2))
     simulation.drive(0.2)

@@ -63,7 +63,9 @@ robots = st.builds(
     bumper=st.booleans(),
     distance=st.lists(st.tuples(number, positive), max_size=2).map(tuple),
     limits=st.tuples(positive, positive),
-    noise=st.builds(Noise, motor=st.floats(0, 1), light=st.floats(0, 50), odom=st.floats(0, 1)),
+    noise=st.builds(
+        Noise, motor=st.floats(0, 1), light=st.floats(0, 50), odom=st.floats(0, 1), dropout=st.floats(0, 1)
+    ),
 )
 worlds = st.builds(
     World,
