@@ -200,10 +200,11 @@ def test_the_bundled_programs_together_use_every_form_of_the_language():
 
 def test_a_heading_ends_where_the_program_begins():
     text = "\n;; Waits.\n#\n; World: oval\n; more\n(machine m (state a)) ; world: line"
-    assert programs.heading(text) == ("Waits.", "oval")
-    assert programs.heading("; world: mine.json") == ("", "mine.json")
-    assert programs.heading("(machine m (state a))") == ("", None)
-    assert programs.heading("\ufeff; Waits.") == ("Waits.", None)
+    assert programs.heading(text) == ("Waits.", "oval", None)
+    assert programs.heading("; world: line\n; Challenge:  there and back\n").challenge == "there and back"
+    assert programs.heading("; world: mine.json") == ("", "mine.json", None)
+    assert programs.heading("(machine m (state a))") == ("", None, None)
+    assert programs.heading("\ufeff; Waits.") == ("Waits.", None, None)
 
 
 def test_an_unknown_program_is_answered_with_the_nearest():

@@ -1,7 +1,8 @@
 """The bundled programs, and the header comments that describe a program.
 
 Each is a file ``NAME.lrp`` in this directory. The first line of its header says what the program does; then
-follow the world it is made for (``; world: line``, or ``none`` if it needs no robot) and what to watch.
+follow the world it is made for (``; world: line``, or ``none`` if it needs no robot), the challenge that it
+masters, if there is one (``; challenge: there and back``), and what to watch.
 """
 
 from __future__ import annotations
@@ -17,10 +18,11 @@ __all__ = ["Heading", "heading", "load", "names", "world_of"]
 
 _COMMENT = re.compile(r"\s*[;#]+ ?(.*)")
 _WORLD = re.compile(r"world: *(\S+)\s*$", re.IGNORECASE)
+_CHALLENGE = re.compile(r"challenge: *(\S.*?)\s*$", re.IGNORECASE)
 
 
 class Heading(NamedTuple):
-    """The header comments of a program: its description and its world.
+    """The header comments of a program: its description, its world, and the challenge that it is about.
 
     Parameters
     ----------
@@ -28,10 +30,13 @@ class Heading(NamedTuple):
         The first line; empty if the text begins with a form.
     world : str or None
         Name or file of the world; ``"none"`` if the program needs no robot; None if no world is named.
+    challenge : str or None
+        Name of the challenge; None if none is named.
     """
 
     description: str = ""
     world: str | None = None
+    challenge: str | None = None
 
 
 def names() -> tuple[str, ...]:
@@ -56,7 +61,7 @@ def load(name: str) -> str:
 
 
 def heading(text: str) -> Heading:
-    """Return the description and the world that the header comments of a program name."""
+    """Return the description, the world and the challenge that the header comments of a program name."""
     comments = []
     for line in text.lstrip("\ufeff").splitlines():
         comment = _COMMENT.match(line)
@@ -65,8 +70,9 @@ def heading(text: str) -> Heading:
         if comment is not None:
             comments.append(comment[1].strip())
     worlds = (found[1] for line in comments if (found := _WORLD.match(line)))
-    described = (line for line in comments if line and not _WORLD.match(line))
-    return Heading(next(described, ""), next(worlds, None))
+    challenges = (found[1] for line in comments if (found := _CHALLENGE.match(line)))
+    described = (line for line in comments if line and not (_WORLD.match(line) or _CHALLENGE.match(line)))
+    return Heading(next(described, ""), next(worlds, None), next(challenges, None))
 
 
 def world_of(text: str, folder: Path | None) -> str | None:
