@@ -671,7 +671,7 @@ def _checked_noise(noise: Noise | Mapping[str, float] | None) -> Noise | None:
         listed = ", ".join(f"`{name}`" for name in known)
         raise BridgeError(f"There is no noise `{unknown[0]}`. Choose one of {listed}.")
     for name, value in noise.items():
-        check_number(name, value, "a standard deviation or a chance", least=0)
+        check_number(name, value, "a standard deviation", least=0)
     return replace(Noise(), **noise)
 
 

@@ -215,10 +215,10 @@ def _rendered(program: Program, machine: str | None, kind: Format) -> str:
 
 def grade_file(file: str, name: str, seeds: int, limit: float) -> int:
     """Run a file in every world of a challenge with `seeds` seeds; return 1 if it does not pass."""
-    from lrp_jupyter.grading.challenges import challenge
+    from lrp_jupyter.grading.challenges import load
     from lrp_jupyter.grading.grade import grade
 
-    task, source = challenge(name), read_source(file)
+    task, source = load(name), read_source(file)
     with watched_lock(limit):
         result = grade(source.text, task, seeds, limit=limit)
     report = Text(f"{source.name}, {result}")

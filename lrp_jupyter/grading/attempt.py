@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from time import perf_counter
 from typing import Any, Literal, NamedTuple
 
 from lrp_jupyter.bridges.sim import SimBridge
 from lrp_jupyter.errors import LRPError, LRPSyntaxError, SessionTimeoutError
-from lrp_jupyter.grading.challenges import Challenge
+from lrp_jupyter.grading.challenge import Challenge
 from lrp_jupyter.grading.criteria import Verdict
+from lrp_jupyter.grading.hints import hints_of
 from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.grading.referee import Referee
 from lrp_jupyter.language.parser import parse
@@ -30,7 +31,8 @@ class Job:
     Parameters
     ----------
     texts : tuple of str
-        Applied one after the other to the running program, at equal intervals.
+        Applied one after the other to the running program: the second one after `live` seconds, if the
+        challenge says so, the others at equal intervals.
     task : Challenge
     world : str or World
         One of the challenge's.
@@ -48,6 +50,14 @@ class Job:
     seed: int
     limit: float
     namespace: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def durations(self) -> tuple[float, ...]:
+        """How long each of the texts runs, in seconds of the run."""
+        first, others = self.task.live, len(self.texts) - 1
+        if first and others:
+            return (first, *[(self.task.seconds - first) / others] * others)
+        return (self.task.seconds / len(self.texts),) * len(self.texts)
 
     @property
     def world_name(self) -> str:
@@ -149,7 +159,7 @@ def attempt(job: Job) -> Attempt:
     run, verdicts = referee.run, referee.verdicts(True)
     hints: Sequence[str] = ()
     if not all(verdict.passed for verdict in verdicts):
-        hints = tuple(dict.fromkeys(_hints(job, run)))
+        hints = tuple(dict.fromkeys(hints_of(job.task, run)))
     return Attempt(
         job.world_name, job.seed, run.seconds, verdicts, tuple(hints), referee.share, path=_path(run)
     )
@@ -176,11 +186,11 @@ def _run(job: Job) -> Referee:
         def over() -> bool:
             return referee.see(bridge, session.interpreter) or perf_counter() > end
 
-        for number, program in enumerate(programs):
+        for number, (program, seconds) in enumerate(zip(programs, job.durations, strict=True)):
             if number:
                 session.edit(program.text)
             decided = session.run(
-                task.seconds / len(programs) + (number == len(programs) - 1),
+                seconds + (number == len(programs) - 1),
                 after_tick=over,
                 limit=job.limit / 6,
             )
@@ -203,47 +213,3 @@ def _path(run: RunRecord) -> tuple[tuple[float, float], ...]:
     samples = run.samples
     every = max(1, len(samples) // 200)
     return tuple((round(each.x, 3), round(each.y, 3)) for each in (*samples[:-1:every], *samples[-1:]))
-
-
-# -- hints that every challenge gives --------------------------------------------------------------
-
-
-def _hints(job: Job, run: RunRecord) -> Iterator[str]:
-    first = (_nothing_active, _has_issues, _has_errors, _no_command)
-    for find in (*first, *job.task.hints, _watchdog, _has_warnings):
-        if text := find(run):
-            yield text
-
-
-def _nothing_active(run: RunRecord) -> str | None:
-    if any(sample.active for sample in run.samples):
-        return None
-    return "Nothing was active. Write `(spawn machine state)` outside all machines to start one."
-
-
-def _has_issues(run: RunRecord) -> str | None:
-    return f"Line {run.issues[0].line}: {run.issues[0].message}" if run.issues else None
-
-
-def _has_errors(run: RunRecord) -> str | None:
-    """Say which error the checks find that no run has met, such as a misspelt name in another state."""
-    return _finding(run, "error")
-
-
-def _has_warnings(run: RunRecord) -> str | None:
-    return _finding(run, "warning")
-
-
-def _finding(run: RunRecord, severity: str) -> str | None:
-    found = next((each for each in run.findings if each.severity == severity), None)
-    return f"Line {found.line}: {found.message}" if found else None
-
-
-def _no_command(run: RunRecord) -> str | None:
-    if run.commands:
-        return None
-    return "The robot never received a command. Put `robot.move(linear=0.2)` into the `running` of a state."
-
-
-def _watchdog(run: RunRecord) -> str | None:
-    return next((notice.text for notice in run.notices if notice.kind == "command watchdog"), None)

@@ -15,9 +15,9 @@ from lrp_jupyter.interpreter.frame import is_active
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.interpreter.issues import Issue
 from lrp_jupyter.language.program import Path, Program
-from lrp_jupyter.sim.world import World
+from lrp_jupyter.sim.world import BoxSolid, Solid, World
 
-__all__ = ["RunRecord", "Sample", "angle_between"]
+__all__ = ["RunRecord", "Sample", "angle_between", "at_start"]
 
 _STILL = 0.002  # m; a robot at rest may drift this far in one period
 _T = TypeVar("_T")
@@ -45,6 +45,8 @@ class Sample(NamedTuple):
         The commanded speeds: m/s, rad/s.
     lamp : bool
         Whether the lamp is lit.
+    version : int
+        Of the program that ran: how many edits there were before that changed what it says.
     """
 
     time: float
@@ -59,6 +61,7 @@ class Sample(NamedTuple):
     active: tuple[Path, ...]
     command: tuple[float, float]
     lamp: bool
+    version: int
 
     def distance(self, other: Sample) -> float:
         """Return the distance between the robot in two samples, in metres."""
@@ -83,7 +86,8 @@ class RunRecord:
     world : World
     samples : list of Sample
     programs : list of Program
-        The programs that ran, one after the other: edits while it ran add to them.
+        The programs that ran, one after the other: edits while it ran add to them, unless they only change
+        comments or layout.
     issues : tuple of Issue
         The open ones.
     notices : tuple of Notice
@@ -105,11 +109,13 @@ class RunRecord:
     restarts: int = 0
     restart_reason: str = ""
     findings: tuple[Finding, ...] = ()
+    _program: Program | None = None
     _folds: dict[Any, tuple[int, Any]] = field(default_factory=dict)  # up to which sample, and the result
 
     def sample(self, bridge: SimBridge, interpreter: Interpreter) -> None:
         """Record the tick that has just ended; on the loop's thread."""
         robot = bridge.simulation.robot
+        self._note(interpreter.program)
         x, y, heading = robot.pose
         self.samples.append(
             Sample(
@@ -125,12 +131,17 @@ class RunRecord:
                 interpreter.active,
                 robot.command,
                 robot.memory.lamp,
+                len(self.programs) - 1,
             )
         )
-        if not self.programs or self.programs[-1] is not interpreter.program:
-            self.programs.append(interpreter.program)
         self.issues = tuple(issue for issue in interpreter.issues if not issue.resolved)
         self.notices, self.commands = bridge.safety.notices, bridge.safety.command_count
+
+    def _note(self, program: Program) -> None:
+        if program is not self._program:
+            self._program = program
+            if not self.programs or program != self.programs[-1]:
+                self.programs.append(program)
 
     def cut(self, time: float) -> None:
         """Forget the samples from a time on: the run has gone back."""
@@ -138,6 +149,7 @@ class RunRecord:
         self._folds.clear()
         if not self.samples:
             self.programs.clear()
+            self._program = None
 
     def fold(self, step: Callable[[_T, Sample, Sample], _T], start: _T, key: object = None) -> _T:
         """Combine all pairs of consecutive samples, from left to right; the first one is paired with itself.
@@ -184,7 +196,10 @@ class RunRecord:
 
     @property
     def turned(self) -> tuple[float, float]:
-        """The angles turned to the left and to the right, in degrees, each 0 or more."""
+        """The angles that it was told to turn and did, to the left and to the right: degrees, each 0 or more.
+
+        What noise and collisions turn does not count.
+        """
         return self.fold(_turned, (0.0, 0.0))
 
     @property
@@ -202,12 +217,25 @@ class RunRecord:
         return (sample for sample in self.samples if solid in sample.touched)
 
 
+def at_start(world: World) -> RunRecord:
+    """Return the record of a run that has just begun."""
+    robot = world.robots[0]
+    solids = tuple((*middle, solid.angle) for solid in world.solids for middle in [_middle(solid)])
+    lights, distances = (255,) * len(robot.light), (math.inf,) * len(robot.distance)
+    sample = Sample(0.0, *robot.pose, lights, distances, False, frozenset(), solids, (), (0.0, 0.0), False, 0)
+    return RunRecord(world, [sample])
+
+
+def _middle(solid: Solid) -> tuple[float, float]:
+    return (solid.box if isinstance(solid, BoxSolid) else solid.circle)[:2]
+
+
 def _driven(so_far: float, now: Sample, before: Sample) -> float:
     return so_far + now.distance(before)
 
 
 def _turned(so_far: tuple[float, float], now: Sample, before: Sample) -> tuple[float, float]:
-    degrees = math.degrees(angle_between(before, now))
+    degrees = math.degrees(angle_between(before, now)) if before.command[1] else 0.0
     return so_far[0] + max(0.0, degrees), so_far[1] + max(0.0, -degrees)
 
 

@@ -7,8 +7,8 @@ watches, and grading asks one for each of its runs.
 from __future__ import annotations
 
 from lrp_jupyter.bridges.sim import SimBridge
-from lrp_jupyter.grading.challenges import Challenge
-from lrp_jupyter.grading.criteria import Criterion, State, Verdict, not_carried
+from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.criteria import Criterion, State, Verdict, no_faults, not_carried
 from lrp_jupyter.grading.record import RunRecord
 from lrp_jupyter.interpreter.interpreter import Interpreter
 from lrp_jupyter.sim.world import World
@@ -52,7 +52,7 @@ class Referee:
     def _judge(self) -> bool:
         """Ask all criteria whose answer can still change; return whether none can, or one is broken."""
         missing, broken = False, False
-        for criterion in (*self.task.criteria, _CARRIED):
+        for criterion in (*self.task.criteria, *_RULES):
             verdict = self._decided.get(criterion)
             if verdict is None:
                 verdict = self._latest[criterion] = self._verdict(criterion)
@@ -80,9 +80,9 @@ class Referee:
         """Return the verdict on each criterion; when the run is over, each is met or failed."""
         latest = self._latest
         shown = [latest.get(each, Verdict(each.sentence, False, "")) for each in self.task.criteria]
-        carried = latest.get(_CARRIED)
-        if carried is not None and not carried.passed:
-            shown.append(carried)
+        known = {verdict.sentence for verdict in shown}
+        broken = (latest[rule] for rule in _RULES if rule in latest and not latest[rule].passed)
+        shown += [verdict for verdict in broken if verdict.sentence not in known]
         if not is_over:
             return tuple(shown)
         return tuple(each._replace(state="met" if each.passed else "failed") for each in shown)
@@ -105,4 +105,4 @@ class Referee:
         return earned / len(self.task.criteria) if self.task.criteria else 1.0
 
 
-_CARRIED = not_carried()
+_RULES = (not_carried(), no_faults())  # of every challenge; they are shown when they are broken

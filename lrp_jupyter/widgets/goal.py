@@ -152,7 +152,7 @@ class Goal:
         return () if check is None or check.busy else self._grade(check).hints
 
     def _grade(self, check: _Check) -> Grade:
-        return Grade(self.task.name, check.attempts, self.task.points)
+        return Grade(self.task.name, check.attempts, self.task.points, self.task.needed)
 
     def _check_view(self, text: str) -> CheckView | None:
         check = self._check
@@ -272,12 +272,14 @@ class Goal:
         session.call(lambda: bridge.load_world(self._worlds[self._world], job.seed))
         session.reset()
         begin = session.frame.time
-        for number, text in enumerate(job.texts):
+        for number, (text, seconds) in enumerate(zip(job.texts, job.durations, strict=True)):
             if number or text != session.text:
                 session.edit(text)
             if self._is_over and number:
                 break
-            session.run(made.seconds / len(job.texts) + 1 / self.task.rate, limit=_LIMIT / 6)
+            rest = begin + made.seconds + 1 / self.task.rate - session.frame.time
+            is_last = number == len(job.texts) - 1
+            session.run(max(0.0, rest if is_last else min(seconds, rest)), limit=_LIMIT / 6)
         self._begin(self._driven(session, begin))
         failure = made.failure
         decided = None if failure is None else failure.decided

@@ -64,7 +64,8 @@ def test_every_bridge_is_listed_with_what_it_is(lrp):
 
 def test_challenges_are_listed_when_none_is_named(lrp):
     result = lrp("grade")
-    assert (result.exit_code, _first_words(result.stdout)) == (0, [each.name for each in challenges()])
+    listed = [name for name in _first_words(result.stdout) if name]  # without the second lines of tasks
+    assert (result.exit_code, listed) == (0, [each.name for each in challenges()])
     result = lrp("grade", "follower")
     assert result.exit_code == 2
     assert "--challenge" in result.stderr
@@ -80,7 +81,7 @@ def test_a_bad_program_fails_with_reasons(lrp, program):
     path = program("(machine m (state idle)) (spawn m idle)")
     result = lrp("grade", path, "--challenge", "first move")
     assert result.exit_code == 1
-    assert "✗ drives at least 0.3 m" in result.stdout
+    assert "✗ gets 30 cm away from its start" in result.stdout
     assert "Hint: " in result.stdout
 
 

@@ -45,7 +45,7 @@ STOPPER = """
 MISTAKES = [
     ("edit it live", [HELLO, HELLO.replace("linear=forward", "linear=0.1")], "its `running` changed"),
     ("edit it live", [HELLO, HELLO.replace("driver left)", "driver left")], "Correct the text first"),
-    ("bump and stay", CAREFUL.replace("(on bump driving -> stopped)", ""), "robot keeps pushing"),
+    ("bump and stay", CAREFUL.replace("(on bump driving -> stopped)", ""), "kept pushing"),
     (
         "bump and stay",
         CAREFUL.replace("bumper.data == 1", "distance.data"),
@@ -54,10 +54,10 @@ MISTAKES = [
     ("bump and stay", CAREFUL.replace("(spawn careful driving)", ""), "Nothing was active"),
     ("bump and stay", CAREFUL.replace("robot.move(linear=0.2)", ""), "never received a command"),
     ("bump and stay", CAREFUL.replace("(state stopped)", "(state stopped"), "Correct the text first"),
-    ("square", SQUARE.replace("1571", "15"), "only drove straight on"),
+    ("square", SQUARE.replace("1571", "15"), "straight on and turned 0°"),
     ("square", SQUARE.replace("(var corners := [0])", ""), "corners"),
     ("stop at the line", STOPPER.replace("0.25", "0.45"), "never saw the line"),
-    ("stop at the line", STOPPER.replace("< 128", "> 128"), "never saw the line"),
+    ("stop at the line", STOPPER.replace("< 128", "> 128"), "stopped at once"),
     ("stop at the line", STOPPER.replace("light.data", "ligth.data"), "Did you mean `light`?"),
     ("stop at the line", STOPPER.replace("(on online driving -> stopped)", ""), "drove on"),
 ]

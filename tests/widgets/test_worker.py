@@ -94,7 +94,7 @@ def test_a_program_that_hung_python_waits_for_its_user(opening):
 def test_a_challenge_begins_with_its_task_in_its_world(opening):
     opened = opening(challenge="stop at the line")
     assert shared(opened)["program"] == "stop-at-the-line"
-    assert "; Drive straight on and stop at the black line." in shared(opened)["text"]
+    assert "; Drive straight on and stop at the black line" in shared(opened)["text"]
     assert shared(opened)["challenge"] == "stop at the line"
     assert registry.find("stop-at-the-line").goal.task.name == "stop at the line"
 

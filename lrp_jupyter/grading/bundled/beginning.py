@@ -1,0 +1,64 @@
+"""The first challenges: a program that drives, and an edit while it runs."""
+
+from __future__ import annotations
+
+from lrp_jupyter.grading.bundled.hints import restarted, was_not_edited
+from lrp_jupyter.grading.bundled.starters import starter
+from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.criteria import edited, gets_away, keeps_driving, never_restarts, slows_to
+from lrp_jupyter.grading.record import RunRecord
+
+__all__ = ["FIRST_MOVE", "HALF_THE_SPEED"]
+
+
+def _stayed(run: RunRecord) -> str | None:
+    turned = sum(run.turned)
+    if run.driven < 0.01 and not turned:
+        return None
+    if turned > 90:
+        return (
+            f"The robot turned {turned:.0f}° and stayed in its place: `angular` turns, `linear` drives."
+            " Write `robot.move(linear=0.2)`."
+        )
+    if run.driven > 0.3:
+        return (
+            f"The robot drove {run.driven * 100:.0f} cm, but it came back again and again. Let it drive on."
+        )
+    if run.still_since < run.seconds - 1:
+        return None
+    return f"The robot drove {run.driven * 100:.0f} cm in {run.seconds:.0f} s. Let it drive faster."
+
+
+def _other_speed(run: RunRecord) -> str | None:
+    if len(run.programs) < 2:
+        return None
+    if run.still_since < run.seconds - 1:
+        return f"After the edit, the robot stopped at {run.still_since:.1f} s. Half of 0.3 m/s is 0.15 m/s."
+    return "After the edit, the robot drove on, but not at half the speed: half of 0.3 m/s is 0.15 m/s."
+
+
+FIRST_MOVE = Challenge(
+    "first move",
+    "Drive: get 30 cm away from the place where the robot starts, within ten seconds.",
+    ("empty",),
+    (gets_away(0.3),),
+    10,
+    (_stayed,),
+    noise={"motor": 0.02},
+    seeds=3,
+    starter=starter("first move"),
+)
+
+HALF_THE_SPEED = Challenge(
+    "half the speed",
+    "The robot drives in a circle. Change the program while it runs, so that the robot drives on at half the"
+    " speed: it must neither restart nor stand still.",
+    ("empty",),
+    (edited(), slows_to(0.5), keeps_driving(1), never_restarts()),
+    120,
+    (was_not_edited, restarted, _other_speed),
+    noise={"motor": 0.02},
+    seeds=3,
+    starter=starter("half the speed"),
+    live=3,
+)

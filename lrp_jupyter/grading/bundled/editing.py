@@ -1,0 +1,92 @@
+"""Challenges about changing a program while it drives a robot."""
+
+from __future__ import annotations
+
+from lrp_jupyter.grading.bundled.hints import restarted, was_not_edited
+from lrp_jupyter.grading.bundled.starters import starter
+from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.criteria import drives_on, edited, never_restarts, touches_nothing, visits
+from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.sim.world import BoxSolid, BoxZone, RobotSpec, World
+
+__all__ = ["EDIT_IT_LIVE", "SAFE_EDITS"]
+
+
+def _hall() -> World:
+    """Return a hall with a wall at both ends."""
+    return World(
+        name="hall",
+        size=(2.8, 2),
+        solids=(
+            BoxSolid((0.03, 1, 0.06, 2), name="west wall"),
+            BoxSolid((2.77, 1, 0.06, 2), name="east wall"),
+        ),
+        robots=(RobotSpec((0.8, 1, 0), distance=((0.0, 4.0),)),),
+        zones={"west": BoxZone((0.5, 1, 0.8, 2)), "east": BoxZone((2.3, 1, 0.8, 2))},
+    )
+
+
+def _blind(run: RunRecord) -> str | None:
+    touched = run.first(lambda sample: sample.touched, "touches anything")
+    if touched is None:
+        return None
+    last = [each for each in run.samples if touched.time - 1.5 < each.time <= touched.time]
+    failed = next((each for each in last if each.distances[0] == float("inf") and any(each.command)), None)
+    if failed is None:
+        return (
+            f"The robot touched the {min(touched.touched)} after {touched.time:.1f} s, and its sensor did not"
+            " fail. Turn further away from it."
+        )
+    return (
+        f"After {failed.time:.1f} s the sensor saw nothing, the robot drove on, and touched the"
+        f" {min(touched.touched)}. In this hall there always is a wall ahead: when `robot.distance.data` is"
+        " `inf`, the sensor has failed, and the robot has to stand still until it sees again."
+    )
+
+
+def _stands(run: RunRecord) -> str | None:
+    if run.still_since > run.seconds - 5:
+        return None
+    return (
+        f"The robot stands still since {run.still_since:.1f} s. When the sensor sees again, a transition has"
+        " to lead back to the state that drives."
+    )
+
+
+def _drove_on_little(run: RunRecord) -> str | None:
+    share, reason = _DRIVES_ON.judge(run)
+    if len(run.programs) < 2 or share >= 1:
+        return None
+    return f"The edit has stopped the robot: {reason}. It has to drive on."
+
+
+_DRIVES_ON = drives_on(0.5)
+
+SAFE_EDITS = Challenge(
+    "safe edits",
+    "The robot patrols between two walls, and its distance sensor fails now and then: for a second, it reads"
+    " `inf`. Change the program while it runs, without a restart, so that the robot goes on with its patrol"
+    " and never touches a wall.",
+    (_hall(),),
+    (edited(), visits(*("east", "west") * 2), touches_nothing(), never_restarts()),
+    120,
+    (was_not_edited, restarted, _blind, _stands),
+    noise={"motor": 0.01, "dropout": 0.06},
+    seeds=5,
+    starter=starter("safe edits"),
+    live=2,
+)
+
+EDIT_IT_LIVE = Challenge(
+    "edit it live",
+    "Change what the running program does, at least once: the robot drives on for half a metre, and the"
+    " program never restarts.",
+    ("oval",),
+    (edited(), _DRIVES_ON, never_restarts()),
+    120,
+    (was_not_edited, restarted, _drove_on_little),
+    noise={"motor": 0.02},
+    seeds=3,
+    starter=starter("edit it live"),
+    live=3,
+)

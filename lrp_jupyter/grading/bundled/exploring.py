@@ -1,0 +1,193 @@
+"""Challenges about finding one's way."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+from lrp_jupyter.grading.bundled.hints import kept_pushing, never_came
+from lrp_jupyter.grading.bundled.starters import starter
+from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.criteria import covers, looks, sees_line, stays_in, touches_nothing, visits
+from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.sim.world import BoxSolid, BoxZone, CircleZone, RobotSpec, World
+from lrp_jupyter.sim.worlds import load
+
+__all__ = ["EDGE_GUARD", "LOOK_BOTH_WAYS", "MAZE"]
+
+
+def _junction(name: str, free: int, corridor: float) -> World:
+    """Return a corridor with a wall at its end, and a way to each side, of which one is free.
+
+    Parameters
+    ----------
+    name : str
+    free : int
+        1 if the way to the left is free, -1 if that to the right is.
+    corridor : float
+        Length of the corridor, in metres.
+    """
+    wide, long, thick = 0.5, 1.0, 0.06  # of the ways to both sides
+    middle, crossing = 1.3, 0.3 + corridor + wide / 2  # y of the corridor, x of the ways
+    far = crossing + wide / 2 + thick / 2
+    near = crossing - wide / 2
+
+    def beside(side: int) -> BoxSolid:
+        return BoxSolid((near / 2, middle + side * (wide / 2 + thick / 2), near, thick))
+
+    def flank(side: int) -> BoxSolid:
+        depth = long - thick
+        return BoxSolid((near - thick / 2, middle + side * (wide / 2 + thick + depth / 2), thick, depth))
+
+    return World(
+        name=name,
+        size=(far + thick / 2, 2 * middle),
+        solids=(
+            BoxSolid((far, middle, thick, 2 * middle), name="wall ahead"),
+            BoxSolid((crossing, middle - free * (wide / 2 + 0.1), wide, 0.2), name="block"),
+            *(wall for side in (1, -1) for wall in (beside(side), flank(side))),
+        ),
+        robots=(RobotSpec((0.3, middle, 0)),),
+        zones={
+            "junction": BoxZone((crossing, middle, wide, wide)),
+            "free way": BoxZone((crossing, middle + free * (wide / 2 + 0.5), wide, 0.6)),
+        },
+    )
+
+
+def _mirrored(world: World, name: str, *, x: bool = False, y: bool = False) -> World:
+    """Return a world of boxes and round zones as it is seen in a mirror along an axis, or both."""
+    width, height = world.size
+
+    def there(at: tuple[float, float]) -> tuple[float, float]:
+        return (width - at[0] if x else at[0], height - at[1] if y else at[1])
+
+    (robot,) = world.robots
+    heading = math.atan2(
+        math.sin(robot.pose[2]) * (-1 if y else 1), math.cos(robot.pose[2]) * (-1 if x else 1)
+    )
+    boxes = (solid for solid in world.solids if isinstance(solid, BoxSolid))
+    circles = ((zone, shape) for zone, shape in world.zones.items() if isinstance(shape, CircleZone))
+    return replace(
+        world,
+        name=name,
+        solids=tuple(replace(each, box=(*there(each.box[:2]), *each.box[2:])) for each in boxes),
+        robots=(replace(robot, pose=(*there(robot.pose[:2]), heading)),),
+        zones={zone: CircleZone((*there(shape.circle[:2]), shape.circle[2])) for zone, shape in circles},
+    )
+
+
+_LOOKS = looks("junction", 60)
+
+
+def _looked_to_one_side(run: RunRecord) -> str | None:
+    share, reason = _LOOKS.judge(run)
+    if share >= 1 or next(run.inside("junction"), None) is None:
+        return None
+    return (
+        f"The robot has to look to both sides before it goes on: {reason}. A machine inside a state can look"
+        " to the left, remember the distance, look to the right, and compare."
+    )
+
+
+def _took_the_wrong_way(run: RunRecord) -> str | None:
+    if _LOOKS.judge(run)[0] < 1 or not next(run.touches("block"), None):
+        return None
+    return (
+        "The robot looked to both sides and went where the block is. The way is free where"
+        " `robot.distance.data` is greater: compare the two values that were measured."
+    )
+
+
+def _bumped_ahead(run: RunRecord) -> str | None:
+    touched = next(run.touches("wall ahead"), None)
+    if touched is None or sum(run.turned) > 30:
+        return None
+    return (
+        f"The robot bumped into the wall ahead after {touched.time:.1f} s. Stop before it:"
+        " `[robot.distance.data < 0.2]`."
+    )
+
+
+def _did_not_come_to_the_junction(run: RunRecord) -> str | None:
+    if next(run.inside("junction"), None) is not None:
+        return None
+    return (
+        f"The robot stopped before the junction, after {run.driven:.2f} m. The corridor is not always as"
+        " long."
+    )
+
+
+def _crossed_the_border(run: RunRecord) -> str | None:
+    left = run.first(lambda sample: not run.world.zones["inside"].contains(sample.x, sample.y), "crosses")
+    if left is None:
+        return None
+    seen = run.first(sees_line, "sees the line")
+    if seen is None or seen.time >= left.time:
+        return "The robot left the field before its light sensor had seen the border. Drive more slowly."
+    return (
+        f"The robot saw the border after {seen.time:.1f} s and was across after {left.time:.1f} s. At black,"
+        " drive back first, and then turn."
+    )
+
+
+def _covered_little(run: RunRecord) -> str | None:
+    inside = run.world.zones["inside"]
+    if not all(inside.contains(sample.x, sample.y) for sample in run.samples):
+        return None
+    _, reason = _COVERS.judge(run)
+    seen = run.first(sees_line, "sees the line")
+    if seen is None:
+        return (
+            f"The robot never came to the border: {reason}. Drive straight on until the border, and turn"
+            " there."
+        )
+    return (
+        f"The robot came by the same places again: {reason}. Turn by another angle each time, or for longer."
+    )
+
+
+_COVERS = covers("inside", 0.6)
+
+LOOK_BOTH_WAYS = Challenge(
+    "look left, look right",
+    "Drive to the wall ahead and stop before it. Look at least 60° to the left and to the right, then take"
+    " the way that is free, and touch nothing.",
+    (
+        _junction("left is free", 1, 0.5),
+        _junction("right is free", -1, 0.5),
+        _junction("right is free, after a longer corridor", -1, 0.9),
+    ),
+    (_LOOKS, visits("free way"), touches_nothing()),
+    60,
+    (_bumped_ahead, _did_not_come_to_the_junction, _looked_to_one_side, _took_the_wrong_way, kept_pushing),
+    noise={"motor": 0.02},
+    starter=starter("look left, look right"),
+)
+
+EDGE_GUARD = Challenge(
+    "edge guard",
+    "Drive about in the field with the black border until you have been in 60 % of it, and never leave it.",
+    ("arena",),
+    (_COVERS, stays_in("inside")),
+    120,
+    (_crossed_the_border, _covered_little),
+    noise={"motor": 0.02},
+    seeds=3,
+    starter=starter("edge guard"),
+)
+
+MAZE = Challenge(
+    "maze",
+    "Find the way to the goal, in the corner across, in three mazes.",
+    (
+        "maze",
+        _mirrored(load("maze"), "mirrored maze", y=True),
+        _mirrored(load("maze"), "turned maze", x=True, y=True),
+    ),
+    (visits("goal"),),
+    150,
+    (kept_pushing, never_came("goal", "Keep a hand on one wall: a wall on the left leads to every place.")),
+    noise={"motor": 0.02},
+    starter=starter("maze"),
+)

@@ -1,0 +1,176 @@
+"""Challenges about a line on the floor."""
+
+from __future__ import annotations
+
+import math
+
+from lrp_jupyter.grading.bundled.hints import ignores, lost_the_line, never_saw_the_line
+from lrp_jupyter.grading.bundled.starters import starter
+from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.criteria import (
+    ends_in,
+    ends_near_line,
+    ends_still,
+    finds_line,
+    near_line,
+    sees_line,
+    visits,
+)
+from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.sim.floor import distance_to
+from lrp_jupyter.sim.world import (
+    ArcStroke,
+    BoxZone,
+    CircleZone,
+    FloorSpec,
+    PathStroke,
+    Point,
+    RobotSpec,
+    World,
+)
+
+__all__ = ["FIND_THE_LINE", "FOLLOW_THE_LINE", "STOP_AT_THE_LINE"]
+
+_QUARTER = math.pi / 2
+
+
+def _line_after(metres: float) -> World:
+    """Return a world with a line across the robot's way, so far from its light sensor."""
+    line = 0.5 + RobotSpec((0, 0, 0)).light[0][0] + metres
+    return World(
+        name=f"line after {metres:g} m",
+        size=(3, 2),
+        floor=FloorSpec(strokes=(PathStroke(((line, 0.4), (line, 1.6))),)),
+        robots=(RobotSpec((0.5, 1, 0)),),
+        zones={"at the line": BoxZone((line, 1, 0.25, 1.2))},
+    )
+
+
+def _line_beside(name: str, *ends: Point) -> World:
+    """Return a world with a line that is not ahead of the robot."""
+    return World(
+        name=f"line {name}",
+        size=(2.4, 2),
+        floor=FloorSpec(strokes=(PathStroke(ends),)),
+        robots=(RobotSpec((0.9, 1, 0)),),
+    )
+
+
+def _oval(radius: float) -> World:
+    """Return a world with an oval line whose half circles have a radius, in metres."""
+    left, right, middle = radius + 0.4, radius + 1.0, radius + 0.4
+    strokes = (
+        PathStroke(((left, middle - radius), (right, middle - radius))),
+        ArcStroke((right, middle, radius, -_QUARTER, _QUARTER)),
+        PathStroke(((right, middle + radius), (left, middle + radius))),
+        ArcStroke((left, middle, radius, _QUARTER, 3 * _QUARTER)),
+    )
+    return World(
+        name=f"oval of radius {radius:g} m",
+        size=(right + radius + 0.4, 2 * middle),
+        floor=FloorSpec(strokes=strokes),
+        robots=(RobotSpec((left + 0.2, middle - radius, 0)),),
+        zones={
+            "right": CircleZone((right + radius, middle, 0.2)),
+            "left": CircleZone((left - radius, middle, 0.2)),
+            "start": CircleZone((left + 0.2, middle - radius, 0.2)),
+        },
+    )
+
+
+def _drove_over(run: RunRecord) -> str | None:
+    seen = run.first(sees_line, "sees the line")
+    if seen is None or distance_to(run.world.floor, *run.samples[-1][1:3]) < 0.15:
+        return None
+    return (
+        f"The robot crossed the line after {seen.time:.1f} s and drove on. Let a transition with the"
+        " condition `[robot.light.data < 128]` lead to a state that does nothing."
+    )
+
+
+def _stopped_before(run: RunRecord) -> str | None:
+    if run.first(sees_line, "sees the line") or run.still_since > run.seconds - 2:
+        return None
+    if run.driven < 0.01:
+        return "The robot stopped at once. The line is black, and there the light sensor reads less than 128."
+    return (
+        f"The robot stopped after {run.still_since:.1f} s, when its light sensor had not seen the line yet."
+        " The line is not always as far away: let the sensor decide, not the time."
+    )
+
+
+def _straight_on(run: RunRecord) -> str | None:
+    if run.first(sees_line, "sees the line") or sum(run.turned) > 60:
+        return None
+    return (
+        "The robot only drove straight on, and the line is not ahead of it. Drive in a bend that becomes"
+        " wider and wider, or turn and go on when the bumper meets the edge."
+    )
+
+
+def _same_circle(run: RunRecord) -> str | None:
+    turned = sum(run.turned)
+    if run.first(sees_line, "sees the line") or turned < 540:
+        return None
+    return (
+        f"The robot turned {turned:.0f}° and came by the same places again. Let the bend become wider: make"
+        " `angular` smaller in `running`, a little each time."
+    )
+
+
+def _left_the_line(run: RunRecord) -> str | None:
+    if _NEAR.judge(run)[0] >= 1:
+        return None
+    last: float | None = None
+    last = run.fold(lambda so_far, now, _: now.time if sees_line(now) else so_far, last, "last saw the line")
+    if last is None:
+        return None
+    return (
+        f"The light sensor saw the line after {last:.1f} s for the last time, and after {run.seconds:.1f} s"
+        " the robot was too far from it. When it sees white, let the robot stop, look to the left, then to"
+        " the right, and each time a bit further."
+    )
+
+
+_NEAR = near_line(0.12)
+
+STOP_AT_THE_LINE = Challenge(
+    "stop at the line",
+    "Drive straight on and stop at the black line, however far away it is.",
+    tuple(map(_line_after, (0.5, 0.9, 1.5))),
+    (finds_line(), ends_in("at the line"), ends_still(2)),
+    20,
+    (_drove_over, _stopped_before, never_saw_the_line),
+    noise={"motor": 0.02},
+    starter=starter("stop at the line"),
+)
+
+FIND_THE_LINE = Challenge(
+    "find the line",
+    "Somewhere around the robot is a line, and never ahead of it: find it, and stop on it.",
+    (
+        _line_beside("to the left", (0.3, 1.45), (2.1, 1.45)),
+        _line_beside("to the right", (0.3, 0.6), (2.1, 0.6)),
+        _line_beside("behind", (0.4, 0.3), (0.4, 1.7)),
+    ),
+    (finds_line(), ends_near_line(0.12), ends_still(2)),
+    60,
+    (_drove_over, _straight_on, _same_circle, _stopped_before, never_saw_the_line),
+    noise={"motor": 0.02},
+    starter=starter("find the line"),
+)
+
+FOLLOW_THE_LINE = Challenge(
+    "follow the line",
+    "Follow the closed line once around, never further than 12 cm from it, however narrow its curves are.",
+    tuple(map(_oval, (0.3, 0.45, 0.7))),
+    (visits("right", "left", "start"), _NEAR),
+    100,
+    (
+        ignores("light", "The curves are not always as narrow: let the sensor steer."),
+        _left_the_line,
+        lost_the_line,
+    ),
+    noise={"motor": 0.02, "light": 5},
+    starter=starter("follow the line"),
+)

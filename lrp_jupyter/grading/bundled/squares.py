@@ -1,0 +1,135 @@
+"""Challenges about driving by time."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+from lrp_jupyter.grading.bundled.starters import starter
+from lrp_jupyter.grading.challenge import Challenge
+from lrp_jupyter.grading.criteria import blinks, drives_straight, ends_in, ends_still, visits
+from lrp_jupyter.grading.record import RunRecord
+from lrp_jupyter.sim.world import CircleZone, RobotSpec, World
+
+__all__ = ["LAMP_AND_LEGS", "SQUARE"]
+
+
+def _square() -> World:
+    """Return a world with zones at the corners of a square to the left of the robot."""
+    corners = {
+        "home": (1.0, 0.6),
+        "first corner": (1.6, 0.6),
+        "second corner": (1.6, 1.2),
+        "third corner": (1.0, 1.2),
+    }
+    zones = {name: CircleZone((x, y, 0.2)) for name, (x, y) in corners.items()}
+    return World(name="square", size=(2.6, 1.8), robots=(RobotSpec((1.0, 0.6, 0)),), zones=zones)
+
+
+_STRAIGHT = drives_straight(0.8)
+_CORNERS = visits("first corner", "second corner", "third corner", "home")
+
+
+def _turned_wrongly(run: RunRecord) -> str | None:
+    left, right = run.turned
+    if left + right < 20:
+        return (
+            f"The robot drove {run.driven:.2f} m straight on and turned {left + right:.0f}°."
+            " `robot.move(angular=1)` for pi / 2 s is a quarter turn."
+        )
+    if right > 45 and right > 2 * left:
+        return f"The robot turned {right:.0f}° to the right. To the left, `angular` is positive."
+    return None
+
+
+def _drove_in_a_bend(run: RunRecord) -> str | None:
+    left, right = run.turned
+    if run.driven < 0.3:
+        return (
+            f"The robot turned {left + right:.0f}° on the spot. Drive a side with `robot.move(linear=0.2)`."
+        )
+    if _STRAIGHT.judge(run)[0] >= 1:
+        return None
+    return (
+        "The robot turned while it drove. Drive a side with `linear` only, then turn on the spot with"
+        " `angular` only: in two states."
+    )
+
+
+def _went_on(run: RunRecord) -> str | None:
+    left, right = run.turned
+    if left - right < 420:
+        return None
+    return (
+        f"The robot turned {left:.0f}° and went on after the fourth corner. Count the corners, for example"
+        " with `(onexit [corners += 1])`, and leave when there are four."
+    )
+
+
+def _other_corner(run: RunRecord) -> str | None:
+    share, reason = _CORNERS.judge(run)
+    if share >= 1:
+        return None
+    left, right = run.turned
+    return (
+        f"The robot missed a corner: {reason}. Altogether it drove {run.driven:.2f} m and turned"
+        f" {left - right:.0f}°; a side is 0.6 m (at 0.2 m/s, 3000 ms), and each of the four corners 90° (at"
+        " 1 rad/s, 1571 ms)."
+    )
+
+
+def _changes(run: RunRecord) -> list[float]:
+    """Return when the lamp was switched."""
+    pairs = zip(run.samples, run.samples[1:], strict=False)
+    return [now.time for before, now in pairs if now.lamp != before.lamp]
+
+
+def _never_switched(run: RunRecord) -> str | None:
+    if _changes(run):
+        return None
+    if max(len(sample.active) for sample in run.samples) < 2:
+        return "Only one machine is active. Give `lamp` two states, and spawn it beside the other one."
+    return (
+        f"The lamp was never switched in the first {run.seconds:.1f} s. `robot.lamp(True)` in the `onentry`"
+        " of a state lights it, and `(ontime 1000 …)` leaves the state after a second."
+    )
+
+
+def _other_period(run: RunRecord) -> str | None:
+    times = _changes(run)
+    phases = [after - before for before, after in pairwise(times)]
+    worst = max(phases, key=lambda phase: abs(phase - 1), default=1.0)
+    if abs(worst - 1) > 0.25:
+        return (
+            f"Between two switches of the lamp were {worst:.1f} s. `(ontime 1000 lit -> dark)` is one second."
+        )
+    if not times or run.seconds - times[-1] <= 1.25:
+        return None
+    return (
+        f"The lamp did not change any more after {times[-1]:.1f} s. It has to blink all the time: a machine"
+        " of its own does not depend on what the other one does."
+    )
+
+
+SQUARE = Challenge(
+    "square",
+    "Drive a square with straight sides of 60 cm, to the left, and stop where it began.",
+    (_square(),),
+    (_CORNERS, _STRAIGHT, ends_in("home"), ends_still(1)),
+    40,
+    (_turned_wrongly, _drove_in_a_bend, _went_on, _other_corner),
+    noise={"motor": 0.02},
+    seeds=3,
+    starter=starter("square"),
+)
+
+LAMP_AND_LEGS = Challenge(
+    "lamp and legs",
+    "While the robot drives the square, let its lamp blink all the time: one second lit, one second dark.",
+    (_square(),),
+    (_CORNERS, blinks(1)),
+    40,
+    (_never_switched, _other_period, _other_corner),
+    noise={"motor": 0.02},
+    seeds=3,
+    starter=starter("lamp and legs"),
+)

@@ -1,0 +1,181 @@
+"""What a challenge is: a task for a robot, its worlds, and how a program for it is judged."""
+
+from __future__ import annotations
+
+import os
+import textwrap
+from collections.abc import Callable, Sequence
+from contextvars import ContextVar
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from lrp_jupyter.arguments import check_number, check_type
+from lrp_jupyter.errors import LRPError, sentence_of
+from lrp_jupyter.grading.criteria import EDITED, Criterion
+from lrp_jupyter.grading.record import RunRecord, at_start
+from lrp_jupyter.sim.world import World, WorldError
+from lrp_jupyter.sim.worlds import load as load_world
+
+__all__ = ["Challenge", "Hint", "folder"]
+
+Hint = Callable[[RunRecord], str | None]
+"""A function that inspects a failed run and returns a hint if it finds its mistake, else None."""
+
+folder: ContextVar[Path] = ContextVar("folder", default=Path())
+"""The folder from which the files of worlds are loaded."""
+
+_STARTER = """\
+(machine mine
+  (state waiting)
+)
+
+(spawn mine waiting)
+"""
+
+
+@dataclass(frozen=True)
+class Challenge:
+    """A task to be programmed, with its worlds and criteria.
+
+    Two rules hold in every challenge and are no criteria of it: the program runs without issues, and the
+    robot is not carried.
+
+    Parameters
+    ----------
+    name : str
+    task : str
+        What the robot has to do, in a sentence or two: what the criteria ask for, and nothing else.
+    worlds : str, path, World, or several of them
+        Names of bundled worlds, files ending in ``.json`` as the lab saves them, or worlds. The program
+        has to pass in every one.
+    criteria : Criterion, or several
+        In the order in which they can be met: partial credit is given up to the first one that is not.
+    seconds : float
+        Longest duration of a run, in its own time. It ends earlier when every criterion is met, or one is
+        broken.
+    hints : sequence of Hint
+        For typical mistakes, the most specific first.
+    rate : float
+        Ticks per second.
+    noise : dict or None
+        Imperfections of the robot: ``{"motor": 0.1, "light": 10}``.
+    seeds : int or sequence of int
+        Number of runs in each world, each with other noise; or their seeds.
+    points : float
+        For a program that passes.
+    starter : str
+        The program to begin with, which does not pass; by default one whose robot stands still.
+    needed : float
+        Share of the runs that a program has to pass, 0 to 1.
+    live : float
+        If it is not 0, the task is to edit a running program: a run begins with `starter`, and after so many
+        seconds the program that is graded takes its place.
+
+    Raises
+    ------
+    LRPError
+        A world cannot be read, or a value makes no sense.
+    """
+
+    name: str
+    task: str
+    worlds: tuple[str | World, ...]
+    criteria: tuple[Criterion, ...]
+    seconds: float = 60
+    hints: tuple[Hint, ...] = ()
+    rate: float = 10
+    noise: dict[str, float] | None = None
+    seeds: int | Sequence[int] = 1
+    points: float = 10
+    starter: str = ""
+    needed: float = 1.0
+    live: float = 0.0
+
+    def __post_init__(self) -> None:
+        """Check the values, and read the files of worlds.
+
+        Raises
+        ------
+        LRPError
+            A world cannot be read, or a value makes no sense.
+        """
+        check_type("name", self.name, str, "a text")
+        check_number("seconds", self.seconds, "a number of seconds", above=0)
+        check_number("needed", self.needed, "a share from 0 to 1", above=0)
+        worlds = tuple(map(_world, _several(self.worlds, (str, os.PathLike, World))))
+        criteria = _several(self.criteria, Criterion)
+        for what, found in (("world", worlds), ("criterion", criteria)):
+            if not found:
+                raise LRPError(f"The challenge `{self.name}` has no {what}. Give it at least one.")
+        for each in criteria:
+            check_type("criteria", each, Criterion, "made by functions such as `visits`")
+        values = {
+            "worlds": worlds,
+            "criteria": criteria,
+            "hints": tuple(self.hints),
+            "seeds": self.seeds if isinstance(self.seeds, int) else tuple(self.seeds),
+            "starter": self.starter or _STARTER,
+        }
+        for field, value in values.items():
+            object.__setattr__(self, field, value)
+
+    @property
+    def beginning(self) -> str:
+        """The text to begin with: the task and the name of the challenge in comments, then the starter."""
+        lines = textwrap.wrap(self.task, 100, initial_indent="; ", subsequent_indent="; ")
+        return "\n".join([*lines, f"; challenge: {self.name}", "", self.starter])
+
+    @property
+    def is_about_edits(self) -> bool:
+        """Whether a program has to be edited while it runs."""
+        return any(criterion.sentence == EDITED for criterion in self.criteria)
+
+    @property
+    def runs(self) -> tuple[tuple[str | World, int], ...]:
+        """The world and the seed of each run."""
+        seeds = range(self.seeds) if isinstance(self.seeds, int) else self.seeds
+        return tuple((world, seed) for world in self.worlds for seed in seeds)
+
+    def check(self) -> None:
+        """Ask every criterion about a run that has just begun, in every world.
+
+        Raises
+        ------
+        LRPError
+            A criterion names a zone or a solid that a world does not have, or it fails otherwise.
+        """
+        for world in map(load_world, self.worlds):
+            start = at_start(world)
+            for criterion in self.criteria:
+                try:
+                    share, reason = criterion.judge(start)
+                    float(share), str(reason)
+                except Exception as error:
+                    raise LRPError(
+                        f"The challenge `{self.name}` cannot be judged by `{criterion.sentence}`: "
+                        f"{sentence_of(error)}"
+                    ) from error
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.task}"
+
+
+def _several(values: Any, kind: type | tuple[type, ...]) -> tuple[Any, ...]:
+    """Return some values, or one, as a tuple."""
+    return (values,) if isinstance(values, kind) else tuple(values)
+
+
+def _world(world: Any) -> str | World:
+    """Return a world that is a file as a world, any other as it is."""
+    if isinstance(world, World):
+        return world
+    try:
+        if isinstance(world, str) and not world.endswith(".json"):
+            load_world(world)
+            return world
+        path = folder.get() / world
+        loaded = load_world(path)
+    except WorldError as error:
+        raise LRPError(str(error)) from error
+    return loaded if loaded.name else replace(loaded, name=path.stem)

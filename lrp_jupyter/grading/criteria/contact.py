@@ -1,0 +1,143 @@
+"""Criteria about what the robot touches."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+
+from lrp_jupyter.errors import LRPError, did_you_mean
+from lrp_jupyter.grading.criteria.criterion import Criterion, Found
+from lrp_jupyter.grading.criteria.motion import times_of
+from lrp_jupyter.grading.criteria.order import in_order
+from lrp_jupyter.grading.record import RunRecord, Sample
+from lrp_jupyter.interpreter.frame import is_active
+
+__all__ = ["bumps", "bumps_in", "never_pushes", "stops_at", "touches", "touches_nothing"]
+
+_APART = 0.5  # s; contacts that are closer are one bump
+
+
+def touches(*solids: str) -> Criterion:
+    """Require that the robot touches these solids, in this order."""
+
+    def judge(run: RunRecord) -> Found:
+        _check(run, solids)
+        done = in_order(run, [partial(_touches, solid) for solid in solids], ("touches", solids))
+        when = f"after {done[-1]:.1f} s" if done else ""
+        if len(done) == len(solids):
+            return Found(1, f"it touched it {when}")
+        return Found(len(done) / len(solids), f"it never touched the {solids[len(done)]} {when}".rstrip())
+
+    return Criterion("touches the " + ", then the ".join(solids), judge, "once")
+
+
+def touches_nothing() -> Criterion:
+    """Require that the robot touches no solid and not the edge of the world."""
+
+    def judge(run: RunRecord) -> Found:
+        found = run.first(lambda sample: sample.touched, "touches anything")
+        if found is None:
+            return Found(1, "it touched nothing")
+        return Found(0, f"it touched the {min(found.touched)} after {found.time:.1f} s")
+
+    return Criterion("touches nothing", judge, "always")
+
+
+def bumps(times: int, walls: int = 1) -> Criterion:
+    """Require that the robot bumps into something so often, and into so many different things."""
+
+    def judge(run: RunRecord) -> Found:
+        def count(so_far: tuple[int, float], now: Sample, _: Sample) -> tuple[int, float]:
+            bumped, last = so_far
+            if not now.touched:
+                return so_far
+            return (bumped + (now.time - last > _APART), now.time)
+
+        def collect(so_far: frozenset[str], now: Sample, _: Sample) -> frozenset[str]:
+            return so_far if now.touched <= so_far else so_far | now.touched
+
+        nothing: frozenset[str] = frozenset()
+        bumped, _ = run.fold(count, (0, -1.0), "bumps")
+        different = len(run.fold(collect, nothing, "has touched"))
+        reason = f"it {times_of('bumped', bumped)}"
+        if walls > 1 and bumped:
+            reason += f", into {different} different wall{'s' * (different != 1)}"
+        return Found(min(bumped / times, different / walls), reason)
+
+    sentence = f"bumps into {walls} different walls" if walls > 1 else times_of("bumps", times)
+    return Criterion(sentence, judge, "once")
+
+
+def bumps_in(*states: str) -> Criterion:
+    """Require that the robot bumps while each of these states is active."""
+
+    def judge(run: RunRecord) -> Found:
+        def collect(so_far: frozenset[str], now: Sample, before: Sample) -> frozenset[str]:
+            if not now.bumper:
+                return so_far
+            return so_far | {state for state in states if is_active(state, before.active)}
+
+        nothing: frozenset[str] = frozenset()
+        found = run.fold(collect, nothing, ("bumps in", states))
+        missing = [f"`{state}`" for state in states if state not in found]
+        reason = f"not in {' and '.join(missing)}" if missing else "in each of them"
+        return Found(len(found) / len(states), reason)
+
+    return Criterion("bumps in " + ", ".join(f"`{state}`" for state in states), judge, "once")
+
+
+def never_pushes(seconds: float) -> Criterion:
+    """Require that the robot never drives against anything for longer than this time."""
+
+    def judge(run: RunRecord) -> Found:
+        def longest(so_far: tuple[float, float], now: Sample, _: Sample) -> tuple[float, float]:
+            most, since = so_far
+            since = since if now.touched and now.command[0] > 0 else now.time
+            return max(most, now.time - since), since
+
+        pushed, _ = run.fold(longest, (0.0, 0.0), "pushes for")
+        reason = f"it pushed for {pushed:.1f} s" if pushed else "it never pushed"
+        return Found(pushed <= seconds + 1e-6, reason)
+
+    return Criterion(f"never pushes for longer than {seconds:g} s", judge, "always")
+
+
+def stops_at(solid: str, seconds: float) -> Criterion:
+    """Require that the robot stops within this time after it has touched a solid, and does not go on."""
+
+    def judge(run: RunRecord) -> Found:
+        _check(run, (solid,))
+
+        def step(so_far: tuple[float | None, float], now: Sample, _: Sample) -> tuple[float | None, float]:
+            touched, drove = so_far
+            touched = now.time if touched is None and solid in now.touched else touched
+            return touched, now.time if any(now.command) else drove
+
+        nothing: tuple[float | None, float] = (None, 0.0)
+        touched, drove = run.fold(step, nothing, ("stops at", solid))
+        if touched is None:
+            return Found(1, f"it has not touched the {solid}")
+        if drove - touched > seconds + 1e-6:
+            return Found(0, f"{drove - touched:.1f} s after the touch it still drove")
+        return Found(1, f"it stopped {max(0.0, drove - touched):.1f} s after the touch")
+
+    return Criterion(f"stops within {seconds:g} s of touching the {solid}", judge, "always")
+
+
+def _touches(solid: str, now: Sample) -> bool:
+    return solid in now.touched
+
+
+def _check(run: RunRecord, solids: Sequence[str]) -> None:
+    """Refuse names that nothing in the world has.
+
+    Raises
+    ------
+    LRPError
+        The world has no such solid; the message suggests the closest one.
+    """
+    known = {solid.name or f"solid {index}" for index, solid in enumerate(run.world.solids)}
+    for solid in solids:
+        if solid not in known | {"edge", "robot"}:
+            hint = did_you_mean(solid, known)
+            raise LRPError(f"The world `{run.world.name}` has no solid `{solid}`.{hint}")

@@ -1,0 +1,74 @@
+"""What a criterion is, what it finds in a run, and the verdict on it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Literal, NamedTuple
+
+from lrp_jupyter.grading.record import RunRecord
+
+__all__ = ["Criterion", "Found", "State", "Verdict", "When"]
+
+When = Literal["once", "always", "at the end"]
+State = Literal["open", "so far", "met", "failed"]
+
+
+class Found(NamedTuple):
+    """What a criterion finds in a run: how much of it is met (0 … 1), and why.
+
+    A partial result is what partial credit is given for.
+    """
+
+    share: float
+    reason: str
+
+
+class Verdict(NamedTuple):
+    """The result of one criterion for one run.
+
+    Parameters
+    ----------
+    sentence : str
+    passed : bool
+    reason : str
+        With the measured figure.
+    share : float
+        How much of it is met, 0 to 1.
+    state : {"open", "so far", "met", "failed"}
+        While the run goes on, what is not met yet is open, and what can still be broken is met so far.
+    decided : float or None
+        When it was met or broken for good, in seconds of the run; None if only the end decides.
+    """
+
+    sentence: str
+    passed: bool
+    reason: str
+    share: float = 0.0
+    state: State = "open"
+    decided: float | None = None
+
+    def __str__(self) -> str:
+        return f"{'✓' if self.passed else '✗'} {self.sentence}: {self.reason}"
+
+
+class Criterion(NamedTuple):
+    """A sentence ("comes to `far`"), and the function that judges a run by it.
+
+    Parameters
+    ----------
+    sentence : str
+    judge : callable
+        Takes a :class:`~lrp_jupyter.grading.record.RunRecord` and returns whether the criterion is met (or
+        how much of it, 0 to 1), and the reason. It is asked after every tick.
+    when : {"at the end", "once", "always"}
+        Whether it counts at the end only, is met for good when it was met once, or is broken for good when
+        it was broken once; a run ends there.
+
+    Examples
+    --------
+    >>> hurry = Criterion("is there in six seconds", lambda run: (run.seconds < 6, f"{run.seconds:.1f} s"))
+    """
+
+    sentence: str
+    judge: Callable[[RunRecord], tuple[float, str]]
+    when: When = "at the end"

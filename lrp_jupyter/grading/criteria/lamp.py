@@ -1,0 +1,68 @@
+"""Criteria about the robot's lamp."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from lrp_jupyter.grading.criteria.criterion import Criterion, Found
+from lrp_jupyter.grading.record import RunRecord, Sample
+
+__all__ = ["blinks", "lit_while"]
+
+
+def lit_while(what: str, condition: Callable[[Sample], object], seconds: float = 0.3) -> Criterion:
+    """Require that the lamp is lit while a condition of the robot holds, and dark while it does not.
+
+    Parameters
+    ----------
+    what : str
+        The condition in words, such as "drives backward".
+    condition : callable
+        Takes a :class:`~lrp_jupyter.grading.record.Sample`.
+    seconds : float
+        How long the lamp may be wrong at a time.
+    """
+
+    def judge(run: RunRecord) -> Found:
+        def longest(so_far: tuple[float, bool, float], now: Sample, _: Sample) -> tuple[float, bool, float]:
+            most, lit, since = so_far
+            since = since if now.lamp != bool(condition(now)) else now.time
+            return (now.time - since, now.lamp, since) if now.time - since > most else (most, lit, since)
+
+        wrong, lit, since = run.fold(longest, (0.0, False, 0.0), ("lit while", what))
+        if wrong <= seconds + 1e-6:
+            return Found(1, "it was, so far as it was seen")
+        return Found(0, f"after {since:.1f} s it was {'lit' if lit else 'dark'} and should not have been")
+
+    return Criterion(f"lights its lamp while it {what}, and only then", judge, "always")
+
+
+def blinks(seconds: float, slack: float = 0.25) -> Criterion:
+    """Require that the lamp is lit and dark in turn, each for this time.
+
+    Parameters
+    ----------
+    seconds : float
+    slack : float
+        How much longer or shorter a phase may be, in seconds.
+    """
+
+    def judge(run: RunRecord) -> Found:
+        def phases(so_far: tuple[float, float, int], now: Sample, before: Sample) -> tuple[float, float, int]:
+            """Keep the phase that is furthest off, the beginning of this one, and how many there were."""
+            worst, since, count = so_far
+            if now.lamp == before.lamp:
+                return so_far
+            length = now.time - since
+            is_worse = count and abs(length - seconds) > abs(worst - seconds)
+            return (length if is_worse else worst), now.time, count + 1
+
+        worst, since, count = run.fold(phases, (seconds, 0.0, 0), "blinks")
+        present = run.seconds - since
+        worst = present if present > max(worst, seconds + slack) else worst
+        if abs(worst - seconds) <= slack + 1e-6:
+            return Found(1, f"it was switched {count} times")
+        return Found(0, f"it was once {worst:.1f} s until it changed")
+
+    sentence = f"blinks: its lamp is lit for {seconds:g} s, dark for {seconds:g} s, and so on"
+    return Criterion(sentence, judge, "always")

@@ -1,0 +1,145 @@
+"""Criteria, as functions of the samples of a run."""
+
+import pytest
+
+from lrp_jupyter.grading.criteria import (
+    avoids,
+    backs_off,
+    blinks,
+    bumps,
+    bumps_in,
+    drives_on,
+    drives_straight,
+    ends_near_line,
+    finds_line,
+    gets_away,
+    keeps_driving,
+    lit_while,
+    looks,
+    never_pushes,
+    not_carried,
+    pushes,
+    slows_to,
+    stops_at,
+    visits,
+    within,
+)
+from lrp_jupyter.grading.record import RunRecord, at_start
+from lrp_jupyter.sim.world import BoxSolid, BoxZone, FloorSpec, PathStroke, RobotSpec, World
+
+WORLD = World(
+    size=(4, 2),
+    robots=(RobotSpec((0, 1, 0)),),
+    floor=FloorSpec(strokes=(PathStroke(((2, 0), (2, 2))),)),
+    solids=(BoxSolid((3, 1, 0.1, 1), push=0.3, name="box"), BoxSolid((3.5, 1, 0.1, 1), name="wall")),
+    zones={"here": BoxZone((0.5, 1, 1, 2)), "there": BoxZone((3, 1, 1, 2))},
+    name="mine",
+)
+
+
+def run(seconds, *, v=0.0, w=0.0, **changes):
+    """Return a run of which each field is a constant, or a function of time; `v` and `w` are its speeds."""
+    (first,) = at_start(WORLD).samples
+    record = RunRecord(WORLD)
+    x, heading = 0.0, 0.0
+    for tick in range(round(seconds * 10) + 1):
+        time = tick / 10
+        now = {
+            name: value(time) if callable(value) else value
+            for name, value in {**changes, "v": v, "w": w}.items()
+        }
+        linear, angular = now.pop("v"), now.pop("w")
+        sample = first._replace(time=time, x=x, heading=heading, command=(linear, angular))
+        record.samples.append(sample._replace(**now))
+        x, heading = x + linear / 10, heading + angular / 10
+    return record
+
+
+def touching(*spans):
+    return lambda time: frozenset({"wall"} if any(a <= time < b for a, b in spans) else ())
+
+
+TABLE = [
+    (gets_away(0.3), run(2, v=0.2), 1, "it was at most 40 cm away"),
+    (gets_away(0.3), run(2, v=lambda t: 0.2 if int(t * 10) % 4 < 2 else -0.2), 0.13, "at most 4 cm"),
+    (avoids("there"), run(5, v=0.2), 1, "never was there"),
+    (avoids("there"), run(5, v=0.6), 0, "it came there after 4.2 s"),
+    (keeps_driving(1), run(5, v=0.2), 1, "it never stood still"),
+    (keeps_driving(1), run(5, v=lambda t: 0.2 * (t < 2)), 0, "it stood still for 3.0 s"),
+    (drives_straight(0.8), run(5, v=0.2), 1, "100%"),
+    (drives_straight(0.8), run(5, v=0.2, w=0.5), 0, "0%"),
+    (backs_off(2), run(4, v=lambda t: -0.1 if t % 2 > 1 else 0.1), 1, "it backed off twice"),
+    (backs_off(2), run(4, v=0.1), 0, "it never backed off"),
+    (within(2, visits("here", "there")), run(6, v=0.6), 0.99, "not within 2 s"),
+    (within(5, visits("here", "there")), run(4.5, v=0.6), 1, "it was there after 4.2 s"),
+    (bumps(2), run(5, v=0.1, touched=touching((1, 1.2), (3, 3.2))), 1, "it bumped twice"),
+    (bumps(2), run(5, v=0.1, touched=touching((1, 1.2), (1.4, 4))), 0.5, "it bumped once"),
+    (bumps(2, walls=2), run(5, touched=touching((1, 2), (3, 4))), 0.5, "into 1 different wall"),
+    (never_pushes(1), run(5, v=0.1, touched=touching((1, 1.9))), 1, "it pushed for 0.9 s"),
+    (never_pushes(1), run(5, v=0.1, touched=touching((1, 3))), 0, "it pushed for 2.0 s"),
+    (never_pushes(1), run(5, v=-0.1, touched=touching((1, 3))), 1, "it never pushed"),
+    (bumps_in("a", "b"), run(2, bumper=True, active=(("m", "a"),)), 0.5, "not in `b`"),
+    (
+        stops_at("wall", 1),
+        run(5, v=lambda t: 0.1 * (t < 2.5), touched=touching((2, 5))),
+        1,
+        "it stopped 0.4 s",
+    ),
+    (stops_at("wall", 1), run(5, v=0.1, touched=touching((2, 5))), 0, "it still drove"),
+    (finds_line(), run(2, lights=lambda t: (0 if t > 1 else 255,)), 1, "after 1.1 s"),
+    (finds_line(), run(2), 0, "it never saw it"),
+    (ends_near_line(0.1), run(1, x=2.05), 1, "5 cm away"),
+    (ends_near_line(0.1), run(1, x=2.5), 0, "50 cm away"),
+    (
+        looks("here", 60),
+        run(6, w=lambda t: 0.7 if t < 2 else -0.7),
+        1,
+        "80° to the left and 80° to the right",
+    ),
+    (looks("here", 60), run(2, w=0.7), 0.5, "80° to the left and 0° to the right"),
+    (blinks(1), run(6, lamp=lambda t: t % 2 >= 1), 1, "it was switched 6 times"),
+    (blinks(1), run(6, lamp=lambda t: t % 4 >= 2), 0, "2.0 s"),
+    (blinks(1), run(6, lamp=False), 0, "6.0 s"),
+    (
+        lit_while("drives", lambda now: now.command[0]),
+        run(4, v=lambda t: t > 1, lamp=lambda t: t > 1.1),
+        1,
+        "",
+    ),
+    (lit_while("drives", lambda now: now.command[0]), run(4, v=0.1), 0, "it was dark"),
+    (lit_while("drives", lambda now: now.command[0]), run(4, lamp=True), 0, "it was lit"),
+    (
+        slows_to(0.5),
+        run(6, v=lambda t: 0.2 if t < 3 else 0.1, version=lambda t: t > 3),
+        1,
+        "and then at 0.10 m/s",
+    ),
+    (slows_to(0.5), run(6, v=0.2, version=lambda t: t > 3), 0, "and then at 0.20 m/s"),
+    (slows_to(0.5), run(6, v=lambda t: 0.2 if t < 3 else 0.1), 0, "it drives at 0.10 m/s"),
+    (drives_on(0.5), run(6, v=0.2, version=lambda t: t > 3), 1, "58 cm after the edit"),
+    (drives_on(0.5), run(6, v=0.2), 0, "0 cm after the edit"),
+    (pushes("box", "there", 2), run(3), 1, "still for 3.0 s"),
+    (pushes("box", "here", 2), run(3), 0, "the box is at x = 3.00 m"),
+    (not_carried(), run(3, v=0.5), 1, "it drove by itself"),
+    (not_carried(), run(3, x=lambda t: 1.0 if t > 2 else 0.0), 0, "it was put down elsewhere after 2.1 s"),
+]
+
+
+@pytest.mark.parametrize(
+    ("criterion", "record", "share", "reason"), TABLE, ids=lambda each: getattr(each, "sentence", "")
+)
+def test_a_criterion_measures_a_run(criterion, record, share, reason):
+    found, told = criterion.judge(record)
+    assert min(1.0, max(0.0, float(found))) == pytest.approx(share, abs=0.01), told
+    assert reason in told
+
+
+@pytest.mark.parametrize(
+    ("criterion", "record", "share", "reason"), TABLE, ids=lambda each: getattr(each, "sentence", "")
+)
+def test_a_criterion_says_the_same_when_it_is_asked_after_every_tick(criterion, record, share, reason):
+    growing = RunRecord(WORLD)
+    for sample in record.samples:
+        growing.samples.append(sample)
+        last = criterion.judge(growing)
+    assert last == criterion.judge(RunRecord(WORLD, record.samples))

@@ -1,0 +1,84 @@
+"""Hints say what is true of a run."""
+
+import pytest
+
+from lrp_jupyter.grading.attempt import attempt
+from lrp_jupyter.grading.grade import jobs_of
+from lrp_jupyter.grading.referee import Referee
+from lrp_jupyter.live.session import Session
+from lrp_jupyter.sim.worlds import load as load_world
+
+DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
+SQUARE = """
+(machine square
+  (var corners := [0])
+  (state side (running [robot.move(linear=0.2)]))
+  (state corner (running [robot.move(angular=1)]) (onexit [corners += 1]))
+  (state done (onentry [robot.stop()]))
+  (on [corners == 4] side -> done)
+  (ontime 3000 side -> corner)
+  (ontime 1571 corner -> side))
+(spawn square side)
+"""
+
+
+def hints(text, name):
+    return " | ".join(attempt(jobs_of(text, name)[1][0]).hints)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [SQUARE.replace("(onexit [corners += 1])", ""), SQUARE.replace("angular=1", "angular=-1")],
+    ids=["without a counter", "to the right"],
+)
+def test_a_robot_that_turns_is_not_said_to_drive_straight_on(text):
+    found = hints(text, "square")
+    assert "straight on" not in found
+    assert "turned" in found
+
+
+def test_turning_to_and_fro_is_turning():
+    text = (
+        "(machine m (state l (running [robot.move(angular=1)])) (state r (running [robot.move(angular=-1)]))"
+    )
+    text += "(ontime 1000 l -> r) (ontime 1000 r -> l)) (spawn m l)"
+    assert "straight on" not in hints(text, "square")
+
+
+def test_a_robot_that_was_told_to_move_is_not_said_never_to_have_been():
+    found = hints(DRIVE.replace("linear=0.2", "angular=1"), "square")
+    assert "never received" not in found
+    assert "never told" not in found
+    assert "never received" not in hints(DRIVE.replace("robot.move(linear=0.2)", "robot.stop()"), "square")
+
+
+@pytest.mark.parametrize("name", ["first move", "stop at the line", "square", "bump and stay", "maze"])
+def test_a_move_in_onentry_gets_the_hint_about_the_command_watchdog_first(name):
+    made = attempt(jobs_of(DRIVE.replace("running", "onentry"), name)[1][0])
+    assert made.hint.startswith("`driving` moves the robot in `onentry`, which is done once")
+    assert "stopped after 0.6 s" in made.hint
+
+
+def test_a_command_that_holds_long_enough_is_not_blamed():
+    text = """
+        (machine m
+          (state nudge (onentry [robot.move(linear=0.2)]))
+          (state rest (onentry [robot.stop()]))
+          (ontime 300 nudge -> rest)
+          (ontime 300 rest -> nudge))
+        (spawn m nudge)"""
+    assert "onentry" not in hints(text, "bump and stay")
+
+
+def test_of_a_misspelt_name_the_hint_says_what_is_meant():
+    assert "Did you mean `speed`?" in hints("(var speed := [1])" + DRIVE.replace("0.2", "sped"), "square")
+    text = DRIVE.replace("(state driving", "(state bumped (running [robot.stpo()])) (state driving")
+    assert "`robot` has no `stpo`" in hints(text, "square")
+
+
+def test_the_robots_noise_is_no_turning():
+    with Session(DRIVE, "sim", world="empty", seed=1, noise={"motor": 0.1}) as session:
+        task = jobs_of(DRIVE, "first move")[0]
+        referee = Referee(task, load_world("empty"))
+        session.run(5, after_tick=lambda: referee.see(session.bridge, session.interpreter) and False)
+    assert referee.run.turned == (0, 0)
