@@ -394,46 +394,86 @@ def graph(
     raise typer.Exit(draw_graph(file, machine, form.value if form else None, output))
 
 
-@app.command()
+Challenge = Annotated[
+    str | None,
+    typer.Option(metavar="NAME", autocompletion=complete.challenges, help="The challenge to run it in."),
+]
+Limit = Annotated[
+    float, typer.Option(metavar="SECONDS", min=0.1, help="Wall-clock seconds that one run may take.")
+]
+Memory = Annotated[
+    float, typer.Option(metavar="MEGABYTES", min=1, help="Memory that one run may need (on Linux).")
+]
+Processes = Annotated[
+    int | None,
+    typer.Option("--jobs", metavar="N", min=1, help="Runs at the same time; default: one per processor."),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Make the runs on a Dask cluster, such as `tcp://10.0.0.5:8786`; `local`: one on this machine.",
+    ),
+]
+
+GRADE_EPILOG = """
+**A class**: `lrp grade FOLDER --challenge square --seeds 20 --out marks.csv` grades every submission in a
+folder: each `*.lrp` and `*.ipynb` file and, for each student with a folder, the program in it (as Moodle and
+nbgrader lay them out). Of a notebook, the last `%%lrp` cell with `--challenge square` counts, or the only
+`%%lrp` cell. A program that hangs, crashes or cannot be read costs only its own mark, and is not run again.
+
+**Files**: `--out marks.csv` is for a spreadsheet and has a row for each submission; `.json` has every run
+with its criteria, hints and path; `.xml` is JUnit's format, with a test for each run. `--out` can be
+repeated.
+
+**Exit code**: 0 when every run of the one file met every criterion, or when all submissions of a class were
+graded, whatever their marks are; 1 when the one file does not pass; 2 when a file or challenge does not exist
+or a file cannot be written; 3 for a fault of this package; 130 after Ctrl-C.
+"""
+
+
+@app.command(epilog=GRADE_EPILOG)
 def grade(
-    file: Annotated[
-        str | None,
+    files: Annotated[
+        list[str] | None,
         typer.Argument(
-            metavar="FILE",
-            help="A file, the name of a bundled program, or `-` for stdin.",
+            metavar="FILE|FOLDER...",
+            help="A file, the name of a bundled program, or `-` for stdin; several, or a folder of a class.",
             autocompletion=complete.sources,
         ),
     ] = None,
-    challenge: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", autocompletion=complete.challenges, help="The challenge to run it in."),
-    ] = None,
+    challenge: Challenge = None,
     seeds: Annotated[
-        int, typer.Option(metavar="N", min=1, help="Number of runs in each world, each with different noise.")
-    ] = 1,
-    limit: Annotated[
-        float,
-        typer.Option(metavar="SECONDS", min=0.1, help="Wall-clock seconds that one run may take."),
-    ] = 60,
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Number of runs in each world, each with different noise; default: the challenge's.",
+        ),
+    ] = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="Write the marks as `.csv`, `.json` or `.xml`."),
+    ] = None,
+    limit: Limit = 60,
+    memory: Memory = 1000,
+    jobs: Processes = None,
+    scheduler: Scheduler = None,
 ) -> None:
-    """Grade a program in a challenge; without arguments, list the challenges.
-
-    **Exit code**: 0 when every run met every criterion, 1 when not, or when a run took longer than the limit,
-    2 when the file or challenge does not exist, 130 after Ctrl-C, 154 when one call of C did not return
-    within the limit: the stacks that are printed then show its line.
-    """
-    if file is None or challenge is None:
+    """Grade programs in a challenge; without arguments, list the challenges."""
+    if not files or challenge is None:
         from lrp_jupyter.cli.lists import list_challenges
 
-        if file is not None:
+        if files:
             typer.echo("lrp: No challenge was named. Choose one with `--challenge NAME`.\n", err=True)
         elif challenge is not None:
             typer.echo("lrp: No file was named. Write `lrp grade FILE --challenge NAME`.\n", err=True)
         list_challenges()
-        raise typer.Exit(2 if file is not None or challenge is not None else 0)
-    from lrp_jupyter.cli.offline import grade_file
+        raise typer.Exit(2 if files or challenge is not None else 0)
+    from lrp_jupyter.cli.batches import grade_files
+    from lrp_jupyter.grading.batch import HowRun
 
-    raise typer.Exit(grade_file(file, challenge, seeds, limit))
+    raise typer.Exit(grade_files(files, challenge, seeds, out or [], HowRun(limit, memory, jobs, scheduler)))
 
 
 @app.command()

@@ -6,7 +6,7 @@ whether it passed and why, the points, and hints for typical mistakes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -29,13 +29,30 @@ class Grade:
     ----------
     challenge : str
     attempts : tuple of Attempt
+        In the order of worlds and seeds. One that did not come to its end is the last one.
     out_of : float
         The points for a program that passes.
+    runs : int
+        How many there would be; those that were not made earn nothing.
     """
 
     challenge: str
     attempts: tuple[Attempt, ...] = field(default=(), repr=False)
     out_of: float = 10
+    runs: int = 0
+
+    @classmethod
+    def of(cls, task: Challenge, made: Mapping[int, Attempt], runs: int) -> Grade:
+        """Return the grade for the runs that were made, given by their index; the first end is the last run.
+
+        Several runs are made at the same time, so some after that one may have been made.
+        """
+        attempts = []
+        for index in sorted(made):
+            attempts.append(made[index])
+            if made[index].ended:
+                break
+        return cls(task.name, tuple(attempts), task.points, runs)
 
     @property
     def passed(self) -> bool:
@@ -47,7 +64,7 @@ class Grade:
         """The points earned, to one decimal: the mean of the runs. Only a program that passes gets all."""
         if self.passed or not self.attempts:
             return self.out_of if self.passed else 0.0
-        mean = sum(attempt.share for attempt in self.attempts) / len(self.attempts)
+        mean = sum(attempt.share for attempt in self.attempts) / max(self.runs, len(self.attempts))
         return min(round(self.out_of * mean, 1), round(self.out_of - 0.1, 1))
 
     @property
@@ -141,7 +158,7 @@ def grade(
     attempts: dict[int, Attempt] = {}
     for index, attempt in run_jobs(jobs, memory, stop_at_end=True):
         attempts[index] = attempt
-    return Grade(task.name, tuple(attempts[index] for index in sorted(attempts)), task.points)
+    return Grade.of(task, attempts, len(jobs))
 
 
 def jobs_of(

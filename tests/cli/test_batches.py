@@ -1,0 +1,68 @@
+"""``lrp grade`` with the programs of a class."""
+
+import csv
+import json
+
+import pytest
+
+DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
+CRASH = DRIVE.replace("robot.move(linear=0.2)", "import os; os.abort()")
+
+
+@pytest.fixture
+def group(tmp_path):
+    folder = tmp_path / "group"
+    folder.mkdir()
+    (folder / "ada.lrp").write_text(DRIVE)
+    (folder / "bob.lrp").write_text(CRASH)
+    (folder / "carl.lrp").write_bytes(b"\xff")
+    return folder
+
+
+def test_a_class_is_graded_into_files_and_listed(lrp, group, tmp_path):
+    out = [tmp_path / f"marks.{suffix}" for suffix in ("csv", "json", "xml")]
+    options = [word for path in out for word in ("--out", path)]
+    result = lrp("grade", group, "--challenge", "first move", "--seeds", "2", *options)
+    assert result.exit_code == 0
+    with out[0].open(encoding="utf-8-sig", newline="") as file:
+        assert [row["points"] for row in csv.DictReader(file)] == ["10", "0.0", "0.0"]
+    assert len(json.loads(out[1].read_text("utf-8"))["submissions"]) == 3
+    assert out[2].read_text("utf-8").startswith("<?xml")
+    rows = [line.split() for line in result.stdout.splitlines()]
+    assert rows[1][:4] == ["ada", "10", "of", "10"]
+    assert "first move: 1 of 3 passed; 3.3 of 10 points on average" in result.stdout
+    assert "grading: 4 of 4 runs" in result.stderr
+
+
+def test_several_files_are_a_class_and_one_file_is_explained(lrp, group, tmp_path):
+    result = lrp("grade", group / "ada.lrp", group / "bob.lrp", "--challenge", "first move")
+    assert (result.exit_code, "1 of 2 passed" in result.stdout) == (0, True)
+    result = lrp("grade", group / "bob.lrp", "--challenge", "first move", "--out", tmp_path / "a.json")
+    assert (result.exit_code, "runs to its end: The process" in result.stdout) == (1, True)
+    assert json.loads((tmp_path / "a.json").read_text("utf-8"))["submissions"][0]["student"] == "bob"
+
+
+def test_one_file_that_cannot_be_read_is_a_sentence(lrp, group):
+    result = lrp("grade", group / "carl.lrp", "--challenge", "first move")
+    assert result.exit_code == 2
+    assert result.stderr.startswith("lrp: `")
+    assert "is not valid UTF-8" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("out", "words"),
+    [
+        ("marks.xls", "the name must end with `.csv`, `.json` or `.xml`."),
+        ("nowhere/marks.csv", "there is no such folder. Create it first."),
+    ],
+)
+def test_a_file_that_could_not_be_written_is_refused_before_anything_runs(lrp, group, tmp_path, out, words):
+    result = lrp("grade", group, "--challenge", "first move", "--out", tmp_path / out)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert words in result.stderr
+
+
+def test_an_unreachable_cluster_is_a_sentence(lrp, group):
+    result = lrp("grade", group, "--challenge", "first move", "--scheduler", "nonsense://here")
+    assert result.exit_code == 2
+    assert "There is no Dask scheduler at `nonsense://here`" in result.stderr
