@@ -2,23 +2,31 @@
 
 from __future__ import annotations
 
+import ast
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
+import typer
 from rich.text import Text
 
-from lrp_jupyter.cli.excerpt import plain_console
+from lrp_jupyter.cli.excerpt import finding_text, plain_console
 from lrp_jupyter.cli.lists import show_table, table_of
-from lrp_jupyter.cli.progress import shown_progress
+from lrp_jupyter.cli.options import pairs_of
 from lrp_jupyter.cli.source import read_source
-from lrp_jupyter.errors import FileError, LRPError
+from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError
 from lrp_jupyter.files import shown, write_file
+from lrp_jupyter.grading.attempt import Attempt
 from lrp_jupyter.grading.batch import HowRun
 from lrp_jupyter.grading.challenges import Challenge, challenge
 from lrp_jupyter.grading.marks import FORMS, Marks, grade_class
+from lrp_jupyter.grading.progress import shown_progress
 from lrp_jupyter.grading.submissions import Submission, find_submissions
+from lrp_jupyter.grading.sweep import Sweep, Value, sweep_axes
 
-__all__ = ["grade_files"]
+__all__ = ["grade_files", "parse_axes", "sweep_file"]
+
+_MOST = 1000  # values of a variable
 
 
 def grade_files(files: Sequence[str], name: str, seeds: int | None, out: Sequence[Path], how: HowRun) -> int:
@@ -36,14 +44,107 @@ def grade_files(files: Sequence[str], name: str, seeds: int | None, out: Sequenc
         marks = grade_class(submissions, task, seeds, how)
         _explain(marks)
     else:
-        with shown_progress("grading") as progress:
+        with shown_progress("grading", lines=True) as progress:
             marks = grade_class(submissions, task, seeds, how, progress)
         _list(marks)
     for path in out:
         write_file(path, FORMS[path.suffix.lower()](marks))
         if not alone:
             plain_console().print(f"written: {path}")
-    return _code(marks) or int(alone and not marks.marks[0].grade.passed)
+    return _code(marks.attempts) or int(alone and not marks.marks[0].grade.passed)
+
+
+def sweep_file(
+    file: str,
+    name: str,
+    assignments: Sequence[str],
+    seeds: int,
+    out: Sequence[Path],
+    picture: Path | None,
+    how: HowRun,
+) -> int:
+    """Sweep variables of a program and print a table; return 1 if it is not a valid program."""
+    task, axes = challenge(name), parse_axes(assignments)
+    check_outputs(out, (".csv", ".json"))
+    check_outputs([picture] if picture else [], (".svg",))
+    if picture is not None and len(axes) > 2:
+        raise typer.BadParameter("--map draws one or two variables. Leave out a `--set`, or the map.")
+    source = read_source(file)
+    try:
+        with shown_progress("sweep", lines=True) as progress:
+            result = sweep_axes(source.text, task, axes, seeds, how, progress)
+    except LRPSyntaxError as error:
+        for finding in error.findings:
+            plain_console(stderr=True).print(finding_text(source.name, source.text, finding))
+        return 1
+    _show_sweep(result)
+    for path in out:
+        write_file(path, result.csv() if path.suffix.lower() == ".csv" else result.to_json())
+    if picture is not None:
+        write_file(picture, result.svg())
+    for path in [*out, picture] if picture else out:
+        plain_console().print(f"written: {path}")
+    return _code([attempt for point in result.points for attempt in point.grade.attempts])
+
+
+def _show_sweep(result: Sweep) -> None:
+    table = table_of(*result.variables, "passed", "points", "median", "worst", "")
+    for point in result.points:
+        passed = f"{point.passed} of {point.grade.runs}"
+        times = ("" if time is None else f"{time:.1f} s" for time in (point.median, point.worst))
+        values = (f"{value:g}" if isinstance(value, float) else str(value) for value in point.values)
+        cells = (*values, passed, f"{point.grade.points:g}", *times, result.remark(point))
+        table.add_row(*map(Text, cells))
+    show_table(table)
+    for note in result.notes():
+        plain_console().print(note)
+
+
+def parse_axes(assignments: Sequence[str]) -> dict[str, tuple[Value, ...]]:
+    """Return the values of each variable of a sweep.
+
+    Raises
+    ------
+    typer.BadParameter
+        An assignment is neither ``NAME=FROM:TO:COUNT`` nor ``NAME=A,B,…``.
+    """
+    axes: dict[str, tuple[Value, ...]] = {}
+    for name, text in pairs_of(assignments, "--set"):
+        if name in axes:
+            raise typer.BadParameter(f"--set {name} is given twice. Write all its values into one.")
+        steps = text.split(":")
+        axes[name] = _steps(name, text) if len(steps) > 1 else _listed(name, text)
+    return axes
+
+
+def _steps(name: str, text: str) -> tuple[Value, ...]:
+    """Return so many values from one to another."""
+    try:
+        first, last, count = (
+            convert(part) for convert, part in zip((float, float, int), text.split(":"), strict=True)
+        )
+    except ValueError:
+        first = last = count = math.nan
+    if not (math.isfinite(first) and math.isfinite(last) and 2 <= count <= _MOST):
+        raise typer.BadParameter(
+            f"--set {name} takes FROM:TO:COUNT with a count of 2 to {_MOST:,}, as in `{name}=0.4:1.2:9`, "
+            f"not `{text}`."
+        )
+    return tuple(float(f"{first + (last - first) * step / (count - 1):.12g}") for step in range(count))
+
+
+def _listed(name: str, text: str) -> tuple[Value, ...]:
+    """Return the values that are listed: numbers, texts in quotation marks, True or False."""
+    try:
+        values = ast.literal_eval(f"({text},)")
+    except (ValueError, SyntaxError):
+        values = (None,)
+    if not all(isinstance(value, Value) for value in values):
+        raise typer.BadParameter(
+            f"--set {name} takes numbers, or texts in quotation marks, as in `{name}=0.1,0.2,0.3`, "
+            f"not `{text}`."
+        )
+    return tuple(dict.fromkeys(values))
 
 
 def check_outputs(out: Sequence[Path], suffixes: Sequence[str]) -> None:
@@ -98,13 +199,13 @@ def _list(marks: Marks) -> None:
     plain_console().print(f"{marks.challenge}: {passed} of {len(grades)} passed; {average}")
 
 
-def _code(marks: Marks) -> int:
+def _code(attempts: Sequence[Attempt]) -> int:
     """Return 3, and print why, if the package itself failed in a run."""
-    if not marks.faults:
+    faults = [attempt for attempt in attempts if attempt.ended == "fault"]
+    if not faults:
         return 0
-    reason = marks.faults[0].verdicts[0].reason
     plain_console(stderr=True).print(
-        f"lrp: In {len(marks.faults)} of the runs not the program failed, but what runs and judges it. "
-        f"Report this:\n{reason}"
+        f"lrp: In {len(faults)} of the runs not the program failed, but what runs and judges it. "
+        f"Report this:\n{faults[0].verdicts[0].reason}"
     )
     return 3

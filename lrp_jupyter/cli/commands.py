@@ -92,7 +92,7 @@ def lrp(
     **Exit codes**: 0 when all went well; 1 when a text has errors, or what was demanded of a program did not
     happen; 2 when an argument is wrong, or a file or robot cannot be used; 3 for a fault of this package; 130
     after Ctrl-C; 154 when a call of C that cannot be interrupted has exceeded a limit. The help of `run`,
-    `check`, `format`, `graph` and `grade` has the details.
+    `check`, `format`, `graph`, `grade` and `sweep` has the details.
     """
 
 
@@ -474,6 +474,60 @@ def grade(
     from lrp_jupyter.grading.batch import HowRun
 
     raise typer.Exit(grade_files(files, challenge, seeds, out or [], HowRun(limit, memory, jobs, scheduler)))
+
+
+SWEEP_EPILOG = """
+**Values**: `--set search=0.4:1.2:9` sets the variable `search` to nine values from 0.4 to 1.2, and `--set
+forward=0.1,0.2,0.3` to these three. Several `--set` give all combinations. A variable of a machine is named
+by its path, as in `follower/looking/lookalgo/time`, unless no other one has its name.
+
+**Result**: for each combination how many of all runs passed, the points, and the median and the longest time
+until a run was done. *Fastest* is the shortest median among the values with which the most runs pass; *most
+robust* is the middle of the longest row of neighbours with which the most runs pass.
+
+**Files**: `--out` writes the table as `.csv` or, with all runs, as `.json`. `--map` draws one variable as
+values by runs, coloured by time, and two as the share of the runs that passed.
+
+**Exit code**: 0 when the sweep is complete, 1 when the text is not a valid program, 2 when an argument is
+wrong or a file cannot be read or written, 3 for a fault of this package, 130 after Ctrl-C.
+"""
+
+
+@app.command(epilog=SWEEP_EPILOG)
+def sweep(
+    file: File,
+    assignments: Annotated[
+        list[str],
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUES",
+            autocompletion=complete.variables,
+            help="Initial values of a variable: `FROM:TO:COUNT` or `A,B,…`; can be repeated.",
+        ),
+    ],
+    challenge: Challenge = None,
+    seeds: Annotated[
+        int, typer.Option(metavar="N", min=1, help="Number of runs in each world, each with different noise.")
+    ] = 30,
+    out: Annotated[
+        list[Path] | None, typer.Option(metavar="FILE", help="Write the result as `.csv` or `.json`.")
+    ] = None,
+    map_: Annotated[
+        Path | None, typer.Option("--map", metavar="FILE", help="Draw a heat map as `.svg`.")
+    ] = None,
+    limit: Limit = 60,
+    memory: Memory = 1000,
+    jobs: Processes = None,
+    scheduler: Scheduler = None,
+) -> None:
+    """Grade a program with other initial values of its variables, to find fast and robust ones."""
+    if challenge is None:
+        raise LRPError("No challenge was named. Choose one with `--challenge NAME`; `lrp grade` lists them.")
+    from lrp_jupyter.cli.batches import sweep_file
+    from lrp_jupyter.grading.batch import HowRun
+
+    how = HowRun(limit, memory, jobs, scheduler)
+    raise typer.Exit(sweep_file(file, challenge, assignments, seeds, out or [], map_, how))
 
 
 @app.command()

@@ -20,7 +20,7 @@ from lrp_jupyter.language.initials import find_variable
 from lrp_jupyter.language.program import Machine, Path, Program, State, Variable, path_text
 from lrp_jupyter.live.loop import FASTEST, SLOWEST
 
-__all__ = ["Assignment", "RunOptions", "parse_options", "with_initials"]
+__all__ = ["Assignment", "RunOptions", "pairs_of", "parse_options", "with_initials"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,14 +97,21 @@ def parse_options(
         rate=rate,
         seconds=math.inf if seconds is None else seconds,
         speed=_speed(speed),
-        noise={name: _number(text, f"--noise {name}") for name, text in _pairs(noise, "--noise")},
-        assignments=tuple(_assignment(name, text) for name, text in _pairs(assignments, "--set")),
-        answers=dict(_pairs(answers, "--option")),
+        noise={name: _number(text, f"--noise {name}") for name, text in pairs_of(noise, "--noise")},
+        assignments=tuple(_assignment(name, text) for name, text in pairs_of(assignments, "--set")),
+        answers=dict(pairs_of(answers, "--option")),
         **others,
     )
 
 
-def _pairs(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
+def pairs_of(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
+    """Return the names and values of the texts ``NAME=VALUE`` of an option.
+
+    Raises
+    ------
+    typer.BadParameter
+        A text has no name or no ``=``.
+    """
     pairs = []
     for text in texts:
         name, equals, value = text.partition("=")

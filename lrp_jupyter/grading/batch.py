@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lrp_jupyter.arguments import check_number
 from lrp_jupyter.grading.attempt import Attempt, Job
@@ -31,12 +31,15 @@ class HowRun(NamedTuple):
         How many runs at a time; default: one for each processor.
     scheduler : str or None
         The address of a Dask scheduler whose workers make the runs, or ``"local"``.
+    namespace : dict or None
+        Names that blocks can read.
     """
 
     limit: float = 60
     memory: float = 1000
     processes: int | None = None
     scheduler: str | None = None
+    namespace: dict[str, Any] | None = None
 
     def check(self) -> None:
         """Raise a TypeError or ValueError if a number is not one, or too small."""
@@ -64,7 +67,8 @@ def grade_all(
         The cluster cannot be reached.
     """
     how.check()
-    of_text = {text: jobs_of(text, task, seeds, limit=how.limit)[1] for text in texts}
+    options: dict[str, Any] = {"limit": how.limit, "namespace": how.namespace}
+    of_text = {text: jobs_of(text, task, seeds, **options)[1] for text in texts}
     count = max(map(len, of_text.values()), default=0)
     order = [(text, number) for number in range(count) for text in of_text]
     jobs: list[Job] = [of_text[text][number] for text, number in order]

@@ -18,7 +18,7 @@ from lrp_jupyter.grading.workers import run_jobs
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
 
-__all__ = ["Grade", "grade", "jobs_of"]
+__all__ = ["Grade", "grade", "jobs_of", "namespace_of", "text_of"]
 
 
 @dataclass(frozen=True)
@@ -185,18 +185,19 @@ def jobs_of(
         check_number("seeds", seeds, "a number of runs", least=1)
     numbers = task.seeds if seeds is None else seeds
     every = range(numbers) if isinstance(numbers, int) else tuple(numbers)
-    texts = tuple(_text(each) for each in (program if isinstance(program, (list, tuple)) else [program]))
-    names = _namespace(program) if namespace is None else namespace
+    texts = tuple(text_of(each) for each in (program if isinstance(program, (list, tuple)) else [program]))
+    names = namespace_of(program) if namespace is None else namespace
     return task, [Job(texts, task, world, seed, limit, names) for world in task.worlds for seed in every]
 
 
-def _namespace(program: Any) -> dict[str, Any]:
+def namespace_of(program: Any) -> dict[str, Any]:
     """Return the names that a session, or that of a lab, lets its blocks read."""
     session = getattr(program, "session", program)
     return session.namespace if isinstance(session, Session) else {}
 
 
-def _text(program: Any) -> str:
+def text_of(program: Any) -> str:
+    """Return the text of a program, a session or a lab, or the text that it is."""
     if isinstance(program, str):
         return program
     text = getattr(program, "text", None)  # a program, a session, a lab

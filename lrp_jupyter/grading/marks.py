@@ -61,10 +61,9 @@ class Marks:
     out_of: float
 
     @property
-    def faults(self) -> tuple[Attempt, ...]:
-        """The runs in which not the program failed, but what runs and judges it."""
-        every = (attempt for mark in self.marks for attempt in mark.grade.attempts)
-        return tuple(attempt for attempt in every if attempt.ended == "fault")
+    def attempts(self) -> tuple[Attempt, ...]:
+        """The runs of all submissions."""
+        return tuple(attempt for mark in self.marks for attempt in mark.grade.attempts)
 
     def csv(self) -> str:
         """Return a table with a row for each submission; ``first_…`` describes its first failed run."""

@@ -24,7 +24,8 @@ def find_variable(program: Program, wanted: Path) -> tuple[Path, Variable]:
     if len(found) == 1:
         return found[0], known[found[0]]
     texts = [path_text(path) for path in (found or known)]
-    listed = ", ".join(f"`{text}`" for text in texts)
+    lines = (program.place(known[path].span.start)[0] for path in (found or known))
+    listed = ", ".join(f"`{text}` (line {line})" for text, line in zip(texts, lines, strict=True))
     if found:
         raise UnknownElementError(f"Several variables have this name. Use one of {listed}.")
     if not known:

@@ -13,7 +13,7 @@ from lrp_jupyter.grading.batch import HowRun, grade_all
 from lrp_jupyter.grading.challenges import Challenge, challenge
 from lrp_jupyter.grading.criteria import Criterion, drives, no_faults
 from lrp_jupyter.grading.grade import Grade, grade
-from lrp_jupyter.grading.marks import Mark, Marks, csv_text, grade_class
+from lrp_jupyter.grading.marks import csv_text, grade_class
 from lrp_jupyter.grading.submissions import Submission, find_submissions
 from lrp_jupyter.grading.workers import run_jobs
 
@@ -220,9 +220,3 @@ def test_the_junit_file_has_a_test_for_each_run(marks):
         {"tests": "1", "failures": "0", "errors": "1"},
     ]
     assert "it drove 0.2" in root[1][0][0].get("message")
-
-
-def test_marks_know_the_faults_that_are_not_the_students(marks):
-    fault = Attempt("empty", 0, 0.0, (), ended="fault")
-    mark = Mark(Submission("a", "a.lrp", DRIVE), Grade("x", (fault,)))
-    assert Marks("x", (mark, *marks.marks), 10).faults == (fault,)
