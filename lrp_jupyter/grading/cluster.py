@@ -17,6 +17,7 @@ from lrp_jupyter.errors import LRPError, sentence_of
 
 __all__ = ["Cluster"]
 
+_LOCAL = "127.0.0.1:0"  # any port, for this machine only
 _CONNECTING = 20.0  # s until a scheduler must have answered
 _WITHOUT_WORKERS = 60.0  # s
 
@@ -56,7 +57,7 @@ class Cluster:
             try:
                 where: Any = _local(opened, processes) if address == "local" else address
                 self._client = opened.enter_context(_client(where))
-            except (OSError, ValueError) as error:
+            except (OSError, ValueError, RuntimeError) as error:
                 raise LRPError(
                     f"There is no Dask scheduler at `{address}`: {sentence_of(error)} Start one with "
                     "`dask scheduler`, which prints its address, or write `local`."
@@ -127,7 +128,7 @@ def _client(where: Any) -> Any:
 
 
 def _local(opened: ExitStack, processes: int) -> Any:
-    """Start a cluster on this machine: a process for each of its workers, and no dashboard."""
+    """Start a cluster on this machine: a process for each of its workers, all for this machine only."""
     import distributed
 
     folder = opened.enter_context(tempfile.TemporaryDirectory(prefix="lrp-dask-", ignore_cleanup_errors=True))
@@ -137,7 +138,8 @@ def _local(opened: ExitStack, processes: int) -> Any:
             threads_per_worker=1,
             processes=True,
             host="127.0.0.1",
-            dashboard_address=None,
+            dashboard_address=_LOCAL,
+            worker_dashboard_address=_LOCAL,
             local_directory=folder,
         )
     )
