@@ -15,7 +15,7 @@ from typing import Any
 
 from lrp_jupyter.errors import LRPError, sentence_of
 
-__all__ = ["Cluster"]
+__all__ = ["Cluster", "local_cluster"]
 
 _LOCAL = "127.0.0.1:0"  # any port, for this machine only
 _CONNECTING = 20.0  # s until a scheduler must have answered
@@ -55,7 +55,7 @@ class Cluster:
         self._lost = distributed.scheduler.KilledWorker
         with ExitStack() as opened:
             try:
-                where: Any = _local(opened, processes) if address == "local" else address
+                where: Any = local_cluster(opened, processes) if address == "local" else address
                 self._client = opened.enter_context(_client(where))
             except (OSError, ValueError, RuntimeError) as error:
                 raise LRPError(
@@ -127,7 +127,7 @@ def _client(where: Any) -> Any:
     return distributed.Client(where, timeout=_CONNECTING)  # type: ignore[no-untyped-call]
 
 
-def _local(opened: ExitStack, processes: int) -> Any:
+def local_cluster(opened: ExitStack, processes: int) -> Any:
     """Start a cluster on this machine: a process for each of its workers, all for this machine only."""
     import distributed
 
