@@ -191,6 +191,9 @@ class _Processors:
         self._pool.shutdown()
 
 
+_ENDING = 5.0  # s that a worker has to end by itself
+
+
 class _Worker:
     """The near end of a worker.
 
@@ -217,17 +220,30 @@ class _Worker:
         try:
             send(self.process.stdin, request)
             return receive(self.process.stdout)
-        except OSError:
+        except (OSError, ValueError):  # a ValueError: the pipe was closed by `stop`
             return b""
 
+    def stop(self) -> None:
+        """Let the process end soon, and the run that it makes.
+
+        A worker that is killed could not end the process that it has forked for a run.
+        """
+        assert self.process.stdin is not None
+        if hasattr(os, "fork"):
+            with suppress(OSError):
+                self.process.stdin.close()
+        else:
+            self.process.kill()
+
     def end(self) -> None:
-        """End the process, and the run that it makes."""
-        for pipe in (self.process.stdin, self.process.stdout):
-            if pipe is not None:
-                with suppress(OSError):
-                    pipe.close()
+        """Wait for the end of the process and of the run that it makes."""
+        assert self.process.stdout is not None
+        self.stop()
+        with suppress(subprocess.TimeoutExpired):
+            self.process.wait(_ENDING)
         self.process.kill()
         self.process.wait()
+        self.process.stdout.close()
 
 
 _lock = threading.Lock()
@@ -244,12 +260,14 @@ def answer(request: bytes, halt: threading.Event | None = None) -> bytes:
             _workers.append(worker)
         worker.serves = halt
     answer = b"" if halt.is_set() else worker.ask(request)
+    is_lost = not answer or halt.is_set()
     with _lock:
         worker.serves = None
-        if not answer and worker in _workers:
+        if is_lost and worker in _workers:
             _workers.remove(worker)
-    if not answer:
+    if is_lost:
         worker.end()
+        return b""
     return answer
 
 
@@ -281,7 +299,7 @@ def halt_runs(halt: threading.Event) -> None:
         stopped = [worker for worker in _workers if worker.serves is halt]
         _workers[:] = [worker for worker in _workers if worker.serves is not halt]
     for worker in stopped:
-        worker.process.kill()
+        worker.stop()
 
 
 def close_workers() -> None:

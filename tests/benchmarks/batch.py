@@ -1,8 +1,9 @@
 """How long a class and a sweep take, on one processor, all, and a cluster: run this file as a script.
 
 Each row of a table is the same batch, and its results are compared with those of the first row. Times are
-wall seconds, because it is about processors that wait: measure on a machine that does nothing else. The cluster
-is one of Dask (the extra `batch`) on this machine, with a worker for each processor; its start does not count.
+wall seconds, because it is about processors that wait: measure on a machine that does nothing else. The
+cluster is one of Dask (the extra `batch`) on this machine, with a worker for each processor; its start does
+not count.
 """
 
 from __future__ import annotations

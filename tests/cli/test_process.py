@@ -161,10 +161,12 @@ def is_running(pid):
         return False
 
 
-def test_a_grading_that_is_killed_leaves_no_run_behind(process, program, waiting):
+@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGINT])
+def test_a_grading_that_is_killed_or_interrupted_leaves_no_run_behind(process, program, waiting, number):
     graded = process("grade", program(HOLDS), "--challenge", "there and back", "--limit", "600")
     started = waiting(lambda: len(found := descendants(graded.pid)) >= 2 and found, "the run")
-    graded.kill()
+    graded.send_signal(number)
+    assert graded.wait() == {signal.SIGKILL: -9, signal.SIGINT: 130}[number]
     waiting(lambda: not any(map(is_running, started)), "their end")
 
 
