@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from lrp_jupyter.errors import SessionClosedError as SessionClosedError
     from lrp_jupyter.errors import UnknownElementError as UnknownElementError
     from lrp_jupyter.grading.grade import grade as grade
+    from lrp_jupyter.grading.sweep import sweep as sweep
     from lrp_jupyter.graph.state_graph import state_graph as state_graph
     from lrp_jupyter.interpreter.frame import Frame as Frame
     from lrp_jupyter.interpreter.interpreter import Interpreter as Interpreter
@@ -72,6 +73,7 @@ _HOMES = {
     "live.checking": ("check",),
     "live.clock": ("VirtualClock",),
     "grading.grade": ("grade",),
+    "grading.sweep": ("sweep",),
     "live.session": ("Session",),
     "sim": ("World",),
     "graph.state_graph": ("state_graph",),
@@ -108,6 +110,7 @@ __all__ = [
     "grade",
     "parse",
     "state_graph",
+    "sweep",
     "to_source",
 ]
 

@@ -1,4 +1,4 @@
-"""The command line: ``lrp run | check | format | graph | grade`` and lists of what can be chosen.
+"""The command line: ``lrp run | check | format | graph | grade | sweep`` and lists of what can be chosen.
 
 A usage error or a fault in the user's files is one sentence on stderr and a documented exit code; a
 traceback means a fault of this package. What a command needs is imported when it is called, so that

@@ -92,7 +92,7 @@ def lrp(
     **Exit codes**: 0 when all went well; 1 when a text has errors, or what was demanded of a program did not
     happen; 2 when an argument is wrong, or a file or robot cannot be used; 3 for a fault of this package; 130
     after Ctrl-C; 154 when a call of C that cannot be interrupted has exceeded a limit. The help of `run`,
-    `check`, `format`, `graph` and `grade` has the details.
+    `check`, `format`, `graph`, `grade` and `sweep` has the details.
     """
 
 
@@ -394,46 +394,156 @@ def graph(
     raise typer.Exit(draw_graph(file, machine, form.value if form else None, output))
 
 
-@app.command()
+Challenge = Annotated[
+    str | None,
+    typer.Option(
+        metavar="NAME",
+        autocompletion=complete.challenges,
+        help="A challenge, or a Python file that registers one; default: that of the program's heading.",
+    ),
+]
+Limit = Annotated[
+    float, typer.Option(metavar="SECONDS", min=0.1, help="Wall-clock seconds that one run may take.")
+]
+Memory = Annotated[
+    float, typer.Option(metavar="MEGABYTES", min=1, help="Memory that one run may need (on Linux).")
+]
+Processes = Annotated[
+    int | None,
+    typer.Option("--jobs", metavar="N", min=1, help="Runs at the same time; default: one per processor."),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        metavar="ADDRESS",
+        help="Make the runs on a Dask cluster, such as `tcp://10.0.0.5:8786`; `local`: one on this machine.",
+    ),
+]
+
+GRADE_EPILOG = """
+**A class**: `lrp grade FOLDER --challenge square --seeds 20 --out marks.csv` grades every submission in a
+folder: each `*.lrp` and `*.ipynb` file and, for each student with a folder, the program in it (as Moodle and
+nbgrader lay them out). Of a notebook, the last `%%lrp` cell with `--challenge square` counts, or the only
+`%%lrp` cell. A program that hangs, crashes or cannot be read costs only its own mark, and is not run again.
+
+**Files**: `--out marks.csv` is for a spreadsheet and has a row for each submission; `.json` has every run
+with its criteria, hints and path; `.xml` is JUnit's format, with a test for each run. `--out` can be
+repeated.
+
+**Exit code**: 0 when every run of the one file met every criterion, or when all submissions of a class were
+graded, whatever their marks are; 1 when the one file does not pass; 2 when a file or challenge does not exist
+or a file cannot be written; 3 for a fault of this package; 130 after Ctrl-C.
+"""
+
+
+@app.command(epilog=GRADE_EPILOG)
 def grade(
-    file: Annotated[
-        str | None,
+    files: Annotated[
+        list[str] | None,
         typer.Argument(
-            metavar="FILE",
-            help="A file, the name of a bundled program, or `-` for stdin.",
+            metavar="FILE|FOLDER...",
+            help="A file, the name of a bundled program, or `-` for stdin; several, or a folder of a class.",
             autocompletion=complete.sources,
         ),
     ] = None,
-    challenge: Annotated[
-        str | None,
-        typer.Option(metavar="NAME", autocompletion=complete.challenges, help="The challenge to run it in."),
-    ] = None,
+    challenge: Challenge = None,
     seeds: Annotated[
-        int, typer.Option(metavar="N", min=1, help="Number of runs in each world, each with different noise.")
-    ] = 1,
-    limit: Annotated[
-        float,
-        typer.Option(metavar="SECONDS", min=0.1, help="Wall-clock seconds that one run may take."),
-    ] = 60,
+        int | None,
+        typer.Option(
+            metavar="N",
+            min=1,
+            help="Number of runs in each world, each with different noise; default: the challenge's.",
+        ),
+    ] = None,
+    out: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="Write the marks as `.csv`, `.json` or `.xml`."),
+    ] = None,
+    limit: Limit = 60,
+    memory: Memory = 1000,
+    jobs: Processes = None,
+    scheduler: Scheduler = None,
 ) -> None:
-    """Grade a program in a challenge; without arguments, list the challenges.
-
-    **Exit code**: 0 when every run met every criterion, 1 when not, or when a run took longer than the limit,
-    2 when the file or challenge does not exist, 130 after Ctrl-C, 154 when one call of C did not return
-    within the limit: the stacks that are printed then show its line.
-    """
-    if file is None or challenge is None:
+    """Grade programs in a challenge; without arguments, list the challenges."""
+    if files and len(files) == 1 and challenge is None:
+        challenge = _challenge_in(files[0])
+    if not files or challenge is None:
         from lrp_jupyter.cli.lists import list_challenges
 
-        if file is not None:
+        if files:
             typer.echo("lrp: No challenge was named. Choose one with `--challenge NAME`.\n", err=True)
         elif challenge is not None:
             typer.echo("lrp: No file was named. Write `lrp grade FILE --challenge NAME`.\n", err=True)
         list_challenges()
-        raise typer.Exit(2 if file is not None or challenge is not None else 0)
-    from lrp_jupyter.cli.offline import grade_file
+        raise typer.Exit(2 if files or challenge is not None else 0)
+    from lrp_jupyter.cli.batches import grade_files
+    from lrp_jupyter.grading.batch import HowRun
 
-    raise typer.Exit(grade_file(file, challenge, seeds, limit))
+    raise typer.Exit(grade_files(files, challenge, seeds, out or [], HowRun(limit, memory, jobs, scheduler)))
+
+
+def _challenge_in(file: str) -> str | None:
+    """Return the challenge that a program names in its heading; None for a folder or a notebook."""
+    from lrp_jupyter.cli.source import read_source
+
+    if Path(file).is_dir() or file.endswith(".ipynb"):
+        return None
+    return read_source(file).challenge
+
+
+SWEEP_EPILOG = """
+**Values**: `--set search=0.4:1.2:9` sets the variable `search` to nine values from 0.4 to 1.2, and `--set
+forward=0.1,0.2,0.3` to these three. Several `--set` give all combinations. A variable of a machine is named
+by its path, as in `follower/looking/lookalgo/time`, unless no other one has its name.
+
+**Result**: for each combination how many of all runs passed, the points, and the median and the longest time
+until a run was done. *Fastest* is the shortest median among the values with which the most runs pass; *most
+robust* is the middle of the longest row of neighbours with which the most runs pass.
+
+**Files**: `--out` writes the table as `.csv` or, with all runs, as `.json`. `--map` draws one variable as
+values by runs, coloured by time, and two as the share of the runs that passed.
+
+**Exit code**: 0 when the sweep is complete, 1 when the text is not a valid program, 2 when an argument is
+wrong or a file cannot be read or written, 3 for a fault of this package, 130 after Ctrl-C.
+"""
+
+
+@app.command(epilog=SWEEP_EPILOG)
+def sweep(
+    file: File,
+    assignments: Annotated[
+        list[str],
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUES",
+            autocompletion=complete.variables,
+            help="Initial values of a variable: `FROM:TO:COUNT` or `A,B,…`; can be repeated.",
+        ),
+    ],
+    challenge: Challenge = None,
+    seeds: Annotated[
+        int, typer.Option(metavar="N", min=1, help="Number of runs in each world, each with different noise.")
+    ] = 30,
+    out: Annotated[
+        list[Path] | None, typer.Option(metavar="FILE", help="Write the result as `.csv` or `.json`.")
+    ] = None,
+    map_: Annotated[
+        Path | None, typer.Option("--map", metavar="FILE", help="Draw a heat map as `.svg`.")
+    ] = None,
+    limit: Limit = 60,
+    memory: Memory = 1000,
+    jobs: Processes = None,
+    scheduler: Scheduler = None,
+) -> None:
+    """Grade a program with other initial values of its variables, to find fast and robust ones."""
+    challenge = challenge or _challenge_in(file)
+    if challenge is None:
+        raise LRPError("No challenge was named. Choose one with `--challenge NAME`; `lrp grade` lists them.")
+    from lrp_jupyter.cli.batches import sweep_file
+    from lrp_jupyter.grading.batch import HowRun
+
+    how = HowRun(limit, memory, jobs, scheduler)
+    raise typer.Exit(sweep_file(file, challenge, assignments, seeds, out or [], map_, how))
 
 
 @app.command()

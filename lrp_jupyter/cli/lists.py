@@ -14,17 +14,27 @@ from lrp_jupyter.cli.excerpt import plain_console
 from lrp_jupyter.codes import CODES, explain
 from lrp_jupyter.errors import BridgeError, LRPError
 
-__all__ = ["explain_code", "list_bridges", "list_challenges", "list_programs", "list_worlds"]
+__all__ = [
+    "explain_code",
+    "list_bridges",
+    "list_challenges",
+    "list_programs",
+    "list_worlds",
+    "show_table",
+    "table_of",
+]
 
 
-def _table(*columns: str) -> Table:
+def table_of(*columns: str) -> Table:
+    """Return an empty table whose last column takes what room there is."""
     table = Table(box=None, pad_edge=False, header_style="dim", padding=(0, 3, 0, 0))
     for column in columns:
         table.add_column(column, no_wrap=column is not columns[-1])
     return table
 
 
-def _show(table: Table) -> None:
+def show_table(table: Table) -> None:
+    """Print a table."""
     console = Console(highlight=False, markup=False, emoji=False)
     if not console.is_terminal:
         console.width = 200  # one line each, for other programs to read
@@ -36,11 +46,11 @@ def list_programs(show: str | None) -> None:
     if show is not None:
         sys.stdout.write(programs.load(show))
         return
-    table = _table("program", "world", "what it does")
+    table = table_of("program", "world", "what it does")
     for name in programs.names():
         heading = programs.heading(programs.load(name))
         table.add_row(Text(name, "bold"), heading.world or "", Text(heading.description))
-    _show(table)
+    show_table(table)
 
 
 def list_worlds(show: str | None, as_json: bool) -> None:
@@ -49,11 +59,11 @@ def list_worlds(show: str | None, as_json: bool) -> None:
     from lrp_jupyter.sim.worlds import BUNDLED, DESCRIPTIONS, load
 
     if show is None:
-        table = _table("world", "metres", "what it is")
+        table = table_of("world", "metres", "what it is")
         for name in BUNDLED:
             width, depth = load(name).size
             table.add_row(Text(name, "bold"), f"{width:.3g} x {depth:.3g}", Text(DESCRIPTIONS[name]))
-        _show(table)
+        show_table(table)
         return
     try:
         world = load(show)
@@ -82,7 +92,7 @@ def list_bridges() -> None:
     """Print the available bridges."""
     from lrp_jupyter.bridges.discovery import find_bridges
 
-    table = _table("bridge", "from", "what it is")
+    table = table_of("bridge", "from", "what it is")
     for name, offer in find_bridges().items():
         try:
             bridge = offer.load()
@@ -91,17 +101,17 @@ def list_bridges() -> None:
         except BridgeError as error:
             words = str(error)
         table.add_row(Text(name, "bold"), offer.origin, Text(words))
-    _show(table)
+    show_table(table)
 
 
 def list_challenges() -> None:
     """Print the available challenges."""
     from lrp_jupyter.grading.challenges import challenges
 
-    table = _table("challenge", "what the robot has to do")
+    table = table_of("challenge", "what the robot has to do")
     for each in challenges():
         table.add_row(Text(each.name, "bold"), Text(each.task))
-    _show(table)
+    show_table(table)
 
 
 def explain_code(word: str | None) -> None:
@@ -109,7 +119,7 @@ def explain_code(word: str | None) -> None:
     if word is not None:
         sys.stdout.write("\n\n\n".join(map(str, explain(word))) + "\n")
         return
-    table = _table("code", "what it is", "what it says")
+    table = table_of("code", "what it is", "what it says")
     for each in CODES.values():
         table.add_row(Text(each.code, "bold"), Text(each.kind), Text(each.title))
-    _show(table)
+    show_table(table)

@@ -1,4 +1,4 @@
-"""``lrp check | format | graph | grade``: commands that read a program, print a result and end."""
+"""``lrp check | format | graph``: commands that read a program, print a result and end."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from rich.text import Text
 from lrp_jupyter import programs
 from lrp_jupyter.bridges.discovery import choose_bridge, make_bridge
 from lrp_jupyter.cli.excerpt import finding_text, plain_console, summary
-from lrp_jupyter.cli.lock import watched_lock
 from lrp_jupyter.cli.source import Source, read_source
 from lrp_jupyter.codes import address_of
 from lrp_jupyter.errors import FileError, LRPError, LRPSyntaxError, UnknownElementError, did_you_mean
@@ -25,7 +24,7 @@ from lrp_jupyter.language.program import Finding, Program, path_text
 from lrp_jupyter.language.robot import RobotMembers
 from lrp_jupyter.live.checking import members_of, members_of_world
 
-__all__ = ["Format", "check_files", "draw_graph", "format_files", "grade_file"]
+__all__ = ["Format", "check_files", "draw_graph", "format_files"]
 
 Format = Literal["svg", "dot", "mermaid", "json"]
 _SUFFIXES: dict[str, Format] = {
@@ -211,19 +210,3 @@ def _rendered(program: Program, machine: str | None, kind: Format) -> str:
 
     write = dot if kind == "dot" else mermaid
     return write(find_machine(program, path) if path else program)
-
-
-def grade_file(file: str, name: str, seeds: int, limit: float) -> int:
-    """Run a file in every world of a challenge with `seeds` seeds; return 1 if it does not pass."""
-    from lrp_jupyter.grading.challenges import load
-    from lrp_jupyter.grading.grade import grade
-
-    task, source = load(name), read_source(file)
-    with watched_lock(limit):
-        result = grade(source.text, task, seeds, limit=limit)
-    report = Text(f"{source.name}, {result}")
-    report.highlight_regex(r"✓", "green")
-    report.highlight_regex(r"✗", "bold red")
-    report.highlight_regex(r"(?m)^Hint:", "bold yellow")
-    plain_console().print(report)
-    return int(not result.passed)

@@ -7,19 +7,20 @@ while the text and every position in it stay the same.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal, NamedTuple
 
 import typer
 
-from lrp_jupyter.errors import UnknownElementError, did_you_mean
+from lrp_jupyter.errors import UnknownElementError
 from lrp_jupyter.language.blocks import facts_of, faults_of
+from lrp_jupyter.language.initials import find_variable
 from lrp_jupyter.language.program import Machine, Path, Program, State, Variable, path_text
 from lrp_jupyter.live.loop import FASTEST, SLOWEST
 
-__all__ = ["Assignment", "RunOptions", "parse_options", "with_initials"]
+__all__ = ["Assignment", "RunOptions", "pairs_of", "parse_options", "with_initials"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,14 +97,21 @@ def parse_options(
         rate=rate,
         seconds=math.inf if seconds is None else seconds,
         speed=_speed(speed),
-        noise={name: _number(text, f"--noise {name}") for name, text in _pairs(noise, "--noise")},
-        assignments=tuple(_assignment(name, text) for name, text in _pairs(assignments, "--set")),
-        answers=dict(_pairs(answers, "--option")),
+        noise={name: _number(text, f"--noise {name}") for name, text in pairs_of(noise, "--noise")},
+        assignments=tuple(_assignment(name, text) for name, text in pairs_of(assignments, "--set")),
+        answers=dict(pairs_of(answers, "--option")),
         **others,
     )
 
 
-def _pairs(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
+def pairs_of(texts: Sequence[str], option: str) -> list[tuple[str, str]]:
+    """Return the names and values of the texts ``NAME=VALUE`` of an option.
+
+    Raises
+    ------
+    typer.BadParameter
+        A text has no name or no ``=``.
+    """
     pairs = []
     for text in texts:
         name, equals, value = text.partition("=")
@@ -153,7 +161,10 @@ def with_initials(program: Program, assignments: Sequence[Assignment]) -> Progra
         The variable does not exist, or several have that name.
     """
     for variable, expression in assignments:
-        path = _full_path(program, variable)
+        try:
+            path, _ = find_variable(program, variable)
+        except UnknownElementError as error:
+            raise UnknownElementError(f"--set {path_text(variable)}: {error}") from None
 
         def changed(old: Variable, text: str = expression) -> Variable:
             return replace(old, initial=replace(old.initial, text=text))
@@ -163,30 +174,6 @@ def with_initials(program: Program, assignments: Sequence[Assignment]) -> Progra
         else:
             program = replace(program, machines=_inside(program.machines, path, changed))
     return program
-
-
-def _full_path(program: Program, wanted: Path) -> Path:
-    known = list(_variables(program))
-    if wanted in known:
-        return wanted
-    found = [path for path in known if path[-1:] == wanted]
-    if len(found) == 1:
-        return found[0]
-    texts = [path_text(path) for path in (found or known)]
-    listed = ", ".join(f"`{text}`" for text in texts)
-    name = path_text(wanted)
-    if found:
-        raise UnknownElementError(f"--set {name}: Several variables have this name. Use one of {listed}.")
-    if not known:
-        raise UnknownElementError(f"--set {name}: The program has no variables.")
-    hint = did_you_mean(name, [*texts, *(path[-1] for path in known)]) or f" It has {listed}."
-    raise UnknownElementError(f"--set {name}: The program has no such variable.{hint}")
-
-
-def _variables(program: Program) -> Iterator[Path]:
-    yield from ((str(variable.name),) for variable in program.variables)
-    for path, machine in program.walk():
-        yield from ((*path, str(variable.name)) for variable in machine.variables)
 
 
 Change = Callable[[Variable], Variable]

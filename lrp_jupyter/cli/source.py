@@ -35,6 +35,11 @@ class Source(NamedTuple):
     path: Path | None = None
 
     @property
+    def challenge(self) -> str | None:
+        """The challenge named in the text's heading."""
+        return programs.heading(self.text).challenge
+
+    @property
     def world(self) -> str | None:
         """The world named in the text's heading; a file name is relative to the program's folder."""
         return programs.world_of(self.text, self.path.parent if self.path is not None else None)

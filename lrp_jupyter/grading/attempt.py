@@ -21,7 +21,7 @@ from lrp_jupyter.sim.world import World
 
 __all__ = ["Attempt", "Job", "attempt", "failed"]
 
-Ended = Literal["", "text", "time", "memory", "crash"]
+Ended = Literal["", "text", "time", "memory", "crash", "fault"]
 
 
 @dataclass(frozen=True)
@@ -79,9 +79,9 @@ class Attempt(NamedTuple):
         For the mistakes that were found, the most important first.
     share : float
         Of the points, 0 to 1.
-    ended : {"", "text", "time", "memory", "crash"}
+    ended : {"", "text", "time", "memory", "crash", "fault"}
         Why there was no complete run: the text is not a valid program, it took too long to compute, it
-        needed too much memory, or its process ended.
+        needed too much memory, its process ended, or not the program failed but what runs and judges it.
     path : tuple of (x, y)
         Where the robot was, in metres.
     """

@@ -12,7 +12,7 @@ from typing import Any
 
 from lrp_jupyter.arguments import check_number, check_type
 from lrp_jupyter.errors import LRPError, sentence_of
-from lrp_jupyter.grading.criteria import EDITED, Criterion
+from lrp_jupyter.grading.criteria import Criterion
 from lrp_jupyter.grading.record import RunRecord, at_start
 from lrp_jupyter.sim.world import World, WorldError
 from lrp_jupyter.sim.worlds import load as load_world
@@ -125,11 +125,6 @@ class Challenge:
         """The text to begin with: the task and the name of the challenge in comments, then the starter."""
         lines = textwrap.wrap(self.task, 100, initial_indent="; ", subsequent_indent="; ")
         return "\n".join([*lines, f"; challenge: {self.name}", "", self.starter])
-
-    @property
-    def is_about_edits(self) -> bool:
-        """Whether a program has to be edited while it runs."""
-        return any(criterion.sentence == EDITED for criterion in self.criteria)
 
     @property
     def runs(self) -> tuple[tuple[str | World, int], ...]:

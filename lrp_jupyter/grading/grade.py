@@ -6,7 +6,7 @@ whether it passed and why, the points, and hints for typical mistakes.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -18,7 +18,7 @@ from lrp_jupyter.grading.workers import run_jobs
 from lrp_jupyter.live.session import Session
 from lrp_jupyter.sim.world import World
 
-__all__ = ["Grade", "grade", "jobs_of"]
+__all__ = ["Grade", "grade", "jobs_of", "namespace_of", "text_of"]
 
 
 @dataclass(frozen=True)
@@ -29,8 +29,11 @@ class Grade:
     ----------
     challenge : str
     attempts : tuple of Attempt
+        In the order of worlds and seeds. One that did not come to its end is the last one.
     out_of : float
         The points for a program that passes.
+    runs : int
+        How many there would be; those that were not made earn nothing.
     needed : float
         Share of the runs that have to pass, 0 to 1.
     """
@@ -38,20 +41,34 @@ class Grade:
     challenge: str
     attempts: tuple[Attempt, ...] = field(default=(), repr=False)
     out_of: float = 10
+    runs: int = 0
     needed: float = 1.0
+
+    @classmethod
+    def of(cls, task: Challenge, made: Mapping[int, Attempt], runs: int) -> Grade:
+        """Return the grade for the runs that were made, given by their index; the first end is the last run.
+
+        Several runs are made at the same time, so some after that one may have been made.
+        """
+        attempts = []
+        for index in sorted(made):
+            attempts.append(made[index])
+            if made[index].ended:
+                break
+        return cls(task.name, tuple(attempts), task.points, runs, task.needed)
 
     @property
     def passed(self) -> bool:
         """Whether every run met every criterion, or as many runs as needed."""
         good = sum(attempt.passed for attempt in self.attempts)
-        return bool(self.attempts) and good >= self.needed * len(self.attempts) - 1e-9
+        return bool(self.attempts) and good >= self.needed * max(self.runs, len(self.attempts)) - 1e-9
 
     @property
     def points(self) -> float:
         """The points earned, to one decimal: the mean of the runs. Only a program that passes gets all."""
         if self.passed or not self.attempts:
             return self.out_of if self.passed else 0.0
-        mean = sum(attempt.share for attempt in self.attempts) / len(self.attempts)
+        mean = sum(attempt.share for attempt in self.attempts) / max(self.runs, len(self.attempts))
         return min(round(self.out_of * mean, 1), round(self.out_of - 0.1, 1))
 
     @property
@@ -148,7 +165,7 @@ def grade(
     attempts: dict[int, Attempt] = {}
     for index, attempt in run_jobs(jobs, memory, stop_at_end=True):
         attempts[index] = attempt
-    return Grade(task.name, tuple(attempts[index] for index in sorted(attempts)), task.points, task.needed)
+    return Grade.of(task, attempts, len(jobs))
 
 
 def jobs_of(
@@ -177,20 +194,21 @@ def jobs_of(
         task.check()
     if seeds is not None:
         task = replace(task, seeds=seeds if isinstance(seeds, int) else tuple(seeds))
-    texts = tuple(_text(each) for each in (program if isinstance(program, (list, tuple)) else [program]))
+    texts = tuple(text_of(each) for each in (program if isinstance(program, (list, tuple)) else [program]))
     if task.live and len(texts) == 1:
         texts = (task.beginning, *texts)
-    names = _namespace(program) if namespace is None else namespace
+    names = namespace_of(program) if namespace is None else namespace
     return task, [Job(texts, task, world, seed, limit, names) for world, seed in task.runs]
 
 
-def _namespace(program: Any) -> dict[str, Any]:
+def namespace_of(program: Any) -> dict[str, Any]:
     """Return the names that a session, or that of a lab, lets its blocks read."""
     session = getattr(program, "session", program)
     return session.namespace if isinstance(session, Session) else {}
 
 
-def _text(program: Any) -> str:
+def text_of(program: Any) -> str:
+    """Return the text of a program, a session or a lab, or the text that it is."""
     if isinstance(program, str):
         return program
     text = getattr(program, "text", None)  # a program, a session, a lab

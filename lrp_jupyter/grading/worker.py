@@ -92,9 +92,10 @@ def _forked(request: bytes, *pipes: IO[bytes]) -> bytes:
             made = made[os.write(writing, made) :]
         os._exit(0)
     os.close(writing)
-    answer: bytes | None = _read(reading, monotonic() + job.limit * 7 / 6 + _LOADING)
+    answer: bytes | None = _read(reading, pipes[0].fileno(), monotonic() + job.limit * 7 / 6 + _LOADING)
     with suppress(ProcessLookupError, PermissionError):
         os.killpg(child, signal.SIGKILL)  # and whatever it has started
+    os.kill(child, signal.SIGKILL)  # which is not waited for yet, so its id is still its own
     _, status = os.waitpid(child, 0)
     if answer is not None and _is_json(answer):
         return answer
@@ -114,12 +115,19 @@ def _is_json(answer: bytes) -> bool:
     return True
 
 
-def _read(pipe: int, end: float) -> bytes | None:
-    """Read until the other end is closed; None if that takes too long."""
+def _read(pipe: int, requests: int, end: float) -> bytes | None:
+    """Read until the other end is closed; None if that takes too long, or nobody waits for it any more.
+
+    No request comes before the answer to the last one, so if there is anything to read from that pipe, it
+    is its end: the process that wanted the run is gone.
+    """
     parts: list[bytes] = []
     with selectors.DefaultSelector() as selector:
         selector.register(pipe, selectors.EVENT_READ)
-        while selector.select(max(0.0, end - monotonic())):
+        selector.register(requests, selectors.EVENT_READ)
+        while ready := selector.select(max(0.0, end - monotonic())):
+            if any(key.fd == requests for key, _ in ready):
+                break
             part = os.read(pipe, 1 << 16)
             if not part:
                 os.close(pipe)

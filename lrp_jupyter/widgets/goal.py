@@ -35,8 +35,6 @@ __all__ = ["Goal"]
 _MEMORY = 1000.0  # MB that a run of a check may need
 _LIMIT = 30.0  # s that it may be computed
 _STORING = 0.5  # s in which a browser stores the text, before a check that may not return
-_VERSIONS = 20
-"""The last programs of a run that are run again where a challenge is about edits."""
 
 
 @dataclass
@@ -152,7 +150,7 @@ class Goal:
         return () if check is None or check.busy else self._grade(check).hints
 
     def _grade(self, check: _Check) -> Grade:
-        return Grade(self.task.name, check.attempts, self.task.points, self.task.needed)
+        return Grade.of(self.task, check.made, len(check.jobs))
 
     def _check_view(self, text: str) -> CheckView | None:
         check = self._check
@@ -180,11 +178,7 @@ class Goal:
         """Begin to run the text in every world of the challenge, with every seed; ends an earlier check."""
         if self._check is not None:
             halt_runs(self._check.halted)
-        texts = [text]
-        if self.task.is_about_edits and self._referee is not None:
-            ran = [program.text for program in self._referee.run.programs]
-            texts = [*(each for each in ran[-_VERSIONS:] if each != text), text]
-        _, jobs = jobs_of(texts, self.task, namespace=session.namespace, limit=_LIMIT)
+        _, jobs = jobs_of(text, self.task, namespace=session.namespace, limit=_LIMIT)
         check = _Check(text, jobs)
         self._check, self._hinted = check, 0
         if session.driver == "asyncio":

@@ -66,9 +66,15 @@ def test_challenges_are_listed_when_none_is_named(lrp):
     result = lrp("grade")
     listed = [name for name in _first_words(result.stdout) if name]  # without the second lines of tasks
     assert (result.exit_code, listed) == (0, [each.name for each in challenges()])
-    result = lrp("grade", "follower")
+    result = lrp("grade", "stopwatch")
     assert result.exit_code == 2
     assert "--challenge" in result.stderr
+
+
+def test_the_challenge_is_the_one_that_the_program_names(lrp):
+    result = lrp("grade", "edge-guard", "--seeds", "1")
+    assert result.exit_code == 0
+    assert result.stdout.startswith("edge-guard, edge guard: passed")
 
 
 def test_a_good_program_passes_with_every_seed(lrp):

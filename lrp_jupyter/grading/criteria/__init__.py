@@ -38,7 +38,6 @@ from lrp_jupyter.grading.criteria.places import (
     visits,
 )
 from lrp_jupyter.grading.criteria.program import (
-    EDITED,
     drives_on,
     edited,
     enters,
@@ -48,7 +47,6 @@ from lrp_jupyter.grading.criteria.program import (
 )
 
 __all__ = [
-    "EDITED",
     "Criterion",
     "Found",
     "State",

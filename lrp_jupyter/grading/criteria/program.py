@@ -5,9 +5,8 @@ from __future__ import annotations
 from lrp_jupyter.grading.criteria.criterion import Criterion, Found
 from lrp_jupyter.grading.record import RunRecord, Sample
 
-__all__ = ["EDITED", "drives_on", "edited", "enters", "never_restarts", "no_faults", "slows_to"]
+__all__ = ["drives_on", "edited", "enters", "never_restarts", "no_faults", "slows_to"]
 
-EDITED = "is edited while it runs"
 _SPAN = 2.0  # s, over which a speed is measured
 
 _Recent = tuple[tuple[float, float, int], ...]  # time, way, and version of the program
@@ -30,7 +29,7 @@ def edited(times: int = 1) -> Criterion:
         edits = max(0, len(run.programs) - 1)
         return Found(edits / times, {0: "no edit", 1: "1 edit"}.get(edits, f"{edits} edits"))
 
-    return Criterion(EDITED, judge, "once")
+    return Criterion("is edited while it runs", judge, "once")
 
 
 def slows_to(share: float, slack: float = 0.1) -> Criterion:

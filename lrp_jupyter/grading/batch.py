@@ -1,0 +1,92 @@
+"""Many programs for one challenge: all their runs, in all worlds and with all seeds, share the processors."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple
+
+from lrp_jupyter.arguments import check_number
+from lrp_jupyter.grading.attempt import Attempt, Job
+from lrp_jupyter.grading.challenges import Challenge
+from lrp_jupyter.grading.grade import Grade, jobs_of
+from lrp_jupyter.grading.workers import run_jobs
+
+__all__ = ["HowRun", "Progress", "grade_all"]
+
+Progress = Callable[[int, int], object]
+"""Called with the number of runs that need not be made any more, and the number of all runs."""
+
+
+class HowRun(NamedTuple):
+    """How the runs of a batch are made.
+
+    Parameters
+    ----------
+    limit : float
+        Wall seconds of computing that one run may take.
+    memory : float
+        Megabytes that one run may need more than at its beginning.
+    processes : int or None
+        How many runs at a time; default: one for each processor.
+    scheduler : str or None
+        The address of a Dask scheduler whose workers make the runs, or ``"local"``.
+    namespace : dict or None
+        Names that blocks can read.
+    """
+
+    limit: float = 60
+    memory: float = 1000
+    processes: int | None = None
+    scheduler: str | None = None
+    namespace: dict[str, Any] | None = None
+
+    def check(self) -> None:
+        """Raise a TypeError or ValueError if a number is not one, or too small."""
+        check_number("limit", self.limit, "a number of seconds", above=0)
+        check_number("memory", self.memory, "a number of megabytes", above=0)
+        if self.processes is not None:
+            check_number("processes", self.processes, "a number of processes", least=1)
+
+
+def grade_all(
+    texts: Sequence[str],
+    task: Challenge,
+    seeds: int | Iterable[int] | None = None,
+    how: HowRun = HowRun(),  # noqa: B008  (an immutable value)
+    progress: Progress = lambda done, of: None,
+) -> list[Grade]:
+    """Return the grades of programs, in their order.
+
+    A program that hangs, crashes or is not a valid program is not run again, and costs only its own grade; so
+    does a fault of the interpreter. Equal texts are run once.
+
+    Raises
+    ------
+    LRPError
+        The cluster cannot be reached.
+    """
+    how.check()
+    options: dict[str, Any] = {"limit": how.limit, "namespace": how.namespace}
+    of_text = {text: jobs_of(text, task, seeds, **options)[1] for text in texts}
+    count = max(map(len, of_text.values()), default=0)
+    order = [(text, number) for number in range(count) for text in of_text]
+    jobs: list[Job] = [of_text[text][number] for text, number in order]
+    made: defaultdict[str, dict[int, Attempt]] = defaultdict(dict)
+    ended: set[str] = set()
+    progress(0, len(jobs))
+    for index, attempt in run_jobs(
+        jobs,
+        how.memory,
+        stop_at_end=True,
+        keep_going=True,
+        processes=how.processes,
+        scheduler=how.scheduler,
+    ):
+        text, number = order[index]
+        made[text][number] = attempt
+        if attempt.ended:
+            ended.add(text)
+        progress(sum(count if text in ended else len(made[text]) for text in made), len(jobs))
+    grades = {text: Grade.of(task, made[text], count) for text in of_text}
+    return [grades[text] for text in texts]

@@ -1,0 +1,198 @@
+"""What students hand in: files, or a folder with a file or a sub-folder for each of them.
+
+A program is a file ``*.lrp``, or a ``%%lrp`` cell of a notebook. The layouts of Moodle and nbgrader, which
+have a folder for each student, are read as they are.
+"""
+
+from __future__ import annotations
+
+import json
+import re
+import shlex
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from lrp_jupyter.errors import FileError, LRPError
+from lrp_jupyter.files import read_text, shown
+from lrp_jupyter.grading.challenges import Challenge
+
+__all__ = ["Submission", "find_submissions", "read_submission"]
+
+_SUFFIXES = (".lrp", ".ipynb")
+_MOODLE = re.compile(r"_\d+_assignsubmission_.*")
+_CELL = re.compile(r"\s*%%lrp\b(.*)")
+
+
+class Submission(NamedTuple):
+    """A program that was handed in.
+
+    Parameters
+    ----------
+    student : str
+        The name of the student's folder or, where there is none, that of the file.
+    file : str
+        Its path; of several files among which none can be chosen, that of their folder.
+    text : str or None
+        None if it cannot be read.
+    problem : str
+        Why it cannot be read, a sentence.
+    """
+
+    student: str
+    file: str
+    text: str | None = None
+    problem: str = ""
+
+
+def find_submissions(paths: Sequence[str | Path], task: Challenge) -> list[Submission]:
+    """Return the submissions in files and folders; one that cannot be read says why.
+
+    Raises
+    ------
+    FileError
+        A path does not exist, or there is no submission in any of them.
+    """
+    found = []
+    for path in map(Path, paths):
+        if path.is_dir():
+            found += list(_in_folder(path, task))
+        elif path.exists():
+            found.append(_read(_student(path.stem), [path], path, task))
+        else:
+            raise FileError(f"`{shown(path)}` is neither a file nor a folder.")
+    if not found:
+        listed = ", ".join(f"`{shown(path)}`" for path in paths)
+        raise FileError(
+            f"There is no submission in {listed}. Put a file `NAME.lrp` or `NAME.ipynb` for each student "
+            "there, or a folder with one."
+        )
+    return found
+
+
+def _in_folder(folder: Path, task: Challenge) -> Iterator[Submission]:
+    """Yield the submissions of a class: files of the folder, and a folder for each student."""
+    for path in sorted(_visible(folder)):
+        if path.is_dir():
+            files = sorted(_programs(path))
+            if files:
+                yield _read(_student(path.name), files, path, task)
+        elif path.suffix in _SUFFIXES:
+            yield _read(_student(path.stem), [path], path, task)
+
+
+def _programs(folder: Path) -> Iterator[Path]:
+    """Yield the programs of one student, those in inner folders included; links are not followed."""
+    for path in _visible(folder):
+        if path.is_dir():
+            yield from _programs(path)
+        elif path.suffix in _SUFFIXES:
+            yield path
+
+
+def _visible(folder: Path) -> Iterator[Path]:
+    for path in folder.iterdir():
+        if not (path.name.startswith((".", "_")) or path.is_symlink()):
+            yield path
+
+
+def _student(name: str) -> str:
+    return _MOODLE.sub("", name)
+
+
+def _read(student: str, files: Sequence[Path], place: Path, task: Challenge) -> Submission:
+    """Return the submission that is in one of a student's files."""
+    readings = [_reading(student, file, task) for file in files]
+    fitting = [each for each in readings if each.text is not None and _fits(Path(each.file), each.text, task)]
+    if len(files) == 1:
+        return readings[0]
+    readable = fitting or [each for each in readings if each.text is not None]
+    if len(readable) == 1:
+        return readable[0]
+    names = ", ".join(f"`{file.relative_to(place)}`" for file in files)
+    if not readable:
+        problem = f"None of {names} can be read as a program for `{task.name}`. {readings[0].problem}"
+    else:
+        problem = (
+            f"There are several programs: {names}. Name the one to be graded `{_slug(task.name)}.lrp`, or "
+            "remove the others."
+        )
+    return Submission(student, str(place), problem=problem)
+
+
+def _fits(file: Path, text: str, task: Challenge) -> bool:
+    """Return whether a file says by its name or its cells that it is for a challenge."""
+    return _slug(_student(file.stem)) == _slug(task.name) or (
+        file.suffix == ".ipynb" and any(_is_for(options, task) for options, _ in _cells(file))
+    )
+
+
+def _reading(student: str, file: Path, task: Challenge) -> Submission:
+    try:
+        return Submission(student, str(file), read_submission(file, task))
+    except LRPError as error:
+        return Submission(student, str(file), problem=str(error))
+
+
+def read_submission(file: Path, task: Challenge) -> str:
+    """Return the program in a file: its text or, of a notebook, that of the ``%%lrp`` cell for a challenge.
+
+    This is the last cell with the challenge as its option, or else the only ``%%lrp`` cell.
+
+    Raises
+    ------
+    FileError
+        The file cannot be read, or it is not clear which cell is meant.
+    """
+    if file.suffix != ".ipynb":
+        return read_text(file)
+    cells = _cells(file)
+    fitting = [text for options, text in cells if _is_for(options, task)]
+    if fitting:
+        return fitting[-1]
+    if len(cells) == 1:
+        return cells[0][1]
+    what = "no `%%lrp` cell" if not cells else f"{len(cells)} `%%lrp` cells, and none is for this challenge"
+    raise FileError(
+        f"`{shown(file)}` has {what}. Begin the cell to be graded with "
+        f"`%%lrp {_slug(task.name)} --challenge {shlex.quote(task.name)}`."
+    )
+
+
+def _cells(file: Path) -> list[tuple[list[str], str]]:
+    """Return the words after ``%%lrp`` and the program of each such cell of a notebook."""
+    try:
+        notebook: Any = json.loads(read_text(file))
+        sources = ["".join(cell["source"]) for cell in notebook["cells"] if cell.get("cell_type") == "code"]
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+        raise FileError(
+            f"`{shown(file)}` is not a notebook that can be read. Save it again in Jupyter."
+        ) from error
+    found = []
+    for source in sources:
+        head, _, text = source.lstrip().partition("\n")
+        cell = _CELL.match(head)
+        if cell is not None and text.strip():
+            found.append((_words(cell[1]), text))
+    return found
+
+
+def _words(line: str) -> list[str]:
+    try:
+        return shlex.split(line)
+    except ValueError:  # a quotation mark is not closed
+        return line.split()
+
+
+def _is_for(words: Sequence[str], task: Challenge) -> bool:
+    """Return whether the options of a cell name a challenge."""
+    for number, word in enumerate(words):
+        key, equals, value = word.partition("=")
+        if key == "--challenge":
+            named = value if equals else next(iter(words[number + 1 :]), "")
+            return _slug(named) == _slug(task.name)
+    return False
+
+
+def _slug(name: str) -> str:
+    return re.sub(r"[\W_]+", "-", name.casefold()).strip("-")

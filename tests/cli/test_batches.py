@@ -1,0 +1,134 @@
+"""``lrp grade`` with the programs of a class."""
+
+import csv
+import json
+
+import pytest
+
+from lrp_jupyter.cli.batches import parse_axes
+
+DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
+CRASH = DRIVE.replace("robot.move(linear=0.2)", "import os; os.abort()")
+
+
+@pytest.fixture
+def group(tmp_path):
+    folder = tmp_path / "group"
+    folder.mkdir()
+    (folder / "ada.lrp").write_text(DRIVE)
+    (folder / "bob.lrp").write_text(CRASH)
+    (folder / "carl.lrp").write_bytes(b"\xff")
+    return folder
+
+
+def test_a_class_is_graded_into_files_and_listed(lrp, group, tmp_path):
+    out = [tmp_path / f"marks.{suffix}" for suffix in ("csv", "json", "xml")]
+    options = [word for path in out for word in ("--out", path)]
+    result = lrp("grade", group, "--challenge", "first move", "--seeds", "2", *options)
+    assert result.exit_code == 0
+    with out[0].open(encoding="utf-8-sig", newline="") as file:
+        assert [row["points"] for row in csv.DictReader(file)] == ["10", "0.0", "0.0"]
+    assert len(json.loads(out[1].read_text("utf-8"))["submissions"]) == 3
+    assert out[2].read_text("utf-8").startswith("<?xml")
+    rows = [line.split() for line in result.stdout.splitlines()]
+    assert rows[1][:4] == ["ada", "10", "of", "10"]
+    assert "first move: 1 of 3 passed; 3.3 of 10 points on average" in result.stdout
+    assert "grading: 4 of 4 runs" in result.stderr
+
+
+def test_several_files_are_a_class_and_one_file_is_explained(lrp, group, tmp_path):
+    result = lrp("grade", group / "ada.lrp", group / "bob.lrp", "--challenge", "first move")
+    assert (result.exit_code, "1 of 2 passed" in result.stdout) == (0, True)
+    result = lrp("grade", group / "bob.lrp", "--challenge", "first move", "--out", tmp_path / "a.json")
+    assert (result.exit_code, "runs to its end: The process" in result.stdout) == (1, True)
+    assert json.loads((tmp_path / "a.json").read_text("utf-8"))["submissions"][0]["student"] == "bob"
+
+
+def test_one_file_that_cannot_be_read_is_a_sentence(lrp, group):
+    result = lrp("grade", group / "carl.lrp", "--challenge", "first move")
+    assert result.exit_code == 2
+    assert result.stderr.startswith("lrp: `")
+    assert "is not valid UTF-8" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("out", "words"),
+    [
+        ("marks.xls", "the name must end with `.csv`, `.json` or `.xml`."),
+        ("nowhere/marks.csv", "there is no such folder. Create it first."),
+    ],
+)
+def test_a_file_that_could_not_be_written_is_refused_before_anything_runs(lrp, group, tmp_path, out, words):
+    result = lrp("grade", group, "--challenge", "first move", "--out", tmp_path / out)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert words in result.stderr
+
+
+def test_an_unreachable_cluster_is_a_sentence(lrp, group):
+    result = lrp("grade", group, "--challenge", "first move", "--scheduler", "nonsense://here")
+    assert result.exit_code == 2
+    assert "There is no Dask scheduler at `nonsense://here`" in result.stderr
+
+
+# -- lrp sweep -------------------------------------------------------------------------------------
+
+SWEPT = "(var v := [0.1]) (machine m (state a (running [robot.move(linear=v)]))) (spawn m a)"
+
+
+def test_a_sweep_prints_a_table_and_writes_files(lrp, program, tmp_path):
+    files = [tmp_path / name for name in ("table.csv", "all.json", "map.svg")]
+    options = ["--out", files[0], "--out", files[1], "--map", files[2]]
+    result = lrp(
+        "sweep",
+        program(SWEPT),
+        "--set",
+        "v=0.02:0.2:4",
+        "--challenge",
+        "first move",
+        "--seeds",
+        "1",
+        *options,
+    )
+    assert result.exit_code == 0
+    rows = [line.split() for line in result.stdout.splitlines()]
+    assert [row[0] for row in rows[1:5]] == ["0.02", "0.08", "0.14", "0.2"]
+    assert "Fastest: v = 0.2 (1 of 1 runs passed" in result.stdout
+    with files[0].open(encoding="utf-8-sig", newline="") as file:
+        assert [row["passed"] for row in csv.DictReader(file)] == ["0", "1", "1", "1"]
+    assert len(json.loads(files[1].read_text("utf-8"))["points"]) == 4
+    assert files[2].read_text("utf-8").startswith("<svg")
+
+
+def test_a_sweep_shows_what_is_wrong_with_a_text_that_is_not_a_program(lrp, program):
+    result = lrp("sweep", program("(var v := [1]"), "--set", "v=1,2", "--challenge", "first move")
+    assert result.exit_code == 1
+    assert "my.lrp:1:1: error LRP101" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (["--set", "w=1,2"], "`w` cannot be swept: The program has no such variable. It has `v` (line 1)."),
+        (["--set", "v=1:2"], "takes FROM:TO:COUNT"),
+        (["--set", "v=1:2:1"], "a count of 2 to 1,000"),
+        (["--set", "v=1:inf:3"], "takes FROM:TO:COUNT"),
+        (["--set", "v=fast"], "takes numbers, or texts in quotation marks"),
+        (["--set", "v"], "--set takes NAME=VALUE"),
+        (["--set", "v=1", "--set", "v=2"], "is given twice"),
+        (
+            ["--set", "a=1", "--set", "b=1", "--set", "c=1", "--map", "m.svg"],
+            "--map draws one or two variables",
+        ),
+        (["--set", "v=1", "--map", "m.png"], "the name must end with `.svg`."),
+        (["--set", "v=1", "--out", "m.txt"], "the name must end with `.csv` or `.json`."),
+    ],
+)
+def test_a_wrong_option_of_a_sweep_is_a_sentence(lrp, program, options, words):
+    result = lrp("sweep", program(SWEPT), "--challenge", "first move", *options)
+    assert result.exit_code == 2
+    assert words in " ".join(result.stderr.replace("│", " ").split())
+
+
+def test_values_of_a_sweep_are_steps_without_rounding_noise_or_a_list():
+    assert parse_axes(["v=0.4:1.2:9"]) == {"v": (0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2)}
+    assert parse_axes(["m/a/v=1, 2.5", "w='a'"]) == {"m/a/v": (1, 2.5), "w": ("a",)}

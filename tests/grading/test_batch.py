@@ -1,0 +1,222 @@
+"""Many programs and seeds at once: what hangs, crashes or cannot be read costs only itself."""
+
+import csv
+import io
+import json
+from xml.etree import ElementTree
+
+import pytest
+
+from lrp_jupyter.errors import FileError
+from lrp_jupyter.grading.attempt import Attempt, Job
+from lrp_jupyter.grading.batch import HowRun, grade_all
+from lrp_jupyter.grading.challenges import Challenge, challenge
+from lrp_jupyter.grading.criteria import Criterion, drives, no_faults
+from lrp_jupyter.grading.grade import Grade, grade
+from lrp_jupyter.grading.marks import csv_text, grade_class
+from lrp_jupyter.grading.submissions import Submission, find_submissions
+from lrp_jupyter.grading.workers import run_jobs
+
+DRIVE = "(machine m (state driving (running [robot.move(linear=0.2)]))) (spawn m driving)"
+SLOW = DRIVE.replace("0.2", "0.02")  # which drives 20 cm in ten seconds
+HANG = DRIVE.replace("robot.move(linear=0.2)", "while True: pass")
+CRASH = DRIVE.replace("robot.move(linear=0.2)", "import os; os.abort()")
+FIRST = challenge("first move")
+
+
+def test_a_program_that_hangs_or_crashes_costs_only_its_own_grade_and_one_run():
+    texts = [DRIVE, HANG, CRASH, "(machine", SLOW]
+    good, hung, crashed, invalid, slow = grade_all(texts, FIRST, 3, HowRun(limit=3))
+    assert good == grade(DRIVE, FIRST, 3)
+    assert slow == grade(SLOW, FIRST, 3)
+    assert 0 < slow.points < 10
+    assert [[each.ended for each in one.attempts] for one in (hung, crashed, invalid)] == [
+        ["time"],
+        ["crash"],
+        ["text"],
+    ]
+    assert [one.runs for one in (hung, crashed, invalid)] == [3, 3, 3]
+
+
+def test_a_batch_reports_its_progress_up_to_all_runs_also_those_that_need_not_be_made():
+    seen = []
+    grade_all([DRIVE, CRASH], FIRST, 3, progress=lambda done, of: seen.append((done, of)))
+    assert seen[0] == (0, 6)
+    assert seen[-1] == (6, 6)
+    assert seen == sorted(seen)
+
+
+def test_equal_programs_are_run_once():
+    seen = []
+    first, second = grade_all([DRIVE, DRIVE], FIRST, 2, progress=lambda done, of: seen.append(of))
+    assert first == second
+    assert set(seen) == {2}
+
+
+def test_the_second_run_of_a_program_waits_for_its_first_while_others_run():
+    limits = {HANG: 3, DRIVE: 60, SLOW: 60}
+    jobs = [Job((text,), FIRST, "empty", seed, limits[text]) for seed in (0, 1) for text in limits]
+    made = dict(run_jobs(jobs, 1000, stop_at_end=True, processes=3))
+    assert sorted(made) == [0, 1, 2, 4, 5]  # of what hangs, one run only
+
+
+def test_runs_that_were_not_made_earn_nothing():
+    whole = Attempt("empty", 0, 1.0, (), share=1.0)
+    stopped = Attempt("empty", 1, 0.0, (), ended="time")
+    late = Attempt("empty", 2, 1.0, (), share=1.0)  # made at the same time
+    result = Grade.of(FIRST, {2: late, 0: whole, 1: stopped}, 4)
+    assert result.attempts == (whole, stopped)
+    assert result.points == 2.5
+
+
+def test_a_fault_of_a_criterion_costs_one_run_and_is_told_apart_from_a_failure():
+    def judge(run):
+        if run.seconds > 1 and run.driven < 0.1:
+            raise ZeroDivisionError("our own mistake")
+        return True, ""
+
+    task = Challenge("odd", "", ("empty",), (Criterion("is judged", judge), drives(0.3), no_faults()), 5)
+    good, bad = grade_all([DRIVE, SLOW], task, 1)
+    assert good.passed
+    assert bad.attempts[0].ended == "fault"
+    assert "our own mistake" in bad.attempts[0].verdicts[0].reason
+
+
+# -- submissions -----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def hand_in(tmp_path):
+    """Write files into the folder of a class."""
+
+    def write(files):
+        for name, content in files.items():
+            path = tmp_path / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            data = content if isinstance(content, bytes) else content.encode()
+            path.write_bytes(data)
+        return tmp_path
+
+    return write
+
+
+def notebook(*cells):
+    return json.dumps({"cells": [{"cell_type": "code", "source": cell.splitlines(True)} for cell in cells]})
+
+
+def found(folder, task=FIRST):
+    return {each.student: each.text or each.problem for each in find_submissions([folder], task)}
+
+
+def test_a_folder_has_a_file_or_a_folder_for_each_student(hand_in):
+    folder = hand_in({
+        "ada.lrp": "1",
+        "bob/square.lrp": "2",
+        "Carl Cu_4711_assignsubmission_file_/deep/mine.lrp": "3",
+        "Dora D_12_assignsubmission_file_my.lrp": "4",
+        "eve/first-move/first-move.ipynb": notebook("%%lrp a\n5"),
+        "readme.txt": "no", ".hidden/x.lrp": "no", "eve/first-move/.ipynb_checkpoints/y.lrp": "no",
+        "empty/x": "",
+    })  # fmt: skip
+    assert found(folder) == {"Carl Cu": "3", "Dora D": "4", "ada": "1", "bob": "2", "eve": "5"}
+
+
+def test_of_several_files_of_a_student_the_one_for_the_challenge_counts(hand_in):
+    folder = hand_in({
+        "ada/first_move.lrp": "1", "ada/square.lrp": "2",
+        "bob/a.lrp": "1", "bob/b.lrp": "2",
+        "carl/a.ipynb": notebook("%%lrp x --challenge square\n1"),
+        "carl/b.ipynb": notebook("%%lrp x --challenge first-move\n2"),
+    })  # fmt: skip
+    texts = found(folder)
+    assert (texts["ada"], texts["carl"]) == ("1", "2")
+    assert texts["bob"].startswith("There are several programs: `a.lrp`, `b.lrp`. Name the one")
+
+
+@pytest.mark.parametrize(
+    ("cells", "text"),
+    [
+        (["import lrp_jupyter", "%%lrp x --world line\n(machine a)"], "(machine a)"),
+        (["%%lrp x\n1", '%%lrp y --challenge "first move" --rate 20\n2\n'], "2\n"),
+        (["%%lrp x --challenge=first-move\n1", "%%lrp x --challenge=first-move\n2"], "2"),
+        (["%%lrp x\n1", "%%lrp x\n"], "1"),
+        (["%%lrp x\n1", "%%lrp y\n2"], "has 2 `%%lrp` cells, and none is for this challenge."),
+        (["print(1)", "%lrp examples"], "has no `%%lrp` cell."),
+        (['%%lrp "x\n1'], "1"),
+    ],
+)
+def test_the_cell_for_the_challenge_is_the_program_of_a_notebook(hand_in, cells, text):
+    folder = hand_in({"ada.ipynb": notebook(*cells)})
+    assert found(folder)["ada"].endswith(text) or text in found(folder)["ada"]
+
+
+@pytest.mark.parametrize("content", ["{", "[]", '{"cells": [1]}', b"\xff\xfe"])
+def test_a_notebook_that_cannot_be_read_says_so(hand_in, content):
+    (submission,) = find_submissions([hand_in({"ada.ipynb": content}) / "ada.ipynb"], FIRST)
+    assert submission.text is None
+    assert "ada.ipynb` is not" in submission.problem
+
+
+def test_a_link_out_of_the_folder_is_not_followed(hand_in, tmp_path):
+    folder = hand_in({"class/ada.lrp": "1", "secret.lrp": "no"}) / "class"
+    (folder / "bob.lrp").symlink_to(tmp_path / "secret.lrp")
+    assert found(folder) == {"ada": "1"}
+
+
+def test_a_folder_without_submissions_is_an_error(tmp_path):
+    with pytest.raises(FileError, match="There is no submission in"):
+        find_submissions([tmp_path], FIRST)
+    with pytest.raises(FileError, match="neither a file nor a folder"):
+        find_submissions([tmp_path / "nowhere"], FIRST)
+
+
+# -- marks -----------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def marks():
+    submissions = [
+        Submission("Ada", "ada.lrp", DRIVE),
+        Submission("=cmd|' /C calc'!A0", "bob.lrp", SLOW),
+        Submission("Carl \x01", "carl.lrp", None, "`carl.lrp` cannot be read."),
+    ]
+    return grade_class(submissions, FIRST, 2)
+
+
+def test_the_table_of_marks_has_a_row_for_each_submission(marks):
+    text = marks.csv()
+    assert text.startswith("\ufeffstudent,")
+    ada, bob, carl = csv.DictReader(io.StringIO(text.removeprefix("\ufeff")))
+    assert (ada["points"], ada["out_of"], ada["passed"], ada["runs_passed"]) == ("10", "10", "yes", "2")
+    assert (ada["first_reason"], ada["first_hint"]) == ("", "")
+    assert 0 < float(bob["points"]) < 10
+    assert bob["first_reason"].startswith("gets 30 cm away from its start")
+    assert (carl["points"], carl["runs"], carl["first_reason"]) == (
+        "0.0",
+        "2",
+        "can be read: `carl.lrp` cannot be read.",
+    )
+
+
+def test_a_name_that_would_be_a_formula_is_a_text_in_a_spreadsheet(marks):
+    assert "\n'=cmd" in marks.csv().replace("\r", "")
+    assert csv_text(["a"], [[-1.5], ["-1.5"]]).split() == ["\ufeffa", "-1.5", "'-1.5"]
+
+
+def test_the_json_of_marks_has_every_run(marks):
+    data = json.loads(marks.to_json())
+    attempts = data["submissions"][0]["attempts"]
+    assert [Attempt.from_dict({k: v for k, v in each.items() if k != "passed"}) for each in attempts] == list(
+        marks.marks[0].grade.attempts
+    )
+
+
+def test_the_junit_file_has_a_test_for_each_run(marks):
+    root = ElementTree.fromstring(marks.junit())
+    suites = [{key: suite.get(key) for key in ("tests", "failures", "errors")} for suite in root]
+    assert suites == [
+        {"tests": "2", "failures": "0", "errors": "0"},
+        {"tests": "2", "failures": "2", "errors": "0"},
+        {"tests": "1", "failures": "0", "errors": "1"},
+    ]
+    assert "it was at most 20 cm away" in root[1][0][0].get("message")
