@@ -13,7 +13,14 @@ from tempfile import TemporaryDirectory
 from lrp_jupyter.errors import LRPError
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
-__all__ = ["STORAGE", "build_notebooks", "check_installed", "for_the_browser", "kernel_wheels"]
+__all__ = [
+    "STORAGE",
+    "build_notebooks",
+    "check_installed",
+    "copy_for_students",
+    "for_the_browser",
+    "kernel_wheels",
+]
 
 STORAGE = "lrp-notebooks"
 """The storage of the notebooks in a browser; the plain page writes notebooks into it, too."""
@@ -61,9 +68,7 @@ def build_notebooks(notebooks: Path, folder: Path, offline: bool) -> None:
     }
     with TemporaryDirectory(prefix="lrp-site-") as work:
         Path(work, "jupyter-lite.json").write_text(json.dumps(config), encoding="utf-8")
-        shutil.copytree(notebooks, Path(work, "files"), ignore=shutil.ignore_patterns(".*"))
-        for notebook in Path(work, "files").rglob("*.ipynb"):
-            notebook.write_text(for_the_browser(notebook.read_text(encoding="utf-8")), encoding="utf-8")
+        copy_for_students(notebooks, Path(work, "files"))
         command = [sys.executable, "-m", "jupyterlite_core", "build", "--lite-dir", work]
         command += [
             "--output-dir",
@@ -75,6 +80,13 @@ def build_notebooks(notebooks: Path, folder: Path, offline: bool) -> None:
         done = subprocess.run(command, cwd=work, capture_output=True, text=True, check=False)
     if done.returncode:
         raise LRPError(f"JupyterLite cannot be built: {(done.stderr or done.stdout).strip()[-800:]}")
+
+
+def copy_for_students(notebooks: Path, folder: Path) -> None:
+    """Copy notebooks to a new folder, for the kernel of JupyterLite; without what only teachers need."""
+    shutil.copytree(notebooks, folder, ignore=shutil.ignore_patterns(".*", "teachers"))
+    for notebook in folder.rglob("*.ipynb"):
+        notebook.write_text(for_the_browser(notebook.read_text(encoding="utf-8")), encoding="utf-8")
 
 
 def for_the_browser(notebook: str) -> str:

@@ -40,7 +40,13 @@ def test_the_sources_of_the_documentation_are_not_copied(tmp_path):
 
 
 def test_every_notebook_is_shipped():
-    assert len(list(shipped_notebooks().rglob("*.ipynb"))) >= 6
+    assert len(list(shipped_notebooks().rglob("*.ipynb"))) >= 20
+
+
+def test_no_solution_is_copied(tmp_path):
+    assert (shipped_notebooks() / "teachers" / "solutions" / "square.lrp").is_file()
+    copied = copy_notebooks(tmp_path)
+    assert not [file for file in copied if "teachers" in file.parts]
 
 
 def status(url):

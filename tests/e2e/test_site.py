@@ -155,9 +155,9 @@ def test_a_block_that_does_not_return_pauses_the_program_and_leaves_the_page_ali
     [
         "00-hello-live-robot",
         "01-states-and-events",
-        "02-time-is-a-condition",
-        "03-what-the-robot-sees",
-        "04-line-follower-live",
+        "03-time-is-a-condition",
+        "04-what-the-robot-sees",
+        "07-line-follower-live",
     ],
 )
 def test_a_notebook_runs_from_its_first_cell_to_its_last(name, notebook, simulator):

@@ -75,7 +75,8 @@ def _plain(outputs: list[Any]) -> list[Any]:
     kept: list[Any] = []
     for output in outputs:
         data = output.get("data", {})
-        data.pop(WIDGET, None)
+        if (data.pop(WIDGET, None) and "image/svg+xml" not in data) or data.get("text/plain") == "":
+            continue  # a progress bar, and what is left of it
         if "image/svg+xml" in data:
             data.pop("image/png", None)  # the same picture
         if output.output_type == "stream":

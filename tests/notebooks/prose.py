@@ -14,6 +14,7 @@ _NAMED = re.compile(
     |\btoggle\(\s*{_TEXT}                      # a switch
     |\bpanel\(\s*"[\w-]+",\s*{_TEXT}           # a part of the lab
     |h\("span",\s*\{{\}},\s*{_TEXT}            # what stands beside a slider
+    |\[\s*"[\w-]+",\s*{_TEXT}\s*\]            # an item in a list of them
     |\?\s*{_TEXT}\s*:\s*{_TEXT}                # a button with two faces
     """,
     re.VERBOSE,
@@ -45,7 +46,30 @@ def links(text: str) -> list[str]:
 
 
 def solution(notebook: Node) -> tuple[str, str] | None:
-    """The solution that a notebook hides, ``lrp`` or ``python`` and its text."""
+    """The solution that a notebook of the appendix hides, ``lrp`` or ``python`` and its text."""
     text = "\n\n".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
     found = re.search(r"<summary>A solution</summary>.*?```(lrp|python)\n(.*?)```", text, re.DOTALL)
     return (found[1], found[2]) if found else None
+
+
+def minutes(notebook: Node) -> float:
+    """How long a lesson takes by a stranger's clock.
+
+    A minute for 150 words, for 25 lines of code to read, or for 10 lines to type; half a minute for each
+    thing to try and each step; five minutes for the exercise, or two for each of several small ones.
+    """
+    text = prose(notebook)
+    code = [cell.source for cell in notebook.cells if cell.cell_type == "code"]
+    exercises = sum("--challenge" in source.partition("\n")[0] for source in code)
+    if exercises > 1:  # their code is read in their two minutes
+        code = [source for source in code if "--challenge" not in source.partition("\n")[0]]
+    lines = sum(len(source.splitlines()) for source in code)
+    tables = re.findall(
+        r"^\| (?:type|press|choose|do|watch)\b.*\n\|[-|]+\n((?:\|.*\n?)+)", text, re.MULTILINE
+    )
+    tried = sum(len(table.strip().splitlines()) for table in tables) + text.count("\n### ")
+    whole = "\n\n".join(cell.source for cell in notebook.cells if cell.cell_type == "markdown")
+    typed = re.findall(r"^```lrp\n(.*?)^```", whole.partition("\n## Run\n")[2], re.DOTALL | re.MULTILINE)
+    typing = sum(block.count("\n") for block in typed) / 10
+    solving = 5 if exercises == 1 else 2 * exercises
+    return len(text.split()) / 150 + lines / 25 + typing + tried / 2 + solving

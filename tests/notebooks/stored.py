@@ -7,7 +7,9 @@ from __future__ import annotations
 
 import json
 import re
+import shlex
 from collections.abc import Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -51,6 +53,17 @@ def opened_program(source: str) -> str | None:
     """The name of the program in a ``%%lrp`` cell."""
     found = re.match(r"%%lrp +([\w-]+)", source)
     return found[1] if found else None
+
+
+def options_of(source: str) -> dict[str, str]:
+    """The options of a ``%%lrp`` cell."""
+    words = shlex.split(source.partition("\n")[0])
+    return {word[2:]: value for word, value in pairwise(words) if word.startswith("--")}
+
+
+def challenge_of(source: str) -> str:
+    """The challenge that a ``%%lrp`` cell opens; empty if it opens none."""
+    return options_of(source).get("challenge", "") if opened_program(source) else ""
 
 
 def texts_of(cell: Node) -> str:

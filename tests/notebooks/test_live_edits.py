@@ -1,130 +1,583 @@
-"""What the tables "type, and see" of the notebooks promise is what happens; without waiting."""
+"""What the lessons tell the reader to type, and promise to show, is what happens; without waiting."""
 
 from __future__ import annotations
 
-from prose import prose
-from stored import NOTEBOOKS, opened_program, read, sources
+import re
+
+from stored import NOTEBOOKS, challenge_of, opened_program, options_of, read, sources
 
 from lrp_jupyter import Session
 
 
 class Typist:
-    """Types the edits in the tables of a notebook into its lab, in their order."""
+    """Types what a notebook says into one of its labs."""
 
-    def __init__(self, name: str) -> None:
-        notebook = read(NOTEBOOKS / f"{name}.ipynb")
-        cell = next(source for source in sources(notebook, "code") if opened_program(source))
-        first, _, program = cell.partition("\n")
-        _, _, world = first.partition("--world ")
-        self.prose = prose(notebook)
-        self.session = Session(program, bridge="sim", world=world)
+    def __init__(self, notebook: str, lab: str = "", seconds: float = 0, **options: object) -> None:
+        stored = read(NOTEBOOKS / f"{notebook}.ipynb")
+        self.said = re.sub(r"\s+", " ", "\n".join(sources(stored, "markdown")))
+        labs = {opened_program(source): source for source in sources(stored, "code")}
+        labs.pop(None, None)
+        cell = labs[lab] if lab else next(iter(labs.values()))
+        world = options_of(cell).get("world", "line" if challenge_of(cell) else "")
+        robot = {"bridge": "sim", "world": world} if world else {}
+        self.session = Session(cell.partition("\n")[2], **robot, **options)
+        self.session.run(seconds)
 
-    def type(self, typed: str, instead_of: str = "", before: str = "") -> None:
-        assert f"`{typed}`" in self.prose, "the notebook says so"
-        text, old = self.session.text, instead_of or before
-        assert text.count(old) == 1
-        self.session.edit(text.replace(old, typed if instead_of else f"{typed}\n{before}"))
+    def types(self, typed: str, instead_of: str = "", before: str = "", after: str = "") -> Typist:
+        """Replace a text that is there exactly once, or type a line before or after it."""
+        assert re.sub(r"\s+", " ", typed).strip() in self.said, f"the notebook says nothing of {typed}"
+        text, old = self.session.text, instead_of or before or after
+        assert text.count(old) == 1, f"{old} is there {text.count(old)} times"
+        new = typed if instead_of else f"{typed}\n{before}" if before else f"{after}\n{typed}"
+        self.session.edit(text.replace(old, new))
+        return self
+
+    def deletes(self, text: str) -> Typist:
+        assert self.session.text.count(text) == 1
+        self.session.edit(self.session.text.replace(text, ""))
+        return self
+
+    def runs(self, seconds: float) -> Typist:
+        self.session.run(seconds)
+        return self
+
+    def comes_to(self, state: str, within: float = 20) -> bool:
+        return self.session.run(within, until=state)
+
+    def resets(self) -> Typist:
+        self.session.reset()
+        if self.session.bridge is not None and hasattr(self.session.bridge, "reset_world"):
+            self.session.call(lambda: self.session.bridge.reset_world())
+        return self
+
+    def places(self, x: float, y: float, heading: float = 0) -> Typist:
+        self.session.call(lambda: self.session.bridge.place_robot((x, y, heading)))
+        return self
 
     def is_active(self, state: str) -> bool:
         return self.session.frame.is_active(state)
 
+    @property
     def found(self) -> set[str]:
         return {finding.code for finding in self.session.findings}
+
+    @property
+    def messages(self) -> str:
+        return "\n".join(str(finding) for finding in self.session.findings)
+
+    @property
+    def restarts(self) -> int:
+        return self.session.frame.restarts
 
     @property
     def x(self) -> float:
         return self.session.bridge.picture.robots[0].pose[0]
 
+    def value(self, *path: str) -> object:
+        return self.session.frame.values[path[-1]]
 
-def test_the_first_robot_continues_at_half_the_speed():
-    hello = Typist("00-hello-live-robot")
-    hello.session.run(1)
-    hello.type("0.1", instead_of="0.2")
+    def entered(self, state: str) -> int:
+        return self.session.frame.count_of(state)
+
+
+# -- 00: hello -----------------------------------------------------------------------------------------
+
+HELLO = "00-hello-live-robot"
+
+
+def test_the_first_robot_goes_all_the_way_around():
+    hello = Typist(HELLO)
+    furthest = [hello.runs(1).x for _ in range(40)]
+    assert max(furthest) > 2.3
+    assert min(furthest) < 0.7
+
+
+def test_the_first_robot_continues_at_half_the_speed_and_with_wider_curves():
+    hello = Typist(HELLO, seconds=1).types("0.1", instead_of="0.2")
     assert hello.session.frame.tick == 10
     assert hello.session.frame.variables["forward",] == "0.1"
-    hello.session.run(30)
-    assert hello.session.frame.restarts == 0
+    hello.types("1", instead_of="1.5")
+    furthest = [hello.runs(1).x for _ in range(60)]
+    assert max(furthest) > 2.3
+    assert min(furthest) < 0.7
+    assert hello.restarts == 0
 
 
-def test_the_first_robot_learns_to_rest_and_to_continue():
-    hello = Typist("00-hello-live-robot")
-    hello.session.run(1)
-    hello.type("(state resting (onentry [robot.stop()]))", before="(on black")
-    assert hello.found() == {"LRP401"}
-    hello.session.run(5)
-    hello.type("(ontime 500 left -> resting)", before="(on black")
-    assert not hello.found()
-    assert hello.session.run(60, until="resting")
-    hello.session.run(5)
-    assert hello.is_active("resting")
-    hello.type("(ontime 1000 resting -> left)", before="(on black")
-    assert hello.session.run(1, until="left")
-    assert hello.session.frame.restarts == 0
+def test_a_missing_bracket_changes_nothing():
+    hello = Typist(HELLO, seconds=1)
+    before = hello.x
+    whole = hello.session.text
+    hello.session.edit(whole.replace("angular=bend)]))", "angular=bend)])"))
+    assert "is not closed" in hello.messages
+    hello.runs(2)
+    assert hello.x > before + 0.1
+    hello.session.edit(whole)
+    assert not hello.found
+    assert hello.restarts == 0
 
 
-def test_the_first_robot_misses_the_line_when_it_is_too_fast():
-    hello = Typist("00-hello-live-robot")
-    hello.session.run(1)
-    hello.type("0.5", instead_of="0.2")
-    hello.session.run(10)
-    around = hello.session.frame.count_of("right")
-    hello.session.run(20)
-    assert hello.session.frame.count_of("right") - around < 12
-    assert 1.2 < hello.x < 2.0, "it drives circles"
+def test_a_change_inside_the_active_state_starts_the_first_program_over():
+    hello = Typist(HELLO)
+    assert hello.comes_to("right")
+    hello.types("-2", instead_of="-bend")
+    assert hello.restarts == 1
+    assert hello.session.frame.restart_reason == "`right` is active and its `running` changed."
 
 
-def test_the_rover_stops_as_soon_as_its_transition_is_typed():
-    rover = Typist("01-states-and-events")
-    rover.session.run(10)
-    rover.type("(event bump [robot.bumper.data == 1])", before="(state driving")
-    assert rover.found() == {"LRP403"}
-    rover.type("(state stopped (onentry [robot.stop()]))", before="(state driving")
-    assert "LRP401" in rover.found()
-    rover.type("(on bump driving -> stopped)", before="(state driving")
-    assert not rover.found()
-    rover.session.run(0.2)
-    assert rover.is_active("stopped")
-    assert rover.session.frame.restarts == 0
+# -- 01: states and events -----------------------------------------------------------------------------
+
+ROVER = "01-states-and-events"
+AFTER_DRIVING = "(running [robot.move(linear=0.3)]))"
+
+
+def _rover(seconds: float = 10) -> Typist:
+    return Typist(ROVER, seconds=seconds)
+
+
+def _complete_rover() -> Typist:
+    rover = _rover().types("(event bump [robot.bumper.data])", after=AFTER_DRIVING)
+    return rover.types("(state stopped)", before="(event").types(
+        "(on bump driving -> stopped)", after="(event bump [robot.bumper.data])"
+    )
+
+
+def test_the_rover_pushes_the_wall_until_its_transition_is_typed():
+    rover = _rover()
+    assert rover.is_active("driving")
+    assert 1.3 < rover.x - 1.5 < 1.45
+    rover.types("(event bump [robot.bumper.data])", after=AFTER_DRIVING)
+    assert rover.found == {"LRP403"}
+    rover.types("(state stopped)", before="(event")
+    assert rover.found == {"LRP401", "LRP403"}
+    rover.types("(on bump driving -> stopped)", after="(event bump [robot.bumper.data])")
+    assert not rover.found
+    assert rover.runs(0.2).is_active("stopped")
+    assert rover.restarts == 0
+
+
+def test_the_rover_with_the_opposite_event_stops_where_it_stands():
+    rover = _complete_rover().types("[not robot.bumper.data]", instead_of="[robot.bumper.data]").resets()
+    assert rover.runs(1).is_active("stopped")
+    assert abs(rover.x - 1.5) < 0.05
+
+
+def test_the_rover_backs_away_and_comes_again():
+    rover = _complete_rover().resets()
+    assert rover.comes_to("stopped")
+    rover.session.edit(
+        rover.session.text.replace("(state stopped)", "(state stopped (running [robot.move(linear=-0.2)]))")
+    )
+    assert "(running [robot.move(linear=-0.2)])" in rover.said
+    rover.resets().runs(30)
+    assert rover.x < 0.2, "at the opposite wall, backwards"
+    rover.types("(event free [not robot.bumper.data])", before="(on bump").types(
+        "(on free stopped -> driving)", after="(on bump driving -> stopped)"
+    )
+    rover.resets().runs(20)
+    assert rover.entered("stopped") > 3
+    assert not rover.found
+
+
+def test_a_misspelt_event_is_named_and_nothing_stops():
+    rover = _complete_rover()
+    rover.types("(on bumb driving -> stopped)", instead_of="(on bump driving -> stopped)").resets()
+    assert "There is no event `bumb` here. Did you mean `bump`?" in rover.messages
+    assert rover.runs(10).is_active("driving")
+
+
+# -- 02: what a state does -----------------------------------------------------------------------------
+
+DIARY = "02-what-a-state-does"
+
+
+def _log(diary: Typist, *words: str) -> bool:
+    return diary.value("log") == list(words)
+
+
+def test_the_diary_is_as_the_answer_says():
+    diary = Typist(DIARY, seconds=0.5)
+    assert _log(diary, "in", "work", "work", "work", "out", "rest")
+    assert str(diary.value("log")) in diary.said
+
+
+def test_the_diary_is_written_tick_by_tick_as_its_table_says():
+    diary = Typist(DIARY, seconds=2)
+    diary.session.pause()
+    diary.session.reset()
+    lengths = []
+    for _ in range(6):
+        diary.session.step()
+        lengths.append(len(diary.value("log")))
+    assert lengths == [1, 2, 3, 4, 6, 6]
+
+
+def test_the_first_enabled_transition_of_the_diary_wins():
+    diary = Typist(DIARY, seconds=2).types("5", instead_of="4").resets().runs(2)
+    assert _log(diary, "in", *["work"] * 4, "out", "rest")
+    diary.types('(state party (onentry [log.append("party")]))', before="(on [len")
+    party = "(on [len(log) == 5] work -> party)"
+    diary.types(party, after="(on [len(log) == 5] work -> rest)").resets().runs(2)
+    assert _log(diary, "in", *["work"] * 4, "out", "rest")
+    diary.deletes(party).types(party, before="(on [len(log) == 5] work -> rest)").resets().runs(2)
+    assert _log(diary, "in", *["work"] * 4, "out", "party")
+
+
+# -- 03: time ------------------------------------------------------------------------------------------
+
+ZIGZAG = "03-time-is-a-condition"
+
+
+def _turned(zigzag: Typist, corners: int = 3) -> float:
+    """Return the mean angle of the corners, in degrees."""
+    robot = zigzag.session.bridge.robot
+    zigzag.comes_to("corner")
+    before = robot.gyro.data
+    for _ in range(corners):
+        zigzag.comes_to("straight")
+        zigzag.comes_to("corner")
+    return (robot.gyro.data - before) * 57.2958 / corners
+
+
+def test_the_zigzag_drives_a_triangle_and_then_other_shapes():
+    zigzag = Typist(ZIGZAG)
+    assert abs(_turned(zigzag) - 120) < 5
+    zigzag.types("[1000 * degrees(90)]", instead_of="2100")
+    assert abs(_turned(zigzag) - 90) < 5
+    zigzag.types("[1000 * degrees(60)]", instead_of="[1000 * degrees(90)]")
+    assert abs(_turned(zigzag) - 60) < 7
 
 
 def test_the_zigzag_turns_at_once_when_its_time_is_over_already():
-    zigzag = Typist("02-time-is-a-condition")
-    zigzag.session.run(1)
+    zigzag = Typist(ZIGZAG, seconds=1)
     assert zigzag.is_active("straight")
-    zigzag.type("500", instead_of="2000")
-    zigzag.session.run(0.2)
-    assert zigzag.is_active("corner")
-    zigzag.type("[1000 * 3.14 / 2]", instead_of="2100")
-    assert not zigzag.found()
-    zigzag.session.run(1.4)
-    assert zigzag.is_active("corner")
-    zigzag.session.run(0.3)
-    assert zigzag.is_active("straight")
-    assert zigzag.session.frame.restarts == 0
+    assert zigzag.types("500", instead_of="2000").runs(0.2).is_active("corner")
+    assert zigzag.restarts == 0
 
 
-def test_the_eyes_see_differently_with_another_threshold():
-    eyes = Typist("03-what-the-robot-sees")
-    eyes.session.run(10, until="waiting")
-    before = eyes.x
-    eyes.type("250", instead_of="138")
-    eyes.session.call(lambda: eyes.session.bridge.reset_world())
-    assert eyes.session.run(1, until="driving")
-    assert eyes.session.run(10, until="waiting")
-    assert eyes.x > before
-    eyes.type("(state shy (onentry [robot.stop()]))", before="(on white")
-    eyes.type("(on [robot.distance.data < 0.3] *-> shy)", before="(on white")
-    eyes.session.call(lambda: eyes.session.bridge.place_robot((2.5, 0.5, 0)))
-    assert eyes.session.run(2, until="shy")
-    eyes.session.run(2)
+def test_two_milliseconds_are_over_before_the_zigzag_has_driven():
+    zigzag = Typist(ZIGZAG, seconds=1)
+    zigzag.types("2", instead_of="2000").runs(5)
+    where = zigzag.x
+    assert abs(zigzag.runs(10).x - where) < 0.05
+
+
+# -- 04: sensors ---------------------------------------------------------------------------------------
+
+EYES = "04-what-the-robot-sees"
+
+
+def test_the_eyes_wait_where_the_line_bends_and_go_on_when_they_are_put_back():
+    eyes = Typist(EYES)
+    assert eyes.comes_to("waiting")
+    assert eyes.places(0.6, 0.5).comes_to("driving", 1)
+
+
+def test_the_eyes_name_the_reading_that_was_meant():
+    eyes = Typist(EYES, seconds=1)
+    text = eyes.session.text.replace("white [robot.light", "white [robot.lihgt")
+    eyes.session.edit(text)
+    eyes.runs(1)
+    assert "Did you mean `light`?" in eyes.session.issues[0].message
+    assert eyes.is_active("driving")
+
+
+def test_the_eyes_become_shy_of_the_wall_and_lose_their_shyness():
+    eyes = Typist(EYES)
+    eyes.types("(state shy (onentry [robot.stop()]))", before="(on white")
+    eyes.types("(on [robot.distance.data < 0.3] driving -> shy)", before="(on white")
+    eyes.places(2.9, 0.5)
+    assert eyes.comes_to("shy", 2)
+    eyes.types("(on [robot.distance.data > 0.4] shy -> driving)", before="(on white").runs(1)
     assert eyes.is_active("shy")
+    assert eyes.places(0.6, 0.5).comes_to("driving", 1)
 
 
-def test_what_the_eyes_saw_becomes_a_variable():
-    eyes = Typist("03-what-the-robot-sees")
-    eyes.type("(var seen := [0])", before="(var forward")
-    eyes.type("[seen = robot.light.data]", before="[robot.move")
-    eyes.session.run(0.3)
-    assert eyes.session.frame.variables["seen",] == "0"
-    eyes.session.run(10)
-    assert int(eyes.session.frame.variables["seen",]) > 0, "the edge of the line"
+# -- 05: inside ----------------------------------------------------------------------------------------
+
+SENTRY = "05-machines-inside-states"
+SPAWN = "(onentry (spawn look left))"
+
+
+def test_the_sentry_counts_its_turns_and_begins_with_0_each_time():
+    sentry = Typist(SENTRY)
+    for _ in range(2):
+        assert sentry.comes_to("looking")
+        assert sentry.session.frame.variables["sentry", "looking", "look", "turns"] == "0"
+        assert sentry.runs(2.7).session.frame.variables["sentry", "looking", "look", "turns"] == "5"
+        assert sentry.comes_to("driving")
+        assert not sentry.session.frame.variables
+
+
+def test_a_variable_outside_all_machines_counts_on():
+    sentry = Typist(SENTRY, seconds=1)
+    sentry.types("(var turns := [0])", before="(machine sentry")
+    sentry.session.edit(sentry.session.text.replace("      (var turns := [0])\n", ""))
+    assert sentry.restarts == 0
+    for counted in (6, 12):
+        assert sentry.comes_to("looking")
+        assert sentry.comes_to("driving")
+        assert sentry.value("turns") == counted
+
+
+def test_the_sentry_never_looks_to_the_right_when_its_look_is_too_short():
+    sentry = Typist(SENTRY, seconds=1)
+    sentry.types("(ontime 400 looking -> driving)", instead_of="(ontime 2800 looking -> driving)")
+    sentry.runs(20)
+    assert sentry.entered("left") > 5
+    assert sentry.entered("right") == 0
+
+
+def test_without_its_spawn_the_sentry_stands_and_the_issues_warn():
+    sentry = Typist(SENTRY, seconds=1)
+    sentry.types(SPAWN, instead_of=SPAWN).deletes(SPAWN)
+    assert sentry.found == {"LRP402"}
+    assert sentry.comes_to("looking")
+    assert sentry.runs(1).session.frame.active == (("sentry", "looking"),)
+
+
+# -- 06: from anywhere ---------------------------------------------------------------------------------
+
+PATROL = "06-from-anywhere"
+LOOK = """(state waiting
+  (onentry (spawn look left))
+  (machine look
+    (var looks := [0])
+    (state left (running [robot.move(angular=1.5)]) (onexit [looks += 1]))
+    (state right (running [robot.move(angular=-1.5)]) (onexit [looks += 1]))
+    (exit [looks == 4] left -> driving)
+    (ontime 300 left -> right)
+    (ontime 300 right -> left)
+  ))"""
+
+
+def test_a_bump_of_the_patrol_leads_to_backing_once_and_its_timer_is_left_alone():
+    patrol = Typist(PATROL)
+    assert patrol.comes_to("backing")
+    patrol.runs(0.9)
+    assert patrol.entered("backing") == 1
+    assert patrol.comes_to("turning", 0.3)
+
+
+def test_a_state_without_the_wildcard_pushes_on():
+    def pushes(source: str) -> bool:
+        patrol = Typist(PATROL, seconds=1)
+        patrol.types(source, instead_of="*")
+        patrol.session.edit(patrol.session.text.replace("ontime 2000 driving", "ontime 200 driving"))
+        patrol.resets().comes_to("slow")
+        patrol.places(0.98, 1)  # in front of the box
+        patrol.runs(1)
+        return patrol.is_active("slow")
+
+    assert pushes("*-{slow}")
+    assert not pushes("{driving slow}")
+
+
+def test_the_patrol_looks_around_and_ends_its_look_by_itself():
+    patrol = Typist(PATROL, seconds=1)
+    patrol.types(LOOK, instead_of="(state waiting)").deletes("(ontime 500 waiting -> driving)")
+    assert not patrol.found
+    assert patrol.restarts == 0
+    assert patrol.comes_to("waiting")
+    assert patrol.comes_to("driving", 2)
+    patrol.session.edit(patrol.session.text.replace("looks == 4", "looks == 3"))
+    assert patrol.comes_to("waiting")
+    assert not patrol.comes_to("driving", 20)
+    patrol.session.edit(patrol.session.text.replace("looks == 3", "looks >= 3"))
+    assert patrol.comes_to("driving", 2)
+    patrol.session.edit(patrol.session.text.replace("left -> driving", "left -> lookout"))
+    assert "where there is no `lookout`" in patrol.messages
+
+
+# -- 07: the line follower -----------------------------------------------------------------------------
+
+STORY = "07-line-follower-live"
+SEARCH = """(machine lookalgo
+      (var time := [maxlook])
+      (state lookleft (running [robot.move(angular=search)]))
+      (state returnleft (running [robot.move(angular=-search)]))
+      (ontime time lookleft -> returnleft)
+      (ontime time returnleft -> lookright)
+    )"""
+RIGHT = """(state lookright (running [robot.move(angular=-search)]))
+      (state returnright (running [robot.move(angular=search)]))
+      (ontime time lookright -> returnright)
+      (ontime time returnright -> lookleft)"""
+BACK = """(var bumps := [0])
+  (on [robot.bumper.data and bumps == 0] *-> bumpback)
+  (on [robot.bumper.data and bumps == 1] *-> end)
+  (state bumpback
+    (running [robot.move(linear=-0.2)]))
+  (state bumpturn
+    (onentry [bumps = 1])
+    (running [robot.move(angular=1.0)]))
+  (state end
+    (onentry [robot.stop()]))"""
+
+
+def test_the_story_of_the_line_follower_is_as_the_lesson_tells_it():
+    story = Typist(STORY, "story")
+    assert story.comes_to("looking")
+    story.runs(3)
+    assert story.is_active("looking")
+
+    story.types(SEARCH, after="(onentry [robot.stop()])")  # 1
+    assert story.runs(1).is_active("looking")
+    assert story.restarts == 0
+    assert story.found == {"LRP402", "LRP303"}
+
+    spawning = "(onentry [robot.stop()] (spawn lookalgo lookleft))"  # 2
+    story.types(spawning, instead_of="(onentry [robot.stop()])")
+    assert story.restarts == 1
+    assert story.comes_to("lookleft", 1)
+    assert story.comes_to("moving", 5)
+
+    assert story.session.run(60, until=lambda frame: any(not issue.resolved for issue in frame.issues))  # 3
+    assert story.is_active("returnleft")
+    story.session.pause()
+    story.types(RIGHT, after="(state returnleft (running [robot.move(angular=-search)]))")
+    assert not story.found
+    story.session.resume()
+    assert story.comes_to("lookright", 1)
+    assert story.comes_to("moving", 10)
+
+    story.runs(30)  # 4
+    before = story.entered("lookleft")
+    assert story.runs(10).entered("lookleft") - before > 5
+    story.types("400", instead_of="200").runs(5)
+    assert (story.value("maxlook"), story.value("time")) == (400, 200)
+    story.session.set_variable("time", evaluate="maxlook")
+    assert story.comes_to("moving")
+
+    old = "(state returnright (running [robot.move(angular=search)]))"  # 5
+    assert "(onexit [time = time * 2])" in story.said
+    story.session.edit(story.session.text.replace(old, f"{old[:-1]} (onexit [time = time * 2]))"))
+    story.types("200", instead_of="400").runs(60)
+    assert story.session.bridge.robot.bumper.data, "at the wall at its end"
+    assert story.restarts == 1
+
+    story.types(BACK, after="(on intheline looking -> moving)")  # 6
+    story.session.edit(
+        story.session.text.replace(
+            "(on intheline looking -> moving)",
+            "(on intheline looking -> moving)\n(ontime 1000 bumpback -> bumpturn)"
+            "(ontime 3142 bumpturn -> looking)",
+        )
+    )
+    assert story.comes_to("end", 120)
+    assert story.x < 0.7, "at the near wall"
+    assert story.restarts == 1
+
+
+# -- 11: two things at once ----------------------------------------------------------------------------
+
+DASHES = "11-two-things-at-once"
+
+
+def test_two_machines_drive_and_draw_and_agree():
+    dashes = Typist(DASHES, seconds=1)
+    assert len(dashes.session.frame.active) == 2
+    dashes.types("800", instead_of="400")
+    dashes.comes_to("up")
+    dashes.types("(var dashes := [0])", after="; ms")
+    old = "(onentry [robot.pen(True)])"
+    assert "(onexit [dashes += 1])" in dashes.said
+    dashes.session.edit(dashes.session.text.replace(old, f"{old} (onexit [dashes += 1])"))
+    dashes.types("(state resting)", before="(ontime 3000")
+    dashes.types("(on [dashes >= 20] *-> resting)", before="(ontime 3000")
+    assert not dashes.found
+    assert dashes.restarts == 0
+    assert dashes.comes_to("resting", 60)
+    assert dashes.value("dashes") == 20
+    hand = dashes.entered("down")
+    assert dashes.runs(5).entered("down") > hand
+    assert dashes.is_active("resting")
+
+
+# -- 09: playing with time -----------------------------------------------------------------------------
+
+LEFTY = "09-playing-with-time"
+
+
+def _after(lefty: Session, at: float, search: str, seconds: float) -> tuple[Session, float]:
+    """Return the run from a moment on with another search, and how far to the right it came."""
+    other = lefty.fork(at=at, program=re.sub(r"search := \[[-\d.]+\]", f"search := [{search}]", lefty.text))
+    return other, max(_x(other, second) for second in range(int(seconds)))
+
+
+def _x(session: Session, _: int) -> float:
+    session.run(1)
+    return session.bridge.picture.robots[0].pose[0]
+
+
+def test_lefty_never_gets_past_the_first_bend_to_the_right():
+    lefty = Typist(LEFTY, seconds=1)
+    assert max(lefty.runs(1).x for _ in range(120)) < 1.5
+    states = [lefty.session.at(second).active[0][1] for second in (4.2, 4.3, 7.2, 7.3)]
+    assert states == ["moving", "looking", "looking", "moving"]
+
+
+def test_two_edits_in_the_past_of_lefty_bring_it_to_the_wall():
+    lefty = Typist(LEFTY, seconds=30)
+    assert "`-1.0` instead of `1.0`" in lefty.said
+    other, furthest = _after(lefty.session, 4.2, "-1.0", 25)
+    assert 2.0 < furthest < 2.5, "through the bend to the right, and caught in the last one"
+    assert {other.at(second).active[0][1] for second in (11.5, 12.0, 12.5, 13.0, 13.5)} == {"looking"}
+    other, furthest = _after(other, 11.0, "1.0", 20)
+    assert other.bridge.robot.bumper.data
+    assert other.frame.restarts == 0
+
+
+def test_an_edit_of_the_active_state_starts_lefty_over_in_the_past_too():
+    lefty = Typist(LEFTY, seconds=10)
+    edited = lefty.session.text.replace("angular=search", "angular=-search")
+    assert lefty.session.fork(at=5.0, program=edited).frame.restarts == 1
+    assert lefty.session.fork(at=4.2, program=edited).frame.restarts == 0
+
+
+# -- 12: safe live editing -----------------------------------------------------------------------------
+
+LORRY = "12-safe-live-editing"
+
+
+def _lorry(text: str = "") -> Session:
+    stored = read(NOTEBOOKS / f"{LORRY}.ipynb")
+    names: dict[str, object] = {}
+    definition, lab = (source for source in sources(stored, "code")[:2])
+    exec(definition.replace("%load_ext lrp_jupyter", ""), names)
+    lorry = Session(text or lab.partition("\n")[2], bridge=names["Careful"]())
+    lorry.bridge.arm()
+    return lorry
+
+
+def test_the_lorry_drives_while_it_is_armed_and_stops_at_once_when_it_is_not():
+    lorry = _lorry()
+    assert lorry.bridge.hardware, "so a lab opens it disarmed"
+    lorry.bridge.disarm()
+    at = _x(lorry, 0)
+    assert _x(lorry, 0) == at
+    assert lorry.frame.is_active("driving"), "the program runs"
+    lorry.bridge.arm()
+    assert _x(lorry, 0) > at + 0.1
+    lorry.bridge.disarm()
+    at = _x(lorry, 0)
+    assert _x(lorry, 0) == at
+
+
+def test_what_stands_there_while_a_number_is_typed_is_as_the_lesson_says():
+    lorry = _lorry()
+    whole = lorry.text
+    assert "`0.`, which is zero, and `0.1`" in Typist(LORRY, "lorry").said
+    for typed, runs in (("0.", "0.0"), ("0.1", "0.1"), ("015", "0.1"), ("15", "15")):
+        lorry.edit(whole.replace("[0.2]", f"[{typed}]"))
+        lorry.run(0.2)
+        assert lorry.frame.variables["forward",] == runs
+
+
+def test_a_robot_stops_when_its_program_falls_silent_and_is_limited_when_it_is_too_fast():
+    program = "(machine m (state a ({} [robot.move(linear={})])))(spawn m a)"
+    silent = _lorry(program.format("onentry", 0.2))
+    assert _x(silent, 0) == _x(silent, 0)
+    assert "No command for 0.5 s" in silent.bridge.safety.notices[-1].text
+    fast = _lorry(program.format("running", 15))
+    fast.run(1)
+    assert "limited" in fast.bridge.safety.notices[-1].text

@@ -5,11 +5,12 @@ from __future__ import annotations
 import ast
 import inspect
 import re
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
 import pytest
-from prose import bold, links, named_in_the_lab, prose, solution
+from prose import bold, links, minutes, named_in_the_lab, prose, solution
 from stored import NOTEBOOKS, WIDGET, Node, data_of, opened_program, paths, read, sources, texts_of
 
 from lrp_jupyter.language.checks import CODES
@@ -24,13 +25,14 @@ from lrp_jupyter.widgets.magics import WORDS
 
 ALL = paths()
 LESSONS = [path for path in ALL if path.parent == NOTEBOOKS]
+TEACHERS = NOTEBOOKS / "teachers"
 REFERENCE = NOTEBOOKS / "reference" / "language.ipynb"
 all_notebooks = pytest.mark.parametrize("path", ALL, ids=lambda path: path.stem)
 all_lessons = pytest.mark.parametrize("path", LESSONS, ids=lambda path: path.stem)
 
 
 class Run(NamedTuple):
-    """A notebook as it is stored, the same after Restart & Run All, and what its solution gave."""
+    """A notebook as it is stored, the same after Restart & Run All, and what the solution it hides gave."""
 
     stored: Node
     fresh: Any
@@ -174,30 +176,90 @@ def test_every_link_leads_somewhere(path: Path):
 
 # -- lessons -------------------------------------------------------------------------------------
 
+_PARTS = ["Questions", "Afterwards you can", "Predict", "Run", "Investigate", "Modify", "Make", "Key points"]
+_NEW = re.compile(r"\*About (\d+) minutes\. New: (.+?)\.( .*?)?\*")
+_PLAN = {"Goal", "Hard, and what to say", "Discussion", "Check and marks"}
+
+
+def _headings(text: str, level: int = 2) -> list[str]:
+    return re.findall(rf"^{'#' * level} (.*)$", text, re.MULTILINE)
+
+
+def _title(path: Path) -> str:
+    """The title of a lesson, without its number."""
+    return _headings(prose(read(path)), 1)[0].partition(" · ")[2]
+
 
 @all_lessons
 def test_a_lesson_has_all_its_parts(path: Path):
-    text = "\n\n".join(sources(read(path), "markdown"))
-    headings = re.findall(r"^## (.*)$", text, re.MULTILINE)
-    assert headings[:2] == ["Questions", "Afterwards you can"]
-    assert headings[-1] == "Key points"
-    assert any(heading.startswith("Challenge") for heading in headings)
-    assert "redict" in text
-    assert "istake" in text
-    assert "<summary>A solution</summary>" in text
-    assert text.count("<details>") == text.count("</details>") >= 2
-    assert "| type | and see |" in text
+    notebook = read(path)
+    text, whole = prose(notebook), "\n".join(sources(notebook, "markdown"))
+    assert _headings(text) == _PARTS
+    assert text.count("redict") >= 2
+    assert text.count("<details>") == text.count("</details>") >= 1
+    assert re.search(r"^\| (type|type, or press|do|press) \| and see \|$|^```lrp$", whole, re.MULTILINE)
+    number = int(path.stem[:2])
+    assert _headings(text, 1)[0].startswith(f"{number} · ")
+
+
+def test_the_lessons_are_numbered_and_lead_to_each_other():
+    assert [int(path.stem[:2]) for path in LESSONS] == list(range(13))
+    for path, following in pairwise(LESSONS):
+        number = int(following.stem[:2])
+        assert f"Next: [{number} · {_title(following)}]({following.name})" in prose(read(path))
 
 
 @all_lessons
-def test_a_lesson_takes_at_most_twenty_minutes(path: Path):
+def test_a_lesson_has_two_new_ideas_and_takes_at_most_twenty_minutes(path: Path):
     notebook = read(path)
-    promised = re.search(r"\*About (\d+) minutes\.\*", prose(notebook))
-    assert promised is not None
-    assert int(promised[1]) <= 20
-    lines = "\n".join(sources(notebook, "code")).splitlines()
-    minutes = len(prose(notebook).split()) / 150 + len(lines) / 25
-    assert minutes < int(promised[1]), f"reading alone takes {minutes:.0f} minutes"
+    found = _NEW.search(prose(notebook))
+    assert found is not None
+    promised, new = int(found[1]), found[2].split("; ")
+    assert len(new) == (1 if path.stem.startswith("07") else 2)
+    assert promised <= 20
+    assert minutes(notebook) <= promised, f"it takes {minutes(notebook):.0f} minutes"
+
+
+def test_the_table_for_teachers_names_what_the_lessons_say_is_new():
+    table = (TEACHERS / "index.md").read_text(encoding="utf-8")
+    for path in LESSONS:
+        found = _NEW.search(prose(read(path)))
+        assert found is not None
+        new = found[2].partition(". ")[0]
+        assert f"| [{path.stem[:2]} {_title(path)}](../{path.name}) | {new} |" in table
+
+
+def test_every_lesson_has_a_plan():
+    text = (TEACHERS / "lesson-plans.md").read_text(encoding="utf-8")
+    plans = dict(re.findall(r"^## (.*)\n((?:(?!## ).*\n)*)", text, re.MULTILINE))
+    for path in LESSONS:
+        plan = plans[f"{path.stem[:2]} · {_title(path)}"]
+        assert set(_headings(plan, 3)) == _PLAN
+        times = re.findall(r"^\| (\d+)–(\d+) \|", plan, re.MULTILINE)
+        assert [first for first, _ in times] == ["0", *(last for _, last in times[:-1])]
+        assert times[-1][1] == "45"
+
+
+@pytest.mark.parametrize("path", sorted(TEACHERS.glob("*.md")), ids=lambda path: path.stem)
+def test_what_teachers_read_names_what_there_is(path: Path):
+    text = re.sub(r"^```.*?^```", "", path.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    assert not set(bold(text)) - named_in_the_lab()
+    for link in links(text):
+        assert (TEACHERS / link.partition("#")[0]).exists(), link
+
+
+@pytest.mark.parametrize("path", sorted((NOTEBOOKS / "projects").glob("*.ipynb")), ids=lambda path: path.stem)
+def test_a_project_tells_its_students_by_which_rows_it_is_judged(path: Path):
+    rubrics = (TEACHERS / "rubrics.md").read_text(encoding="utf-8")
+    name = _headings(prose(read(path)), 1)[0].removeprefix("Project: ").removeprefix("the ")
+    for_teachers = re.search(rf"^### {name}\n((?:(?!#).*\n)*)", rubrics, re.MULTILINE | re.IGNORECASE)
+    for_students = prose(read(path)).partition("## Rubric\n")[2]
+    assert for_teachers is not None
+    first, second = (
+        re.findall(r"^\| ([a-z][^|]*) \|", text, re.M) for text in (for_students, for_teachers[1])
+    )
+    assert first == second
+    assert len(first) == 4
 
 
 # -- the reference -------------------------------------------------------------------------------

@@ -6,7 +6,8 @@ import pytest
 from typer.testing import CliRunner
 
 from lrp_jupyter.cli import app
-from lrp_jupyter.site.notebooks import for_the_browser
+from lrp_jupyter.cli.lab import shipped_notebooks
+from lrp_jupyter.site.notebooks import copy_for_students, for_the_browser
 from lrp_jupyter.site.runtime import LOCK, Pyodide
 
 
@@ -60,3 +61,10 @@ def test_a_notebook_asks_for_the_python_of_the_browser():
     assert changed["metadata"]["kernelspec"]["name"] == "python"
     assert changed["metadata"]["a"] == "b"
     assert changed["cells"] == notebook["cells"]
+
+
+def test_a_site_for_students_has_all_lessons_and_no_solutions(tmp_path):
+    copy_for_students(shipped_notebooks(), tmp_path / "files")
+    names = {each.name for each in (tmp_path / "files").rglob("*")}
+    assert {each.name for each in shipped_notebooks().rglob("*.ipynb")} <= names
+    assert not {"teachers", "solutions", "square.lrp"} & names

@@ -1,0 +1,171 @@
+"""The exercises of the notebooks: what they begin with does not pass, and the teachers' solutions do."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+from prose import prose
+from stored import NOTEBOOKS, challenge_of, opened_program, paths, read, sources
+
+from lrp_jupyter import Session, grade
+from lrp_jupyter.grading import challenges as known
+from lrp_jupyter.grading.challenges import challenge
+
+SOLUTIONS = NOTEBOOKS / "teachers" / "solutions"
+BROKEN = NOTEBOOKS / "08-why-did-it-not-fire.ipynb"
+LONG = {"robust follower"}
+"""Challenges whose many runs take long."""
+OWN_BEGINNING = {"there and back"}
+"""Challenges that a notebook begins with less than they do: the reader types the rest."""
+
+
+class Exercise(NamedTuple):
+    """A cell that opens a challenge."""
+
+    notebook: Path
+    challenge: str
+    text: str
+
+    @property
+    def solution(self) -> Path:
+        return SOLUTIONS / f"{self.challenge.replace(',', '').replace(' ', '-')}.lrp"
+
+
+def _exercises() -> Iterator[Exercise]:
+    for path in paths():
+        if path.parent.name in ("appendix", "reference"):
+            continue
+        for source in sources(read(path), "code"):
+            if name := challenge_of(source):
+                yield Exercise(path, name, source.partition("\n")[2])
+
+
+EXERCISES = list(_exercises())
+all_exercises = pytest.mark.parametrize(
+    "exercise",
+    [
+        pytest.param(each, marks=pytest.mark.slow if each.challenge in LONG else (), id=each.solution.stem)
+        for each in EXERCISES
+    ],
+)
+
+
+@pytest.fixture(autouse=True)
+def _broken_robots(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Register the challenges of the six broken robots as their notebook does, for one test."""
+    monkeypatch.setattr(known, "_challenges", dict(known._challenges))
+    (cell,) = (source for source in sources(read(BROKEN), "code") if "register(" in source)
+    exec(cell, {})
+
+
+def test_every_lesson_has_an_exercise_and_so_has_every_project_but_the_own_idea():
+    with_one = {exercise.notebook for exercise in EXERCISES}
+    expected = [path for path in paths() if path.parent in (NOTEBOOKS, NOTEBOOKS / "projects")]
+    assert {path.stem for path in set(expected) - with_one} == {"own-idea"}
+    assert len({exercise.challenge for exercise in EXERCISES}) == len(EXERCISES)
+
+
+def test_every_exercise_has_a_solution_and_every_solution_its_exercise():
+    assert {exercise.solution for exercise in EXERCISES} == set(SOLUTIONS.iterdir())
+
+
+@all_exercises
+def test_an_exercise_begins_as_its_challenge_does(exercise: Exercise):
+    begins = challenge(exercise.challenge).starter.strip()
+    own = exercise.challenge.startswith("robot ") or exercise.challenge in OWN_BEGINNING
+    assert own or exercise.text.strip() == begins
+
+
+@all_exercises
+def test_the_bracket_that_closes_a_machine_has_a_line_of_its_own(exercise: Exercise):
+    for machine in re.split(r"^(?=\(machine)", exercise.text, flags=re.MULTILINE)[1:]:
+        assert "\n)\n" in f"{machine}\n"
+
+
+@all_exercises
+def test_the_beginning_of_an_exercise_does_not_pass(exercise: Exercise):
+    assert not grade(exercise.text, exercise.challenge)
+
+
+@all_exercises
+def test_the_solution_passes(exercise: Exercise):
+    result = grade(exercise.solution.read_text(encoding="utf-8"), exercise.challenge)
+    assert result, result
+    assert result.points == result.out_of
+
+
+@all_exercises
+def test_the_students_notebook_does_not_hold_the_solution(exercise: Exercise):
+    text = re.sub(r"\s+", " ", exercise.solution.read_text(encoding="utf-8"))
+    text = re.sub(r"^(;.*? )+(?=\()", "", text).strip()
+    stored = re.sub(r"\s+", " ", exercise.notebook.read_text(encoding="utf-8").replace("\\n", " "))
+    assert text not in stored
+    assert "A solution" not in stored
+
+
+# -- what the notebooks say about them ---------------------------------------------------------------
+
+
+def test_a_robot_that_is_faster_than_the_rule_allows_does_not_see_the_line():
+    slow = (SOLUTIONS / "stop-at-the-line.lrp").read_text(encoding="utf-8")
+    said = prose(read(NOTEBOOKS / "04-what-the-robot-sees.ipynb"))
+    assert "at 0.45 m/s and ten ticks per second it moves 4.5 cm" in said
+    assert not grade(slow.replace("linear=0.2", "linear=0.45"), "stop at the line")
+
+
+@pytest.mark.slow
+def test_the_robust_follower_passes_as_often_as_its_notebook_says():
+    path = NOTEBOOKS / "10-robust-robots.ipynb"
+    said = re.search(r"In (\d+) of them\.", prose(read(path)))
+    assert said is not None
+    (exercise,) = (each for each in EXERCISES if each.notebook == path)
+    attempts = grade(exercise.text, exercise.challenge).attempts
+    assert (sum(attempt.passed for attempt in attempts), len(attempts)) == (int(said[1]), 50)
+
+
+# -- six broken robots ---------------------------------------------------------------------------------
+
+_LETTERS = {
+    "condition-false": "A",
+    "raised": "B",
+    "earlier-fired": "C",
+    "delay-not-over": "D",
+    "machine-not-running": "E",
+    "watchdog": "F",
+}
+
+
+def test_the_six_broken_robots_answer_as_the_notebook_says():
+    text = prose(read(BROKEN))
+    said = dict(re.findall(r"(\d) ([A-F])\b", text.partition("<summary>The reasons</summary>")[2]))
+    robots = [each for each in EXERCISES if each.notebook == BROKEN]
+    for number, robot in enumerate(robots, 1):
+        asked = re.search(r"ask (?:`(\w+)`|the robot)", challenge(robot.challenge).task)
+        assert asked is not None
+        session = Session(robot.text, "sim", world="boxes")
+        session.run(5)
+        ticks = range(2, session.frame.tick)
+        codes = [session.explain(asked[1] or "robot.move", tick).code for tick in ticks]
+        wanted = next(code for code, letter in _LETTERS.items() if letter == said[str(number)])
+        if number == 6:
+            assert codes.count("raised") == 1, "in one single tick"
+        elif number in (3, 5):
+            assert wanted in codes
+        else:
+            assert codes[-1] == wanted
+
+
+def test_every_reason_that_the_table_lists_is_that_of_one_robot():
+    text = prose(read(BROKEN))
+    listed = re.findall(r"^\| ([A-F]) \|", text, re.MULTILINE)
+    said = re.findall(r"(\d) ([A-F])\b", text.partition("<summary>The reasons</summary>")[2])
+    assert sorted(letter for _, letter in said) == listed == list(_LETTERS.values())
+
+
+def test_each_broken_robot_is_named_by_the_cell_that_opens_it():
+    names = [opened_program(source) for source in sources(read(BROKEN), "code") if challenge_of(source)]
+    assert names == ["pusher", "sleeper", "doors", "search", "stander", "counter"]
