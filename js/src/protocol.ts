@@ -736,13 +736,13 @@ export interface ShowAttemptCommand {
   index: number;
 }
 
-/** Put the robot back to its start and run the program from the beginning; in another world if named. */
+/** Put the robot back to the start of a world of the challenge (-1: the present one), and run. */
 export interface StartOverCommand {
   view: string;
   type: "command";
   id: number;
   do: "start_over";
-  world?: number | null;
+  world?: number;
 }
 
 /** A line on the floor, in metres; grey from 0 (black) to 255. `ink` (of a pen) only darkens. */

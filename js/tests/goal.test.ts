@@ -93,7 +93,7 @@ describe("the goal", () => {
       { do: "check" },
       { do: "show_attempt", index: 1 },
       { do: "hint" },
-      { do: "start_over", world: null },
+      { do: "start_over", world: -1 },
     ]);
   });
 

@@ -56,11 +56,13 @@ class ShowAttemptCommand(PageCommand, do="show_attempt"):
 
 @dataclass(frozen=True)
 class StartOverCommand(PageCommand, do="start_over"):
-    """Put the robot back to its start and run the program from the beginning; in another world if named."""
+    """Put the robot back to the start of a world of the challenge (-1: the present one), and run."""
 
-    world: Annotated[int, Between(0, 1_000)] | None = None
+    world: Annotated[int, Between(-1, 1_000)] = -1
     is_present: ClassVar[bool] = True
 
     def apply(self, opened: OpenProgram) -> Applied:
         """See the base class."""
-        return opened.work(partial(_goal(opened).start_over, opened.session, self.world))
+        return opened.work(
+            partial(_goal(opened).start_over, opened.session, None if self.world < 0 else self.world)
+        )

@@ -230,3 +230,17 @@ def test_a_lab_for_a_challenge_begins_with_its_text(tmp_path, monkeypatch):
         assert lab.session.name == "square"
     finally:
         lab.close()
+
+
+def test_the_commands_of_a_page_reach_the_goal(bench):
+    lab = bench(STOP, bridge="sim", world=STAY.worlds[0])
+    page = lab.page()
+    assert "is not written for a challenge" in page.do("check")
+    lab.connection.goal = Goal(STAY)
+    assert page.do("start_over", world=1) is None
+    assert lab.session.bridge.world.name == "far"
+    assert page.do("start_over", world=-1) is None
+    assert lab.session.bridge.world.name == "far"
+    assert page.do("hint").startswith("Press **Check** first")
+    assert page.do("show_attempt", index=0).startswith("This run is not known")
+    assert page.merged("goal")["name"] == "stay"

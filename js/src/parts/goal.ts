@@ -29,7 +29,7 @@ export function goalView(lab: Lab): HTMLElement {
     label: "Start over",
     title: "Put the robot back to its start, and start the program again",
     action: "start-over",
-    onclick: () => void lab.act({ do: "start_over", world: null }),
+    onclick: () => void lab.act({ do: "start_over", world: -1 }),
   });
   const check = button({
     label: "Check",
