@@ -71,7 +71,7 @@ class Offer:
 def find_bridges() -> Mapping[str, Offer]:
     """Return every bridge that can be chosen, by name; imports none of them."""
     found = {offer.name: offer for offer in _packaged(tuple(map(_version, sys.path)))}
-    packaged = {offer.source.value for offer in found.values() if isinstance(offer.source, EntryPoint)}
+    packaged = {offer.source.value for offer in found.values() if not isinstance(offer.source, type)}
     for name, bridge in Bridge.registry.items():
         if inspect.isabstract(bridge) or f"{bridge.__module__}:{bridge.__qualname__}" in packaged:
             continue

@@ -252,7 +252,9 @@ def _robot_name(value: object, place: str) -> str:
     return name
 
 
-_MEMBERS = frozenset({"light", "bumper", "distance", "gyro", "odom", "move", "stop", "pen", *DIRECTIONS})
+_MEMBERS = frozenset(
+    {"light", "bumper", "distance", "gyro", "odom", "move", "stop", "pen", "lamp", *DIRECTIONS}
+)
 """Members of a robot, which another robot cannot be called by."""
 
 

@@ -57,6 +57,17 @@ def test_the_bridges_of_this_package_are_found_by_name() -> None:
     assert known["none"].load() is NullBridge
 
 
+def test_they_are_found_though_a_library_has_replaced_the_finder_of_packages() -> None:
+    """As the backport `importlib_metadata` does when it is imported, for example by Dask."""
+    pytest.importorskip("importlib_metadata")
+    program = (
+        "import importlib_metadata, sys; from lrp_jupyter.bridges import discovery, sim; "
+        "sys.exit(discovery.find_bridges()['sim'].origin)"
+    )
+    found = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
+    assert found.stderr == "lrp-jupyter\n"
+
+
 def test_looking_at_the_list_imports_no_bridge() -> None:
     code = (
         "import sys, lrp_jupyter.bridges as b\n"
